@@ -1,15 +1,13 @@
 """Code that fingerprints cannot follow, words that they leave out, settings without a parameter."""
 
 import ast
-from collections.abc import Callable, Iterator
-from pathlib import Path
 from types import NoneType
 
 _FORBIDDEN_MODULES = frozenset({"importlib", "imp", "pkgutil", "runpy", "zipimport"})
 _FORBIDDEN_NAMES = frozenset({"__import__", "compile", "eval", "exec"})
 
 
-def forbidden_imports(path: Path) -> list[str]:
+def forbidden_imports(path):
     """Places of a file that run code which fingerprints do not see, as ``line 3: ...``.
 
     These are imports by computed names, code made from text, and ``import *``, after which it is
@@ -19,7 +17,7 @@ def forbidden_imports(path: Path) -> list[str]:
     return _places(path, _forbidden_import)
 
 
-def forbidden_reads(path: Path) -> list[str]:
+def forbidden_reads(path):
     """Places of a script that read something of Snakemake which no parameter carries.
 
     A script leaves the object ``snakemake`` to the decorator `burstcast_workflow.harness.job.job`:
@@ -35,7 +33,7 @@ _WORDS = {
 }
 
 
-def words_read(path: Path, allowed: frozenset[str] = frozenset()) -> list[str]:
+def words_read(path, allowed=frozenset()):
     """Places of a file where something could depend on what fingerprints leave out.
 
     These read a docstring or an error that was caught (other than to say it in another error or in
@@ -59,7 +57,7 @@ def words_read(path: Path, allowed: frozenset[str] = frozenset()) -> list[str]:
     ]
 
 
-def _words_of(node: ast.AST) -> Iterator[ast.AST]:
+def _words_of(node):
     name = getattr(node, "id", getattr(node, "attr", ""))
     if name in _WORDS:
         yield node
@@ -79,7 +77,7 @@ def _words_of(node: ast.AST) -> Iterator[ast.AST]:
         yield from _uses_of(node.args.args[2].arg, node.body)
 
 
-def _uses_of(error: str, body: list[ast.AST]) -> Iterator[ast.AST]:
+def _uses_of(error, body):
     """Where an error that was caught is used for more than words."""
     waiting = [*body]
     while waiting:
@@ -98,17 +96,17 @@ def _uses_of(error: str, body: list[ast.AST]) -> Iterator[ast.AST]:
         waiting += below
 
 
-def _more_than_words(call: ast.Call) -> list[ast.AST]:
+def _more_than_words(call):
     """Arguments of a call that are more than texts and names."""
     arguments = [*call.args, *(keyword.value for keyword in call.keywords)]
     return [one for one in arguments if not isinstance(one, ast.JoinedStr | ast.Name)]
 
 
-def _first_name(node: ast.AST) -> str:
+def _first_name(node):
     return ast.unparse(node).partition(".")[0]
 
 
-def offered_late(path: Path, package: Path) -> list[str]:
+def offered_late(path, package):
     """Places of a file that use what a package offers by a function ``__getattr__``, or offer it.
 
     Parameters
@@ -137,7 +135,7 @@ def offered_late(path: Path, package: Path) -> list[str]:
     return [f"line {node.lineno}: {ast.unparse(node)}" for node in found]
 
 
-def _places(path: Path, find: Callable[[ast.AST], str]) -> list[str]:
+def _places(path, find):
     tree = ast.parse(path.read_bytes(), str(path))
     return [
         f"line {getattr(node, 'lineno', 0)}: {what}"
@@ -146,7 +144,7 @@ def _places(path: Path, find: Callable[[ast.AST], str]) -> list[str]:
     ]
 
 
-def _forbidden_import(node: ast.AST) -> str:
+def _forbidden_import(node):
     if isinstance(node, ast.Import):
         names = [alias.name for alias in node.names]
     elif isinstance(node, ast.ImportFrom):
@@ -159,7 +157,7 @@ def _forbidden_import(node: ast.AST) -> str:
     return f"import {forbidden[0]}" if forbidden else ""
 
 
-def _forbidden_read(node: ast.AST) -> str:
+def _forbidden_read(node):
     if isinstance(node, ast.Attribute | ast.Subscript) and _is_snakemake(node.value):
         return f"snakemake.{node.attr}" if isinstance(node, ast.Attribute) else "snakemake[...]"
     if isinstance(node, ast.Assign | ast.AnnAssign | ast.NamedExpr) and _is_snakemake(node.value):
@@ -171,5 +169,5 @@ def _forbidden_read(node: ast.AST) -> str:
     return ""
 
 
-def _is_snakemake(node: ast.AST | None) -> bool:
+def _is_snakemake(node):
     return isinstance(node, ast.Name) and node.id == "snakemake"

@@ -23,7 +23,7 @@ ROOM = 0.02
 SUFFIXES = {".py", ".smk", ".jinja", ".css", ".js", ".html"}
 
 
-def lines_of(text: str, python: bool) -> Counter[str]:
+def lines_of(text, python):
     """Lines of a source by kind: what is no blank, comment, docstring or import is code."""
     kinds = ["code"] * len(text.splitlines())
     for number, line in enumerate(text.splitlines()):
@@ -41,7 +41,7 @@ def lines_of(text: str, python: bool) -> Counter[str]:
     return Counter(kinds)
 
 
-def sums() -> Counter[str]:
+def sums():
     """Lines of the files that git knows, by the names of budgets."""
     command = ["git", "ls-files", "-z", "src", "workflow", "docs/results"]
     command += ["Snakefile", "setup.py", "tests"]

@@ -6,7 +6,6 @@ docstrings and messages.
 
 import re
 import tokenize
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -31,7 +30,7 @@ GENERATED = ("results.md", "settings.md", "tables.md", "leaderboard.md")
 WORDS = (tokenize.COMMENT, tokenize.STRING, getattr(tokenize, "FSTRING_MIDDLE", -1))
 
 
-def prose_files() -> list[Path]:
+def prose_files():
     found = [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), ROOT / "config.yaml"]
     for folder in ("workflow", "profiles", "examples", "config"):
         found += [
@@ -43,7 +42,7 @@ def prose_files() -> list[Path]:
     return [path for path in found if path.name not in GENERATED and "egg-info" not in path.parts]
 
 
-def words_of_code(path: Path) -> Iterator[tuple[int, str]]:
+def words_of_code(path):
     """Comments and strings of a Python file, with their lines."""
     with tokenize.open(path) as file:
         for token in tokenize.generate_tokens(file.readline):
@@ -51,7 +50,7 @@ def words_of_code(path: Path) -> Iterator[tuple[int, str]]:
                 yield token.start[0], token.string
 
 
-def offences(text: str) -> list[str]:
+def offences(text):
     """Names of the banned turns in a text, whatever lines they are broken into."""
     # names of variables in f-strings, and of parameters in docstrings, are code
     text = re.sub(r"\{[^{}]*\}|^ +\w+(?:, \w+)*$", "", text, flags=re.MULTILINE)

@@ -24,7 +24,7 @@ from burstcast.files.netcdf import (
 from snaketrust.files import remove_partial
 
 
-def example() -> dict[str, Variable]:
+def example():
     states = np.random.default_rng(3).normal(size=(7, 11, 3))
     states[2, 3, 1] = math.nan  # a diverged forecast is data
     states[0, 0, 0] = math.inf

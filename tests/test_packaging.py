@@ -1,10 +1,17 @@
-"""How others get burstcast: container, conda, catalog, continuous integration."""
+"""How others get burstcast: container, conda, catalog; the library alone, without a compiler."""
 
+import ast
+import json
+import os
+import pkgutil
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tomllib
+import warnings
+from importlib.metadata import distribution
 from pathlib import Path
 
 import docutils.core
@@ -12,6 +19,8 @@ import jinja2
 import pytest
 import yaml
 
+import burstcast
+from burstcast.compiled.backends import usable_backend
 from burstcast_workflow.config.loading import load
 from snaketrust.hooks import TESTED
 
@@ -20,7 +29,7 @@ ROOT = Path(__file__).parents[1]
 CONDA = {"matplotlib-base": "matplotlib", "netcdf4": "netCDF4", "pyyaml": "PyYAML"}
 
 
-def locked(name: str = "requirements.lock") -> dict[str, str]:
+def locked(name="requirements.lock"):
     lines = (ROOT / name).read_text(encoding="utf-8").splitlines()
     return dict(line.split("==") for line in lines if "==" in line)
 
@@ -64,7 +73,7 @@ def test_jobs_of_a_conda_environment_find_burstcast_where_snakemake_does():
     assert str(ROOT / "src") in said.stdout.splitlines()
 
 
-def instructions() -> list[tuple[str, str]]:
+def instructions():
     """Instructions of the Containerfile with their arguments."""
     text = (ROOT / "Containerfile").read_text(encoding="utf-8")
     lines = [line for line in text.splitlines() if line and not line.startswith("#")]
@@ -175,3 +184,196 @@ def test_the_bound_of_snakemake_is_the_first_release_that_was_tested():
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     assert f'"snakemake>={TESTED[0].removesuffix(".0")}"' in project
     assert locked()["snakemake"] in TESTED
+
+
+# -- the library alone -----------------------------------------------------------------------------
+
+SOURCE = Path(burstcast.__file__).parents[1]
+OTHERS = ["snakemake", "pydantic", "matplotlib", "skimage", "burstcast_workflow", "snaketrust"]
+
+
+def test_dataclasses_are_frozen():
+    """What has been checked when it was made stays so, and can be a key."""
+    thawed = [
+        f"{path.stem}.{node.name}"
+        for path in (SOURCE / "burstcast").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ClassDef)
+        for decorator in map(ast.unparse, node.decorator_list)
+        if decorator.startswith("dataclass") and "frozen=True" not in decorator
+    ]
+    assert thawed == []
+
+
+IMPORT_ALL = """
+import importlib, importlib.util, json, sys
+names, others = json.loads(sys.argv[1])
+assert not [name for name in others if importlib.util.find_spec(name)]
+for name in names:
+    importlib.import_module(name)
+"""
+SAVE_AND_LOAD = """
+import numpy as np
+import burstcast
+
+time = np.arange(400) * 0.1
+phases = np.random.default_rng(1).uniform(0, 6, (6, 1))
+series = np.stack([np.sin(time + phases), np.cos(time + phases)], axis=-1)
+forecaster = burstcast.EventForecaster(
+    kind="analogues",
+    observable=0,
+    event_threshold=0.9,
+    prediction_times=(1,),
+    lyapunov_time=2.0,
+    sampling_interval=0.1,
+)
+forecaster.fit(series).save("saved.nc")
+found = burstcast.EventForecaster.load("saved.nc")
+assert np.array_equal(found.predict_proba(series), forecaster.predict_proba(series))
+"""
+
+
+def required(name, found):
+    """Collect a distribution and all that it requires, by name, without extras."""
+    if name not in found:
+        found[name] = distribution(name)
+        for requirement in found[name].requires or []:
+            if ";" not in requirement:
+                required(re.match(r"[\w.-]+", requirement).group().lower(), found)
+
+
+@pytest.fixture(scope="module")
+def environment(tmp_path_factory):
+    """Environment of a Python that finds the library and what it requires, and nothing else."""
+    directory = tmp_path_factory.mktemp("site")
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    (listed,) = re.findall(r"^dependencies = \[(.*?)^\]", project, re.MULTILINE | re.DOTALL)
+    found: dict[str, object] = {}
+    for name in re.findall(r'"([\w-]+)>=', listed):
+        required(name.lower(), found)
+    (directory / "burstcast").symlink_to(SOURCE / "burstcast")
+    for one in found.values():
+        for part in {file.parts[0] for file in one.files} - {"..", "__pycache__"}:
+            (directory / part).symlink_to(one.locate_file(part))
+    return {**os.environ, "PYTHONPATH": str(directory)}
+
+
+def run_alone(environment, directory, *arguments):
+    command = [sys.executable, "-S", "-c", *arguments]
+    result = subprocess.run(
+        command, capture_output=True, text=True, env=environment, cwd=directory, check=False
+    )
+    assert result.returncode == 0, result.stderr
+
+
+def test_the_library_stands_alone(environment, tmp_path):
+    found = pkgutil.walk_packages(burstcast.__path__, "burstcast.")
+    names = [one.name for one in found if not one.name.startswith("burstcast.figures")]
+    assert len(names) > 50
+    run_alone(environment, tmp_path, IMPORT_ALL, json.dumps([names, OTHERS]))
+
+
+def test_forecasters_are_saved_and_loaded_by_the_library_alone(environment, tmp_path):
+    run_alone(environment, tmp_path, SAVE_AND_LOAD)
+
+
+def test_no_function_of_the_library_imports_the_workflow():
+    imported = set()
+    for path in (SOURCE / "burstcast").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                imported |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                imported.add(node.module.partition(".")[0])
+    assert "numpy" in imported
+    assert not imported & {"burstcast_workflow", "snaketrust", "snakemake", "pydantic", "yaml"}
+
+
+@pytest.mark.long
+def test_a_plain_installation_saves_and_loads(tmp_path):
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    for name in listed.stdout.splitlines():  # building writes into the sources
+        if (ROOT / name).exists():
+            (tmp_path / "source" / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, tmp_path / "source" / name)
+    python = tmp_path / "venv" / "bin" / "python"
+    subprocess.run([sys.executable, "-m", "venv", tmp_path / "venv"], check=True)
+    install = [python, "-m", "pip", "install", "-q", "--disable-pip-version-check"]
+    subprocess.run(
+        [*install, "-c", ROOT / "requirements.lock", "./source"], cwd=tmp_path, check=True
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    subprocess.run([python, "-c", SAVE_AND_LOAD], check=True, env=environment, cwd=tmp_path)
+
+
+# -- without a compiler ----------------------------------------------------------------------------
+# a module that is None in sys.modules cannot be imported
+WITHOUT = "import sys; sys.modules.update(dict.fromkeys(['llvmlite', 'llvmlite.binding']))"
+
+
+def test_with_a_compiler_nothing_is_said():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert usable_backend("compiled") == "compiled"
+        assert usable_backend("scipy") == "scipy"
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        (
+            "import yaml\n"
+            "from burstcast_workflow.config.loading import load\n"
+            "from burstcast_workflow.harness.environment import LIBRARIES, library_version\n"
+            "config = load(yaml.safe_load(open('config.yaml')), defaults='config.yaml')\n"
+            "print(config['forecasters']['esn']['backend'])\n"
+            "print(*map(library_version, LIBRARIES))\n",
+            "scipy",
+        ),
+        (
+            "import numpy as np, burstcast\n"
+            "from burstcast.systems.integration import integrate\n"
+            "from burstcast.systems.lorenz63 import Lorenz63\n"
+            "start = np.random.default_rng(1).uniform(1, 9, (3, 3))\n"
+            "series = integrate(Lorenz63(), start, 0.02, 400).transpose(2, 0, 1)\n"
+            "times = dict(washout=20, prediction_times=(20,), window=20, validation_interval=40,\n"
+            "             calibration_spacing=20, sampling_interval=0.02)\n"
+            "for kind in ('esn', 'equations_filtered'):\n"
+            "    forecaster = burstcast.EventForecaster(Lorenz63(), {'quantile': 0.8}, kind=kind,\n"
+            "        members=1, neurons=30, grid=2, bayesian_points=0, **times).fit(series)\n"
+            "    print(kind, np.isfinite(forecaster.predict_proba(series)).all())\n",
+            "esn True\nequations_filtered True",
+        ),
+    ],
+    ids=["the workflow", "the library"],
+)
+def test_without_a_compiler_scipy_takes_over(code, said):
+    result = subprocess.run(
+        [sys.executable, "-c", f"{WITHOUT}\n{code}"],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT / "src")},
+    )
+    assert result.returncode == 0, result.stderr
+    assert said in result.stdout
+    assert "reservoirs are computed by scipy, which is several times slower" in result.stderr
+
+
+# -- the benchmark ---------------------------------------------------------------------------------
+
+
+@pytest.mark.long  # a minute
+def test_a_short_benchmark_measures_and_predicts():
+    command = [sys.executable, str(ROOT / "benchmarks" / "bench.py"), "--quick"]
+    text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    rows = re.findall(
+        r"^\| ([a-z -]+) \|.*\| 1000 \| ([\d.]+) \|", text, re.MULTILINE | re.IGNORECASE
+    )
+    assert len(rows) == 8
+    assert all(float(seconds) > 0 for _, seconds in rows)
+    assert "Beside ReservoirPy" in text
+    (times,) = re.findall(r"\*\*([\d.]+) times\*\* the machine's limit", text)
+    # faster than the machine's own matrix products would be a mistake
+    assert float(times) > 1

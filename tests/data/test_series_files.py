@@ -35,7 +35,7 @@ def write_netcdf(path, variables, **how):
             )
 
 
-def test_a_table_to_the_last_digit(tmp_path) -> None:
+def test_a_table_to_the_last_digit(tmp_path):
     path = tmp_path / "a.csv"
     values = np.random.default_rng(2).normal(size=(2000, 2)) * 10.0 ** np.arange(-1000, 1000)[
         :, None
@@ -49,7 +49,7 @@ def test_a_table_to_the_last_digit(tmp_path) -> None:
     assert np.array_equal(found.columns["time"], np.arange(2000))
 
 
-def test_gaps_are_nan(tmp_path) -> None:
+def test_gaps_are_nan(tmp_path):
     """Wherever they are: an empty last cell is one as any other."""
     path = tmp_path / "a.csv"
     path.write_text("time,u,v\n0,1,2\n1,,4\n2,nan,\n3,NA,\n")
@@ -67,7 +67,7 @@ def test_gaps_are_nan(tmp_path) -> None:
         "time,u,v,note\r0,1.5,2,x y\r1,3,-40,\r",
     ],
 )
-def test_dialects_of_csv(tmp_path, text) -> None:
+def test_dialects_of_csv(tmp_path, text):
     path = tmp_path / "a.csv"
     path.write_text(text, encoding="utf-8", newline="")
     (found,) = runs(path)
@@ -116,7 +116,7 @@ def test_dialects_of_csv(tmp_path, text) -> None:
         ("time,u,v\nnoon,1,2\n", "line 2: column 'time' has 'noon', which is neither"),
     ],
 )  # fmt: skip
-def test_tables_with_mistakes(tmp_path, text, message) -> None:
+def test_tables_with_mistakes(tmp_path, text, message):
     path = tmp_path / "a.csv"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(ValueError, match=r"a\.csv") as caught:
@@ -134,7 +134,7 @@ def test_tables_with_mistakes(tmp_path, text, message) -> None:
         ("1.1.1970", "line 3: column 'time' has '1.1.1970', which is neither a number nor a date"),
     ],
 )
-def test_dates_with_mistakes(tmp_path, second, message) -> None:
+def test_dates_with_mistakes(tmp_path, second, message):
     path = tmp_path / "a.csv"
     path.write_text(f"time,u,v\n1970-01-01,1,2\n{second},3,4\n")
     with pytest.raises(ValueError, match=r"a\.csv") as caught:
@@ -142,7 +142,7 @@ def test_dates_with_mistakes(tmp_path, second, message) -> None:
     assert message in str(caught.value)
 
 
-def test_dates(tmp_path) -> None:
+def test_dates(tmp_path):
     path = tmp_path / "a.csv"
     for stamps, expected in (
         (["1970-01-01", "1970-01-01T12:30", "1970-01-02 00:00:00"], [0, 12.5, 24]),
@@ -154,7 +154,7 @@ def test_dates(tmp_path) -> None:
         assert found.columns["time"].tolist() == expected
 
 
-def test_parquet_and_its_index(monkeypatch) -> None:
+def test_parquet_and_its_index(monkeypatch):
     stamps = pd.to_datetime(["1970-01-01 00:00", "1970-01-01 12:30"])
     for table, expected in (
         (pd.DataFrame({"time": stamps, "u": [1, None]}), [0, 12.5]),
@@ -179,13 +179,13 @@ def test_parquet_and_its_index(monkeypatch) -> None:
         ({"time": [], "u": []}, "has no rows"),
     ],
 )
-def test_parquet_with_mistakes(monkeypatch, table, message) -> None:
+def test_parquet_with_mistakes(monkeypatch, table, message):
     monkeypatch.setattr(pd, "read_parquet", lambda path: pd.DataFrame(table))
     with pytest.raises(ValueError, match=rf"^a\.parquet.*{message}"):
         runs("a.parquet", "u")
 
 
-def test_parquet_without_pyarrow(tmp_path, monkeypatch) -> None:
+def test_parquet_without_pyarrow(tmp_path, monkeypatch):
     def missing(path):
         raise ImportError
 
@@ -194,7 +194,7 @@ def test_parquet_without_pyarrow(tmp_path, monkeypatch) -> None:
         runs(tmp_path / "a.parquet")
 
 
-def test_variables_of_netcdf(tmp_path) -> None:
+def test_variables_of_netcdf(tmp_path):
     path = tmp_path / "a.nc"
     flow = {
         "u": (("series", "time"), STATES[:, :, 0]),
@@ -211,7 +211,7 @@ def test_variables_of_netcdf(tmp_path) -> None:
     assert [run.name for run in found] == [f"{path}, series {number}" for number in (1, 2, 3)]
 
 
-def test_components_by_their_labels(tmp_path) -> None:
+def test_components_by_their_labels(tmp_path):
     path = tmp_path / "a.nc"
     state = {"state": (("time", "component", "series"), STATES.transpose(1, 2, 0))}
     write_netcdf(path, {**state, "component": (("component",), np.array(["v", "u"]))})
@@ -235,7 +235,7 @@ def test_components_by_their_labels(tmp_path) -> None:
         ({"u": (("series", "time"), STATES[:, :, 0]), "v": (("time", "v"), STATES[0])}, "no col"),
     ],
 )
-def test_dimensions_of_other_names(tmp_path, variables, message) -> None:
+def test_dimensions_of_other_names(tmp_path, variables, message):
     path = tmp_path / "a.nc"
     write_netcdf(path, variables)
     from burstcast.data.measured_data import Quantity
@@ -253,7 +253,7 @@ def test_dimensions_of_other_names(tmp_path, variables, message) -> None:
         ("days since 1970-01-01T00:00:00Z", "gregorian", "1970-01-01"),
     ],
 )
-def test_times_of_netcdf_are_what_the_file_says(tmp_path, units, calendar, expected) -> None:
+def test_times_of_netcdf_are_what_the_file_says(tmp_path, units, calendar, expected):
     path = tmp_path / "a.nc"
     write_netcdf(path, {"u": (("time",), [1.0, 2]), "time": (("time",), [0.0, 60])})
     with netCDF4.Dataset(path, "a") as file:
@@ -273,7 +273,7 @@ def test_times_of_netcdf_are_what_the_file_says(tmp_path, units, calendar, expec
         ("days since noon", "standard", "whose date is not written in ISO 8601"),
     ],
 )
-def test_times_of_netcdf_that_are_refused(tmp_path, units, calendar, message) -> None:
+def test_times_of_netcdf_that_are_refused(tmp_path, units, calendar, message):
     path = tmp_path / "a.nc"
     write_netcdf(path, {"u": (("time",), [1.0, 2]), "time": (("time",), [0.0, 60])})
     with netCDF4.Dataset(path, "a") as file:
@@ -282,7 +282,7 @@ def test_times_of_netcdf_that_are_refused(tmp_path, units, calendar, message) ->
         runs(path, "u", unit="minute")
 
 
-def test_what_is_declared_as_missing_is_a_gap(tmp_path) -> None:
+def test_what_is_declared_as_missing_is_a_gap(tmp_path):
     path = tmp_path / "a.nc"
     with netCDF4.Dataset(path, "w") as file:
         file.createDimension("time", 7)
@@ -292,7 +292,7 @@ def test_what_is_declared_as_missing_is_a_gap(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("cut", [1, 8, 50])
-def test_a_classic_netcdf_file_that_is_cut_off(tmp_path, cut) -> None:
+def test_a_classic_netcdf_file_that_is_cut_off(tmp_path, cut):
     """The library of netCDF reads zeros for what is missing."""
     path = tmp_path / "a.nc"
     write_netcdf(path, {"u": (("time",), STATES[0, :, 0])}, format="NETCDF3_CLASSIC")
@@ -302,7 +302,7 @@ def test_a_classic_netcdf_file_that_is_cut_off(tmp_path, cut) -> None:
         runs(path, "u")
 
 
-def test_a_damaged_classic_file_is_not_opened_by_the_library_of_netcdf(tmp_path) -> None:
+def test_a_damaged_classic_file_is_not_opened_by_the_library_of_netcdf(tmp_path):
     """It dies of some, such as this one with a dimension of 2 ** 33 entries."""
     path = tmp_path / "a.nc"
     write_netcdf(path, {"u": (("time",), STATES[0, :, 0])}, format="NETCDF3_64BIT_DATA")
@@ -322,7 +322,7 @@ HALF_PRECISION = (
 """An HDF5 file with two numbers of 16 bits, u."""
 
 
-def test_hdf5_of_others(tmp_path) -> None:
+def test_hdf5_of_others(tmp_path):
     """Without names of dimensions; the library of NetCDF would die of the numbers in it."""
     path = tmp_path / "a.nc"
     path.write_bytes(zlib.decompress(base64.b85decode(HALF_PRECISION)))
@@ -330,7 +330,7 @@ def test_hdf5_of_others(tmp_path) -> None:
         runs(path, "u")
 
 
-def test_arrays_of_numpy(tmp_path) -> None:
+def test_arrays_of_numpy(tmp_path):
     path = tmp_path / "a.npy"
     np.save(path, STATES)
     assert np.array_equal(states(runs(path, "c1", "c2"), "c1", "c2"), STATES)
@@ -356,7 +356,7 @@ def test_arrays_of_numpy(tmp_path) -> None:
         (np.zeros(4), r"has the shape \(4,\); .* such as array.reshape\(1, -1, 1\) of a single"),
     ],
 )
-def test_arrays_that_are_none_of_series(tmp_path, array, message) -> None:
+def test_arrays_that_are_none_of_series(tmp_path, array, message):
     path = tmp_path / "a.npy"
     np.save(path, array)
     with pytest.raises(ValueError, match=rf"^[^ ]*a\.npy.*{message}"):
@@ -364,7 +364,7 @@ def test_arrays_that_are_none_of_series(tmp_path, array, message) -> None:
 
 
 @pytest.mark.parametrize("suffix", ["csv", "npy", "nc"])
-def test_no_content(tmp_path, suffix) -> None:
+def test_no_content(tmp_path, suffix):
     path = tmp_path / f"a.{suffix}"
     for content in (b"", b"\x00\x01PK\xff" * 9):
         path.write_bytes(content)
@@ -373,13 +373,13 @@ def test_no_content(tmp_path, suffix) -> None:
 
 
 @pytest.mark.parametrize("suffix", ["mat", "h5", "txt", "npz"])
-def test_other_files(tmp_path, suffix) -> None:
+def test_other_files(tmp_path, suffix):
     with pytest.raises(ValueError, match=rf"a\.{suffix}: files of series end in .*data_recipes"):
         runs(tmp_path / f"a.{suffix}")
 
 
 @pytest.mark.parametrize("suffix", ["csv", "nc", "npy", "parquet"])
-def test_files_that_are_missing(tmp_path, suffix) -> None:
+def test_files_that_are_missing(tmp_path, suffix):
     with pytest.raises(
         ValueError, match=rf"a\.{suffix}: there is no such file, seen from /|pyarrow"
     ):
@@ -404,7 +404,7 @@ CELLS = (
 """What happens to a number in a table."""
 
 
-def same_or_refused(path, expected, names) -> None:
+def same_or_refused(path, expected, names):
     """Exactly the array, or a message that begins with the file; gaps are refused later on."""
     try:
         found, message = states(runs(path, *names), *names), str(path)
@@ -417,7 +417,7 @@ def same_or_refused(path, expected, names) -> None:
 
 @settings(max_examples=300, deadline=None)
 @given(data=st.data())
-def test_damaged_tables(tmp_path_factory, data) -> None:
+def test_damaged_tables(tmp_path_factory, data):
     draw, pick = data.draw, lambda *choices: data.draw(st.sampled_from(choices))
     path = tmp_path_factory.getbasetemp() / "fuzz.csv"
     names = pick(["u", "v"], ["v", "µ", "u"], ["u"])
@@ -455,7 +455,7 @@ def test_damaged_tables(tmp_path_factory, data) -> None:
 
 @settings(max_examples=100, deadline=None)
 @given(data=st.data())
-def test_permuted_axes(tmp_path_factory, data) -> None:
+def test_permuted_axes(tmp_path_factory, data):
     draw, pick = data.draw, lambda *choices: data.draw(st.sampled_from(choices))
     path = tmp_path_factory.getbasetemp() / f"fuzz.{pick('npy', 'nc')}"
     expected = np.random.default_rng(0).normal(size=draw(st.tuples(*[st.integers(2, 3)] * 3)))

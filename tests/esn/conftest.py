@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
 
-from burstcast.esn.reservoir import Reservoir, make_reservoir
+from burstcast.esn.reservoir import make_reservoir
 
 DIMENSION = 4
 
 
 @pytest.fixture(scope="session")
-def signal() -> np.ndarray:
+def signal():
     """Noisy data of several frequencies: five series of 900 steps, (steps, dimension, batch)."""
     generator = np.random.default_rng(7)
     time = np.arange(900)[:, None, None]
@@ -21,5 +21,5 @@ def signal() -> np.ndarray:
 
 
 @pytest.fixture(scope="session")
-def reservoir() -> Reservoir:
+def reservoir():
     return make_reservoir(150, DIMENSION, 8, 0.1, np.random.default_rng(3))

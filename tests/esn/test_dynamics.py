@@ -1,3 +1,5 @@
+"""Open and closed loops, their linearisation, and the compiled step."""
+
 import subprocess
 import sys
 
@@ -7,45 +9,33 @@ import scipy.sparse
 
 from burstcast.esn import backend_compiled
 from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.network import EchoStateNetwork
+from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import Reservoir, make_reservoir
+from burstcast.esn.tangent import ClosedLoopTangent
 
 BACKENDS = ["compiled", "scipy"]
 RANGE = np.array([2.0, 0.5, 1.0, 3.0])
 
 
+KINDS = [(1.0, "linear"), (0.3, "linear"), (1.0, "quadratic"), (0.6, "quadratic")]
+
+
 def textbook_step(dynamics, current, state):
-    """One step of one trajectory with dense matrices."""
-    reservoir = dynamics.reservoir
+    """One step of one trajectory with dense matrices, number by number where neurons leak."""
+    reservoir, leak = dynamics.reservoir, dynamics.leak_rate
     input_matrix = np.zeros((reservoir.neurons, reservoir.dimension + 1))
     input_matrix[np.arange(reservoir.neurons), reservoir.input_column] = reservoir.input_weight
     fed = np.append(current, reservoir.input_bias)
-    return np.tanh(
-        dynamics.input_scaling * input_matrix @ fed
-        + dynamics.spectral_radius * reservoir.recurrent.toarray() @ state
-    )
+    recurrent = dynamics.spectral_radius * reservoir.recurrent.toarray() @ state
+    reached = np.tanh(dynamics.input_scaling * input_matrix @ fed + recurrent)
+    return np.array([(1 - leak) * x + leak * y for x, y in zip(state, reached, strict=True)])
 
 
 def random_readout(reservoir, generator):
     # Small enough for the closed loop to be a contraction: differences of rounding stay small.
     shape = (reservoir.neurons + 1, reservoir.dimension)
     return generator.normal(size=shape) / reservoir.neurons
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_open_loop_is_the_textbook_equation(reservoir, backend):
-    generator = np.random.default_rng(0)
-    dynamics = Dynamics(reservoir, 0.7, 1.3, backend)
-    inputs = generator.normal(size=(12, reservoir.dimension, 3))
-    states = generator.uniform(-1, 1, size=(reservoir.neurons, 3))
-    final = dynamics.open_loop(inputs, states)
-    from_zero = dynamics.open_loop(inputs)
-    for series in range(3):
-        state, zero = states[:, series], np.zeros(reservoir.neurons)
-        for current in inputs[:, :, series]:
-            state = textbook_step(dynamics, current, state)
-            zero = textbook_step(dynamics, current, zero)
-        np.testing.assert_allclose(final[:, series], state, rtol=0, atol=1e-14)
-        np.testing.assert_allclose(from_zero[:, series], zero, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -62,60 +52,22 @@ def test_without_an_input_bias_the_reservoir_is_an_odd_function_of_its_inputs(ba
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("dimension", [1, 2, 3])
-def test_closed_loop_is_the_textbook_equation(backend, dimension):
-    generator = np.random.default_rng(1)
-    reservoir = make_reservoir(61, dimension, 5, 0.1, generator)
-    dynamics = Dynamics(reservoir, 0.9, 0.8, backend)
-    weights = random_readout(reservoir, generator)
-    input_range = RANGE[:dimension]
-    states = generator.uniform(-1, 1, size=(reservoir.neurons, 2))
-    outputs, final = dynamics.closed_loop(weights, input_range, states, 15)
-    for trajectory in range(2):
-        state = states[:, trajectory]
-        for step in range(15):
-            predicted = np.append(state, 1) @ weights
-            np.testing.assert_allclose(outputs[step, :, trajectory], predicted, atol=1e-13)
-            state = textbook_step(dynamics, predicted / input_range, state)
-        np.testing.assert_allclose(final[:, trajectory], state, rtol=0, atol=1e-13)
-
-
-def test_compiled_and_scipy_agree_to_rounding(reservoir):
-    generator = np.random.default_rng(2)
-    weights = 5 * random_readout(reservoir, generator)
-    states = generator.uniform(-1, 1, size=(reservoir.neurons, 19))
-    results = [
-        Dynamics(reservoir, 0.9, 1.0, backend).closed_loop(weights, RANGE, states, 30)
-        for backend in BACKENDS
-    ]
-    for compiled, plain in zip(*results, strict=True):
-        np.testing.assert_allclose(compiled, plain, rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_trajectory_has_the_same_bits_in_any_batch(reservoir, backend):
+@pytest.mark.parametrize(("leak_rate", "readout"), [KINDS[0], (0.7, "quadratic")])
+def test_trajectory_has_the_same_bits_in_any_batch(reservoir, backend, leak_rate, readout):
     generator = np.random.default_rng(3)
-    dynamics = Dynamics(reservoir, 0.95, 0.6, backend)
+    dynamics = Dynamics(reservoir, 0.95, 0.6, backend, leak_rate, readout)
     weights = 30 * random_readout(reservoir, generator)  # chaotic: a changed bit would grow
     states = generator.uniform(-1, 1, size=(reservoir.neurons, 100))
     inputs = generator.normal(size=(20, reservoir.dimension, 100))
     outputs, final = dynamics.closed_loop(weights, RANGE, states, 60)
     driven = dynamics.open_loop(inputs, states)
-    batches = [
-        np.array([0]),
-        np.array([57]),
-        np.arange(30, 34),
-        np.arange(40, 47),
-        np.arange(11, 44),
-        generator.permutation(100),
-    ]
-    for batch in batches:
+    stretches = [np.arange(*ends) for ends in ((0, 1), (57, 58), (30, 34), (40, 47), (11, 44))]
+    for batch in (*stretches, generator.permutation(100)):
         part, last = dynamics.closed_loop(weights, RANGE, states[:, batch], 60)
         np.testing.assert_array_equal(part, outputs[:, :, batch])
         np.testing.assert_array_equal(last, final[:, batch])
-        np.testing.assert_array_equal(
-            dynamics.open_loop(inputs[:, :, batch], states[:, batch]), driven[:, batch]
-        )
+        alone = dynamics.open_loop(inputs[:, :, batch], states[:, batch])
+        np.testing.assert_array_equal(alone, driven[:, batch])
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -239,110 +191,134 @@ def test_a_missing_compiler_says_what_to_do(reservoir, monkeypatch):
         Dynamics(reservoir, 0.5, 1.0, "compiled").open_loop(np.zeros((1, 4, 1)))
 
 
-@pytest.mark.parametrize(
-    ("changed", "reason"),
-    [
-        ({"spectral_radius": -0.1}, "spectral_radius"),
-        ({"input_scaling": np.nan}, "input_scaling"),
-        ({"backend": "fortran"}, "backend"),
-    ],
-)
-def test_impossible_hyperparameters_raise(reservoir, changed, reason):
-    arguments = {"spectral_radius": 0.5, "input_scaling": 1.0, "backend": "scipy", **changed}
-    with pytest.raises(ValueError, match=reason):
-        Dynamics(reservoir, **arguments)
-
-
-def test_a_network_may_have_neither_memory_nor_inputs(reservoir):
-    assert Dynamics(reservoir, 0.0, 0.0).spectral_radius == 0.0
-
-
 def test_bad_arguments_raise(reservoir):
-    dynamics = Dynamics(reservoir, 0.5, 1.0, "scipy")
+    dynamics = Dynamics(reservoir, 0.0, 0.0, "scipy")  # neither memory nor inputs is no mistake
     neurons = reservoir.neurons
     inputs, states = np.zeros((3, 4, 2)), np.zeros((neurons, 2))
     weights = np.zeros((neurons + 1, 4))
     bad_input, bad_state, bad_weight = inputs.copy(), states.copy(), weights.copy()
-    bad_input[1, 2, 0] = np.inf
-    bad_state[3, 1] = np.nan
-    bad_weight[0, 0] = np.nan
-    calls = [
-        (lambda: dynamics.open_loop(inputs[:, :3]), "inputs must have shape"),
-        (lambda: dynamics.open_loop(bad_input), "inputs of the network are not finite"),
-        (lambda: dynamics.open_loop(inputs, bad_state), "states are not finite"),
-        (lambda: dynamics.open_loop(inputs, states[:-1]), "states must have shape"),
-        (lambda: dynamics.open_loop(inputs, states[:, :1]), "do not fit"),
+    bad_input[1, 2, 0], bad_state[3, 1], bad_weight[0, 0] = np.inf, np.nan, np.nan
+    opened, closed = dynamics.open_loop, dynamics.closed_loop
+    leak, rates = "leak_rate must be above 0 and 1 at most", (0.0, -0.1, 1.1, np.nan)
+    for call, reason in [
+        *((lambda one=one: Dynamics(reservoir, 0.5, 1.0, leak_rate=one), leak) for one in rates),
+        (lambda: Dynamics(reservoir, -0.1, 1.0), "spectral_radius"),
+        (lambda: Dynamics(reservoir, 0.5, np.nan), "input_scaling"),
+        (lambda: Dynamics(reservoir, 0.5, 1.0, "fortran"), "backend"),
+        (lambda: Dynamics(reservoir, 0.5, 1.0, readout="cubic"), "'quadratic', not 'cubic'"),
+        (lambda: opened(inputs[:, :3]), "inputs must have shape"),
+        (lambda: opened(bad_input), "inputs of the network are not finite"),
+        (lambda: opened(inputs, bad_state), "states are not finite"),
+        (lambda: opened(inputs, states[:-1]), "states must have shape"),
+        (lambda: opened(inputs, states[:, :1]), "do not fit"),
         (lambda: dynamics.state_panels(inputs, breakpoints=[4]), "breakpoints"),
-        (lambda: dynamics.closed_loop(weights[:-1], RANGE, states, 3), "readout weights"),
-        (lambda: dynamics.closed_loop(bad_weight, RANGE, states, 3), "weights are not finite"),
-        (lambda: dynamics.closed_loop(weights, RANGE[:3], states, 3), "input range"),
-        (lambda: dynamics.closed_loop(weights, 0 * RANGE, states, 3), "positive"),
-        (lambda: dynamics.closed_loop(weights, RANGE, bad_state, 3), "states are not finite"),
-        (lambda: dynamics.closed_loop(weights, RANGE, states, -1), "-1 steps"),
-    ]
-    for call, reason in calls:
+        (lambda: closed(weights[:-1], RANGE, states, 3), "readout weights"),
+        (lambda: closed(bad_weight, RANGE, states, 3), "weights are not finite"),
+        (lambda: closed(weights, RANGE[:3], states, 3), "input range"),
+        (lambda: closed(weights, 0 * RANGE, states, 3), "positive"),
+        (lambda: closed(weights, RANGE, bad_state, 3), "states are not finite"),
+        (lambda: closed(weights, RANGE, states, -1), "-1 steps"),
+    ]:
         with pytest.raises(ValueError, match=reason):
             call()
 
 
-KINDS = [(0.3, "linear"), (1.0, "quadratic"), (0.6, "quadratic")]
-
-
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(("leak_rate", "readout"), KINDS)
-@pytest.mark.parametrize("neurons", [60, 61, 71])  # blocks of the readout end anywhere
-def test_leaking_neurons_and_squares_are_plain_loops(backend, leak_rate, readout, neurons):
+@pytest.mark.parametrize(("neurons", "dimension"), [(60, 1), (61, 2), (71, 3)])
+def test_loops_are_the_textbook_equations(backend, leak_rate, readout, neurons, dimension):
+    """Of any number of neurons: blocks of the readout end anywhere."""
     generator = np.random.default_rng(6)
-    reservoir = make_reservoir(neurons, 3, 5, 0.1, generator)
+    reservoir = make_reservoir(neurons, dimension, 5, 0.1, generator)
     dynamics = Dynamics(reservoir, 0.9, 0.8, backend, leak_rate, readout)
-    weights, input_range = 20 * random_readout(reservoir, generator), RANGE[:3]
+    scale = 20 if readout == "quadratic" else 1
+    weights, input_range = scale * random_readout(reservoir, generator), RANGE[:dimension]
     states = generator.uniform(-1, 1, size=(neurons, 18))
-    inputs = generator.normal(size=(9, 3, 18))
-    driven = dynamics.open_loop(inputs, states)
-    outputs, final = dynamics.closed_loop(weights, input_range, states, 7)
+    inputs = generator.normal(size=(9, dimension, 18))
+    driven, from_zero = dynamics.open_loop(inputs, states), dynamics.open_loop(inputs)
+    outputs, final = dynamics.closed_loop(weights, input_range, states, 12)
     for trajectory in (0, 17):
-        state = states[:, trajectory]
+        state, zero = states[:, trajectory], np.zeros(neurons)
         for current in inputs[:, :, trajectory]:
-            reached = textbook_step(dynamics, current, state)
-            state = [
-                (1 - leak_rate) * x + leak_rate * y for x, y in zip(state, reached, strict=True)
-            ]
+            state = textbook_step(dynamics, current, state)
+            zero = textbook_step(dynamics, current, zero)
         np.testing.assert_allclose(driven[:, trajectory], state, rtol=0, atol=1e-14)
+        np.testing.assert_allclose(from_zero[:, trajectory], zero, rtol=0, atol=1e-14)
         state = states[:, trajectory]
-        for step in range(7):
+        for step in range(12):
             seen = [
                 x * x if readout == "quadratic" and neuron % 2 else x
                 for neuron, x in enumerate(state)
             ]
-            np.testing.assert_array_equal(dynamics.features(np.asarray(state)), seen)
+            np.testing.assert_array_equal(dynamics.features(state), seen)
             predicted = np.append(seen, 1) @ weights
-            np.testing.assert_allclose(outputs[step, :, trajectory], predicted, atol=1e-11)
-            reached = textbook_step(dynamics, predicted / input_range, state)
-            state = [
-                (1 - leak_rate) * x + leak_rate * y for x, y in zip(state, reached, strict=True)
-            ]
-        np.testing.assert_allclose(final[:, trajectory], state, rtol=0, atol=1e-11)
+            np.testing.assert_allclose(outputs[step, :, trajectory], predicted, atol=scale * 1e-13)
+            state = textbook_step(dynamics, predicted / input_range, state)
+        np.testing.assert_allclose(final[:, trajectory], state, rtol=0, atol=scale * 1e-13)
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_leaking_trajectories_have_the_same_bits_in_any_batch(reservoir, backend):
-    generator = np.random.default_rng(7)
-    dynamics = Dynamics(reservoir, 0.95, 0.6, backend, 0.7, "quadratic")
-    weights = 30 * random_readout(reservoir, generator)
-    states = generator.uniform(-1, 1, size=(reservoir.neurons, 40))
-    together = dynamics.closed_loop(weights, RANGE, states, 60)
-    for batch in (np.array([17]), generator.permutation(40)):
-        alone = dynamics.closed_loop(weights, RANGE, states[:, batch], 60)
+# -- the linearised closed loop --------------------------------------------------------------------
+
+
+@pytest.fixture(
+    params=[
+        ("compiled", 1.0, "linear"),
+        ("scipy", 1.0, "linear"),
+        ("compiled", 1.0, "quadratic"),
+        ("compiled", 0.4, "linear"),
+        ("scipy", 0.6, "quadratic"),
+    ],
+    ids=lambda param: "-".join(map(str, param)),
+)
+def network(request):
+    """Of no use, but with a bounded flow and every kind of connection."""
+    generator = np.random.default_rng(8)
+    reservoir = make_reservoir(60, 3, 6, 0.1, generator)
+    readout = Readout(generator.normal(0, 0.4, (61, 3)), 1e-6, "cholesky", 1.0)
+    dynamics = Dynamics(reservoir, 0.8, 0.7, *request.param)
+    return EchoStateNetwork(dynamics, readout, np.array([1.0, 2.5, 0.4]))
+
+
+def perturbed(shape, seed=9):
+    return np.random.default_rng(seed).normal(size=shape)
+
+
+def test_perturbations_grow_as_finite_differences(network):
+    states = np.random.default_rng(1).uniform(-0.9, 0.9, (60, 5))
+    tangent = perturbed((60, 4, 5))
+    following, grown = ClosedLoopTangent(network).advance(states, tangent, 6)
+    np.testing.assert_array_equal(following, network.forecast(states, 6)[1])
+    step = 1e-6
+    for number in range(4):
+        ahead, behind = (
+            network.forecast(states + sign * step * tangent[:, number], 6)[1] for sign in (1, -1)
+        )
+        difference = (ahead - behind) / (2 * step)
+        np.testing.assert_allclose(grown[:, number], difference, rtol=0, atol=2e-8)
+    # the network's feedback counts, and not only its recurrence
+    recurrent = network.dynamics.reservoir.recurrent * network.dynamics.spectral_radius
+    after, one = ClosedLoopTangent(network).advance(states, tangent, 1)
+    leak = network.dynamics.leak_rate
+    reached = states + (after - states) / leak
+    alone = (1 - leak) * tangent[:, 0] + leak * (1 - reached**2) * (recurrent @ tangent[:, 0])
+    assert np.abs(one[:, 0] - alone).max() > 0.1
+
+
+def test_perturbations_do_not_depend_on_the_batch(network):
+    states = np.random.default_rng(2).uniform(-0.9, 0.9, (60, 19))
+    tangent = perturbed((60, 3, 19))
+    advance = ClosedLoopTangent(network).advance
+    together = advance(states, tangent, 4)
+    for index in (0, 7, 18):
+        chosen = slice(index, index + 1)
+        alone = advance(states[:, chosen].copy(), tangent[:, :, chosen].copy(), 4)
         for one, all_of_them in zip(alone, together, strict=True):
-            np.testing.assert_array_equal(one, all_of_them[..., batch])
+            np.testing.assert_array_equal(one, all_of_them[..., chosen])
 
 
-@pytest.mark.parametrize("leak_rate", [0.0, -0.1, 1.1, np.nan])
-def test_impossible_leak_rates_are_refused(reservoir, leak_rate):
-    with pytest.raises(ValueError, match="leak_rate must be above 0 and 1 at most"):
-        Dynamics(reservoir, 0.5, 1.0, leak_rate=leak_rate)
-
-
-def test_unknown_readouts_are_refused(reservoir):
-    with pytest.raises(ValueError, match="'linear' or 'quadratic', not 'cubic'"):
-        Dynamics(reservoir, 0.5, 1.0, readout="cubic")
+def test_nothing_that_is_given_is_changed(network):
+    states, tangent = np.full((60, 2), 0.1), perturbed((60, 2, 2))
+    before = tangent.copy()
+    ClosedLoopTangent(network).advance(states, tangent, 2)
+    np.testing.assert_array_equal(tangent, before)
+    assert (states == 0.1).all()

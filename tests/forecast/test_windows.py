@@ -1,17 +1,37 @@
-"""Window summaries and crossings against a plain loop over the observable's values."""
+"""Windows of forecasts against plain loops: summaries, crossings, members, starting points."""
+
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
+from numpy.testing import assert_array_equal
 
+from burstcast.files.netcdf import read_netcdf, write_netcdf
+from burstcast.forecast import window_forecasts as module
+from burstcast.forecast.event_probabilities import EventProbabilities
+from burstcast.forecast.forecast_files import forecasts_from
+from burstcast.forecast.observed_points import observed_points
+from burstcast.forecast.window_forecasts import member_forecasts, window_forecasts
 from burstcast.forecast.windows import (
+    WindowForecasts,
     WindowSummaries,
     crosses,
     summarise,
     window_boundaries,
 )
+from burstcast.forecasters.analogues import Analogues
+from burstcast.forecasters.base import ForecastingCase
+from burstcast.forecasters.equations_filtered import FilteredEquations
+from burstcast.forecasters.linear_inverse import LinearInverseModel
+from burstcast.probability.forecast_points import ForecastPoints
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.parameters import SystemParameters
+from helpers_forecasters import MadeUpForecaster
 
 THRESHOLD = 0.1
 
@@ -115,3 +135,211 @@ def test_windows_beyond_the_forecast_are_refused(first, length):
 def test_forecasts_that_are_lost_cross_nothing():
     summaries = WindowSummaries(first=np.full((1, 2), np.nan), largest=np.full((1, 2), np.nan))
     assert not crosses(summaries, 0, 2, THRESHOLD).any()
+
+
+# -- forecasts reduced to windows ------------------------------------------------------------------
+
+OPTIONS = {"noise": 0.02, "members": 6, "inflation": 1.0, "neighbours": 4}
+CASE = ForecastingCase(Lorenz63(), 0.01, 2, 50, OPTIONS)
+BOUNDARIES = (3, 8, 20)
+MEMBERS = {FilteredEquations: 6, Analogues: 4, LinearInverseModel: 1}
+
+
+def first_component(states):
+    return states[0]
+
+
+@pytest.fixture(scope="module")
+def training():
+    """Three series of 300 steps."""
+    start = np.random.default_rng(3).normal(size=(3, 3)) + np.array([[1.0], [1.0], [25.0]])
+    states = integrate(CASE.system, start, 0.01, 2 * 400, stride=2)[101:]
+    return np.ascontiguousarray(states.transpose(2, 0, 1))
+
+
+@pytest.fixture(scope="module")
+def washouts(training):
+    """Twelve stretches of ten steps, with noise."""
+    starts = [(row, start) for row in range(3) for start in (20, 70, 120, 200)]
+    found = np.stack([training[row, start : start + 10] for row, start in starts])
+    return found + 0.05 * np.random.default_rng(1).standard_normal(found.shape)
+
+
+@pytest.mark.parametrize(("kind", "number"), MEMBERS.items())
+def test_forecasts_are_those_of_each_memory_alone(kind, number, training, washouts):
+    forecaster = kind.fit(training, CASE)
+    found = window_forecasts(forecaster, first_component, washouts, BOUNDARIES)
+    assert len(found.members) == number
+    assert found.member_first.shape == (12, number if number > 1 else 0, 2)
+    for point, washout in enumerate(washouts):
+        given = np.ascontiguousarray(washout[:, :, np.newaxis])
+        ensemble = forecaster.ensemble(given)
+        members = [np.ascontiguousarray(ensemble[..., member, :]) for member in range(number)]
+        for summaries, memory in zip(
+            [found, *found.members], [forecaster.start(given), *members], strict=True
+        ):
+            outputs, _ = forecaster.advance(memory, BOUNDARIES[-1])
+            expected = summarise(outputs[:, 0], BOUNDARIES)
+            np.testing.assert_array_equal(summaries.first[point], expected.first[0])
+            np.testing.assert_array_equal(summaries.largest[point], expected.largest[0])
+
+
+@pytest.mark.parametrize("kind", MEMBERS)
+@pytest.mark.parametrize("sizes", [(1, 1), (5, 30), (12, 7)])
+def test_batches_change_nothing(kind, sizes, training, washouts, monkeypatch):
+    forecaster = kind.fit(training, CASE)
+    whole = window_forecasts(forecaster, first_component, washouts, BOUNDARIES)
+    for name, size in zip(("POINTS_PER_BATCH", "TRAJECTORIES_PER_BATCH"), sizes, strict=True):
+        monkeypatch.setattr(module, name, size)
+    parts = window_forecasts(forecaster, first_component, washouts, BOUNDARIES)
+    for name, values in vars(whole).items():
+        np.testing.assert_array_equal(getattr(parts, name), values)
+
+
+class Counting(MadeUpForecaster):
+    """Goes on from the last observed value in steps of one; lost where that value is negative."""
+
+    def __init__(self):
+        self.batches = []
+
+    def start(self, washout, parameters=None):
+        self.batches.append(washout.shape[2])
+        return washout[-1].copy()
+
+    def advance(self, memory, steps, parameters=None):
+        ahead = np.arange(1, steps + 1, dtype=np.float64)[:, np.newaxis, np.newaxis]
+        outputs = np.where(memory < 0, np.nan, memory + ahead)
+        return outputs, outputs[-1]
+
+
+def test_forecasts_begin_one_step_after_the_last_observation(monkeypatch):
+    washouts = np.zeros((7, 4, 2))
+    washouts[:, -1, 0] = np.arange(7) * 100
+    washouts[2, -1, 0] = -1
+    forecaster = Counting()
+    monkeypatch.setattr(module, "POINTS_PER_BATCH", 3)
+    found = window_forecasts(forecaster, first_component, washouts, (2, 5, 9))
+    assert forecaster.batches == [3, 3, 1]
+    expected = 100 * np.arange(7)[:, np.newaxis] + np.array([2, 5])
+    expected = expected.astype(float)
+    expected[2] = np.nan
+    np.testing.assert_array_equal(found.first, expected)
+    np.testing.assert_array_equal(found.largest, expected + np.array([3, 4]))
+    assert found.diverged.tolist() == [False, False, True, False, False, False, False]
+
+
+def test_members_scatter_around_the_forecast_of_their_mean(training, washouts):
+    forecaster = FilteredEquations.fit(training, CASE)
+    washout = np.ascontiguousarray(washouts.transpose(1, 2, 0))
+    states = member_forecasts(forecaster, washout, 3)
+    assert states.shape == (3, 3, OPTIONS["members"], len(washouts))
+    of_mean, _ = forecaster.advance(forecaster.start(washout), 3)
+    # nearly linear over so short a time
+    np.testing.assert_allclose(states.mean(axis=2), of_mean, rtol=0.01, atol=0.02)
+    assert (states.std(axis=2) > 1e-3).all()
+
+
+def test_forecasts_under_a_schedule_are_those_of_each_point_by_itself(monkeypatch):
+    """Cut into batches, members side by side: each point keeps its own schedule."""
+    parameters = SystemParameters.of(Lorenz63(), ["rho"])
+    case = replace(CASE, parameters=parameters)
+    generator = np.random.default_rng(6)
+    washouts = generator.normal(size=(7, 12, 3)) + np.array([1.0, 1.0, 25.0])
+    schedule = generator.choice([24.0, 28.0], size=(7, 11 + BOUNDARIES[-1], 1))
+    model = FilteredEquations.fit(generator.normal(size=(2, 60, 3)), case)
+    monkeypatch.setattr(module, "POINTS_PER_BATCH", 3)
+    monkeypatch.setattr(module, "TRAJECTORIES_PER_BATCH", 5)
+    found = window_forecasts(model, case.system.observable, washouts, BOUNDARIES, schedule)
+    for point in range(7):
+        past, ahead = schedule[point, :11, :, np.newaxis], schedule[point, 11:, :, np.newaxis]
+        memory = model.start(washouts[point][..., np.newaxis], past)
+        outputs, _ = model.advance(memory, BOUNDARIES[-1], ahead)
+        expected = summarise(case.system.observable(outputs.transpose(1, 0, 2)), BOUNDARIES)
+        assert np.array_equal(found.largest[point], expected.largest[0])
+
+
+# -- points with what is observed ------------------------------------------------------------------
+
+
+def test_points_one_by_one():
+    generator = np.random.default_rng(1)
+    truth, observed = generator.normal(size=(3, 60)), generator.normal(size=(3, 60, 2))
+    washout, spacing, boundaries = 5, 7, (2, 4, 9)
+    found = observed_points(
+        observed,
+        truth,
+        lambda state: state[0] * state[1],
+        spacing=spacing,
+        washout=washout,
+        boundaries=boundaries,
+    )
+    row = 0
+    for series in range(3):
+        for now in range(washout - 1, 60 - boundaries[-1], spacing):
+            assert (found.points.series[row], found.points.step[row]) == (series, now)
+            seen = observed[series, now - washout + 1 : now + 1]
+            assert_array_equal(found.washouts[row], seen)
+            assert_array_equal(found.seen[row], seen[:, 0] * seen[:, 1])
+            for window, (start, end) in enumerate(pairwise(boundaries)):
+                following = truth[series, now + start : now + end + 1]
+                assert found.truth.first[row, window] == following[0]
+                assert found.truth.largest[row, window] == following.max()
+            row += 1
+    assert row == len(found.points)
+
+
+# -- probabilities of events in files --------------------------------------------------------------
+
+PROBABILITIES = EventProbabilities(
+    np.random.default_rng(1).random((6, 2)), np.array([0.5, 2.0]), 0.1
+)
+NONE = np.empty((6, 0, 8))
+SUMMARIES = np.random.default_rng(2).random((2, 6, 8)) / 5
+FORECASTS = WindowForecasts(*SUMMARIES, np.zeros(6, dtype=bool), NONE, NONE)
+DATA = {
+    "first": SUMMARIES[0],
+    "largest": SUMMARIES[1],
+    "series": np.array([0, 0, 1, 1, 2, 2]),
+    "washout": np.arange(60.0).reshape(6, 5, 2),
+    "washout_maximum": np.array([0.0, 0.2, 0.09, 0.05, 0.1, 0.0]),
+    "observable_now": np.zeros(6),
+}
+POINTS = ForecastPoints(DATA, {"esn": FORECASTS, "precursor": PROBABILITIES}, 1.0, 0.5)
+
+
+def test_a_file_gives_back_what_was_written(tmp_path):
+    write_netcdf(tmp_path / "forecast.nc", PROBABILITIES.variables(), {})
+    found = forecasts_from(read_netcdf(tmp_path / "forecast.nc"))
+    assert isinstance(found, EventProbabilities)
+    np.testing.assert_array_equal(found.at(2.0, 0.1), PROBABILITIES.probability[:, 1])
+    np.testing.assert_array_equal(found.at(0.5, 0.1), PROBABILITIES.probability[:, 0])
+
+
+@pytest.mark.parametrize("event", [(1.0, 0.1), (0.5, 0.125)])
+def test_another_event_is_refused(event):
+    with pytest.raises(ValueError, match=r"events beyond 0.1 and prediction times \[0.5, 2.0\]"):
+        PROBABILITIES.at(*event)
+
+
+def test_a_classifier_is_a_source_of_alarms_like_others():
+    alarms = {one.identifier: one for one in POINTS.alarms}
+    assert list(alarms) == ["climatology", "observable_now", "esn", "precursor"]
+    precursor = alarms["precursor"]
+    assert precursor.compared
+    np.testing.assert_array_equal(POINTS.values(precursor, 2, 0.1), PROBABILITIES.at(2, 0.1))
+    votes = (SUMMARIES[0][:, 3] < 0.1) & (SUMMARIES[1][:, 3:5].max(axis=1) >= 0.1)
+    np.testing.assert_array_equal(POINTS.values(alarms["esn"], 2, 0.1), votes.astype(float))
+    assert POINTS.classifier(precursor) is PROBABILITIES
+    assert POINTS.classifier(alarms["esn"]) is POINTS.classifier(alarms["climatology"]) is None
+
+
+def test_points_are_labelled_where_no_event_is_under_way():
+    labelled = POINTS.labelled([0.5, 2], 0.1)
+    kept = [0, 2, 3, 5]
+    np.testing.assert_array_equal(labelled.washouts, DATA["washout"][kept])
+    np.testing.assert_array_equal(labelled.series, DATA["series"][kept])
+    for column, first in enumerate((0, 3)):
+        rises = (SUMMARIES[0][:, first] < 0.1) & (
+            SUMMARIES[1][:, first : first + 2].max(axis=1) >= 0.1
+        )
+        np.testing.assert_array_equal(labelled.happened[:, column], rises[kept])

@@ -1,7 +1,10 @@
+"""Every kind that forecasts trajectories keeps to the same rules; those that learn least alone."""
+
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from sklearn.linear_model import LinearRegression
 
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
@@ -22,6 +25,7 @@ from burstcast.forecasters.quadratic_filtered import FilteredQuadraticModel
 from burstcast.forecasters.registry import forecaster_class, trajectory_kinds
 from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
 SYSTEM = MoehlisFaisstEckhardt(reynolds=400.0)
@@ -105,10 +109,14 @@ def test_forecasts_go_on_where_they_were_left(name, flow):
 @pytest.mark.parametrize("name", FORECASTERS)
 def test_forecasts_can_be_picked_out_at_any_step(name, flow):
     forecaster = FORECASTERS[name]
-    whole, _ = forecaster.advance(forecaster.start(flow[:20]), 12)
-    _, memory = forecaster.advance(forecaster.start(flow[:20]), 4)
-    some, _ = forecaster.advance(np.ascontiguousarray(memory[..., [3, 1]]), 8)
-    np.testing.assert_array_equal(some, whole[4:, :, [3, 1]])
+    washout = flow[:20]
+    whole, _ = forecaster.advance(forecaster.start(washout), 12)
+    _, memory = forecaster.advance(forecaster.start(washout), 4)
+    for part in ([3, 1], [0], [4, 3, 2, 1, 0]):
+        some, _ = forecaster.advance(np.ascontiguousarray(memory[..., part]), 8)
+        np.testing.assert_array_equal(some, whole[4:, :, part])
+        started = forecaster.start(np.ascontiguousarray(washout[..., part]))
+        np.testing.assert_array_equal(started, forecaster.start(washout)[..., part])
 
 
 @pytest.mark.parametrize("name", FORECASTERS)
@@ -167,7 +175,6 @@ def test_what_counts_as_diverged():
 
 
 # -- kinds, and what forecasters are restored from -------------------------------------------------
-
 CASE = ForecastingCase(
     system=SYSTEM,
     time_step=0.25,
@@ -184,40 +191,30 @@ CASE = ForecastingCase(
 )
 
 
-def test_every_kind_is_tested_here():
+def test_every_kind_is_tested_here_and_says_what_it_is():
     assert sorted(FORECASTERS) == trajectory_kinds()
-    for kind, forecaster in FORECASTERS.items():
-        assert forecaster_class(kind) is type(forecaster)
-
-
-def test_a_kind_that_is_not_there_is_named_with_those_that_are():
-    with pytest.raises(
-        ValueError, match=r"'ens' \(did you mean 'esn'\?\); .* equations, equations_filtered, "
-    ):
-        forecaster_class("ens")
-
-
-def test_who_integrates_the_equations_needs_them_and_can_be_told_of_actuation():
-    kinds = {kind: forecaster_class(kind) for kind in trajectory_kinds()}
-    integrating = ["equations", "equations_filtered", "equations_noisy"]
-    assert [kind for kind, found in kinds.items() if found.needs_equations] == integrating
-    assert [kind for kind, found in kinds.items() if found.aware] == integrating
-
-
-def test_only_the_bounds_see_the_truth():
-    seeing = [kind for kind in trajectory_kinds() if forecaster_class(kind).sees_truth]
-    assert seeing == ["equations", "esn_true_washout"]
+    kinds = {kind: forecaster_class(kind) for kind in FORECASTERS}
+    assert kinds == {kind: type(forecaster) for kind, forecaster in FORECASTERS.items()}
+    integrating = {"equations", "equations_filtered", "equations_noisy"}
+    filtered = {"equations_filtered", "quadratic_filtered"}
+    for what, expected in {
+        "needs_equations": integrating,
+        "aware": integrating,
+        "sees_truth": {"equations", "esn_true_washout"},  # only the bounds
+        "has_filter": filtered,
+        "provides_ensemble": {"analogues", *filtered},
+    }.items():
+        assert {kind for kind, found in kinds.items() if getattr(found, what)} == expected, what
     assert not Forecaster.sees_truth
 
 
-def test_kinds_with_an_ensemble_and_with_a_filter():
-    kinds = {kind: forecaster_class(kind) for kind in trajectory_kinds()}
-    filtered = {kind for kind, found in kinds.items() if found.has_filter}
-    assert filtered == {"equations_filtered", "quadratic_filtered"}
-    assert {kind for kind, found in kinds.items() if found.provides_ensemble} == {
-        "analogues",
-        *filtered,
-    }
+def test_what_is_not_there_is_named_with_what_is():
+    known = r"'ens' \(did you mean 'esn'\?\); .* equations, equations_filtered, "
+    with pytest.raises(ValueError, match=known):
+        forecaster_class("ens")
+    case = replace(CASE, options={"backend": "fortran", "divergence_bound": 10.0})
+    with pytest.raises(ValueError, match="backend"):
+        NetworkForecaster.restore(FORECASTERS["esn"].record(), case)
 
 
 @pytest.mark.parametrize("name", FORECASTERS)
@@ -302,7 +299,106 @@ def test_a_reservoir_is_its_size_and_seed():
     assert replace(SEED, neurons=31).reservoir(9).neurons == 31
 
 
-def test_unknown_backends_are_refused():
-    case = replace(CASE, options={"backend": "fortran", "divergence_bound": 10.0})
-    with pytest.raises(ValueError, match="backend"):
-        NetworkForecaster.restore(FORECASTERS["esn"].record(), case)
+# -- analogues and persistence ---------------------------------------------------------------------
+
+NEIGHBOURS = ForecastingCase(Lorenz63(), 0.01, 2, 50, {"neighbours": 4})
+
+
+@pytest.fixture
+def walks():
+    return np.random.default_rng(1).standard_normal((3, 30, 2)).cumsum(axis=1) * [1.0, 20.0]
+
+
+@pytest.fixture
+def last_states():
+    return np.random.default_rng(2).standard_normal((5, 2, 7)) * [[3.0], [60.0]]
+
+
+def continuations(walks, state, neighbours, steps):
+    """What followed the nearest states, brute force; NaN after the end of a series."""
+    distance = np.square((walks[:, :-1] - state) / walks.std(axis=(0, 1))).sum(axis=2)
+    nearest = np.argsort(distance, axis=None)[:neighbours]
+    padded = np.concatenate([walks, np.full((len(walks), steps, 2), np.nan)], axis=1)
+    places = [np.unravel_index(index, distance.shape) for index in nearest]
+    return np.array([padded[row, step + 1 : step + 1 + steps] for row, step in places])
+
+
+def test_the_forecast_is_the_mean_of_what_followed(walks, last_states):
+    model = Analogues.fit(walks, NEIGHBOURS)
+    outputs, _ = model.advance(model.start(last_states), 12)
+    for point in range(7):
+        followed = continuations(walks, last_states[-1, :, point], 4, 12)
+        alive = np.isfinite(followed[..., 0]).any(axis=0)
+        expected = np.nanmean(followed[:, alive], axis=0)
+        np.testing.assert_allclose(outputs[alive, :, point], expected)
+        assert np.isnan(outputs[~alive, :, point]).all()
+
+
+def test_members_follow_one_analogue_each(walks, last_states):
+    model = Analogues.fit(walks, NEIGHBOURS)
+    members = model.ensemble(last_states)
+    assert members.shape == (1, 4, 7)
+    outputs, _ = model.advance(members.reshape(1, -1), 12)
+    outputs = outputs.reshape(12, 2, 4, 7)
+    for point in range(7):
+        followed = continuations(walks, last_states[-1, :, point], 4, 12)
+        np.testing.assert_array_equal(outputs[..., point].transpose(2, 0, 1), followed)
+
+
+def test_where_all_analogues_have_ended_there_is_no_forecast(walks, last_states):
+    model = Analogues.fit(walks, NEIGHBOURS)
+    outputs, memory = model.advance(model.start(last_states), 30)
+    assert np.isnan(outputs[-1]).all()
+    assert np.isnan(memory).all()
+    assert model.diverged(outputs).all()
+    later, _ = model.advance(memory, 1)
+    assert np.isnan(later).all()
+
+
+def test_persistence_stays(last_states):
+    model = Persistence.fit(np.zeros((1, 1, 2)), NEIGHBOURS)
+    outputs, memory = model.advance(model.start(last_states), 3)
+    for state in outputs:
+        np.testing.assert_array_equal(state, last_states[-1])
+    np.testing.assert_array_equal(memory, last_states[-1])
+
+
+def test_a_component_that_is_constant_in_training_tells_no_analogues_apart(walks, last_states):
+    with_gauge = np.concatenate([walks, np.full((3, 30, 1), 7.0)], axis=2)
+    seen = np.concatenate([last_states, np.full((5, 1, 7), 7.0)], axis=1)
+    found = Analogues.fit(with_gauge, NEIGHBOURS).start(seen)
+    np.testing.assert_array_equal(found, Analogues.fit(walks, NEIGHBOURS).start(last_states))
+
+
+# -- the linear inverse model ----------------------------------------------------------------------
+
+LINEAR = ForecastingCase(Lorenz63(), 0.01, 2, 50, {})
+
+
+@pytest.fixture
+def series():
+    return np.random.default_rng(1).standard_normal((4, 200, 3)).cumsum(axis=1)
+
+
+def test_a_linear_system_is_found_and_continued():
+    generator = np.random.default_rng(2)
+    matrix = 0.4 * generator.standard_normal((3, 3))
+    constant = np.array([1.0, -2.0, 0.5])
+    states = [generator.standard_normal((3, 5))]
+    for _ in range(30):
+        states.append(matrix @ states[-1] + constant[:, np.newaxis])
+    true = np.array(states)  # (time, dimension, series)
+    model = LinearInverseModel.fit(true[:20].transpose(2, 0, 1), LINEAR)
+    np.testing.assert_allclose(model.propagator, matrix, atol=1e-9)
+    np.testing.assert_allclose(model.constant, constant, atol=1e-9)
+    outputs, memory = model.advance(model.start(true[:20]), 11)
+    np.testing.assert_allclose(outputs, true[20:], atol=1e-9)
+    np.testing.assert_array_equal(memory, outputs[-1])
+
+
+def test_it_is_the_regression_of_scikit_learn(series):
+    model = LinearInverseModel.fit(series, LINEAR)
+    now, following = (part.reshape(-1, 3) for part in (series[:, :-1], series[:, 1:]))
+    expected = LinearRegression().fit(now, following)
+    np.testing.assert_allclose(model.propagator, expected.coef_, atol=1e-10)
+    np.testing.assert_allclose(model.constant, expected.intercept_, atol=1e-10)

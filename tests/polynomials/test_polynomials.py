@@ -107,27 +107,6 @@ def test_a_polynomial_system_is_the_sum_of_its_terms(cubic):
     np.testing.assert_array_equal(system.observable(states), Lorenz63().observable(states))
 
 
-def test_the_jacobian_is_that_of_finite_differences(cubic):
-    system, _ = cubic
-    states = np.random.default_rng(8).normal(size=(3, 6))
-    for component in range(3):
-        step = 1e-6 * (np.arange(3) == component)[:, np.newaxis]
-        difference = system.right_hand_side(states + step) - system.right_hand_side(states - step)
-        np.testing.assert_allclose(
-            system.jacobian(states)[:, component], difference / 2e-6, rtol=1e-6, atol=1e-7
-        )
-
-
-def test_batches_do_not_matter(cubic):
-    system, _ = cubic
-    states = 0.1 * np.random.default_rng(9).normal(size=(3, 37))
-    together = integrate(system, states, 0.01, 20)
-    for first, last in ((0, 1), (1, 8), (8, 37)):
-        np.testing.assert_array_equal(
-            integrate(system, states[:, first:last], 0.01, 20), together[..., first:last]
-        )
-
-
 def test_coefficients_that_do_not_fit_are_refused():
     with pytest.raises(ValueError, match="have 10 coefficients, not 9"):
         PolynomialSystem(np.zeros((9, 3)), 2, Lorenz63())

@@ -1,4 +1,4 @@
-"""Alarms at a threshold, the choice of it, and curves over all thresholds, against scikit-learn."""
+"""Alarms, the choice of their threshold, curves over all thresholds, and lead times."""
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from sklearn.metrics import (
     roc_curve,
 )
 
+from burstcast.data.starting_points import SeriesPoints
 from burstcast.probability.alarms import (
     average_precision,
     best_threshold,
@@ -23,6 +24,7 @@ from burstcast.probability.alarms import (
     roc_area,
 )
 from burstcast.probability.calibration import isotonic
+from burstcast.probability.lead_times import lead_time_scores, lead_times
 
 
 @settings(deadline=None)
@@ -108,3 +110,119 @@ def test_the_threshold_lies_between_the_levels():
     # all alike: alarms always
     assert best_threshold(np.array([0.1]), np.array([50])) == 0
     assert best_threshold(np.array([0.0]), np.array([50])) == 1
+
+
+# -- lead times ------------------------------------------------------------------------------------
+
+WINDOWS = [(10, 30), (20, 40), (30, 50)]
+
+
+def points(count, spacing=10, series=1):
+    return SeriesPoints(
+        np.repeat(np.arange(series), count), np.tile(np.arange(count), series) * spacing
+    )
+
+
+def one_event(alarms, scored=None, step=95):
+    """Event at step 95, starting points at 0, 10, ..., 90."""
+    alarms = np.asarray(alarms)
+    scored = np.ones(10, dtype=bool) if scored is None else scored
+    events = SeriesPoints(np.array([0]), np.array([step]))
+    return lead_times(alarms, WINDOWS, points(10), scored, events)
+
+
+def test_the_lead_time_of_alarms_that_stay():
+    alarms = np.zeros((10, 3), dtype=bool)
+    alarms[5:, :] = True  # from 45 steps before the event on
+    found = one_event(alarms)
+    assert (found.stayed[0], found.first[0], found.possible[0]) == (45, 45, 45)
+    alarms[7] = False  # 25 steps before: the alarm is called off
+    found = one_event(alarms)
+    assert (found.stayed[0], found.first[0], found.possible[0]) == (15, 45, 45)
+    alarms[8] = False  # the last one that could be right
+    found = one_event(alarms)
+    assert (found.stayed[0], found.first[0]) == (0, 45)
+
+
+def test_an_alarm_for_a_window_without_the_event_is_not_right():
+    alarms = np.zeros((10, 3), dtype=bool)
+    alarms[8, 1:] = True  # 15 steps before: only the first window holds the event
+    assert one_event(alarms).first[0] == 0
+    alarms[8, 0] = True
+    assert one_event(alarms).first[0] == 15
+
+
+def test_an_event_is_in_a_window_up_to_its_last_step_and_not_at_its_first():
+    alarms = np.zeros((10, 3), dtype=bool)
+    alarms[7, 0] = True  # from step 70: the window is (80, 100]
+    assert one_event(alarms, step=100).first[0] == 30
+    assert one_event(alarms, step=101).first[0] == 0
+    assert one_event(alarms, step=80).first[0] == 0
+    assert one_event(alarms, step=81).first[0] == 11
+
+
+def test_another_event_under_way_ends_the_search():
+    alarms, scored = np.ones((10, 3), dtype=bool), np.ones(10, dtype=bool)
+    scored[6] = False
+    found = one_event(alarms, scored)
+    assert (found.stayed[0], found.possible[0]) == (25, 25)
+    scored[8] = False  # nobody could have warned of it
+    assert one_event(alarms, scored).stayed.size == 0
+
+
+@settings(deadline=None)
+@given(st.integers(0, 2**31))
+def test_lead_times_are_those_of_all_pairs(seed):
+    generator = np.random.default_rng(seed)
+    where = points(14, 7, series=3)
+    alarms = generator.random((len(where), 3)) < 0.6
+    scored = generator.random(len(where)) < 0.9
+    events = SeriesPoints(*np.nonzero(generator.random((3, 100)) < 0.04))
+    found = lead_times(alarms, WINDOWS, where, scored, events)
+    expected = []
+    for row, step in zip(events.series, events.step, strict=True):
+        stayed = first = possible = 0
+        unbroken = True
+        for index in reversed(range(len(where))):
+            lead = step - where.step[index]
+            inside = [begin < lead <= end for begin, end in WINDOWS]
+            if where.series[index] != row or not any(inside):
+                continue
+            if not scored[index]:
+                break
+            right = any(a and i for a, i in zip(alarms[index], inside, strict=True))
+            unbroken &= right
+            possible = lead
+            first = lead if right else first
+            stayed = lead if unbroken else stayed
+        if possible:
+            expected.append((row, stayed, first, possible))
+    columns = (found.series, found.stayed, found.first, found.possible)
+    assert list(zip(*(column.tolist() for column in columns), strict=True)) == expected
+
+
+def test_scores_of_lead_times():
+    where = points(10, series=2)
+    alarms = np.zeros((20, 3), dtype=bool)
+    alarms[5:9] = True
+    events = SeriesPoints(np.array([0, 1, 1]), np.array([95, 55, 95]))
+    found = lead_times(alarms, WINDOWS, where, np.ones(20, dtype=bool), events)
+    scores = {
+        (score.metric, score.lead_time_lt): score.numerator.sum() / score.denominator.sum()
+        for score in lead_time_scores(found, 2, [1, 2, 4.5], 10)
+    }
+    assert scores["mean_lead_time_lt", None] == pytest.approx(4.5 / 3)
+    assert scores["mean_first_alarm_lt", None] == pytest.approx(4.5 / 3)
+    assert scores["mean_possible_lead_time_lt", None] == pytest.approx(4.5)
+    assert scores["missed_fraction", None] == pytest.approx(2 / 3)
+    assert scores["warned_fraction", 2] == pytest.approx(1 / 3)
+    (last,) = (s for s in lead_time_scores(found, 2, [4.5], 10) if s.lead_time_lt)
+    assert last.numerator.tolist() == [1, 0]
+    assert last.denominator.tolist() == [1, 2]
+
+
+def test_no_event():
+    nobody = SeriesPoints(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
+    found = lead_times(np.ones((10, 3), bool), WINDOWS, points(10), np.ones(10, bool), nobody)
+    assert found.stayed.shape == (0,)
+    assert all(score.denominator.tolist() == [0] for score in lead_time_scores(found, 1, [1], 10))

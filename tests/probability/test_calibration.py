@@ -1,15 +1,24 @@
-"""Calibrations against scikit-learn's, and what a prior does."""
+"""Calibrations, logistic readouts and probabilities of points that were not learnt from."""
 
 import json
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from helpers_probability import count_by_series, samples
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import minimize
 from sklearn.calibration import _SigmoidCalibration
+from sklearn.ensemble import HistGradientBoostingClassifier
 from sklearn.isotonic import IsotonicRegression, isotonic_regression
 
+from burstcast.forecast.window_forecasts import window_forecasts
+from burstcast.forecasters._event_classifier import LabelledPoints
+from burstcast.forecasters._options import options_of_kind
+from burstcast.forecasters.base import ForecastingCase
+from burstcast.forecasters.linear_inverse import LinearInverseModel
+from burstcast.forecasters.precursor import LearntPrecursor
 from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.brier import brier_score, calibration_error
 from burstcast.probability.calibration import (
@@ -18,13 +27,16 @@ from burstcast.probability.calibration import (
     logistic,
     pool_adjacent_violators,
 )
+from burstcast.probability.logistic_readout import event_probability, fit_logistic
+from burstcast.probability.out_of_sample import out_of_sample_forecasts
+from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
 from burstcast.probability.scores import resampled_scores
+from burstcast.systems.lorenz63 import Lorenz63
+from helpers_forecasters import MadeUpForecaster
 
 
 @settings(deadline=None)
-@given(
-    st.lists(st.tuples(st.floats(-5, 5), st.floats(0.1, 10)), min_size=1, max_size=40),
-)
+@given(st.lists(st.tuples(st.floats(-5, 5), st.floats(0.1, 10)), min_size=1, max_size=40))
 def test_pooling_is_that_of_scikit_learn(pairs):
     values, weights = np.array(pairs).T
     expected = isotonic_regression(values, sample_weight=weights)
@@ -97,8 +109,6 @@ def test_without_any_forecast_no_probability_is_known():
 
 
 # -- of probabilities that are all different -------------------------------------------------------
-
-
 def drawn(slope, points=2000, seed=1):
     """Probabilities whose log-odds are those of the truth, times a slope, plus a half."""
     generator = np.random.default_rng(seed)
@@ -129,3 +139,209 @@ def test_logistic_calibration_where_nothing_is_told_or_everything():
     np.testing.assert_allclose(logistic(apart)(np.array([0.1, 0.9])), ends, rtol=2e-3)
     none = count_by_series(*(values[:0] for values in (given, happened, rows))).total()
     assert np.isnan(logistic(none)(given)).all()
+
+
+# -- logistic regression of several events ---------------------------------------------------------
+
+
+def two_events(points=400):
+    generator = np.random.default_rng(5)
+    features = generator.normal(size=(points, 6)) * [1, 10, 0.1, 1, 1, 1] + [0, 3, 0, -2, 0, 0]
+    odds = np.stack([features[:, 0] - 2.0, 0.3 * features[:, 1] - features[:, 3] - 4.0], axis=1)
+    return features, generator.random(odds.shape) < 1 / (1 + np.exp(-odds))
+
+
+@pytest.mark.parametrize("penalty", [0.1, 5.0])
+def test_weights_minimise_the_penalised_loss(penalty):
+    features, happened = two_events()
+    weights = fit_logistic(features, happened, penalty)
+    scale = features.std(axis=0)
+    for event in range(2):
+
+        def loss(flat, event=event):
+            odds = features @ flat[:-1] + flat[-1]
+            signs = np.where(happened[:, event], 1.0, -1.0)
+            # the penalty is on weights of features of unit variance
+            return (
+                np.log1p(np.exp(-signs * odds)).sum()
+                + penalty / 2 * ((flat[:-1] * scale) ** 2).sum()
+            )
+
+        found = minimize(loss, np.zeros(7), method="BFGS", options={"gtol": 1e-7})
+        assert loss(weights[:, event]) <= found.fun + 1e-6
+        np.testing.assert_allclose(
+            weights[:, event] * [*scale, 1], found.x * [*scale, 1], atol=2e-3
+        )
+
+
+def test_probabilities_are_those_of_the_odds():
+    weights = np.array([[1.0, 0.0], [2.0, -1.0], [0.5, 3.0]])
+    found = event_probability(weights, np.array([[0.2, -0.3]]))
+    np.testing.assert_allclose(found, 1 / (1 + np.exp([[-(0.2 - 0.6 + 0.5), -(0.3 + 3.0)]])))
+
+
+def test_events_that_are_told_apart_stay_finite_and_a_constant_feature_is_no_trouble():
+    features, _ = two_events(60)
+    features[:, 5] = 4.0
+    happened = features[:, :1] > 0
+    weights = fit_logistic(features, happened, 1e-3)
+    assert np.isfinite(weights).all()
+    assert weights[5] == 0
+    assert ((event_probability(weights, features) > 0.5) == happened).all()
+
+
+# -- without what the series has taught ------------------------------------------------------------
+
+CASE = ForecastingCase(Lorenz63(), 0.01, 5, 20, {})
+BOUNDARIES = (2, 5, 9)
+
+
+@dataclass
+class MeanForecaster(MadeUpForecaster):
+    """Forecasts the mean of the training series; three members add their number to it."""
+
+    mean: float
+
+    @classmethod
+    def fit(cls, training, case, parameters=None):
+        return cls(float(training.mean()))
+
+    def start(self, washout, parameters=None):
+        return np.zeros((1, washout.shape[2]))
+
+    def ensemble(self, washout, parameters=None):
+        return np.arange(3.0)[np.newaxis, :, np.newaxis] * np.ones((1, 3, washout.shape[2]))
+
+    def advance(self, memory, steps, parameters=None):
+        return np.repeat((self.mean + memory)[np.newaxis], steps, axis=0), memory
+
+
+def first_component(states):
+    return states[0]
+
+
+def test_each_point_is_forecast_by_those_who_have_not_seen_its_series():
+    training = np.arange(4.0)[:, np.newaxis, np.newaxis] * np.ones((4, 30, 3))
+    series = np.array([2, 0, 3, 2])  # none in series 1, and not in order
+    found = out_of_sample_forecasts(
+        MeanForecaster.fit(training, CASE),
+        training,
+        CASE,
+        5,
+        first_component,
+        np.zeros((4, 5, 3)),
+        series,
+        BOUNDARIES,
+    )
+    without = {row: np.delete(np.arange(4.0), row).mean() for row in range(4)}
+    expected = np.array([without[row] for row in series])[:, np.newaxis] * np.ones((4, 2))
+    for number, forecasts in ((0, found), *enumerate(found.members)):
+        np.testing.assert_allclose(forecasts.first, expected + number)
+        np.testing.assert_allclose(forecasts.largest, expected + number)
+    assert len(found.members) == 3
+    assert found.diverged.tolist() == [False] * 4
+
+
+def test_a_fitted_kind_is_fitted_anew():
+    generator = np.random.default_rng(0)
+    training = generator.standard_normal((3, 40, 3)).cumsum(axis=1)
+    washouts = generator.standard_normal((6, 4, 3))
+    series = np.array([0, 0, 1, 1, 2, 2])
+    arguments = CASE, 4, first_component, washouts, series, BOUNDARIES
+    whole = LinearInverseModel.fit(training, CASE)
+    found = out_of_sample_forecasts(whole, training, *arguments)
+    for row in range(3):
+        anew = LinearInverseModel.fit(np.delete(training, row, axis=0), CASE)
+        here = series == row
+        expected = window_forecasts(anew, first_component, washouts[here], BOUNDARIES)
+        np.testing.assert_array_equal(found.largest[here], expected.largest)
+    # whatever the series was
+    other = training.copy()
+    other[1] = generator.standard_normal((40, 3))
+    again = out_of_sample_forecasts(whole, other, *arguments)
+    np.testing.assert_array_equal(again.first[2:4], found.first[2:4])
+    assert (again.first[[0, 1, 4, 5]] != found.first[[0, 1, 4, 5]]).all()
+
+
+def test_a_single_series_leaves_nothing():
+    training = np.zeros((1, 30, 3))
+    with pytest.raises(ValueError, match="two training series"):
+        list(MeanForecaster(0.0).leave_one_out(training, CASE, 5))
+
+
+OPTIONS = options_of_kind("precursor") | {"trees": 20, "lags_lt": [0.2]}
+LABELLED_CASE = ForecastingCase(Lorenz63(), 0.01, 1, 10, OPTIONS)
+
+
+def labelled(series=4, each=150):
+    generator = np.random.default_rng(3)
+    washouts = generator.normal(size=(series * each, 4, 3))
+    chance = generator.random((series * each, 2))
+    happened = washouts[:, -1, :2] + washouts[:, 1, 1:] + 0.3 * chance > 1.0
+    return LabelledPoints(washouts, happened, np.repeat(np.arange(series), each))
+
+
+def asked(points):
+    """Other points in the same series."""
+    generator = np.random.default_rng(4)
+    return generator.normal(size=(40, 4, 3)), np.repeat(np.unique(points.series), 10)
+
+
+def by_hand(points, washouts, left_out):
+    """Probabilities of scikit-learn's classifier on features cut by hand."""
+    learnt = ~np.isin(points.series, left_out)
+
+    def cut(some):
+        return np.hstack([some[:, 3], some[:, 1]])
+
+    columns = []
+    for window in range(2):
+        classifier = HistGradientBoostingClassifier(
+            max_iter=20, max_leaf_nodes=12, learning_rate=0.08, early_stopping=False, random_state=0
+        ).fit(cut(points.washouts[learnt]), points.happened[learnt, window])
+        columns.append(classifier.predict_proba(cut(washouts))[:, 1])
+    return np.stack(columns, axis=1)
+
+
+@pytest.mark.parametrize(
+    ("folds", "parts"),
+    [(10, [[0], [1], [2], [3]]), (4, [[0], [1], [2], [3]]), (2, [[0, 2], [1, 3]])],
+)
+def test_each_fold_is_forecast_by_what_has_learnt_from_the_others(folds, parts):
+    points = labelled()
+    washouts, series = asked(points)
+    found = out_of_sample_probabilities(
+        LearntPrecursor, points, LABELLED_CASE, folds, washouts, series
+    )
+    for part in parts:
+        here = np.isin(series, part)
+        np.testing.assert_array_equal(found[here], by_hand(points, washouts[here], part))
+
+
+def test_a_series_does_not_teach_its_own_probabilities():
+    points = labelled()
+    washouts, series = asked(points)
+    happened = points.happened.copy()
+    happened[points.series == 1] = ~happened[points.series == 1]
+    one, other = (
+        out_of_sample_probabilities(LearntPrecursor, some, LABELLED_CASE, 4, washouts, series)
+        for some in (points, replace(points, happened=happened))
+    )
+    np.testing.assert_array_equal(one[series == 1], other[series == 1])
+    assert not np.array_equal(one[series == 0], other[series == 0])
+
+
+def test_without_an_event_in_the_other_series_none_is_forecast():
+    points = labelled()
+    washouts, series = asked(points)
+    points.happened[points.series != 2, 1] = False
+    found = out_of_sample_probabilities(LearntPrecursor, points, LABELLED_CASE, 4, washouts, series)
+    assert (found[series == 2, 1] == 0).all()
+    assert (found[series != 2, 1] > 0).all()
+    assert (found[:, 0] > 0).all()
+
+
+def test_one_series_is_too_few():
+    points = labelled(series=1)
+    with pytest.raises(ValueError, match="two training series and two folds at least, not 1 and 9"):
+        out_of_sample_probabilities(LearntPrecursor, points, LABELLED_CASE, 9, *asked(points))

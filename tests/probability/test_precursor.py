@@ -1,15 +1,14 @@
-"""Probabilities straight from what is observed, where the true ones are known."""
+"""Precursors, where the true probabilities are known, and the ranking of starting points."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from sklearn.metrics import average_precision_score, roc_auc_score
 
-from burstcast.probability.precursor import (
-    Precursor,
-    PrecursorOptions,
-    precursor_features,
-)
+from burstcast.forecast.windows import WindowForecasts, WindowSummaries
+from burstcast.probability.precursor import Precursor, PrecursorOptions, precursor_features
+from burstcast.probability.ranking import ANY, ONSET, Window, ranking_scores
 
 FAST = PrecursorOptions(trees=60, learning_rate=0.1)
 
@@ -82,3 +81,60 @@ def test_nothing_to_tell_apart_is_refused():
 def test_options_out_of_bounds(options, message):
     with pytest.raises(ValueError, match=message):
         PrecursorOptions(**options)
+
+
+# -- ranking ---------------------------------------------------------------------------------------
+
+
+def test_areas_are_those_of_scikit_learn():
+    generator = np.random.default_rng(0)
+    for _ in range(20):
+        strength = generator.integers(0, 9, 50).astype(float)
+        happened = generator.random(50) < 0.3
+        weights = generator.integers(0, 3, (4, 50))
+        found = ranking_scores(strength, happened, weights)
+        for row, weight in enumerate(weights):
+            average = average_precision_score(happened, strength, sample_weight=weight)
+            area = roc_auc_score(happened, strength, sample_weight=weight)
+            np.testing.assert_allclose(found["average_precision"][row], average)
+            np.testing.assert_allclose(found["roc_area"][row], area)
+
+
+def test_without_events_nothing_is_ranked():
+    strength, weights = np.arange(4.0), np.array([[1, 1, 0, 0], [1, 1, 1, 1]])
+    found = ranking_scores(strength, np.array([False, False, True, False]), weights)
+    assert np.isnan(found["roc_area"][0])
+    assert np.isnan(found["average_precision"][0])
+    assert found["roc_area"][1] == 2 / 3
+
+
+def forecasts(first, largest, members=0):
+    """Forecasts of three points in two windows."""
+    first, largest = np.array(first, dtype=float), np.array(largest, dtype=float)
+    none = np.empty((len(first), 0, first.shape[1]))
+    if members:
+        none = np.empty((len(first), members, first.shape[1]))
+    return WindowForecasts(first, largest, np.zeros(len(first), dtype=bool), none, none.copy())
+
+
+def test_a_forecast_under_way_says_nothing_about_an_onset():
+    one = forecasts([[0, 0], [3, 0], [1, 0]], [[1, 4], [5, 5], [2, 1]])
+    window = Window(0, 2, 2.5)
+    # the second is above the threshold when the window begins: the mean of 4 and 2
+    assert window.strength(one, ONSET).tolist() == [4, 3, 2]
+    assert window.strength(one, ANY).tolist() == [4, 5, 2]
+    assert Window(1, 1, 2.5).strength(one, ONSET).tolist() == [4, 5, 1]
+
+
+def test_members_are_averaged_and_overflows_are_left_out():
+    one = forecasts([[0], [0]], [[9], [9]], members=2)
+    one.member_first[:] = 0
+    one.member_largest[:] = np.array([[1, 3], [np.inf, 5]])[:, :, np.newaxis]
+    assert Window(0, 1, 2).strength(one, ONSET).tolist() == [2, 3]
+
+
+def test_an_onset_is_no_event_under_way():
+    truth = WindowSummaries(np.array([[0.0], [3.0], [0.0]]), np.array([[4.0], [5.0], [1.0]]))
+    window = Window(0, 1, 2.5)
+    assert window.happened(truth, ONSET).tolist() == [True, False, False]
+    assert window.happened(truth, ANY).tolist() == [True, True, False]

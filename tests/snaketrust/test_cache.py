@@ -2,7 +2,6 @@ import multiprocessing
 import os
 import shutil
 import time
-from pathlib import Path
 
 import pytest
 
@@ -26,11 +25,11 @@ def place(tmp_path):
 ENVIRONMENT = {"libraries": {"numpy": "2.1"}}
 
 
-def entry_of(place: Path, environment=ENVIRONMENT, **changes) -> Path:
+def entry_of(place, environment=ENVIRONMENT, **changes):
     return Cache(place / "cache", environment).entry(**{**JOB, **changes})
 
 
-def run(place: Path, target: str = "a", content: str = "result", **changes) -> bool:
+def run(place, target="a", content="result", **changes):
     """Whether a job's outputs came from the cache; in any case they must be right."""
     entry = entry_of(place, **changes)
     outputs = {name: place / target / f"{name}.nc" for name in JOB["outputs"]}
@@ -46,11 +45,11 @@ def run(place: Path, target: str = "a", content: str = "result", **changes) -> b
     return hit
 
 
-def entries(place: Path) -> list[Path]:
+def entries(place):
     return sorted((place / "cache" / "entries").glob("*/*"))
 
 
-def entry(place: Path) -> Path:
+def entry(place):
     (found,) = entries(place)
     return found
 
@@ -100,7 +99,7 @@ def test_whatever_a_job_depends_on_makes_another_entry(place, changes):
     assert not run(place, "b", "another result", **changes)
 
 
-def damage(found: Path, kind: str) -> None:
+def damage(found, kind):
     network, record = found / "network", found / "record.json"
     if kind == "content":
         network.write_text("resulT network")
@@ -225,7 +224,7 @@ def test_a_hit_counts_as_use(place):
     assert time.time() - entry(place).stat().st_mtime < 3600
 
 
-def _race(place: Path, number: int) -> None:
+def _race(place, number):
     for _ in range(20):
         run(place, f"run{number}")
         for found in entries(place) if number == 0 else ():

@@ -1,9 +1,10 @@
-"""What is done to Snakemake, and that Snakemake is still as it is taken for."""
+"""What is done to Snakemake, that Snakemake is still as it is taken for, and parameters."""
 
 import asyncio
 import inspect
 import io
 import logging
+import math
 import signal
 import subprocess
 import sys
@@ -23,7 +24,7 @@ from snakemake.workflow import Workflow
 from snaketrust import hooks
 from snaketrust.files import digest
 from snaketrust.hooks import FIRST_LINE, HOOKS, UnfitSnakemakeError, install
-from snaketrust.plain import plain
+from snaketrust.plain import groups, named, plain
 from snaketrust.planning import KnownResults
 from snaketrust.records import Records, shape
 from snaketrust.run import VARIABLE
@@ -44,8 +45,6 @@ def snakemakes_own(monkeypatch):
 
 
 # -- Snakemake is as it is taken for ---------------------------------------------------------------
-
-
 @pytest.mark.parametrize("hook", HOOKS, ids=lambda hook: f"{hook.owner.__name__}.{hook.name}")
 def test_snakemake_has_the_functions_that_are_replaced(hook):
     assert hook.fits()
@@ -65,13 +64,11 @@ def test_the_scheduler_is_made_between_planning_and_the_first_job():
 
 
 # -- with another release --------------------------------------------------------------------------
-
-
 @pytest.fixture
 def another(monkeypatch, caplog):
     """Install with some functions that are not as they were; return what is said."""
 
-    def said(*changed: str) -> str:
+    def said(*changed):
         monkeypatch.setattr(hooks, "__version__", "99.0")
         for name in changed:
             known_as(monkeypatch, name, lambda self, surprise: None)
@@ -100,8 +97,6 @@ def test_without_what_all_rests_on_nothing_starts(another, name):
 
 
 # -- what Snakemake is told of results -------------------------------------------------------------
-
-
 def test_snakemake_is_told_what_records_say(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     source, made, records = Path("series.csv"), Path("results/a.nc"), Records("results")
@@ -232,8 +227,6 @@ def test_outputs_without_a_record_are_incomplete(tmp_path, monkeypatch):
 
 
 # -- when planning is over -------------------------------------------------------------------------
-
-
 def limit_left(monkeypatch, limit, local=True):
     """Limit that a scheduler keeps."""
     told = []
@@ -270,7 +263,6 @@ def test_a_limit_that_was_set_is_kept(monkeypatch):
 
 
 # -- an interruption that meets a job while it imports ---------------------------------------------
-
 WAITS = "import sys, time; print('ready', flush=True); time.sleep(60)"
 
 
@@ -312,3 +304,62 @@ def test_scripts_of_snakemake_begin_with_it():
     file = io.BytesIO()
     script.write_script("preamble\n", file)
     assert file.getvalue() == FIRST_LINE + b"preamble\nprint(1)"
+
+
+# -- parameters in plain form ----------------------------------------------------------------------
+
+
+def listed(*items):
+    """A list of Snakemake's of values, names with a value, and names with a list."""
+    found = Namedlist()
+    for item in items:
+        name, value = item if isinstance(item, tuple) else (None, item)
+        start, several = len(found), isinstance(value, list)
+        found.extend(value if several else [value])
+        if name:
+            found._set_name(name, start, end=len(found) if several else None)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        ((1, [2.0, (3,)]), [1, [2, [3]]]),
+        ({"b": 1, "a": np.float64(0.5)}, {"a": 0.5, "b": 1}),
+        ({2: np.bool_(True), "x": None}, {"x": None, 2: True}),
+        (np.int8(3), 3),
+        (-0.0, 0),
+    ],
+)
+def test_what_means_the_same_is_the_same(value, expected):
+    assert repr(plain(value)) == repr(expected)
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        ({1, 2}, "set"),
+        (Path("x"), "Path"),
+        (np.zeros(2), "ndarray"),
+        (math.nan, "params is nan"),
+        ({"a": [math.inf]}, r"params.a\[0\] is inf"),
+        ({1.5: 0}, "the key 1.5"),
+        (b"bytes", "bytes"),
+        (1j, "complex"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused_by_its_place(value, words):
+    with pytest.raises((TypeError, ValueError), match=words):
+        plain(value, "params")
+
+
+def test_parameters_without_names_are_told_by_their_places():
+    assert named(listed(1, ("low", 2))) == {"0": 1, "low": 2}
+
+
+def test_files_are_told_by_names_and_places():
+    """Outputs ``a=[x, y], a1=z`` are none of ``a=[x], a1=[y, z]``."""
+    x, y, z = "xyz"
+    assert groups(listed(("a", [x, y]), ("a1", z)), [x, y, z]) == {"a": [0, 1], "a1": 2}
+    assert groups(listed(("a", [x]), ("a1", [y, z])), [x, y, z]) == {"a": [0], "a1": [1, 2]}
+    assert groups(listed(x, ("a", y), ("b", x)), [x, y, x]) == {"": [0], "a": 1, "b": 0}

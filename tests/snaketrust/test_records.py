@@ -1,12 +1,18 @@
+"""Records of results, runs that own them, and the files and modules that jobs read."""
+
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from snaketrust import records as module
-from snaketrust.files import digest, stamp
+from snaketrust.files import PARTIAL_SUFFIX, digest, remove_partial, replaced, stamp
+from snaketrust.modules import UnlikeCodeError, compile_by_content
 from snaketrust.records import NO_RECORD, DamagedFileError, Inputs, Records
+from snaketrust.run import VARIABLE, OvertakenError, Run, check_ownership
 
 
 @pytest.fixture
@@ -18,11 +24,11 @@ def place(tmp_path, monkeypatch):
     return tmp_path
 
 
-def path_of(seed: int = 0) -> str:
+def path_of(seed=0):
     return f"results/Re400/seed{seed}/network.nc"
 
 
-def write(path: str, content: str, results: str = "results", **inputs: str) -> None:
+def write(path, content, results="results", **inputs):
     """What a job does: its file, then the record."""
     Path(path).write_text(content)
     identity = {"rule": "train", "seed": 0}
@@ -30,7 +36,7 @@ def write(path: str, content: str, results: str = "results", **inputs: str) -> N
     Records(results).write([path], identity, parameters, inputs, f"{results}/logs/a.log", 1.0)
 
 
-def problem(path: str) -> str:
+def problem(path):
     return Records("results").found(path)[1]
 
 
@@ -58,7 +64,7 @@ def test_results_may_be_spelt_otherwise_and_moved(place):
         assert [records.name(records.path(name)) for name in names] == names
 
 
-def change(path: str, content: str) -> None:
+def change(path, content):
     """Change a file in place, and put its times back."""
     state = os.stat(path)
     with open(path, "r+") as file:
@@ -144,9 +150,7 @@ def test_results_that_may_only_be_read_are_used(place, monkeypatch):
 
 
 # -- inputs of a job -------------------------------------------------------------------------------
-
-
-def read(*paths: str) -> Inputs:
+def read(*paths):
     return Inputs.read(paths, Records("results"))
 
 
@@ -188,3 +192,179 @@ def test_an_input_that_changes_while_the_job_runs_is_an_error(place):
     Path(path_of()).write_text("network 7")
     with pytest.raises(DamagedFileError, match="changed while the job ran"):
         inputs.check()
+
+
+def test_what_killed_writers_of_a_file_have_left_behind_is_removed(tmp_path):
+    path = tmp_path / "a.json"
+    with replaced(path) as partial:
+        partial.write_text("whole")
+    assert [one.name for one in tmp_path.iterdir()] == ["a.json"]
+    left = [tmp_path / f".a.json.{number}{PARTIAL_SUFFIX}" for number in range(2)]
+    others = [tmp_path / name for name in (f".b.json.0{PARTIAL_SUFFIX}", ".a.json.txt", "a.txt")]
+    for one in [*left, *others]:
+        one.write_text("")
+    remove_partial(path)
+    assert not any(one.exists() for one in left)
+    assert all(one.exists() for one in others)
+    assert path.read_text() == "whole"
+
+
+# -- runs ------------------------------------------------------------------------------------------
+
+CODE = {"toy.durations@1": "a" * 64, "train.py@2": "b" * 64}
+
+
+def write_json(path, content):
+    with replaced(Path(path), check_ownership) as partial:
+        partial.write_text(json.dumps(content))
+
+
+@pytest.fixture(autouse=True)
+def run_place(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv(VARIABLE, "")
+    return tmp_path
+
+
+def claimed(**config):
+    run = Run.new("results/of mine")
+    run.claim(config, CODE)
+    return run
+
+
+def test_outside_of_the_workflow_nobody_owns_anything():
+    assert Run.current() is None
+    write_json("a.json", {})
+
+
+def test_the_jobs_of_the_newest_run_write():
+    claimed()
+    write_json("results/of mine/a.json", {"seed": 1})
+    assert json.loads(Path("results/of mine/a.json").read_text()) == {"seed": 1}
+
+
+def test_the_jobs_of_older_runs_do_not():
+    first = claimed(seed=1)
+    second = claimed(seed=2)
+    write_json("results/of mine/a.json", {"seed": 2})
+    os.environ[VARIABLE] = f"{first.token} {first.results}"  # in a job that was left behind
+    with pytest.raises(OvertakenError, match="results/of mine belongs to a newer run now"):
+        write_json("results/of mine/a.json", {"seed": 1})
+    with pytest.raises(OvertakenError):
+        Records("results/of mine").write(
+            ["results/of mine/a.json"], {"rule": "train"}, {}, {}, "a.log", 0.0
+        )
+    assert sorted(os.listdir("results/of mine")) == [".run.json", "a.json"]
+    assert json.loads(Path("results/of mine/a.json").read_text()) == {"seed": 2}
+    assert second.plan()["config"] == {"seed": 2}
+
+
+def test_a_job_that_starts_late_belongs_to_the_run_that_asked_for_it():
+    first = claimed()
+    claimed()
+    with pytest.raises(OvertakenError):
+        Run(first.token, first.results).plan()
+
+
+def test_a_job_must_be_told_which_run_it_belongs_to():
+    with pytest.raises(OvertakenError, match=f"variable {VARIABLE} does not reach jobs"):
+        Run.of_job()
+
+
+def test_what_was_planned_is_there_for_all_jobs():
+    run = claimed(noise=0.1, cases=["Re400"])
+    assert Run.current() == run
+    assert run.plan()["config"] == {"noise": 0.1, "cases": ["Re400"]}
+    assert run.plan()["code"] == CODE
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{", "[" * 99999])
+def test_a_claim_that_cannot_be_read_belongs_to_an_unknown_run(text):
+    run = claimed()
+    Path("results/of mine/.run.json").write_text(text)
+    with pytest.raises(OvertakenError, match=r"newer run now \(unknown\)"):
+        run.plan()
+    claimed()
+
+
+@pytest.mark.parametrize("process", [os.getppid(), "1", None, {}])
+@pytest.mark.parametrize("started", [None, ""])
+def test_a_claim_that_does_not_say_when_its_run_started_holds_nothing(process, started):
+    """Where there is no /proc, nobody can tell."""
+    claimed()
+    path = Path("results/of mine/.run.json")
+    claim = json.loads(path.read_text()) | {"process": process, "started": started}
+    path.write_text(json.dumps({name: value for name, value in claim.items() if value is not None}))
+    claimed()
+
+
+def test_a_run_that_is_alive_keeps_its_results():
+    code = (
+        "from snaketrust.run import Run; import sys; "
+        "Run.new('results/of mine').claim({}, {}); print('claimed', flush=True); sys.stdin.read()"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as other:
+        assert other.stdout.readline() == "claimed\n"
+        with pytest.raises(OvertakenError, match=f"another run, process {other.pid}, is at work"):
+            claimed()
+        other.kill()
+        other.wait()
+        claimed()
+
+
+# -- compiled modules ------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def compiled(tmp_path):
+    """A module of a package, which Python has compiled once."""
+    package = tmp_path / "example"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    path = package / "numbers.py"
+    path.write_text("VALUE = 1\n")
+    assert imported(tmp_path) == 1
+    return path
+
+
+def imported(sources):
+    command = [sys.executable, "-c", "import example.numbers as n; print(n.VALUE)"]
+    variables = {name: text for name, text in os.environ.items() if not name.startswith("PYTHON")}
+    environment = {**variables, "PYTHONPATH": str(sources)}
+    return int(subprocess.check_output(command, env=environment))
+
+
+def edit_in_secret(path, text):
+    """Edit a file, keeping its size and its time."""
+    state = path.stat()
+    assert len(text) == state.st_size
+    path.write_text(text)
+    os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns))
+
+
+def test_an_edit_that_keeps_size_and_time_is_run(compiled, tmp_path):
+    edit_in_secret(compiled, "VALUE = 2\n")
+    assert imported(tmp_path) == 1  # what Python does by itself
+    compile_by_content([compiled])
+    assert imported(tmp_path) == 2
+    edit_in_secret(compiled, "VALUE = 3\n")
+    assert imported(tmp_path) == 3  # and from then on
+    compile_by_content([compiled])
+    assert imported(tmp_path) == 3
+
+
+def test_a_process_that_runs_an_old_compiled_module_is_told(compiled, tmp_path, monkeypatch):
+    loaded = type(sys)("example.numbers")
+    loaded.__file__ = str(compiled)
+    monkeypatch.setitem(sys.modules, "example.numbers", loaded)
+    monkeypatch.setattr(sys, "pycache_prefix", None)
+    compile_by_content([compiled])  # nothing is wrong
+    for compiled in tmp_path.rglob("*.pyc"):
+        compiled.unlink()
+    assert imported(tmp_path) == 1
+    edit_in_secret(compiled, "VALUE = 2\n")
+    with pytest.raises(UnlikeCodeError, match=r"compiled numbers\.py from another"):
+        compile_by_content([compiled])
+    compile_by_content([compiled])

@@ -3,7 +3,6 @@
 import dataclasses
 import subprocess
 import sys
-from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast.arrays import FloatArray
 from burstcast.control.actuation import ForcedSystem
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.compiled import compiled_steps
@@ -31,49 +29,42 @@ class Expressions(DynamicalSystem):
     observable_name: ClassVar[str] = "x"
     observable_symbol: ClassVar[str] = "x"
 
-    def __init__(
-        self,
-        dimension: int,
-        right_hand_side: Callable[[FloatArray], FloatArray],
-        observable: Callable[[FloatArray], FloatArray] = lambda state: np.array(state[0]),
-    ) -> None:
+    def __init__(self, dimension, right_hand_side, observable=lambda state: np.array(state[0])):
         object.__setattr__(self, "dimension", dimension)
         self._right_hand_side = right_hand_side
         self._observable = observable
 
-    def right_hand_side(self, state: FloatArray) -> FloatArray:
+    def right_hand_side(self, state):
         return self._right_hand_side(state)
 
-    def jacobian(self, state: FloatArray) -> FloatArray:
+    def jacobian(self, state):
         raise NotImplementedError
 
-    def observable(self, state: FloatArray) -> FloatArray:
+    def observable(self, state):
         return self._observable(state)
 
 
-def is_compiled(*systems: DynamicalSystem, observed: bool = False) -> bool:
+def is_compiled(*systems, observed=False):
     return compiled_steps(systems, 0.25, observed) is not None
 
 
-def by_numpy(
-    system: DynamicalSystem, state: FloatArray, time_step: float, steps: int
-) -> FloatArray:
+def by_numpy(system, state, time_step, steps):
     states = [state]
     for _ in range(steps):
         states.append(step(system, states[-1], time_step))
     return np.array(states)
 
 
-def initial_states(system: DynamicalSystem, count: int, seed: int) -> FloatArray:
+def initial_states(system, count, seed):
     return np.random.default_rng(seed).normal(0.0, 0.3, (system.dimension, count))
 
 
 @pytest.mark.parametrize("name", sorted({*available_systems()} - {"kolmogorov"}))  # it has an FFT
-def test_every_system_of_the_library_is_compiled(name: str) -> None:
+def test_every_system_of_the_library_is_compiled(name):
     system = make_system(name, PARAMETERS.get(name, {}))
     assert is_compiled(system)
     assert is_compiled(system, observed=True)
-    other = dataclasses.replace(system)  # type: ignore[type-var]
+    other = dataclasses.replace(system)
     assert is_compiled(system, ForcedSystem(other, [0.1] * system.dimension))
 
 
@@ -87,15 +78,7 @@ def test_every_system_of_the_library_is_compiled(name: str) -> None:
     transient=st.integers(0, 3),
     seed=st.integers(0, 1000),
 )
-def test_the_bits_are_those_of_numpy(
-    reynolds: float,
-    length: float,
-    batch: int,
-    stride: int,
-    samples: int,
-    transient: int,
-    seed: int,
-) -> None:
+def test_the_bits_are_those_of_numpy(reynolds, length, batch, stride, samples, transient, seed):
     for system in (MoehlisFaisstEckhardt(reynolds, length_x=length), Lorenz63(rho=length)):
         state = initial_states(system, batch, seed)
         steps = samples * stride
@@ -117,9 +100,7 @@ def test_the_bits_are_those_of_numpy(
     forced=st.booleans(),
     seed=st.integers(0, 1000),
 )
-def test_each_step_obeys_the_system_of_its_choice(
-    batch: int, stride: int, steps: int, forced: bool, seed: int
-) -> None:
+def test_each_step_obeys_the_system_of_its_choice(batch, stride, steps, forced, seed):
     last = ForcedSystem(MFE, [0.01 * i for i in range(9)]) if forced else MFE
     systems = (MFE, MoehlisFaisstEckhardt(2000.0), last)
     assert is_compiled(*systems)
@@ -127,7 +108,7 @@ def test_each_step_obeys_the_system_of_its_choice(
     state = initial_states(MFE, batch, seed)
     together = integrate_switched(systems, choice, state, 0.25, stride)
     not_compiled = tuple(
-        Expressions(9, lambda x, s=system: s.right_hand_side(np.asarray(x, np.float64)))  # type: ignore[misc]
+        Expressions(9, lambda x, s=system: s.right_hand_side(np.asarray(x, np.float64)))
         for system in systems
     )
     assert compiled_steps(not_compiled, 0.25, False) is None
@@ -162,10 +143,8 @@ OPERATIONS = (
     ),
     seed=st.integers(0, 1000),
 )
-def test_any_composition_of_what_can_be_compiled(
-    choices: list[tuple[int, int, int]], seed: int
-) -> None:
-    def right_hand_side(state: FloatArray) -> FloatArray:
+def test_any_composition_of_what_can_be_compiled(choices, seed):
+    def right_hand_side(state):
         values = list(state)
         for operation, first, second in choices:
             left, right = values[first % len(values)], values[second % len(values)]
@@ -181,7 +160,7 @@ def test_any_composition_of_what_can_be_compiled(
     assert np.array_equal(integrate_observed(system, state, 0.25, 3).largest_observable, largest)
 
 
-def different_order(state: FloatArray) -> FloatArray:
+def different_order(state):
     first = 0.1 if state.dtype == object else 0.3
     return state + first + (0.4 - first)
 
@@ -203,7 +182,7 @@ NOT_COMPILED = {
 
 
 @pytest.mark.parametrize("name", NOT_COMPILED)
-def test_what_cannot_be_compiled_is_left_to_numpy(name: str) -> None:
+def test_what_cannot_be_compiled_is_left_to_numpy(name):
     system = Expressions(2, NOT_COMPILED[name])
     assert not is_compiled(system)
     state = initial_states(system, 11, 1)
@@ -214,7 +193,7 @@ def test_what_cannot_be_compiled_is_left_to_numpy(name: str) -> None:
     )
 
 
-def test_an_observable_that_cannot_be_compiled_is_left_to_numpy() -> None:
+def test_an_observable_that_cannot_be_compiled_is_left_to_numpy():
     system = Expressions(2, lambda x: -x, lambda x: np.abs(x[0]))
     assert is_compiled(system)
     assert not is_compiled(system, observed=True)
@@ -223,7 +202,7 @@ def test_an_observable_that_cannot_be_compiled_is_left_to_numpy() -> None:
     assert np.array_equal(observed.largest_observable, np.abs(state[0]))
 
 
-def test_a_system_without_a_hash_is_left_to_numpy() -> None:
+def test_a_system_without_a_hash_is_left_to_numpy():
     system = dataclasses.replace(MFE, reynolds=np.array([400.0, 500.0]))
     with pytest.raises(TypeError, match="unhashable"):
         hash(system)
@@ -234,15 +213,15 @@ def test_a_system_without_a_hash_is_left_to_numpy() -> None:
         assert np.array_equal(together[..., [index]], alone)
 
 
-def test_an_error_of_the_system_is_raised_by_numpy() -> None:
-    def fails(state: FloatArray) -> FloatArray:
+def test_an_error_of_the_system_is_raised_by_numpy():
+    def fails(state):
         raise ZeroDivisionError("of the system")
 
     with pytest.raises(ZeroDivisionError, match="of the system"):
         integrate(Expressions(2, fails), np.zeros((2, 3)), 0.25, 1)
 
 
-def test_the_largest_observable_is_undefined_once_it_was() -> None:
+def test_the_largest_observable_is_undefined_once_it_was():
     system = Expressions(1, lambda x: 0.0 * x + 1.0, lambda x: np.sqrt(x[0]))
     assert is_compiled(system, observed=True)
     with np.errstate(invalid="ignore"):
@@ -251,7 +230,7 @@ def test_the_largest_observable_is_undefined_once_it_was() -> None:
     assert observed.largest_observable[1] == np.sqrt(1.5)
 
 
-def test_the_given_state_is_left_alone_whatever_the_observable_returns() -> None:
+def test_the_given_state_is_left_alone_whatever_the_observable_returns():
     system = Expressions(1, lambda x: 0.0 * x + 1.0, lambda x: x[0])
     observed = integrate_observed(system, np.array([[0.5, 1.0]]), 0.25, 4)
     assert np.array_equal(observed.states[0], [[0.5, 1.0]])
@@ -267,12 +246,12 @@ def test_the_given_state_is_left_alone_whatever_the_observable_returns() -> None
         (np.full((4, 2), -1), "between systems 0 to 1"),
     ],
 )
-def test_bad_choices_raise(choice: FloatArray, message: str) -> None:
+def test_bad_choices_raise(choice, message):
     with pytest.raises(ValueError, match=message):
-        integrate_switched((MFE, MFE), choice, np.zeros((9, 2)), 0.25)  # type: ignore[arg-type]
+        integrate_switched((MFE, MFE), choice, np.zeros((9, 2)), 0.25)
 
 
-def test_importing_loads_no_compiler() -> None:
+def test_importing_loads_no_compiler():
     code = (
         "import sys, burstcast.systems.mfe, burstcast.systems.integration; "
         "print({'llvmlite'} & set(sys.modules))"

@@ -1,6 +1,7 @@
-"""The Runge-Kutta scheme: order, reference solutions, grouping, and what is kept."""
+"""Integration: order, reference solutions, grouping, and integrators of a system's own."""
 
 import dataclasses
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,13 +11,31 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from burstcast.arrays import FloatArray
+from burstcast.control.actuation import (
+    ActuatorShare,
+    ForcedSystem,
+    actuated_system,
+    forced_system,
+    reversed_actuation,
+)
 from burstcast.systems import integration
-from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.base import DynamicalSystem, has_own
+from burstcast.systems.compiled import compiled_steps
+from burstcast.systems.differentiation import derivative, derivative_method, jacobian
+from burstcast.systems.exponential import SemilinearSystem
+from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
+from burstcast.systems.flow_map import FlowMap
 from burstcast.systems.integration import integrate, integrate_observed
 from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.lyapunov import (
+    lyapunov_spectrum,
+    perturbation_growth,
+    tangent_flow,
+    with_perturbations,
+)
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.runge_kutta import step
+from burstcast.systems.stiff import StiffSystem
 
 MFE = MoehlisFaisstEckhardt(400.0)
 
@@ -29,23 +48,23 @@ class Quadratic(DynamicalSystem):
     observable_name: ClassVar[str] = "x"
     observable_symbol: ClassVar[str] = "x"
 
-    def right_hand_side(self, state: FloatArray) -> FloatArray:
+    def right_hand_side(self, state):
         return np.square(state)
 
-    def jacobian(self, state: FloatArray) -> FloatArray:
+    def jacobian(self, state):
         return 2.0 * state[np.newaxis]
 
-    def observable(self, state: FloatArray) -> FloatArray:
+    def observable(self, state):
         return np.array(state[0])
 
 
-def initial_states(count: int, seed: int = 1) -> FloatArray:
+def initial_states(count, seed=1):
     state = np.random.default_rng(seed).normal(0.0, 0.1, (9, count))
     state[0] += 0.5
     return state
 
 
-def reference(state: FloatArray, end: float) -> FloatArray:
+def reference(state, end):
     solution = solve_ivp(
         lambda _, a: MFE.right_hand_side(a),
         (0.0, end),
@@ -57,13 +76,13 @@ def reference(state: FloatArray, end: float) -> FloatArray:
     return np.asarray(solution.y[:, -1])
 
 
-def test_agrees_with_an_independent_integrator() -> None:
+def test_agrees_with_an_independent_integrator():
     state = initial_states(1)
     end = integrate(MFE, state, 0.25, 80)[-1, :, 0]
     np.testing.assert_allclose(end, reference(state[:, 0], 20.0), rtol=0, atol=1e-6)
 
 
-def test_fourth_order() -> None:
+def test_fourth_order():
     state = initial_states(1)
     exact = reference(state[:, 0], 16.0)
     errors = [
@@ -74,7 +93,7 @@ def test_fourth_order() -> None:
     np.testing.assert_allclose(orders, 4.0, atol=0.15)
 
 
-def test_exact_on_polynomials_of_time_and_one_step_by_hand() -> None:
+def test_exact_on_polynomials_of_time_and_one_step_by_hand():
     # dx/dt = x^2 by the tableau of the classical scheme, written out with rational numbers
     stepped = step(Quadratic(), np.array([[1.0]]), 0.5)[0, 0]
     k1 = 1.0
@@ -86,7 +105,7 @@ def test_exact_on_polynomials_of_time_and_one_step_by_hand() -> None:
 
 @settings(max_examples=25, deadline=None)
 @given(count=st.integers(1, 12), tile=st.integers(1, 5), seed=st.integers(0, 1000))
-def test_grouping_changes_no_bit(count: int, tile: int, seed: int) -> None:
+def test_grouping_changes_no_bit(count, tile, seed):
     state = initial_states(count, seed)
     own_reynolds = np.random.default_rng(seed).uniform(100.0, 2000.0, count)
     controlled = dataclasses.replace(MFE, reynolds=own_reynolds)
@@ -104,7 +123,7 @@ def test_grouping_changes_no_bit(count: int, tile: int, seed: int) -> None:
         assert controlled_together.largest_observable[index] == alone.largest_observable[0]
 
 
-def test_stride_keeps_every_so_manieth_state() -> None:
+def test_stride_keeps_every_so_manieth_state():
     state = initial_states(3)
     every = integrate(MFE, state, 0.25, 11)
     assert every.shape == (12, 9, 3)
@@ -114,7 +133,7 @@ def test_stride_keeps_every_so_manieth_state() -> None:
     assert np.array_equal(integrate(MFE, state, 0.25, 0), state[np.newaxis])
 
 
-def test_input_is_left_alone_and_may_have_any_layout() -> None:
+def test_input_is_left_alone_and_may_have_any_layout():
     state = initial_states(4)
     before = state.copy()
     result = integrate(MFE, state, 0.25, 3)
@@ -122,7 +141,7 @@ def test_input_is_left_alone_and_may_have_any_layout() -> None:
     assert np.array_equal(integrate(MFE, np.asfortranarray(state), 0.25, 3), result)
 
 
-def test_observed_drops_the_transient_and_sees_what_the_stride_misses() -> None:
+def test_observed_drops_the_transient_and_sees_what_the_stride_misses():
     system = Lorenz63()
     state = np.array([[1.0, -3.0], [1.0, 4.0], [20.0, 30.0]])
     every = integrate(system, state, 0.02, 160)
@@ -133,7 +152,7 @@ def test_observed_drops_the_transient_and_sees_what_the_stride_misses() -> None:
     assert (expected > observed.states[:, 2].max(axis=0)).all()
 
 
-def test_observed_counts_the_first_state_but_not_the_transient() -> None:
+def test_observed_counts_the_first_state_but_not_the_transient():
     falling = np.array([[-1.0, -4.0]])  # dx/dt = x^2 rises to 0, so -x falls: watch the first
     observed = integrate_observed(Quadratic(), falling, 0.01, 0)
     assert np.array_equal(observed.largest_observable, [-1.0, -4.0])
@@ -143,7 +162,7 @@ def test_observed_counts_the_first_state_but_not_the_transient() -> None:
     assert watched.largest_observable[0] == MFE.observable(watched.states[0])[0]
 
 
-def test_blow_up_raises_and_names_the_trajectory() -> None:
+def test_blow_up_raises_and_names_the_trajectory():
     state = np.array([[-1.0, -1.0, 5.0]])
     for function in (integrate, integrate_observed):
         with pytest.raises(FloatingPointError, match="trajectory 2 left the range"):
@@ -156,11 +175,11 @@ class HalfQuadratic(Quadratic):
 
     dimension: ClassVar[int] = 2
 
-    def right_hand_side(self, state: FloatArray) -> FloatArray:
+    def right_hand_side(self, state):
         return np.stack([np.square(state[0]), -state[1]])
 
 
-def test_one_component_that_blows_up_is_enough() -> None:
+def test_one_component_that_blows_up_is_enough():
     state = np.array([[-1.0, 5.0, -1.0], [1.0, 1.0, 1.0]])
     for function in (integrate, integrate_observed):
         with pytest.raises(FloatingPointError, match="trajectory 1 left the range"):
@@ -180,16 +199,350 @@ def test_one_component_that_blows_up_is_enough() -> None:
         ({"transient_steps": -1}, "transient must not be negative"),
     ],
 )
-def test_bad_arguments_raise(arguments: dict[str, object], message: str) -> None:
+def test_bad_arguments_raise(arguments, message):
     defaults = {"state": np.zeros((9, 2)), "time_step": 0.25, "steps": 4, "stride": 2}
     with pytest.raises(ValueError, match=message):
-        integrate_observed(MFE, **(defaults | arguments))  # type: ignore[arg-type]
+        integrate_observed(MFE, **(defaults | arguments))
     if "transient_steps" not in arguments:
         with pytest.raises(ValueError, match=message):
-            integrate(MFE, **(defaults | arguments))  # type: ignore[arg-type]
+            integrate(MFE, **(defaults | arguments))
 
 
-def test_parameters_of_the_wrong_size_raise() -> None:
+def test_parameters_of_the_wrong_size_raise():
     system = dataclasses.replace(MFE, reynolds=np.array([400.0, 500.0, 600.0]))
     with pytest.raises(ValueError, match="broadcast"):
         integrate(system, initial_states(2), 0.25, 1)
+
+
+# -- what is optional ------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class LorenzWithoutJacobian(DynamicalSystem):
+    dimension: ClassVar[int] = 3
+    observable_name: ClassVar[str] = "z"
+    observable_symbol: ClassVar[str] = "z"
+
+    def right_hand_side(self, state):
+        return Lorenz63().right_hand_side(state)
+
+    def observable(self, state):
+        return np.array(state[2])
+
+
+class LorenzOfRealNumbers(LorenzWithoutJacobian):
+    """Its results are put into real arrays: a complex step would find no derivative."""
+
+    def right_hand_side(self, state):
+        derivative = np.zeros(state.shape)
+        derivative[:] = Lorenz63().right_hand_side(np.real(state))
+        return derivative
+
+
+@dataclass(frozen=True)
+class Henon(FlowMap):
+    a: float = 1.4
+    b: float = 0.3
+
+    dimension: ClassVar[int] = 2
+    observable_name: ClassVar[str] = "x"
+    observable_symbol: ClassVar[str] = "x"
+
+    def flow_map(self, state, time_step):
+        new = np.empty_like(state)
+        new[0] = 1.0 - self.a * state[0] * state[0] + state[1]
+        new[1] = self.b * state[0]
+        return new
+
+    def observable(self, state):
+        return np.array(state[0])
+
+
+@dataclass(frozen=True)
+class VanDerPol(StiffSystem):
+    """Relaxation oscillations, for which an explicit scheme needs tiny steps."""
+
+    mu: float = 200.0
+
+    dimension: ClassVar[int] = 2
+    observable_name: ClassVar[str] = "x"
+    observable_symbol: ClassVar[str] = "x"
+
+    def right_hand_side(self, state):
+        x, y = state
+        return np.stack([y, self.mu * (1.0 - x * x) * y - x])
+
+    def observable(self, state):
+        return np.array(state[0])
+
+
+@dataclass(frozen=True)
+class DampedTriad(SemilinearSystem):
+    """Three modes that exchange energy, two of them damped, one strongly."""
+
+    damping: float = 400.0
+
+    dimension: ClassVar[int] = 3
+    observable_name: ClassVar[str] = "x"
+    observable_symbol: ClassVar[str] = "x"
+
+    def linear_rates(self):
+        return np.array([0.3, -1.0, -self.damping])
+
+    def nonlinear(self, state):
+        x, y, z = state
+        return np.stack([y * z - x * x * x, x * z + x, -2.0 * x * y])
+
+    def observable(self, state):
+        return np.array(state[0])
+
+
+STATES = np.random.default_rng(3).normal(0.0, 8.0, (3, 6))
+
+
+# -- without a Jacobian ----------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("system", "method", "accuracy"),
+    [
+        (LorenzWithoutJacobian(), "complex step", 1e-14),
+        (LorenzOfRealNumbers(), "finite differences", 1e-8),
+    ],
+)
+def test_the_jacobian_is_found_where_it_is_not_given(system, method, accuracy):
+    assert derivative_method(system.right_hand_side, 3) == method
+    assert not has_own(system, "jacobian")
+    expected = Lorenz63().jacobian(STATES)
+    np.testing.assert_allclose(system.jacobian(STATES), expected, atol=30 * accuracy)
+    found = jacobian(system.right_hand_side, STATES, method)
+    np.testing.assert_array_equal(found, system.jacobian(STATES))
+
+
+def test_absolute_values_are_not_differentiated_by_complex_steps():
+    def folded(state):
+        return np.asarray(np.abs(state) * state)  # its derivative is 2 abs(x)
+
+    assert derivative_method(folded, 2) == "finite differences"
+    states = np.array([[1.0, -2.0], [-0.5, 3.0]])
+    found = jacobian(folded, states, "finite differences")
+    np.testing.assert_allclose(found[0, 0], 2.0 * np.abs(states[0]), rtol=1e-8)
+    np.testing.assert_allclose(found[0, 1], 0.0, atol=1e-8)
+
+
+def test_a_derivative_along_nothing_is_nothing():
+    for method in ("complex step", "finite differences"):
+        function = Lorenz63().right_hand_side
+        assert not derivative(function, STATES, np.zeros_like(STATES), method).any()
+
+
+def test_exponents_without_a_jacobian_are_those_with_it():
+    start = integrate(Lorenz63(), STATES + np.array([[0.0], [0.0], [25.0]]), 0.01, 2000, 2000)[-1]
+    expected = lyapunov_spectrum(Lorenz63(), start, 0.01, 500, 20, 100).exponents
+    found = lyapunov_spectrum(LorenzWithoutJacobian(), start, 0.01, 500, 20, 100).exponents
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+    # chaos enlarges the errors of differences, not what they say about growth
+    found = lyapunov_spectrum(LorenzOfRealNumbers(), start, 0.01, 500, 20, 100).exponents
+    np.testing.assert_allclose(found, expected, rtol=1e-4)
+
+
+def test_states_with_perturbations_are_those_without_bit_for_bit():
+    for system in (LorenzWithoutJacobian(), LorenzOfRealNumbers(), Lorenz63()):
+        tangent = np.random.default_rng(4).normal(size=(3, 2, 6))
+        states, _ = with_perturbations(system, STATES, tangent, 0.01, 7)
+        np.testing.assert_array_equal(states, integrate(system, STATES, 0.01, 7, 7)[-1])
+
+
+def test_what_is_compiled_with_a_jacobian_is_not_without_and_as_right():
+    assert compiled_steps((tangent_flow(Lorenz63()),), 0.01, False) is not None
+    assert compiled_steps((tangent_flow(LorenzWithoutJacobian()),), 0.01, False) is None
+    assert compiled_steps((LorenzWithoutJacobian(),), 0.01, False) is not None
+
+
+# -- maps ------------------------------------------------------------------------------------------
+def test_a_map_is_iterated():
+    states = np.array([[0.1, 0.2], [0.1, 0.0]])
+    found = integrate(Henon(), states, 1.0, 6, stride=2)
+    x, y = 0.1, 0.1
+    for number in range(1, 7):
+        x, y = 1.0 - 1.4 * x * x + y, 0.3 * x
+        if number % 2 == 0:
+            np.testing.assert_allclose(found[number // 2, :, 0], [x, y], rtol=1e-13)
+    watched = integrate_observed(Henon(), states, 1.0, 6, 2)
+    np.testing.assert_array_equal(watched.states, found)
+
+
+def test_exponents_of_the_henon_map():
+    """0.4192 (Sprott, Chaos and Time-Series Analysis, 2003); the sum is log b, exactly."""
+    start = integrate(Henon(), np.random.default_rng(0).normal(0, 0.1, (2, 20)), 1.0, 100, 100)[-1]
+    spectrum = lyapunov_spectrum(Henon(), start, 1.0, 3000, 5, alignment_steps=50).exponents
+    np.testing.assert_allclose(spectrum.sum(axis=1), math.log(0.3), rtol=1e-9)
+    assert spectrum[:, 0].mean() == pytest.approx(0.4192, abs=0.005)
+    growth = perturbation_growth(
+        Henon(), start, 1.0, 3000, 1e-9, 1e-4, np.random.default_rng(1), alignment_steps=50
+    )
+    assert growth.exponents.mean() == pytest.approx(0.4192, abs=0.005)
+
+
+def test_what_needs_a_right_hand_side_says_so():
+    with pytest.raises(ValueError, match="Henon advances by a map and has no right-hand side"):
+        Henon().right_hand_side(np.zeros((2, 1)))
+    with pytest.raises(ValueError, match=r"force.*Henon has an integrator of its own"):
+        actuated_system(Henon(), {}, [0.1, 0.0])
+    assert actuated_system(Henon(), {"a": 1.2}) == Henon(a=1.2)
+
+
+# -- stiff systems ---------------------------------------------------------------------------------
+def test_a_stiff_system_against_scipy_by_another_scheme():
+    system = VanDerPol()
+    states = np.array([[2.0, -1.5], [0.0, 0.3]])
+    found = integrate(system, states, 5.0, 4, stride=2)
+    for number, start in enumerate(states.T):
+        expected = solve_ivp(
+            lambda _, y: system.right_hand_side(y),
+            (0.0, 20.0),
+            start,
+            method="BDF",
+            t_eval=[0.0, 10.0, 20.0],
+            rtol=1e-11,
+            atol=1e-13,
+        ).y
+        np.testing.assert_allclose(found[:, :, number], expected.T, rtol=1e-5, atol=1e-7)
+
+
+def test_trajectories_of_a_stiff_system_do_not_depend_on_one_another():
+    states = np.array([[2.0, -1.5, 0.4], [0.0, 0.3, 0.1]])
+    together = integrate(VanDerPol(), states, 1.0, 2)
+    for number in range(3):
+        alone = integrate(VanDerPol(), states[:, [number]], 1.0, 2)
+        np.testing.assert_array_equal(together[..., [number]], alone)
+
+
+# -- semilinear systems ----------------------------------------------------------------------------
+def errors_of(system, steps):
+    """Errors after two time units, in so many steps."""
+    start = np.array([[0.5], [0.2], [0.1]])
+    expected = solve_ivp(
+        lambda _, y: system.right_hand_side(y), (0, 2), start[:, 0], "Radau", rtol=1e-12, atol=1e-14
+    ).y[:, -1]
+    return [
+        float(np.abs(integrate(system, start, 2 / n, n, n)[-1, :, 0] - expected).max())
+        for n in steps
+    ]
+
+
+def test_the_exponential_scheme_is_of_fourth_order():
+    coarse, fine = errors_of(DampedTriad(damping=2.0), (40, 80))
+    assert coarse < 1e-6
+    assert coarse / fine == pytest.approx(16, rel=0.2)
+
+
+def test_the_exponential_scheme_bears_stiffness():
+    """Steps twenty times as long as those at which the Runge-Kutta scheme explodes."""
+    coarse, fine = errors_of(DampedTriad(damping=400.0), (20, 160))
+    assert coarse < 1e-2
+    assert fine < coarse / 20
+
+
+def test_the_exponential_scheme_is_exact_where_all_is_linear():
+    class Decay(DampedTriad):
+        def nonlinear(self, state):
+            return np.zeros_like(state)
+
+    start = np.array([[1.0], [2.0], [3.0]])
+    found = integrate(Decay(), start, 0.5, 1)[-1]
+    np.testing.assert_allclose(found[:, 0], start[:, 0] * np.exp([0.15, -0.5, -200.0]), rtol=1e-13)
+
+
+# -- a force under integrators of the system's own -------------------------------------------------
+@dataclass(frozen=True)
+class DrivenTriad(DampedTriad):
+    """The triad with a constant input to the strongly damped mode among its parameters."""
+
+    input: float = 0.0
+
+    def nonlinear(self, state):
+        x, y, z = state
+        return np.stack([y * z - x * x * x, x * z + x, -2.0 * x * y + self.input])
+
+
+def test_a_force_on_a_semilinear_system_is_the_same_input_as_a_parameter():
+    start = np.random.default_rng(6).normal(size=(3, 5))
+    forced = actuated_system(DampedTriad(), {}, [0.0, 0.0, 300.0], strength=0.5)
+    for steps in (1, 40):
+        found = integrate(forced, start, 0.02, steps, steps)
+        expected = integrate(DrivenTriad(input=150.0), start, 0.02, steps, steps)
+        np.testing.assert_array_equal(found, expected)
+    assert not np.allclose(found, integrate(DampedTriad(), start, 0.02, 40, 40), atol=0.1)
+    system, share = DampedTriad(), ActuatorShare.of(DampedTriad(), {}, [0.0, 0.0, 300.0])
+    for one in (share.system([0.5]), reversed_actuation(system, [0.0, 0.0, -300.0], 0.5)):
+        np.testing.assert_array_equal(integrate(one, start, 0.02, 40, 40), found)
+
+
+@pytest.mark.parametrize(("system", "steps"), [(DampedTriad(), 400), (VanDerPol(), 2)])
+def test_forces_on_stiff_systems_against_scipy(system, steps):
+    force = np.linspace(2.0, -1.0, system.dimension)
+    start = np.linspace(1.0, 0.2, system.dimension)
+    found, free = (
+        integrate(one, start[:, np.newaxis], 2.0 / steps, steps, steps)[-1, :, 0]
+        for one in (actuated_system(system, {}, list(force)), system)
+    )
+    expected = solve_ivp(
+        lambda _, y: system.right_hand_side(y) + force,
+        (0.0, 2.0),
+        start,
+        method="LSODA",
+        rtol=1e-10,
+        atol=1e-12,
+    ).y[:, -1]
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-7)
+    assert not np.allclose(found, free, atol=1e-3)
+
+
+def test_a_forced_stiff_system_keeps_its_scheme():
+    class Coarse(VanDerPol):
+        method = "LSODA"
+        relative_tolerance, absolute_tolerance = 1e-3, 1e-4
+
+    start = np.array([[1.0, -2.0], [0.5, 0.0]])
+    found = integrate(actuated_system(Coarse(), {}, [0.0, 0.0]), start, 0.5, 1)
+    # but for rounding: its Jacobian is found by complex steps
+    np.testing.assert_allclose(found, integrate(Coarse(), start, 0.5, 1), rtol=1e-9)
+    assert not np.allclose(found, integrate(VanDerPol(), start, 0.5, 1), rtol=1e-7)
+
+
+def test_a_force_is_refused_where_a_class_replaces_the_scheme():
+    class Frozen(DampedTriad):
+        def flow_map(self, state, time_step):
+            return state
+
+    for make in (ForcedSystem, forced_system):
+        with pytest.raises(ValueError, match="Frozen has an integrator of its own"):
+            make(Frozen(), [1.0, 0.0, 0.0])
+    with pytest.raises(ValueError, match="DampedTriad has an integrator of its own"):
+        ForcedSystem(DampedTriad(), [1.0, 0.0, 0.0])  # of the Runge-Kutta scheme
+
+
+# -- the pair of FitzHugh-Nagumo units -------------------------------------------------------------
+def test_the_equations_of_the_pair():
+    """Against the equations unit by unit."""
+    a, b, c, k = -0.025794, (0.0065, 0.0135), 0.02, 0.128
+    state = np.random.default_rng(5).normal(0.0, 0.4, (4, 5))
+    found = FitzHughNagumoPair().right_hand_side(state)
+    for i in range(2):
+        x, y, other = state[i], state[2 + i], state[1 - i]
+        np.testing.assert_allclose(found[i], x * (a - x) * (x - 1) - y + k * (other - x))
+        np.testing.assert_allclose(found[2 + i], b[i] * x - c * y)
+    assert compiled_steps((FitzHughNagumoPair(),), 0.5, True) is not None
+
+
+def test_the_pair_has_rare_large_excitations():
+    """Both units at once, to more than 0.8, as Ansmann et al. (2013) show in their figure 1."""
+    start = np.zeros((4, 32))
+    start[0] = np.linspace(0.01, 0.1, 32)
+    states = integrate(FitzHughNagumoPair(), start, 0.5, 60000, 4)[5000:]
+    mean = FitzHughNagumoPair().observable(states.transpose(1, 0, 2))
+    excited = mean > 0.6
+    assert 0.0005 < excited.mean() < 0.01
+    assert 0.8 < mean.max() < 0.9
+    between = np.sort(mean[~excited])[-len(mean) :]
+    assert np.quantile(mean, 0.99) < 0.25
+    assert between.max() < 0.6

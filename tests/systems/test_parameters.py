@@ -1,12 +1,18 @@
-"""Schedules of parameters, and integration under them."""
+"""Parameters and their schedules; observables of measured series; arithmetic expressions."""
+
+import json
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from burstcast.control.actuation import ActuatorShare, actuated_system
+from burstcast.systems.expressions import Expression
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.measured import MeasuredSeries, derives
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.parameters import (
     Parameters,
@@ -15,6 +21,7 @@ from burstcast.systems.parameters import (
     stretches,
     values_in,
 )
+from burstcast.systems.state_space import component_names, make_measured
 
 MFE = MoehlisFaisstEckhardt(400.0)
 REYNOLDS = SystemParameters.of(MFE, ["reynolds"])
@@ -164,3 +171,162 @@ def test_the_share_of_an_actuator():
 def test_what_does_not_fit_is_refused(made, message):
     with pytest.raises(ValueError, match=message):
         made()
+
+
+# -- measured series -------------------------------------------------------------------------------
+
+STATES = np.random.default_rng(1).normal(size=(3, 4, 5))
+
+
+def test_the_observable_is_a_component():
+    series = MeasuredSeries(["x", "flow rate [l/s]", "z"], "flow rate [l/s]")
+    assert (series.dimension, series.appended) == (3, False)
+    found = series.observable(STATES)
+    assert np.array_equal(found, STATES[1])
+    found[:] = 0.0
+    assert STATES[1].any()
+
+
+def test_the_observable_is_an_expression_of_components():
+    series = MeasuredSeries(["x", "y", "z"], "x**2 + y * z")
+    assert (series.dimension, series.appended) == (3, False)
+    x, y, z = STATES
+    assert np.array_equal(series.observable(STATES), x * x + y * z)
+    assert np.array_equal(series.observable(STATES[:, 0, 0]), (x * x + y * z)[0, 0])
+
+
+def test_anything_else_is_a_component_of_its_own():
+    series = MeasuredSeries(["x", "y"], "x + dissipation")
+    assert (series.dimension, series.appended) == (3, True)
+    assert series.component_names == ("x", "y", "x + dissipation")
+    assert np.array_equal(series.observable(STATES), STATES[2])
+
+
+def test_what_it_is_called():
+    assert MeasuredSeries(["q"], "q").observable_symbol == "q"
+    assert MeasuredSeries(["q_1"], "q_1").observable_symbol == r"\mathrm{q\_1}"
+    assert MeasuredSeries(["q"], "-glucose").observable_symbol == r"-\mathrm{glucose}"
+    assert MeasuredSeries(["q"], "q**2").observable_symbol == r"\mathrm{observable}"
+    assert MeasuredSeries(["q"], "exp(q)", "discharge").observable_symbol == r"\mathrm{discharge}"
+    named = MeasuredSeries(["q"], "-q", "depth", "d")
+    assert (named.observable_name, named.observable_symbol) == ("depth", "d")
+
+
+def test_from_what_settings_say():
+    said = {"components": ["x", "y"], "observable_of": "x"}
+    made = make_measured(json.loads(json.dumps(said)))
+    assert made == MeasuredSeries(("x", "y"), "x")
+
+
+def test_an_observable_that_means_nothing():
+    with pytest.raises(ValueError, match="is no arithmetic expression"):
+        derives(["x"], "flow rate [l/s]")
+
+
+def test_names_of_the_components_of_systems():
+    assert component_names(Lorenz63()) == ("x", "y", "z")
+    assert component_names(MoehlisFaisstEckhardt(400.0))[::8] == ("a1", "a9")
+    assert component_names(MeasuredSeries(["b"], "b")) == ("b",)
+
+
+# -- expressions -----------------------------------------------------------------------------------
+
+LEAVES = st.sampled_from(["u", "v", "w_2", "1", "0.5", "3e-1"])
+
+
+def joined(parts):
+    binary = st.tuples(parts, st.sampled_from(["+", "-", "*", "/"]), parts).map(
+        lambda found: f"({found[0]} {found[1]} {found[2]})"
+    )
+    power = st.tuples(parts, st.sampled_from(["2", "3"])).map(lambda x: f"({x[0]})**{x[1]}")
+    called = st.tuples(st.sampled_from(["sqrt", "abs", "exp", "log"]), parts).map(
+        lambda found: f"{found[0]}({found[1]})"
+    )
+    return binary | power | called | parts.map(lambda part: f"(-{part})")
+
+
+TEXTS = st.recursive(LEAVES, joined, max_leaves=8).map(lambda text: f"u + {text}")
+
+
+@given(TEXTS)
+def test_values_are_those_of_python(text):
+    generator = np.random.default_rng(3)
+    values = {name: generator.uniform(0.5, 1.5, (2, 5)) for name in ("u", "v", "w_2")}
+    functions = {"sqrt": np.sqrt, "abs": np.abs, "exp": np.exp, "log": np.log}
+    with np.errstate(all="ignore"):
+        expected = eval(text, {"__builtins__": {}}, {**values, **functions})
+        found = Expression(text)(values)
+    np.testing.assert_allclose(found, expected, rtol=1e-12, equal_nan=True)
+
+
+@given(TEXTS)
+def test_each_index_by_itself(text):
+    generator = np.random.default_rng(4)
+    values = {name: generator.uniform(0.5, 1.5, 37) for name in ("u", "v", "w_2")}
+    whole = Expression(text)(values)
+    for part in (slice(0, 1), slice(5, 12), slice(None, None, 3)):
+        alone = Expression(text)({name: value[part] for name, value in values.items()})
+        np.testing.assert_array_equal(alone, whole[part])
+
+
+def test_names_in_the_order_of_their_first_use():
+    assert Expression("b * (a + b) - sqrt(c)").names == ("b", "a", "c")
+
+
+def test_kinetic_energy_to_the_last_bit():
+    states = np.random.default_rng(5).normal(size=(9, 40, 3))
+    text = "0.5 * (" + " + ".join(f"a{i}**2" for i in range(1, 10)) + ")"
+    found = Expression(text)({f"a{i}": states[i - 1] for i in range(1, 10)})
+    assert np.array_equal(found, MoehlisFaisstEckhardt(400.0).observable(states))
+
+
+def test_whole_powers_are_products_to_the_last_bit():
+    u = np.random.default_rng(6).normal(size=3000)
+    product = u.copy()
+    for exponent in range(2, 16):
+        product = product * u
+        assert np.array_equal(Expression(f"u**{exponent}")({"u": u}), product)
+    for exponent in (0, 0.5, 16):
+        found = Expression(f"abs(u)**{exponent}")({"u": u})
+        np.testing.assert_allclose(found, np.abs(u) ** exponent, rtol=1e-14)
+
+
+def test_no_value_is_nan():
+    assert np.isnan(Expression("sqrt(u)")({"u": np.array([-1.0])})).all()
+
+
+def test_the_result_is_an_array_of_its_own():
+    values = {"u": np.ones(3)}
+    found = Expression("u")(values)
+    found[:] = 0.0
+    assert values["u"].all()
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        ("", "is no arithmetic expression"),
+        ("u +", "is no arithmetic expression"),
+        ("u = 3", "is no arithmetic expression"),
+        ("3 + 4", "names no quantity"),
+        ("__import__('os').system('true')", "is not understood"),
+        ("u.real", "u.real is not understood"),
+        ("u[0]", "is not understood"),
+        ("u if v else w", "is not understood"),
+        ("u < v", "is not understood"),
+        ("u // v", "is not understood"),
+        ("u % v", "is not understood"),
+        ("u and v", "is not understood"),
+        ("u + 'text'", "'text' is not understood"),
+        ("u + True", "True is not understood"),
+        ("u * 1j", "1j is not understood"),
+        ("sin(u)", r"sin\(u\) is not understood"),
+        ("sqrt(u, v)", "is not understood"),
+        ("sqrt(*u)", "is not understood"),
+        ("sqrt + u", "sqrt is a function"),
+        ("(lambda: u)()", "is not understood"),
+    ],
+)
+def test_nothing_else_is_understood(text, part):
+    with pytest.raises(ValueError, match=part):
+        Expression(text)

@@ -1,3 +1,5 @@
+"""Grids, the Bayesian search, and the choice among points that the objective cannot tell apart."""
+
 import itertools
 import math
 
@@ -5,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import stats
 from skopt.learning import GaussianProcessRegressor
 
 from burstcast.tuning import network_search
@@ -12,6 +15,8 @@ from burstcast.tuning.hyperparameters import HyperparameterPoint, SearchSpace, S
 from burstcast.tuning.scan import Evaluation, scan
 from burstcast.tuning.search import bayesian_search
 from burstcast.tuning.strategies.registry import make_strategy
+from burstcast.tuning.survival import as_good_as_the_best, nearest_escape_rate
+from burstcast.tuning.uncertainty import objective_uncertainty
 from burstcast.tuning.validation import Validation
 
 PAPER = SearchSpace(spectral_radius=(0.1, 1.0), input_scaling=(0.1, 10.0))
@@ -199,3 +204,85 @@ def test_the_surrogate_has_the_settings_that_it_is_given(monkeypatch):
     assert [one["random_state"] for one in made] == [1, 10, 10]
     assert paths[1] == paths[2]
     assert paths[0] == search(points=2)
+
+
+# -- standard errors of objectives -----------------------------------------------------------------
+
+SHARED = np.random.default_rng(1).normal(size=40)
+"""What the intervals do to all points alike."""
+OWN = 0.1 * np.random.default_rng(2).normal(size=(3, 40))
+LOG_ERRORS = np.array([[0.2], [0.0], [1.0]]) + SHARED + OWN
+
+
+def test_standard_errors_are_those_of_scipy():
+    found = objective_uncertainty(LOG_ERRORS)
+    np.testing.assert_allclose(found.standard_error, stats.sem(LOG_ERRORS, axis=1), rtol=1e-12)
+
+
+@pytest.mark.parametrize("point", [0, 2])
+def test_differences_are_those_of_a_paired_test(point):
+    found = objective_uncertainty(LOG_ERRORS)
+    paired = stats.ttest_rel(LOG_ERRORS[point], LOG_ERRORS[1])
+    assert found.excess[point] / found.paired_standard_error[point] == pytest.approx(
+        paired.statistic, rel=1e-10
+    )
+
+
+def test_the_best_has_no_excess_and_what_is_shared_cancels():
+    found = objective_uncertainty(LOG_ERRORS)
+    assert int(np.argmin(LOG_ERRORS.mean(axis=1))) == 1
+    assert (found.excess[1], found.paired_standard_error[1]) == (0, 0)
+    assert np.all(found.excess >= 0)
+    assert np.all(found.paired_standard_error < 0.3 * found.standard_error)
+
+
+def test_one_interval_says_nothing_about_its_error():
+    found = objective_uncertainty(LOG_ERRORS[:, :1])
+    best = int(np.argmin(LOG_ERRORS[:, 0]))
+    for point in range(3):
+        assert math.isnan(found.standard_error[point])
+        assert math.isnan(found.paired_standard_error[point]) == (point != best)
+
+
+def test_a_search_without_points_is_refused():
+    with pytest.raises(ValueError, match="no point"):
+        objective_uncertainty(np.empty((0, 5)))
+
+
+# -- the choice by escape rates --------------------------------------------------------------------
+
+
+@given(st.integers(0, 1000), st.integers(1, 12), st.integers(2, 9))
+def test_the_best_is_as_good_as_itself_and_far_points_are_not(seed, points, intervals):
+    generator = np.random.default_rng(seed)
+    log_errors = generator.normal(-5, 1, (points, intervals))
+    log_errors[-1] = log_errors[0] + 10.0 + 0.01 * generator.random(intervals)
+    found = objective_uncertainty(log_errors)
+    good = as_good_as_the_best(found.excess, found.paired_standard_error)
+    best = int(log_errors.mean(axis=1).argmin())
+    assert good[best]
+    if points > 1:
+        assert not good[-1]
+    for row in range(points):
+        if row != best:
+            # one standard error of the mean of the paired differences
+            difference = log_errors[row] - log_errors[best]
+            error = difference.std(ddof=1) / np.sqrt(intervals)
+            assert good[row] == (difference.mean() <= error)
+
+
+def test_with_a_single_interval_only_the_best_is_left():
+    found = objective_uncertainty(np.array([[-5.0], [-5.1], [-5.1]]))
+    good = as_good_as_the_best(found.excess, found.paired_standard_error)
+    assert good.tolist() == [False, True, False]
+
+
+def test_the_nearest_rate_is_taken_the_first_of_equals():
+    assert nearest_escape_rate(np.array([3.0, 1.0, 1.9]), 2.0) == 2
+    assert nearest_escape_rate(np.array([3.0, 1.0]), 2.0) == 0
+    assert nearest_escape_rate(np.array([np.nan, 9.0]), 2.0) == 1
+    # without any rate, or anything to compare with, it is the best objective, which comes first
+    assert nearest_escape_rate(np.array([np.nan, np.nan]), 2.0) == 0
+    assert nearest_escape_rate(np.array([3.0, 1.0]), np.nan) == 0
+    with pytest.raises(ValueError, match="no point"):
+        nearest_escape_rate(np.empty(0), 1.0)

@@ -1,0 +1,552 @@
+"""Records and measured columns: what is taken, regular times, gaps that cut, and every message."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import scipy.io
+from hypothesis import given
+from hypothesis import strategies as st
+
+from burstcast.data.frames import from_dataframe, from_xarray
+from burstcast.data.measured_data import (
+    Blocks,
+    Quantity,
+    Run,
+    check_varying,
+    code_of_gaps,
+    kept_series,
+    series_of_runs,
+)
+from burstcast.data.records import (
+    check_regular,
+    long_runs,
+    needed_columns,
+    problems_of_columns,
+    recorded_series,
+    runs_without_gaps,
+)
+from burstcast.data.series_files import read_runs
+from burstcast.data.times import time_step_of
+from burstcast.systems.measured import MeasuredSeries
+
+NAN = float("nan")
+STEP = 5.0
+
+
+def record(time, **columns):
+    columns = {name: np.array(values, dtype=float) for name, values in columns.items()}
+    return Run("a.csv", {"time": np.array(time, dtype=float), **columns})
+
+
+def listed(runs, name="u"):
+    return [run.columns[name].tolist() for run in runs]
+
+
+def test_a_regular_record_stays_as_it_is():
+    values = np.random.default_rng(1).normal(size=500)
+    time = 1000.3 + 5 * np.arange(500)
+    (run,) = runs_without_gaps(record(time, u=values), STEP)
+    assert np.array_equal(run.columns["u"], values)
+    np.testing.assert_allclose(run.columns["time"], time, rtol=1e-15)
+    assert run.name == "a.csv, rows 1 to 500"
+
+
+def test_missing_rows_and_empty_cells_cut():
+    found = runs_without_gaps(
+        record([0, 5, 10, 20, 25, 30, 35], u=[1, 2, 3, 4, 5, NAN, 7], v=[1] * 7), STEP
+    )
+    assert listed(found) == [[1, 2, 3], [4, 5], [7]]
+    names = ["a.csv, rows 1 to 3", "a.csv, rows 4 to 5", "a.csv, rows 7 to 7"]
+    assert [run.name for run in found] == names
+    # the same of a column without times, where no row is missing
+    assert listed(runs_without_gaps(Run("a.nc", {"u": np.array([1, 2, NAN, 4])}), STEP)) == [
+        [1, 2],
+        [4],
+    ]
+
+
+def test_times_off_the_grid_begin_another_run():
+    # a sensor that was started again two minutes later, two rows at one place, a clock that drifts
+    for time, expected in (
+        ([0, 5, 12, 17], [[1, 2], [3, 4]]),
+        ([0, 5.4, 9.6, 15.3], [[1, 2, 3, 4]]),
+        ([0, 5, 5.2, 10], [[1, 2], [3, 4]]),
+        (np.cumsum(np.full(7, 5.2)), [[1, 2, 3], [4, 5, 6], [7]]),
+    ):
+        assert listed(runs_without_gaps(record(time, u=np.arange(len(time)) + 1), STEP)) == expected
+    drift = np.cumsum(np.full(2000, 5.002))
+    lengths = [run.length for run in runs_without_gaps(record(drift, u=drift), STEP)]
+    assert sum(lengths) == 2000
+    assert set(lengths[:-1]) <= {250, 251}  # a tenth of a step
+
+
+@given(
+    steps=st.lists(st.sampled_from([1, 1, 1, 2, 3]), min_size=1, max_size=40),
+    holes=st.sets(st.integers(0, 40)),
+    jitter=st.lists(st.floats(-0.04, 0.04), min_size=41, max_size=41),
+)
+def test_against_brute_force(steps, holes, jitter):
+    place = np.cumsum([0, *steps])
+    values = np.where([row in holes for row in range(len(place))], NAN, 2.0 * place)
+    time = STEP * (place + np.array(jitter[: len(place)]))
+    found = runs_without_gaps(record(time, u=values), STEP)
+    runs: list[list[float]] = []
+    last = None
+    for one, value in zip(place, values, strict=True):
+        if np.isnan(value):
+            continue
+        if last is None or one - last > 1:
+            runs.append([])
+        runs[-1].append(value)
+        last = one
+    assert listed(found) == runs
+
+
+@pytest.mark.parametrize(
+    ("time", "values", "message"),
+    [
+        ([0, 5, 5], [1, 2, 3], r"a.csv, row 3: column 'time' stays at the time of row 2; times"),
+        ([0, 60, 5], [1, 2, 3], r"row 3: column 'time' goes back by 55 from the time of row 2"),
+        ([10, 5, 0], [1, 2, 3], r"a.csv: the record is in falling order, the newest row first"),
+        ([0, NAN, 5], [1, 2, 3], r"a.csv, row 2: column 'time' has no time; each row needs one"),
+        ([0, 5, 10], [1, np.inf, 3], r"a.csv, row 2: 'u' is infinite; write nan for gaps"),
+    ],
+)
+def test_clocks_that_jump_are_refused(time, values, message):
+    with pytest.raises(ValueError, match=message):
+        runs_without_gaps(record(time, u=values), STEP)
+    if np.isfinite(values).all():
+        with pytest.raises(ValueError, match=message):
+            check_regular(record(time, u=values), STEP)
+
+
+def test_regular_times():
+    time = 1e4 + 0.02 * np.arange(1000)
+    check_regular(record(time), 0.02)
+    check_regular(record([f"{value:.4f}" for value in time]), 0.02)
+    check_regular(record(1.7e9 + 0.02 * np.arange(1000)), 0.02)  # seconds since 1970
+    check_regular(record(time + 0.0015 * np.sin(np.arange(1000))), 0.02)
+    with pytest.raises(ValueError, match=r"row 2: .* goes on by 0.02 .* step is 0.01, and the me"):
+        check_regular(record(time), 0.01)
+    with pytest.raises(ValueError, match=r"row 401: column 'time' goes on by 0\.04 from row 400"):
+        check_regular(record(np.delete(time, 400 - 0)[:999]), 0.02)
+    with pytest.raises(ValueError, match=r"mean step of the record 0.0201: cut records at their"):
+        check_regular(record(np.arange(1000) * 0.0201), 0.02)  # it would drift by five rows
+
+
+def test_short_parts_are_left_out_and_told():
+    parts = runs_without_gaps(record([0, 5, 10, 20, 25], u=[1, 2, 3, 4, 5]), STEP)
+    found, left_out = long_runs(parts, 3)
+    assert listed(found) == [[1, 2, 3]]
+    assert left_out == (
+        "gaps leave 2 parts of the record; 1 of them, with 2 of 5 rows, are shorter than a block "
+        "of 3 and left out; the first is a.csv, rows 4 to 5"
+    )
+    with pytest.raises(ValueError, match=r"as a block .* takes, 4: the longest of 2 has 3"):
+        long_runs(parts, 4)
+    with pytest.raises(ValueError, match="there are none"):
+        long_runs([], 2)
+
+
+@pytest.mark.parametrize(
+    ("given", "step"),
+    [(0.02, (0.02, None)), ("5 minutes", (5, "minute")), ("0.5 hours", (0.5, "hour"))],
+)
+def test_time_steps(given, step):
+    assert time_step_of(given) == step
+
+
+@pytest.mark.parametrize("given", ["5 months", "1 year", "day", "0 days", "-1 day", "1e3 seconds"])
+def test_no_time_steps(given):
+    with pytest.raises(ValueError, match="is no time step: write a number above 0, or one with"):
+        time_step_of(given)
+
+
+# -- from files and tables to series ---------------------------------------------------------------
+DATA = {
+    "components": ["u"],
+    "known": ["twice = 2 * rain"],
+    "observable": "u",
+    "time_step": "1 day",
+    "gaps": "cut",
+    "blocks": {"duration": 4, "gap": 1},
+}
+SPACE = MeasuredSeries(("u",), "u")
+
+
+def write(path, lost=(), **columns):
+    days = pd.date_range("2020-01-01", periods=30, name="time").strftime("%Y-%m-%d")
+    table = pd.DataFrame({"u": np.arange(30.0), "rain": np.arange(30) % 4.0} | columns, index=days)
+    table.drop(index=days[list(lost)]).to_csv(path)
+    return str(path)
+
+
+def test_known_columns_are_cut_with_the_record(tmp_path):
+    """Gaps of a known column cut the record; its values stay beside those of their rows."""
+    rain = np.arange(30) % 4.0
+    rain[11] = NAN
+    path = write(tmp_path / "a.csv", rain=rain)
+    found = recorded_series([path], DATA, SPACE)
+    assert found.states[:, 0, 0].tolist() == [0, 5, 12, 17, 22]
+    np.testing.assert_array_equal(found.known[..., 0], 2 * (found.states[..., 0] % 4))
+    assert found.start.tolist() == [18262, 18267, 18274, 18279, 18284]  # days since 1970
+    with pytest.raises(ValueError, match=r"column 'rain' has no number in row 12 of 30"):
+        recorded_series([path], {**DATA, "gaps": None}, SPACE)
+
+
+@pytest.mark.parametrize(
+    ("columns", "lost", "changes", "message"),
+    [
+        ({}, [7], {"gaps": None}, r"a\.csv, row 8: column 'time' goes on by 2 from row 7"),
+        ({}, [], {"time_step": "2 days"}, "no rows without a gap between them are as many as"),
+        ({"u": np.full(30, 3.5)}, [], {}, "the component 'u' is 3.5 in all of the series of"),
+        ({"u": [99, *np.arange(28) / 30, 99]}, [], {}, r"'u' has the value 99 in 2 rows.*\[99"),
+        ({}, [], {"components": ["w"]}, r"a\.csv: there is no column 'w'; the columns are u, rain"),
+    ],
+)  # fmt: skip
+def test_records_with_mistakes(tmp_path, columns, lost, changes, message):
+    path = write(tmp_path / "a.csv", lost, **columns)
+    with pytest.raises(ValueError, match=message):
+        recorded_series([path], {**DATA, **changes}, SPACE)
+
+
+def test_a_table_without_times(tmp_path):
+    (tmp_path / "a.csv").write_text("date,u,rain\n2020-01-01,1,2\n")
+    with pytest.raises(ValueError, match=r"a\.csv has no column 'time'; its columns are date, u,"):
+        recorded_series([str(tmp_path / "a.csv")], DATA, SPACE)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"known": ["rhoo"]}, "known: there is no column 'rhoo' (did you mean 'rho'?)"),
+        ({"known": ["x"]}, "known has x, which forecasters see and forecast as a component"),
+        ({"known": ["mine = z"]}, "known has mine = z, which forecasters see"),
+        ({"known": ["x = rho"]}, "known has x = rho, which forecasters see"),
+        ({"known": ["r = rho", "r = 2 * rho"]}, "known has r twice"),
+        ({"known": ["rho", "x + rho"]}, None),
+    ],
+)
+def test_mistakes_in_known_columns(changes, message):
+    data = {"components": ["x", "y"], "observable": "z", **changes}
+    found = list(problems_of_columns(data, ["x", "y", "z", "rho"]))
+    assert len(found) == (message is not None)
+    assert message is None or found[0].startswith(message), found
+
+
+def test_all_mistakes_are_told():
+    data = {"components": ["x"], "observable": "z", "known": ["rhoo", "x", "rho", "rho", "sigma"]}
+    found = list(problems_of_columns(data, ["x", "y", "z", "rho"]))
+    assert [re.split(r" \(|,|;", one)[0] for one in found] == [
+        "known: there is no column 'rhoo'",
+        "known has x",
+        "known has rho twice",
+        "known: there is no column 'sigma'",
+    ]
+
+
+def test_a_table_of_pandas_is_what_its_file_is(tmp_path):
+    path = write(tmp_path / "a.csv", lost=[10])
+    table = pd.read_csv(path, parse_dates=["time"])
+    for frame in (table, table.set_index("time"), table.convert_dtypes()):
+        found = from_dataframe(frame, "1 day", ["u"], block=4, gap=1, cut_gaps=True)
+        assert np.array_equal(found, recorded_series([path], DATA, SPACE).states)
+    with pytest.raises(ValueError, match="the table, row 11: column 'time' goes on by 2"):
+        from_dataframe(table, "1 day", ["u"])
+    with pytest.raises(ValueError, match="the table has no column 'time'; its columns are u, rain"):
+        from_dataframe(table[["u", "rain"]], "1 day")
+    with pytest.raises(ValueError, match="'time' has dates, but the time step has no unit"):
+        from_dataframe(table, 1, ["u"])
+    with pytest.raises(ValueError, match="cut_gaps needs block"):
+        from_dataframe(table, "1 day", ["u"], cut_gaps=True)
+
+
+def test_arrays_of_xarray():
+    xarray = pytest.importorskip("xarray")
+    states = np.random.default_rng(0).normal(size=(2, 50, 3))
+    time = 0.5 * np.arange(50)
+    array = xarray.DataArray(states, dims=("series", "time", "component"), coords={"time": time})
+    assert np.array_equal(from_xarray(array.transpose("time", "component", "series")), states)
+    assert np.array_equal(from_xarray(array[1]), states[1:])
+    assert np.array_equal(from_xarray(array.to_dataset("component")), states)
+    with pytest.raises(ValueError, match="the record is in falling order"):
+        from_xarray(array.isel(time=slice(None, None, -1)))
+    with pytest.raises(ValueError, match="goes on by 1 from row 7"):
+        from_xarray(array.drop_isel(time=7))
+    with pytest.raises(ValueError, match=r"must have the dimensions series, time.*\.rename"):
+        from_xarray(array.rename(component="rig"))
+
+
+# -- from columns to series ------------------------------------------------------------------------
+
+GENERATOR = np.random.default_rng(1)
+
+
+def run(name="run_1.csv", length=20, **columns):
+    found = {key: GENERATOR.normal(size=length) for key in ("u", "v", "flow rate [l/s]")}
+    return Run(name, {**found, **columns})
+
+
+def series(runs, components, observable, blocks=None):
+    quantities = [Quantity(text) for text in components]
+    space = MeasuredSeries([one.name for one in quantities], observable)
+    return series_of_runs(runs, space, quantities, blocks)
+
+
+def test_columns_expressions_and_names():
+    runs = [run("a"), run("b")]
+    found = series(runs, ["v", "u2 = u**2", "q = flow rate [l/s]", "u - v"], "v")
+    for states, one in zip(found, runs, strict=True):
+        u, v, q = one.columns.values()
+        np.testing.assert_array_equal(states, np.stack([v, u * u, q, u - v], axis=1))
+
+
+def test_an_observable_that_is_none_of_the_components_comes_last():
+    one = run()
+    found = series([one], ["u"], "u * v")
+    np.testing.assert_array_equal(found[0, :, 1], one.columns["u"] * one.columns["v"])
+    # an expression of components is none of its own
+    assert series([one], ["u", "v"], "u * v").shape == (1, 20, 2)
+
+
+@given(length=st.integers(5, 200), samples=st.integers(2, 60), gap=st.integers(1, 30))
+def test_blocks_lie_end_to_end_with_gaps(length, samples, gap):
+    one = Run("a", {"u": np.arange(length) + 1.0})
+    if length < samples:
+        with pytest.raises(ValueError, match=f"a has {length} rows, but a block .* {samples}"):
+            series([one], ["u"], "u", Blocks(samples, gap))
+        return
+    found = series([one], ["u"], "u", Blocks(samples, gap))[:, :, 0]
+    # brute force: row by row
+    rows, expected = list(range(1, length + 1)), []
+    while len(rows) >= samples:
+        expected.append(rows[:samples])
+        rows = rows[samples - 1 + gap :]
+    assert found.tolist() == expected
+    assert len(set(found.flat)) == found.size  # no sample twice
+
+
+def test_runs_of_unequal_length_are_cut():
+    runs = [run("a", 11), run("b", 30)]
+    assert series(runs, ["u"], "u", Blocks(5, 2)).shape == (2 + 5, 5, 1)
+    with pytest.raises(ValueError, match=r"a has 11 rows, b 30; .*data\.blocks"):
+        series(runs, ["u"], "u")
+
+
+def test_blocks_in_time_units():
+    assert Blocks.of(10.0, 2.0, 0.5) == Blocks(21, 4)
+    assert Blocks.of(0.3, 0.0, 0.1) == Blocks(4, 1)
+    assert Blocks.of(1.0, 0.25, 0.1) == Blocks(11, 3)  # at least the gap
+
+
+@pytest.mark.parametrize(
+    ("columns", "components", "observable", "message"),
+    [
+        ({}, ["w"], "u", "run_1.csv: there is no column 'w'.*the columns are u, v, flow rate"),
+        ({}, ["u", "vv"], "u", "no column 'vv' .did you mean 'v'"),
+        ({}, ["u"], "u + w", "run_1.csv: there is no column 'w'"),
+        ({}, ["u", "w = a b"], "u", "no column 'a b', and 'a b' is no arithmetic expression"),
+        (
+            {"u": np.array([0.0, 1, np.nan, 2, np.nan])},
+            ["u"],
+            "u",
+            r"run_1.csv: column 'u' has no number in row 3 of 5 \(2 such rows in all\)",
+        ),
+        ({"u": np.array([0.0, 1, -np.inf])}, ["u"], "u", "'u' is infinite in row 3 of 3"),
+        (
+            {"u": np.array([1.0, -1, 2])},
+            ["r = sqrt(u)"],
+            "r",
+            "run_1.csv: the component 'r' has no number in row 2 of 3",
+        ),
+    ],
+)
+def test_mistakes(columns, components, observable, message):
+    length = len(next(iter(columns.values()), np.empty(20)))
+    with pytest.raises(ValueError, match=message):
+        series([run(length=length, **columns)], components, observable)
+
+
+@pytest.mark.parametrize(
+    ("values", "error", "message"),
+    [
+        (np.ma.masked_greater(np.arange(20.0), 17), ValueError, r"\[18\] is \(2 in all\)"),
+        (np.full(20, 9.969209968386869e36), ValueError, "has no number in row 1 of 20"),
+        (np.arange(20) * 1j, TypeError, "real numbers, not of complex128"),
+        (np.arange(20).astype(str), TypeError, "real numbers, not of <U2"),
+    ],
+)
+def test_columns_without_real_numbers(values, error, message):
+    with pytest.raises(error, match=rf"run_1\.csv: column 'u' .*{message}"):
+        series([run(u=values)], ["u"], "u")
+
+
+def test_micro_signs():
+    """Python takes the sign and the Greek letter for one name; files do not."""
+    micro, greek = "\N{MICRO SIGN}", "\N{GREEK SMALL LETTER MU}"
+    both = run(**{greek: np.arange(20.0)}, **{micro: np.arange(1.0, 21)})
+    assert np.array_equal(series([both], [f"2 * {micro}"], micro)[0, :, 0], np.arange(2.0, 42, 2))
+    assert MeasuredSeries([micro], f"2 * {micro}").dimension == 1
+    alike = r"run_1\.csv: there is no column .* is written with other characters: copy it"
+    for text in (greek, f"2 * {greek}"):
+        with pytest.raises(ValueError, match=alike):
+            series([run(**{micro: np.arange(20.0)})], [text], text)
+
+
+def test_constant_components():
+    series = np.stack([np.zeros((5, 2)), np.ones((5, 2))])
+    check_varying(series, ["u", "v"], "the series")  # constant in each of them, not in all
+    series[..., 1] = 3.5
+    with pytest.raises(ValueError, match=r"component 'v' is 3\.5 in all of the training series"):
+        check_varying(series, ["u", "v"], "the training series")
+
+
+@pytest.mark.parametrize(
+    ("code", "times", "found"),
+    [
+        (99.0, 20, True),
+        (-999.99, 2, True),
+        (9999, 3, True),
+        (99.0, 1, False),  # it does not repeat
+        (98.0, 20, False),  # it is not written as codes are
+        (9.0, 20, False),  # nor far away
+        (0.0, 200, False),  # a rain gauge
+    ],
+)
+def test_codes_for_missing_numbers(code, times, found):
+    values = np.append(1.5 + 0.8 * np.sin(np.arange(500) / 40), np.full(times, code))
+    assert code_of_gaps(values) == (code if found else None)
+
+
+def test_no_codes_among_few_values():
+    assert code_of_gaps(np.array([0.0, 99, 0, 99])) is None  # two states of a switch
+    assert code_of_gaps(np.full(3, np.nan)) is None
+
+
+def test_gaps_in_columns_that_nobody_asks_for():
+    assert series([run(v=np.full(20, np.nan))], ["u"], "u").shape == (1, 20, 1)
+
+
+def test_series_beyond_the_laminarisation_threshold():
+    observable = np.array([[-3.0, -2, -3], [-3, -3, -3], [0, -3, 0]])
+    index, lifetimes = kept_series(observable, -2.5)
+    assert index.tolist() == [1]
+    assert lifetimes.tolist() == [1, 2, 0]
+    index, lifetimes = kept_series(observable, None)
+    assert (index.tolist(), lifetimes.tolist()) == ([0, 1, 2], [2, 2, 2])
+    with pytest.raises(ValueError, match="all 3 series exceed laminarisation_threshold, -4"):
+        kept_series(observable, -4)
+
+
+# -- docs/data_recipes.md as it is written ---------------------------------------------------------
+
+PAGE = Path(__file__).parents[2] / "docs" / "data_recipes.md"
+RECIPES = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+HOURS = pd.date_range("2021-03-27", periods=48, freq="h", tz="UTC")
+
+
+def recipe(beginning):
+    """The only recipe whose first line begins so."""
+    (found,) = [one for one in RECIPES if one.startswith(f"# {beginning}")]
+    return found
+
+
+def berlin(path):
+    local = HOURS.tz_convert("Europe/Berlin").tz_localize(None)
+    pd.DataFrame({"time": local, "u": range(48)}).to_csv(path / "raw.csv", index=False)
+
+
+def daily(path):
+    days = pd.date_range("2010-01-01", periods=1500)
+    angle = 2 * np.pi * np.arange(1500) / 365.2425
+    heat = 3 + 2 * np.cos(angle) + np.where(np.arange(1500) < 1000, 0.0, 5.0)
+    pd.DataFrame({"time": days, "heat": heat}).to_csv(path / "raw.csv", index=False)
+
+
+def gaps(path):
+    values = np.arange(20.0)
+    values[[3, 8, 9, 10, 11, 15, 16, 17]] = np.nan
+    pd.DataFrame({"time": range(20), "u": values}).to_csv(path / "raw.csv", index=False)
+
+
+def buoy(path):
+    rows = [f"2019 08 01 {hour:02d} {99 if hour == 3 else 1.5:5.2f}" for hour in range(6)]
+    (path / "raw.txt").write_text("\n".join(["YY MM DD hh WVHT", *rows]))
+
+
+def text(name, content):
+    return lambda path: (path / name).write_text(content, encoding="utf-8")
+
+
+def parts(path):
+    (path / "raw_1.csv").write_text("time,u\n0,1\n1,2\n")
+    (path / "raw_2.csv").write_text("time,u\n2,3\n")
+
+
+def labelled(path):
+    (path / "raw.csv").write_text("run,time,u\nb,0,1\nb,1,2\na,0,3\na,1,4\n")
+
+
+def matlab(path):
+    scipy.io.savemat(path / "raw.mat", {"data": [[1, 2], [3, 4]], "t": [0, 1]})
+
+
+def realisations(path):
+    np.save(path / "raw.npy", [[[1.0, 2], [3, 4]]])
+
+
+TWO = {"u": [1, 3], "v": [2, 4]}
+MINUTES = "time,u\n2020-01-01T00:00,1\n2020-01-01T00:06,2\n2020-01-01T00:15,4\n"
+NEWEST = ",u\n2009-08-02,1\n2009-08-01,2\n"
+CASES = [
+    ("raw.txt: blanks", text("raw.txt", "0 1 2\n1 3 4\n"), "lab.csv", 1, TWO),
+    ("raw.csv: Zeit", text("raw.csv", "Zeit;Höhe\n0;1,5\n1;2\n"), "lab.csv", 1, {"Höhe": [1.5, 2]}),
+    ("raw.dat:", text("raw.dat", "# u v\n1 2\n3 4\n"), "lab.csv", 0.02, TWO),
+    ("raw.txt: YY", buoy, "lab.csv", "1 hour", {"WVHT": [1.5, 1.5, 1.5, NAN, 1.5, 1.5]}),
+    (
+        "raw.csv: month",
+        text("raw.csv", "month,u\n1749-12,1\n1750-01,2\n"),
+        "lab.csv",
+        1,
+        {"u": [1, 2]},
+    ),
+    ("raw.csv: the first", text("raw.csv", NEWEST), "lab.csv", "1 day", {"u": [2, 1]}),
+    ("raw.csv: times of a clock", berlin, "lab.csv", "1 hour", {"u": range(48)}),
+    ("raw.csv: every 5", text("raw.csv", MINUTES), "lab.csv", "5 minutes", {"u": [1, 2, 3, 4]}),
+    ("raw.csv: gaps", gaps, "lab.csv", 1, {"u": [*range(8), *[NAN] * 4, *range(12, 20)]}),
+    ("raw_1.csv", parts, "lab.csv", 1, {"u": [1, 2, 3]}),
+    ("raw.csv: a column run", labelled, "run_a.csv", 1, {"u": [3, 4]}),
+    ("raw.csv: daily", daily, "lab.csv", "1 day", {"heat": [*[0] * 1000, *[5] * 500]}),
+    ("raw.mat", matlab, "lab.csv", 1, TWO),
+    ("many", realisations, "lab.nc", 0.02, TWO),
+]
+
+
+@pytest.mark.parametrize(("beginning", "prepare", "file", "step", "expected"), CASES)
+def test_a_recipe(tmp_path, monkeypatch, beginning, prepare, file, step, expected):
+    if beginning == "many":
+        pytest.importorskip("xarray")
+    monkeypatch.chdir(tmp_path)
+    prepare(tmp_path)
+    exec(recipe(beginning), {})
+    names = needed_columns(file, [Quantity(name) for name in expected])
+    (run,) = read_runs(file, names, time_step_of(step)[1])
+    check_regular(run, time_step_of(step)[0])
+    for name, values in expected.items():
+        np.testing.assert_allclose(run.columns[name], list(values), atol=1e-9)
+
+
+def test_in_a_notebook(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    table = pd.DataFrame({"time": HOURS, "u": np.arange(48.0), "v": np.arange(48.0) ** 2})
+    table.drop(index=22).to_csv("raw.csv", index=False)
+    found = {}
+    exec(recipe("raw.csv: hourly"), found)
+    np.testing.assert_array_equal(found["series"][:, :, 0], [np.arange(23, 48)])
+
+
+def test_every_recipe_is_run():
+    assert len(RECIPES) == len(CASES) + 1

@@ -1,0 +1,342 @@
+"""Training series: other choices of them, under schedules, with factors of parameters."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import scipy.stats
+from hypothesis import given
+from hypothesis import strategies as st
+from sklearn.preprocessing import PolynomialFeatures
+
+from burstcast.data.parameter_factors import ParameterFactors
+from burstcast.data.scheduled_series import (
+    RandomActuation,
+    ScheduledSeries,
+    TrainingSet,
+    joined,
+    scheduled_variables,
+    simulated_series,
+)
+from burstcast.data.training_realisations import (
+    DRAWS,
+    draw_training_series,
+    rows_of_drawn_series,
+    rows_of_realisation,
+    trained_first,
+    variance_components,
+)
+from burstcast.systems.integration import integrate
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.parameters import SystemParameters, integrate_scheduled
+
+
+@given(st.integers(1, 6), st.integers(0, 5), st.integers(0, 30))
+def test_choices_share_no_series_and_leave_the_others_where_they_are(training, count, between):
+    kept = training * (count + 1) + between
+    chosen = [rows_of_realisation(kept, training, number) for number in range(count + 1)]
+    np.testing.assert_array_equal(chosen[0], np.arange(kept))
+    trained = np.concatenate([rows[:training] for rows in chosen])
+    assert len(set(trained.tolist())) == len(trained)
+    for rows in chosen:
+        assert sorted(rows.tolist()) == list(range(kept))
+        middle = slice(training, training + between)
+        np.testing.assert_array_equal(rows[middle], np.arange(kept)[middle])
+
+
+def test_an_ensemble_that_is_too_small_is_refused():
+    with pytest.raises(ValueError, match="29 series are too few for 3 choices of 10"):
+        rows_of_realisation(29, 10, 2)
+
+
+@given(st.data())
+def test_chosen_series_come_first_and_the_others_stay(data):
+    kept = data.draw(st.integers(4, 30))
+    training = data.draw(st.integers(1, kept // 2))
+    chosen = np.array(data.draw(st.permutations(range(kept))))[:training]
+    rows = trained_first(kept, chosen)
+    assert rows[:training].tolist() == chosen.tolist()
+    assert sorted(rows.tolist()) == list(range(kept))
+    for row in set(range(training, kept)) - set(chosen.tolist()):
+        assert rows[row] == row
+
+
+def drawn(shares, candidates, training, wanted, seed=0):
+    generators = [np.random.default_rng([seed, number]) for number in range(len(wanted))]
+    return draw_training_series(shares, candidates, training, wanted, generators)
+
+
+@given(st.integers(0, 100))
+def test_drawn_sets_share_no_series_and_leave_out_the_test_series(seed):
+    shares = np.random.default_rng(seed).beta(2, 12, size=80)
+    candidates = np.delete(np.arange(80), np.s_[5:45])
+    sets = drawn(shares, candidates, 5, [0.1, 0.2, 0.1], seed)
+    together = np.concatenate(sets)
+    assert len(set(together.tolist())) == 15
+    assert set(together.tolist()) <= set(candidates.tolist())
+    # what is asked for later changes no earlier choice
+    np.testing.assert_array_equal(drawn(shares, candidates, 5, [0.1], seed)[0], sets[0])
+
+
+def test_a_drawn_set_is_the_nearest_of_many_and_random_otherwise():
+    generator = np.random.default_rng(3)
+    shares = generator.beta(2, 12, size=300)
+    spread = shares.std() / np.sqrt(10)
+    for wanted in (shares.mean(), shares.mean() + 1.5 * spread):
+        (rows,) = drawn(shares, np.arange(300), 10, [wanted])
+        # 1000 sets, of which some lie within a hundredth of the spread of their means
+        assert abs(shares[rows].mean() - wanted) < 0.05 * spread
+    # without a wish that can be met, the order of the series is that of chance
+    first = [drawn(shares, np.arange(300), 10, [0.143], seed)[0] for seed in range(200)]
+    counts = np.bincount(np.concatenate(first), minlength=300)
+    assert scipy.stats.chisquare(counts).pvalue > 1e-3
+    assert abs(np.mean([rows[0] for rows in first]) - 149.5) < 4 * 300 / np.sqrt(12 * 200)
+
+
+def test_the_nearest_set_is_found_by_hand():
+    shares, generator = np.array([0.1, 0.5, 0.2, 0.9]), np.random.default_rng(5)
+    order = generator.random((DRAWS, 4)).argsort(axis=1)[:, :2]
+    assert {0.15} < {round(float(shares[one].mean()), 6) for one in order}
+    (rows,) = drawn_by(shares, 0.14, 5)
+    assert sorted(rows.tolist()) == [0, 2]
+
+
+def drawn_by(shares, wanted, seed):
+    return draw_training_series(shares, np.arange(4), 2, [wanted], [np.random.default_rng(seed)])
+
+
+def test_too_few_series_to_draw_from_are_refused():
+    with pytest.raises(ValueError, match="29 series are too few for 3 choices of 10"):
+        drawn(np.zeros(29), np.arange(29), 10, [0.1] * 3)
+
+
+@given(st.integers(0, 1000), st.integers(2, 6), st.integers(2, 5))
+def test_components_are_those_of_the_analysis_of_variance(seed, groups, members):
+    generator = np.random.default_rng(seed)
+    values = generator.normal(size=(groups, members)) + generator.normal(size=(groups, 1))
+    found = variance_components(list(values))
+    within = values.var(axis=1, ddof=1).mean()
+    assert found.within == pytest.approx(np.sqrt(within))
+    # scipy's F is the ratio of the mean squares
+    mean_square = scipy.stats.f_oneway(*values).statistic * within
+    expected = max(0.0, (mean_square - within) / members)
+    assert found.between == pytest.approx(np.sqrt(expected), abs=1e-9)
+    assert found.mean == pytest.approx(values.mean())
+    assert (found.groups, found.values) == (groups, groups * members)
+
+
+def test_known_components_are_found():
+    generator = np.random.default_rng(0)
+    sizes = generator.integers(2, 6, size=3000)
+    groups = [3.0 * generator.normal() + 0.5 * generator.normal(size=size) for size in sizes]
+    found = variance_components(groups)
+    assert found.between == pytest.approx(3.0, rel=0.05)
+    assert found.within == pytest.approx(0.5, rel=0.05)
+
+
+def test_what_is_not_known_is_not_told():
+    single = variance_components([np.array([1.0]), np.array([3.0]), np.empty(0)])
+    assert single.between == pytest.approx(np.sqrt(2.0))
+    assert np.isnan(single.within)
+    assert (single.groups, single.values) == (2, 2)
+    alone = variance_components([np.array([1.0, 2.0])])
+    assert np.isnan(alone.between)
+    assert alone.within == pytest.approx(np.sqrt(0.5))
+    assert variance_components([]).groups == 0
+
+
+def test_drawn_series_come_first_and_held_ones_stay():
+    shares = np.random.default_rng(2).beta(2, 12, size=60)
+    generators = [np.random.default_rng([7, number]) for number in range(2)]
+    rows = rows_of_drawn_series(shares, 4, 30, ["all", 0.2], generators)
+    assert sorted(rows.tolist()) == list(range(60))
+    np.testing.assert_array_equal(rows[4:34], np.arange(4, 34))
+    candidates = [*range(4), *range(34, 60)]
+    first = drawn(shares, np.array(candidates), 4, [shares.mean()], 7)[0]
+    # the last choice, of 1000 sets of what the first one leaves
+    assert not {*first.tolist()} & {*rows[:4].tolist()}
+    assert abs(shares[rows[:4]].mean() - 0.2) < 0.01
+
+
+# -- under schedules -------------------------------------------------------------------------------
+
+MFE = MoehlisFaisstEckhardt(400.0)
+REYNOLDS = SystemParameters.of(MFE, ["reynolds"])
+
+
+def stretch_lengths(acting):
+    """Lengths of the stretches on and off that neither begin nor end a series."""
+    lengths = {True: [], False: []}
+    for row in acting:
+        edges = np.flatnonzero(row[1:] != row[:-1]) + 1
+        for start, stop in pairwise(edges):
+            lengths[bool(row[start])].append(stop - start)
+    return np.array(lengths[True]), np.array(lengths[False])
+
+
+def test_stretches_have_their_mean_lengths_in_whole_intervals():
+    acting = RandomActuation(15, 3.0, 9.0).draw(40, 15 * 2000, np.random.default_rng(1))
+    on, off = (found / 15 for found in stretch_lengths(acting))
+    assert (on == on.astype(int)).all()
+    assert on.mean() == pytest.approx(3.0, abs=5 * 2.5 / np.sqrt(len(on)))
+    assert off.mean() == pytest.approx(9.0, abs=5 * 8.5 / np.sqrt(len(off)))
+    # geometric: a stretch of one interval has the probability 1 / mean
+    assert (on == 1).mean() == pytest.approx(1 / 3, abs=0.02)
+    assert acting.mean() == pytest.approx(0.25, abs=0.01)
+    many = RandomActuation(15, 3.0, 9.0).draw(4000, 15, np.random.default_rng(2))
+    assert many[:, 0].mean() == pytest.approx(0.25, abs=0.03)
+
+
+def test_more_series_begin_with_the_same_ones():
+    actuation = RandomActuation(4, 2.0, 3.0)
+    few = actuation.draw(3, 50, np.random.default_rng(7))
+    more = actuation.draw(8, 50, np.random.default_rng(7))
+    assert few.shape == (3, 50)
+    assert np.array_equal(more[:3], few)
+
+
+def test_series_are_those_of_integration_and_the_first_that_do_not_laminarise():
+    start = np.array([1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0])[:, np.newaxis]
+    perturbed = start + 0.01 * np.random.default_rng(2).random((9, 12))
+    perturbed = integrate(MFE, perturbed, 0.25, 2400, 2400)[-1]
+    perturbed[:, [1, 4]] = 0.0
+    perturbed[0, [1, 4]] = 1.0  # laminar from the first
+    acting = RandomActuation(15, 3.0, 9.0).draw(12, 300, np.random.default_rng(3))
+    schedules = np.where(acting, 2000.0, 400.0)[:, :, np.newaxis]
+    settings = {"time_step": 0.25, "sampling_stride": 4, "laminarisation_threshold": 0.48}
+    found, rows = simulated_series(REYNOLDS, MFE, perturbed, schedules, 5, **settings)
+    together = integrate_scheduled(REYNOLDS, schedules.transpose(1, 2, 0), perturbed, 0.25, 4)
+    every = integrate_scheduled(
+        REYNOLDS, np.repeat(schedules.transpose(1, 2, 0), 4, axis=0), perturbed, 0.25
+    )
+    quiet = (MFE.observable(every.transpose(1, 0, 2)) <= 0.48).all(axis=0)
+    assert rows.tolist() == np.flatnonzero(quiet)[:5].tolist()
+    assert 1 not in rows
+    assert np.array_equal(found.states, together[:, :, rows].transpose(2, 0, 1))
+    assert np.array_equal(found.schedules, schedules[rows])
+    # as many as are left are enough, one more is not
+    left = int(quiet.sum())
+    _, rows = simulated_series(REYNOLDS, MFE, perturbed, schedules, left, **settings)
+    assert rows.tolist() == np.flatnonzero(quiet).tolist()
+    with pytest.raises(ValueError, match=rf"^{left} of 12 flows .* but {left + 1} are wanted"):
+        simulated_series(REYNOLDS, MFE, perturbed, schedules, left + 1, **settings)
+    with pytest.raises(ValueError, match=r"but 12 are wanted: give more initial states"):
+        simulated_series(REYNOLDS, MFE, perturbed, schedules, 12, **settings)
+
+
+def test_series_of_several_cases_are_joined_with_their_values():
+    start = 0.1 * np.random.default_rng(1).normal(size=(9, 2))
+    parts = [
+        ScheduledSeries.constant(
+            integrate(MoehlisFaisstEckhardt(value), start, 0.25, 40, 4).transpose(2, 0, 1), [value]
+        )
+        for value in (400.0, 1000.0)
+    ]
+    together = joined(parts)
+    assert together.states.shape == (4, 11, 9)
+    assert together.schedules[:, :, 0].tolist() == [[400.0] * 10] * 2 + [[1000.0] * 10] * 2
+    for row in range(4):
+        values = together.schedules[row][:, :, np.newaxis]
+        expected = integrate_scheduled(REYNOLDS, values, start[:, [row % 2]], 0.25, 4)
+        assert np.array_equal(together.states[row], expected[:, :, 0])
+
+
+def test_what_does_not_fit_is_refused():
+    states = np.zeros((2, 10, 3))
+    with pytest.raises(ValueError, match=r"shape \(2, 9, parameters\)"):
+        ScheduledSeries(states, np.ones((2, 10, 1)))
+    one, two = (ScheduledSeries.constant(states[:, :length], [1.0]) for length in (10, 9))
+    with pytest.raises(ValueError, match="the same length, components and parameters"):
+        joined([one, two])
+    with pytest.raises(ValueError, match=r"mean_on must be 1 at least, not 0\.5"):
+        RandomActuation(5, 0.5, 3.0)
+
+
+def test_series_of_several_cases_take_turns():
+    """Case 0 has two series, case 1 three; the numbers say which is which."""
+
+    def part(case, count):
+        numbers = np.array([10.0 * case + one for one in range(count)])
+        states = np.tile(numbers[:, np.newaxis, np.newaxis], (1, 4, 2))
+        true = ScheduledSeries.constant(states, [float(case)])
+        return {name: one.data for name, one in scheduled_variables(true, states + 0.5).items()}
+
+    parts = [part(0, 2), part(1, 3)]
+    found = TrainingSet.of_parts(parts, own=1)
+    assert found.true.states[:, 0, 0].tolist() == [0, 10, 1, 11, 12]
+    assert found.observed.states[:, 3, 1].tolist() == [0.5, 10.5, 1.5, 11.5, 12.5]
+    assert found.schedules[:, 2, 0].tolist() == [0, 1, 0, 1, 1]
+    assert found.own_rows == [1, 3, 4]
+    assert TrainingSet.of_parts(parts, own=0).own_rows == [0, 2]
+    assert TrainingSet.of_parts(parts, own=None).own_rows == []
+
+
+# -- factors of parameters -------------------------------------------------------------------------
+
+VALUES = np.array([[400.0], [600.0], [1000.0], [400.0]])
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_factors_are_monomials_of_scaled_inverses(degree):
+    factors = ParameterFactors.of(["reynolds"], VALUES, "inverse", degree)
+    inverse = 1 / VALUES
+    scaled = (inverse - (1 / 400 + 1 / 1000) / 2) / ((1 / 400 - 1 / 1000) / 2)
+    expected = PolynomialFeatures(degree, include_bias=False).fit_transform(scaled)
+    np.testing.assert_allclose(factors(VALUES), expected, rtol=1e-12, atol=1e-12)
+    assert factors.count == degree
+
+
+def test_several_parameters_have_products():
+    values = np.random.default_rng(1).uniform(1, 2, (20, 2))
+    factors = ParameterFactors.of(["a", "b"], values, "identity", 2)
+    low, high = values.min(axis=0), values.max(axis=0)
+    scaled = (values - (low + high) / 2) / ((high - low) / 2)
+    expected = PolynomialFeatures(2, include_bias=False).fit_transform(scaled)
+    np.testing.assert_allclose(factors(values), expected, rtol=1e-12, atol=1e-12)
+
+
+def test_a_schedule_has_factors_in_its_own_layout():
+    factors = ParameterFactors.of(["reynolds"], VALUES, "inverse", 2)
+    schedule = np.random.default_rng(2).uniform(400, 1000, (5, 1, 3))
+    found = factors.of_schedule(schedule)
+    assert found.shape == (5, 2, 3)
+    assert np.array_equal(found[3, :, 1], factors(schedule[3, :, 1]))
+
+
+def test_a_parameter_that_is_constant_in_training_has_no_factor():
+    one = ParameterFactors.of(["reynolds"], np.full((7, 1), 400.0), "inverse", 2)
+    assert one.count == 0
+    assert one(np.full((3, 1), 400.0)).shape == (3, 0)
+    two = np.column_stack([np.full(4, 5.0), np.arange(4.0)])
+    factors = ParameterFactors.of(["a", "b"], two, "identity", 1)
+    assert factors(two).tolist() == [[-1.0], [pytest.approx(-1 / 3)], [pytest.approx(1 / 3)], [1.0]]
+
+
+def test_extrapolation_is_told_with_the_range():
+    factors = ParameterFactors.of(["reynolds"], VALUES, "inverse", 1)
+    with pytest.warns(UserWarning, match=r"reynolds = 2000 lies outside .* 400 to 1000"):
+        found = factors(np.array([[2000.0]]))
+    assert found[0, 0] == pytest.approx(-1.0 - 2 * (1 / 1000 - 1 / 2000) / (1 / 400 - 1 / 1000))
+    assert factors.outside(VALUES) is None
+
+
+@pytest.mark.parametrize(
+    ("values", "transform", "degree", "message"),
+    [
+        (VALUES, "logarithm", 1, "unknown transform"),
+        (VALUES, "inverse", 0, "must be 1 at least"),
+        (VALUES - 600.0, "inverse", 1, "have no inverse in between"),
+    ],
+)
+def test_what_cannot_be_scaled_is_refused(values, transform, degree, message):
+    with pytest.raises(ValueError, match=message):
+        ParameterFactors.of(["reynolds"], values, transform, degree)
+
+
+def test_a_value_without_an_inverse_is_refused():
+    factors = ParameterFactors.of(["reynolds"], VALUES, "inverse", 1)
+    with (
+        pytest.warns(UserWarning, match="outside"),
+        pytest.raises(ValueError, match="has no inverse"),
+    ):
+        factors(np.zeros((1, 1)))

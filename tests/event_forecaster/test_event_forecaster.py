@@ -1,0 +1,521 @@
+"""The library's face in a notebook: `burstcast.EventForecaster`."""
+
+import subprocess
+import sys
+
+import netCDF4
+import numpy as np
+import pandas as pd
+import pytest
+import sklearn.base
+from numpy.testing import assert_array_equal
+
+import burstcast
+from burstcast.data.delay_coordinates import delay_coordinates
+from burstcast.event_forecaster.series_layout import as_series
+from burstcast.forecast.classification import ratio
+from burstcast.forecasters._options import options_of_kind
+from burstcast.forecasters.registry import trajectory_kinds
+from burstcast.statistics.neighbour_divergence import neighbour_divergence
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
+
+LYAPUNOV_TIME = 1 / 0.9056
+SMALL = {
+    "observable": 0,
+    "event_threshold": 12.0,
+    "prediction_times": (0.5, 1.0),
+    "lyapunov_time": LYAPUNOV_TIME,
+    "sampling_interval": 0.02,
+    "members": 3,
+    "neurons": 60,
+    "grid": 2,
+    "bayesian_points": 1,
+    "options": {"backend": "scipy"},
+}
+
+
+def lorenz(series, steps, seed):
+    start = np.array([[1.0, 1.0, 20.0]] * series).T
+    start += np.random.default_rng(seed).uniform(-5, 5, start.shape)
+    states = integrate(Lorenz63(), start, 0.01, 2 * steps + 1000, stride=2)
+    return states[501:].transpose(2, 0, 1)
+
+
+@pytest.fixture(scope="module")
+def training():
+    return lorenz(4, 900, 1)
+
+
+@pytest.fixture(scope="module")
+def test_series():
+    return lorenz(5, 800, 2)
+
+
+@pytest.fixture(scope="module")
+def fitted(training):
+    return burstcast.EventForecaster(**SMALL).fit(training)
+
+
+# -- habits ----------------------------------------------------------------------------------------
+def test_the_constructor_only_stores(training):
+    threshold = {"quantile": 0.9}
+    forecaster = burstcast.EventForecaster(2, threshold, neurons=-5, kind="none")
+    parameters = forecaster.get_params()
+    assert parameters["event_threshold"] is threshold
+    assert (parameters["observable"], parameters["neurons"], parameters["kind"]) == (2, -5, "none")
+    assert set(vars(forecaster)) == set(parameters)
+
+
+def test_the_defaults():
+    assert burstcast.EventForecaster().get_params() == {
+        **{"observable": 0, "event_threshold": {"quantile": 0.95}, "prediction_times": (1.0,)},
+        **{"window": 1.0, "lyapunov_time": None, "sampling_interval": 1.0, "washout": 0.5},
+        **{"kind": "esn", "members": 10, "neurons": 500, "validation": "RV"},
+        **{"validation_interval": 2.0, "validation_series": None, "intervals_per_series": None},
+        **{"spectral_radius": (0.1, 1.0), "input_scaling": (0.1, 10.0), "grid": 4},
+        **{"tikhonov": (1e-6, 1e-9, 1e-12), "bayesian_points": 9, "calibrate": True},
+        **{"prior_forecasts": 30.0, "calibration_spacing": 0.25, "start_spacing": 1.0},
+        **{"noise": 0.0, "sampling_stride": 1, "options": None, "random_seed": 0, "case": "series"},
+    }
+
+
+def test_parameters_are_set_by_name():
+    forecaster = burstcast.EventForecaster(neurons=50)
+    assert forecaster.set_params(neurons=70, members=2) is forecaster
+    assert (forecaster.neurons, forecaster.members) == (70, 2)
+    with pytest.raises(ValueError, match=r"no parameter 'neuron' \(did you mean 'neurons'\?\)"):
+        forecaster.set_params(members=3, neuron=1)
+    assert forecaster.members == 2
+
+
+def test_scikit_learn_clones_it(fitted):
+    copy = sklearn.base.clone(fitted)
+    assert copy.get_params() == fitted.get_params()
+    assert not hasattr(copy, "members_")
+
+
+def test_its_repr_is_short(fitted):
+    assert repr(burstcast.EventForecaster()) == "EventForecaster()"
+    assert repr(burstcast.EventForecaster(neurons=70, kind="esn")) == "EventForecaster(neurons=70)"
+
+
+# -- the layout ------------------------------------------------------------------------------------
+class FakeArray:
+    """What an array of xarray has of it."""
+
+    def __init__(self, data, dims):
+        self.data, self.dims = data, dims
+
+    def transpose(self, *names):
+        axes = [self.dims.index(name) for name in names]
+        return FakeArray(self.data.transpose(axes), names)
+
+    def to_numpy(self):
+        return self.data
+
+
+def test_dimensions_of_xarray_are_found_by_their_names():
+    data = np.arange(24.0).reshape(2, 3, 4)
+    array = FakeArray(data.transpose(1, 2, 0), ("time", "component", "series"))
+    assert_array_equal(as_series(array), data)
+
+
+def test_times_of_xarray_must_rise():
+    array = FakeArray(np.arange(24.0).reshape(2, 3, 4), ("series", "time", "component"))
+    array.coords = {"time": np.array([0.0, 0.1, 0.2])}
+    assert as_series(array).shape == (2, 3, 4)
+    array.coords = {"time": np.array([0.2, 0.1, 0.0])}
+    with pytest.raises(ValueError, match="the coordinate time must rise"):
+        as_series(array)
+
+
+def test_tables_of_nullable_types():
+    frame = pd.DataFrame(np.arange(12.0).reshape(4, 3)).convert_dtypes()
+    assert_array_equal(as_series([frame, frame])[1], np.arange(12.0).reshape(4, 3))
+    frame.iloc[1, 2] = pd.NA
+    with pytest.raises(ValueError, match="series 1 is nan at step 1, component 2"):
+        as_series([frame.fillna(0), frame])
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (np.zeros((5, 3)), r"not \(5, 3\): a single series is series\[np.newaxis\]"),
+        (np.zeros(5), r"must be \(series, time, component\), not \(5,\)"),
+        (np.zeros((0, 5, 3)), "empty"),
+        (np.array([[[0.0], [np.nan]]]), "series 0 is nan at step 1, component 0"),
+        (FakeArray(np.zeros((1, 2, 3)), ("run", "time", "component")), "not run, time, component"),
+    ],
+)
+def test_other_layouts_are_refused(data, message):
+    with pytest.raises(ValueError, match=message):
+        as_series(data)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        [[["1.5"]]],
+        np.full((1, 2, 3), 1 + 0j),
+        np.full((1, 2, 3), 1.0, dtype=object),
+        np.zeros((1, 2, 3), "M8[s]"),
+        [[[1.0], [2.0, 3.0]]],
+        type("Set", (), {"data_vars": ()})(),
+    ],
+)
+def test_what_is_no_array_of_numbers_is_refused(data):
+    with pytest.raises(TypeError, match=r"must consist of real numbers|has several variables"):
+        as_series(data)
+
+
+NOT_WRITTEN = 9.969209968386869e36
+"""What netCDF stores where nothing was written, which lies below the masks of netCDF4."""
+
+
+@pytest.mark.parametrize(
+    "convert", [np.ma.asarray, list, lambda data: [list(series) for series in data], np.asarray]
+)
+def test_masked_series_are_refused(convert, fitted):
+    """Of `list`, masked arrays in lists; of `asarray`, what numpy's functions leave of a mask."""
+    data = np.ma.array(lorenz(2, 300, 3))
+    assert_array_equal(as_series(convert(data)), data.data)
+    data[1, 290, 2] = np.ma.masked
+    data.data[1, 290, 2] = NOT_WRITTEN
+    message = r"\[1, 290, 2\] is \(1 in all\)|series 1 is 9.96921e\+36 at step 290, component 2"
+    for call in (as_series, fitted.fit, fitted.predict, fitted.forecast, fitted.scores):
+        with pytest.raises(ValueError, match=message):
+            call(convert(data))
+
+
+@pytest.mark.parametrize("value", [1j, np.ma.masked, "1.0"])
+def test_an_observable_must_be_a_real_number(value, training):
+    def observable(states):
+        found = np.ma.array(states[..., 0], dtype=type(value) if value == 1j else object)
+        found[...] = value
+        return found if value is not np.ma.masked else np.ma.masked_all(found.shape)
+
+    with pytest.raises(
+        (TypeError, ValueError), match=r"the observable must (not be masked|consist)"
+    ):
+        burstcast.EventForecaster(**{**SMALL, "observable": observable}).fit(training)
+
+
+@pytest.mark.parametrize("function", [delay_coordinates, neighbour_divergence])
+@pytest.mark.parametrize("data", [np.ma.masked_all((2, 9, 1)), np.ones((2, 9, 1), complex)])
+def test_functions_for_notebooks_refuse_the_same(function, data):
+    others = {delay_coordinates: ([1],), neighbour_divergence: (0.1, np.random.default_rng(0))}
+    more = {"resamples": 9, "confidence": 0.9} if function is neighbour_divergence else {}
+    with pytest.raises(
+        (TypeError, ValueError), match=r"the series must (not be masked|consist of)"
+    ):
+        function(data, *others[function], **more)
+
+
+# -- forecasts and probabilities -------------------------------------------------------------------
+def test_forecasts_begin_after_the_present(fitted, test_series):
+    forecast = fitted.forecast(test_series[:, :300], duration=0.2)
+    assert forecast.shape == (3, 5, 11, 3)
+    # the networks are good enough for one step
+    error = np.abs(forecast[:, :, 0] - test_series[:, 300]).max()
+    assert error < np.abs(forecast[:, :, 0] - test_series[:, 299]).max()
+    assert error < 1.0
+
+
+def test_only_the_washout_counts(fitted, test_series):
+    washout = int(0.5 * LYAPUNOV_TIME / 0.02)
+    whole = fitted.predict_proba(test_series[:, :300])
+    assert_array_equal(whole, fitted.predict_proba(test_series[:, 300 - washout : 300]))
+    with pytest.raises(ValueError, match=f"takes {washout} samples, the series have {washout - 1}"):
+        fitted.predict_proba(test_series[:, : washout - 1])
+
+
+def test_probabilities_are_those_of_votes_calibrated(fitted, test_series):
+    seen = test_series[:, :300]
+    for time in (0.5, 1.0):
+        start, end = (int(duration * LYAPUNOV_TIME / 0.02) for duration in (time, time + 1))
+        value = fitted.forecast(seen)[..., 0]
+        before, after = value[:, :, start - 1], value[:, :, start - 1 : end].max(axis=2)
+        votes = ((before < 12) & (after >= 12)).mean(axis=0)
+        alarm = fitted.alarms_[time]
+        probability = np.interp(votes, alarm.calibration.values, alarm.calibration.probabilities)
+        found = fitted.predict_proba(seen, time)
+        np.testing.assert_allclose(found[:, 1], probability, rtol=1e-12)
+        np.testing.assert_allclose(found.sum(axis=1), 1, rtol=1e-15)
+        assert_array_equal(fitted.predict(seen, time), probability >= alarm.threshold)
+    assert_array_equal(fitted.classes_, [False, True])
+
+
+def test_scores_are_those_of_alarms_counted_one_by_one(fitted, test_series):
+    unit, washout = int(LYAPUNOV_TIME / 0.02), int(0.5 * LYAPUNOV_TIME / 0.02)
+    start, end = unit // 2, int(1.5 * LYAPUNOV_TIME / 0.02)
+    reach = 2 * unit  # the end of the last window
+    hits = alarms = events = forecasts = 0
+    for series in test_series:
+        for now in range(washout - 1, len(series) - reach, unit):
+            if series[now - washout + 1 : now + 1, 0].max() >= 12:
+                continue
+            window = series[now + start : now + end + 1, 0]
+            event = window[0] < 12 <= window.max()
+            alarm = fitted.predict(series[np.newaxis, : now + 1])[0]
+            forecasts, events, alarms = forecasts + 1, events + event, alarms + alarm
+            hits += event and alarm
+    scores = fitted.scores(test_series)
+    assert 5 < events < forecasts
+    assert (scores["forecasts"], scores["events"]) == (forecasts, events)
+    assert scores["recall"] == pytest.approx(hits / events)
+    assert scores["precision"] == pytest.approx(float(ratio(hits, alarms)), nan_ok=True)
+    assert fitted.score(test_series) == pytest.approx(2 * hits / (alarms + events))
+
+
+def test_a_quantile_is_that_of_the_training_series(training):
+    forecaster = burstcast.EventForecaster(
+        **{**SMALL, "event_threshold": {"quantile": 0.8}, "kind": "analogues", "options": None}
+    ).fit(training)
+    assert forecaster.event_threshold_ == np.quantile(training[..., 0], 0.8)
+
+
+@pytest.mark.parametrize(("kind", "sees_truth"), [("quadratic", False), ("equations", True)])
+def test_noise_is_added_to_what_is_observed(kind, sees_truth, training, test_series):
+    settings = {**SMALL, "observable": Lorenz63(), "kind": kind, "options": None}
+    settings |= {"event_threshold": {"quantile": 0.9}, "calibrate": False, "sampling_stride": 2}
+    plain, noisy = (
+        burstcast.EventForecaster(**settings, noise=noise)
+        .fit(training)
+        .forecast(test_series[:, :200])
+        for noise in (0.0, 0.1)
+    )
+    assert np.array_equal(plain, noisy) == sees_truth
+
+
+def test_options_are_laid_over_the_defaults_of_the_kind(training):
+    options = {"connectivity": 3, "input_bias": 1, "backend": "scipy"}
+    settings = {**SMALL, "members": 1, "options": options}
+    (member,) = burstcast.EventForecaster(**settings).fit(training).members_
+    reservoir = member.network.dynamics.reservoir
+    assert 2 < reservoir.recurrent.nnz / 60 < 4
+    assert reservoir.input_bias == 1
+    assert member.divergence_bound == options_of_kind("esn")["divergence_bound"]
+
+
+def test_an_observable_is_a_component_a_function_or_a_system(training, test_series):
+    settings = {**SMALL, "kind": "analogues", "options": None, "event_threshold": {"quantile": 0.9}}
+    system = Lorenz63()
+    results = [
+        burstcast.EventForecaster(**{**settings, "observable": observable})
+        .fit(training)
+        .predict_proba(test_series[:, :200])
+        for observable in (lambda states: system.observable(np.moveaxis(states, -1, 0)), system)
+    ]
+    assert_array_equal(*results)
+    with pytest.raises(ValueError, match=r"must make \(\.\.\.\) of states \(\.\.\., component\)"):
+        burstcast.EventForecaster(**{**settings, "observable": lambda states: states[0]}).fit(
+            training
+        )
+
+
+@pytest.mark.parametrize("kind", sorted(set(trajectory_kinds()) - {"esn"}))
+def test_any_kind_of_forecaster(kind, training, test_series):
+    system = Lorenz63() if kind.startswith("equations") else 0
+    settings = {**SMALL, "observable": system, "kind": kind, "options": None}
+    settings |= {"event_threshold": {"quantile": 0.9}, "noise": 0.01, "sampling_stride": 2}
+    forecaster = burstcast.EventForecaster(**settings).fit(training)
+    assert len(repr(forecaster.members_[0])) < 300  # a notebook shows it
+    probability = forecaster.predict_proba(test_series[:, :200])[:, 1]
+    assert probability.shape == (5,)
+    assert ((probability >= 0) & (probability <= 1)).all()
+    if kind.startswith("equations"):
+        with pytest.raises(ValueError, match="measured series have no equations"):
+            burstcast.EventForecaster(**{**settings, "observable": 0}).fit(training)
+
+
+def test_durations_are_in_samples_without_a_lyapunov_time(training, fitted):
+    unit = int(LYAPUNOV_TIME / 0.02)
+    names = ("washout", "window", "validation_interval", "calibration_spacing", "start_spacing")
+    default = burstcast.EventForecaster().get_params()
+    in_samples = {name: int(default[name] * LYAPUNOV_TIME / 0.02) for name in names}
+    times = tuple(int(time * LYAPUNOV_TIME / 0.02) for time in (0.5, 1.0))
+    settings = {**SMALL, "lyapunov_time": None, "prediction_times": times, **in_samples}
+    found = burstcast.EventForecaster(**settings).fit(training)
+    assert unit == 55
+    for one, other in zip(found.members_, fitted.members_, strict=True):
+        assert_array_equal(one.network.readout.weights, other.network.readout.weights)
+
+
+# -- files -----------------------------------------------------------------------------------------
+@pytest.mark.parametrize("kind", ["esn", "quadratic_filtered", "analogues"])
+def test_a_saved_forecaster_forecasts_the_same_bits(kind, training, test_series, fitted, tmp_path):
+    forecaster = fitted
+    if kind != "esn":
+        settings = {**SMALL, "kind": kind, "options": None}
+        forecaster = burstcast.EventForecaster(**settings).fit(training)
+    forecaster.save(tmp_path / "forecaster.nc")
+    found = burstcast.EventForecaster.load(tmp_path / "forecaster.nc")
+    assert found.get_params() == forecaster.get_params()
+    seen = test_series[:, :200]
+    assert_array_equal(found.forecast(seen), forecaster.forecast(seen))
+    for time in (0.5, 1.0):
+        assert_array_equal(found.predict_proba(seen, time), forecaster.predict_proba(seen, time))
+    assert found.scores(test_series) == pytest.approx(forecaster.scores(test_series), nan_ok=True)
+    found.save(tmp_path / "again.nc")
+    assert (tmp_path / "again.nc").read_bytes() == (tmp_path / "forecaster.nc").read_bytes()
+
+
+def test_a_function_is_not_saved_but_given_again(training, test_series, tmp_path):
+    settings = {**SMALL, "kind": "persistence", "options": None}
+    for observable in (lambda states: states[..., 0], Lorenz63()):
+        forecaster = burstcast.EventForecaster(
+            **{**settings, "observable": observable, "event_threshold": {"quantile": 0.9}}
+        ).fit(training)
+        forecaster.save(tmp_path / "forecaster.nc")
+        if callable(observable):
+            with pytest.raises(ValueError, match="give it as load"):
+                burstcast.EventForecaster.load(tmp_path / "forecaster.nc")
+        given = observable if callable(observable) else None
+        found = burstcast.EventForecaster.load(tmp_path / "forecaster.nc", given)
+        assert found.scores(test_series) == pytest.approx(
+            forecaster.scores(test_series), nan_ok=True
+        )
+
+
+@pytest.mark.parametrize("observable", [0, lambda states: states[..., 0]])
+def test_an_observable_that_is_given_is_that_of_the_fit(observable, training, tmp_path):
+    path = tmp_path / "forecaster.nc"
+    settings = {**SMALL, "kind": "persistence", "options": None, "observable": observable}
+    burstcast.EventForecaster(**settings).fit(training).save(path)
+    for same in (0, lambda states: states.sum(axis=-1) - states[..., 1:].sum(axis=-1)):
+        burstcast.EventForecaster.load(path, same)
+    for other in (1, lambda states: states[..., 0] + 1e-6, lambda states: -states[..., 0]):
+        with pytest.raises(ValueError, match=r"load was given differs from .*forecaster\.nc"):
+            burstcast.EventForecaster.load(path, other)
+
+
+def test_a_damaged_file_is_no_forecaster(training, test_series, tmp_path):
+    """A byte changed anywhere is found, or it is one that nobody reads."""
+    path, damaged = tmp_path / "forecaster.nc", tmp_path / "damaged.nc"
+    settings = {**SMALL, "kind": "analogues", "options": None}
+    forecaster = burstcast.EventForecaster(**settings).fit(training)
+    forecaster.save(path)
+    content, refused = path.read_bytes(), 0
+    expected = forecaster.forecast(test_series[:, :200], duration=0.1)
+    for place in np.random.default_rng(29).choice(len(content), 50, replace=False):
+        changed = bytearray(content)
+        changed[place] ^= 0x10
+        damaged.write_bytes(changed)
+        try:
+            found = burstcast.EventForecaster.load(damaged)
+        except ValueError:
+            refused += 1
+        else:
+            assert_array_equal(found.forecast(test_series[:, :200], duration=0.1), expected)
+            assert found.get_params() == forecaster.get_params()
+    assert refused > 30
+
+
+@pytest.mark.parametrize(
+    ("attributes", "message"),
+    [
+        ({}, "holds no event forecaster"),
+        ({"event_forecaster": 1}, "holds no event forecaster"),
+        ({"event_forecaster": 2}, "holds no event forecaster"),
+        ({"event_forecaster": [2, 2]}, "holds no event forecaster"),
+        ({"event_forecaster": 2, "parameters": "{}", "fitted": [1.5, 2]}, "is not what was saved"),
+        (
+            {"event_forecaster": 2, "parameters": "{}", "fitted": "{}", "digest": [1.5, 2]},
+            "is not what was saved",
+        ),
+        (None, "is damaged"),
+    ],
+)
+def test_another_file_is_no_forecaster(attributes, message, tmp_path):
+    path = tmp_path / "forecaster.nc"
+    path.write_bytes(b"")
+    if attributes is not None:
+        with netCDF4.Dataset(path, "w") as file:
+            file.setncatts(attributes)
+    with pytest.raises(ValueError, match=rf"forecaster\.nc {message}"):
+        burstcast.EventForecaster.load(path)
+    with pytest.raises(FileNotFoundError, match=r"another\.nc"):
+        burstcast.EventForecaster.load(tmp_path / "another.nc")
+
+
+# -- mistakes --------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"lyapunov_time": None}, "is 0.5, which is 0 samples; .* unless lyapunov_time"),
+        ({"lyapunov_time": -1.0}, "lyapunov_time must be positive"),
+        ({"prediction_times": ()}, "one entry at least"),
+        ({"prediction_times": (0.001,)}, "a prediction time is 0.001, which is 0 samples"),
+        ({"window": 0.001}, "not a single sample"),
+        ({"washout": 17.0}, "of 900 samples leave no room for a washout of 935 steps"),
+        ({"event_threshold": 1e3}, "no event to learn from"),
+        ({"event_threshold": {"quantil": 0.9}}, "a number or {'quantile': q}"),
+        ({"event_threshold": {"quantile": 1.5}}, "a quantile lies between 0 and 1, not at 1.5"),
+        ({"observable": 3}, "observable is component 3, but the series have 3: 0 to 2"),
+        ({"kind": "ens"}, "unknown kind of forecaster 'ens'"),
+        ({"validation": "RVV"}, "unknown validation strategy"),
+        ({"members": 0}, "members must be 1 at least"),
+        ({"options": {"conectivity": 3}}, r"no option 'conectivity' \(did you mean 'connectivity'"),
+        ({"intervals_per_series": 99}, "99 validation intervals"),
+    ],
+)
+def test_a_mistake_is_told_by_the_parameters_name(change, message, training):
+    with pytest.raises(ValueError, match=message):
+        burstcast.EventForecaster(**{**SMALL, **change}).fit(training)
+
+
+def test_what_cannot_be_done_is_said(training, fitted, test_series):
+    with pytest.raises(ValueError, match="give more series, or calibrate=False"):
+        burstcast.EventForecaster(**SMALL).fit(training[:1])
+    with pytest.raises(RuntimeError, match="not fitted yet"):
+        burstcast.EventForecaster().predict(test_series)
+    with pytest.raises(ValueError, match=r"fitted were the prediction_times 0\.5, 1"):
+        fitted.predict(test_series, 2.0)
+    with pytest.raises(ValueError, match="have 2 components, the training series had 3"):
+        fitted.predict(test_series[..., :2])
+
+
+def test_without_calibration_a_probability_is_a_share_of_votes(training, test_series, fitted):
+    found = burstcast.EventForecaster(**{**SMALL, "calibrate": False}).fit(training[:1])
+    probability = found.predict_proba(test_series[:, :200])[:, 1]
+    assert set(np.round(3 * probability, 9)) <= {0.0, 1.0, 2.0, 3.0}
+
+
+# -- what importing costs --------------------------------------------------------------------------
+def test_importing_burstcast_loads_nothing():
+    code = (
+        "import sys, time; start = time.process_time(); import burstcast; "
+        "print(time.process_time() - start, *sys.modules)"
+    )
+    output = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert float(output[0]) < 0.3  # it takes 0.001 s; the bound is what was asked for
+    assert not {"numpy", "scipy", "burstcast_workflow"} & set(output[1:])
+    assert "EventForecaster" in dir(burstcast)
+    with pytest.raises(AttributeError, match="has no attribute 'Forecaster'"):
+        _ = burstcast.Forecaster
+
+
+def test_the_forecaster_is_there_without_what_only_a_fit_needs():
+    code = "import burstcast, sys; burstcast.EventForecaster(); print(*sys.modules)"
+    output = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    slow = {"skopt", "sklearn", "pandas", "matplotlib", "netCDF4", "llvmlite"}
+    assert not slow & set(output.stdout.split())
+
+
+def test_networks_may_leak_and_square(training, test_series, tmp_path):
+    options = {"backend": "scipy", "readout": "quadratic", "leak_rate": [1, 0.6]}
+    settings = {**SMALL, "members": 2, "calibrate": False, "options": options}
+    found = burstcast.EventForecaster(**settings).fit(training)
+    for member, chosen in zip(found.members_, found.hyperparameters_, strict=True):
+        dynamics = member.network.dynamics
+        assert dynamics.readout == "quadratic"
+        assert dynamics.leak_rate == chosen.get("leak_rate", 1)
+        assert dynamics.leak_rate in (1, 0.6)
+    found.save(tmp_path / "network.nc")
+    back = burstcast.EventForecaster.load(tmp_path / "network.nc")
+    assert_array_equal(back.forecast(test_series), found.forecast(test_series))

@@ -1,0 +1,471 @@
+"""`EventForecaster` with scikit-learn's tools, one observation at a time, and with parameters."""
+
+import copy
+import inspect
+import math
+import pickle
+import re
+import time
+from importlib.metadata import version
+from pathlib import Path
+
+import joblib
+import numpy as np
+import pytest
+import yaml
+from sklearn.model_selection import GridSearchCV, cross_val_score
+from sklearn.utils import estimator_checks
+from sklearn.utils.validation import check_is_fitted
+from test_event_forecaster import SMALL, lorenz
+
+import burstcast
+from burstcast.event_forecaster.forecaster import EventForecaster
+from burstcast.event_forecaster.schedules import as_schedules
+from burstcast.probability.alarms import useless_votes
+from burstcast.probability.outcomes import Outcomes
+from burstcast.systems.integration import integrate
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+
+DOCS = Path(__file__).parents[2] / "docs"
+TINY = {**SMALL, "members": 2, "neurons": 30}
+# networks of 30 neurons of a few hundred samples are as bad as they are told to be
+pytestmark = pytest.mark.filterwarnings("ignore:the search ended", "ignore:prediction time")
+
+
+@pytest.fixture(scope="module")
+def series():
+    return lorenz(6, 500, 1)
+
+
+@pytest.fixture(scope="module")
+def fitted(series):
+    return burstcast.EventForecaster(**TINY).fit(series)
+
+
+def test_cross_validation_takes_series_as_samples(series):
+    scores = cross_val_score(burstcast.EventForecaster(**TINY), series, cv=2, error_score="raise")
+    by_hand = burstcast.EventForecaster(**TINY).fit(series[3:]).score(series[:3])
+    assert scores.shape == (2,)
+    assert scores[0] == pytest.approx(by_hand, abs=0, nan_ok=True)
+
+
+def test_a_grid_search_sets_parameters(series):
+    other = burstcast.EventForecaster(**{**TINY, "members": 1})
+    search = GridSearchCV(other, {"prior_forecasts": [5.0, 50.0]}, cv=2, error_score="raise")
+    search.fit(series)
+    assert search.best_params_["prior_forecasts"] in (5.0, 50.0)
+    assert search.best_estimator_.predict(series).shape == (6,)
+
+
+@pytest.mark.parametrize(
+    "kept",
+    [
+        lambda one, path: pickle.loads(pickle.dumps(one)),
+        lambda one, path: copy.deepcopy(one),
+        lambda one, path: joblib.load(joblib.dump(one, path / "forecaster.joblib")[0]),
+    ],
+)
+def test_what_was_fitted_is_kept(kept, fitted, series, tmp_path):
+    again = kept(fitted, tmp_path)
+    np.testing.assert_array_equal(again.predict_proba(series), fitted.predict_proba(series))
+    assert again.get_params() == fitted.get_params()
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "check_estimator_cloneable",
+        "check_estimator_get_tags_default_keys",
+        "check_estimator_repr",
+        "check_estimator_tags_renamed",
+        "check_get_params_invariance",
+        "check_no_attributes_set_in_init",
+        "check_set_params",
+        "check_valid_tag_types",
+    ],
+)
+def test_checks_of_estimators_that_need_no_table(name):
+    """The others fit tables, ``(samples, features)``, or want defaults that are no dictionary."""
+    check = getattr(estimator_checks, name, None)
+    if check is None:
+        pytest.skip(f"this scikit-learn has no {name}")
+    check("EventForecaster", burstcast.EventForecaster(**TINY))
+
+
+def test_scikit_learn_sees_whether_it_is_fitted(fitted):
+    check_is_fitted(fitted)
+    with pytest.raises(Exception, match="not fitted"):
+        check_is_fitted(burstcast.EventForecaster())
+
+
+# -- parameters ------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"observable": "z"}, "observable must be the number of a component, counted from 0"),
+        ({"observable": None}, "observable must be the number of a component"),
+        ({"neurons": 30.5}, "neurons must be a whole number, not 30.5"),
+        ({"neurons": "30"}, "neurons must be a whole number, not '30'"),
+        ({"members": None}, "members must be a whole number, not None"),
+        ({"grid": float("nan")}, "grid must be a whole number, not nan"),
+        ({"window": "1"}, "window must be a number, not '1'"),
+        ({"lyapunov_time": True}, "lyapunov_time must be a number, not True"),
+        ({"prediction_times": ("1", 2)}, "prediction_times must be a number, not '1'"),
+        ({"spectral_radius": 0.5}, r"spectral_radius must be two numbers, \(low, high\), not 0.5"),
+        ({"event_threshold": "high"}, "event_threshold must be a number, not 'high'"),
+    ],
+)
+def test_a_parameter_of_another_type(change, message, series):
+    with pytest.raises(TypeError, match=message):
+        burstcast.EventForecaster(**{**TINY, **change}).fit(series)
+
+
+def test_whole_numbers_and_single_times_are_taken_for_what_they_are(series):
+    given = {**TINY, "members": 1, "calibrate": False}
+    sloppy = {"neurons": 30.0, "members": np.int64(1), "grid": 2.0, "tikhonov": 1e-6}
+    one = burstcast.EventForecaster(**{**given, **sloppy, "prediction_times": 1}).fit(series)
+    other = burstcast.EventForecaster(
+        **{**given, "tikhonov": (1e-6,), "prediction_times": (1.0,)}
+    ).fit(series)
+    np.testing.assert_array_equal(one.forecast(series), other.forecast(series))
+    assert list(one.alarms_) == [1.0]
+
+
+def test_series_of_unequal_lengths_are_told(series):
+    with pytest.raises(ValueError, match=r"unequal lengths: series 0 has 500 .* series 2 400"):
+        burstcast.EventForecaster(**TINY).fit([series[0], series[1], series[2][:400]])
+
+
+def test_the_signature_can_be_read():
+    text = str(inspect.signature(burstcast.EventForecaster))
+    assert "observable: 'Observable' = 0" in text
+    assert "numpy.ndarray" not in text
+
+
+def test_the_version():
+    assert burstcast.__version__ == version("burstcast")
+    assert "__version__" in dir(burstcast)
+
+
+# -- warnings --------------------------------------------------------------------------------------
+@pytest.mark.filterwarnings("default:the search ended", "default:prediction time")
+def test_a_search_that_ended_on_its_edge_warns(series):
+    narrow = {**TINY, "calibrate": False, "input_scaling": (9.0, 10.0)}
+    with pytest.warns(UserWarning, match=r"input_scaling at its (lower|upper) bound .* beyond it"):
+        burstcast.EventForecaster(**narrow).fit(series)
+
+
+@pytest.mark.filterwarnings("default:prediction time")
+def test_votes_that_tell_nothing_warn(series):
+    noise = np.random.default_rng(0).standard_normal((6, 500, 1))
+    with pytest.warns(UserWarning, match="votes do not tell the .* no better than chance"):
+        burstcast.EventForecaster(**{**TINY, "event_threshold": 1.5}).fit(noise)
+
+
+def test_when_votes_tell_something():
+    def outcomes(points, events):
+        return Outcomes(np.array([0.0, 1.0]), np.array(points), np.array(events))
+
+    assert useless_votes(outcomes([50, 50], [5, 45])) == ""
+    assert "area below the ROC curve 0.50" in useless_votes(outcomes([50, 50], [25, 25]))
+    assert "no better than chance" in useless_votes(outcomes([50, 50], [45, 5]))
+    assert "0 of 100 starting points" in useless_votes(outcomes([50, 50], [0, 0]))
+
+
+# -- pages -----------------------------------------------------------------------------------------
+def test_the_page_names_networks_that_the_demo_has():
+    from snakemake.utils import update_config
+
+    from burstcast_workflow.campaign.campaign import Campaign
+    from burstcast_workflow.config.loading import load
+
+    config, preset = (
+        yaml.safe_load((DOCS.parent / name).read_text(encoding="utf-8"))
+        for name in ("config.yaml", "workflow/presets/quick.yaml")
+    )
+    update_config(config, preset)
+    demo = {one.directory for one in Campaign(load(config)).forecasters}
+    text = (DOCS / "notebook.md").read_text(encoding="utf-8")
+    named = re.findall(r"campaign\.networks\[\"(.*?)\"\]", text)
+    assert named
+    assert set(named) <= demo
+
+
+# -- one observation at a time ---------------------------------------------------------------------
+
+INTERVAL = 0.02
+
+
+SERIES = lorenz(1, 300, 5)[0]
+
+
+@pytest.fixture(scope="module")
+def watching():
+    forecaster = burstcast.EventForecaster(
+        event_threshold=12.0,
+        prediction_times=(0.5, 1.0),
+        lyapunov_time=1 / 0.9056,
+        sampling_interval=INTERVAL,
+        members=2,
+        neurons=60,
+        grid=2,
+        bayesian_points=1,
+    )
+    return forecaster.fit(lorenz(4, 900, 1))
+
+
+@pytest.fixture
+def forecaster(watching, tmp_path):
+    """A copy of its own, which has seen nothing."""
+    watching.save(tmp_path / "fresh.nc")
+    return burstcast.EventForecaster.load(tmp_path / "fresh.nc")
+
+
+def test_each_sample_has_the_probability_of_the_batch(forecaster):
+    washout = forecaster._samples("washout")
+    found = {0.5: [], 1.0: []}
+    for sample in SERIES[:120]:
+        forecaster.update(sample)
+        for lead, values in found.items():
+            values.append(forecaster.probability(lead))
+    for lead, values in found.items():
+        assert np.isnan(values[: washout - 1]).all()
+        windows = np.stack([SERIES[end - washout : end] for end in range(washout, 121)])
+        expected = forecaster.predict_proba(windows, lead)[:, 1]
+        assert np.array_equal(values[washout - 1 :], expected)
+        assert len(set(values)) > 3
+    assert forecaster.probability() == found[0.5][-1]
+
+
+def test_a_clock_that_jitters_and_counts_since_1970(forecaster):
+    for number in range(forecaster._samples("washout")):
+        forecaster.update(SERIES[number], 1.7e9 + INTERVAL * (number + 0.05 * (number % 2)))
+    assert not math.isnan(forecaster.probability())
+
+
+@pytest.mark.parametrize("gap", ["time", "value"])
+def test_a_gap_begins_the_washout_again_and_says_so(forecaster, gap):
+    washout = forecaster._samples("washout")
+    for number in range(washout):
+        forecaster.update(SERIES[number], number * INTERVAL)
+    assert not math.isnan(forecaster.probability())
+    if gap == "time":
+        first = washout + 3
+        with pytest.warns(UserWarning, match="no observation came between the times"):
+            forecaster.update(SERIES[first], first * INTERVAL)
+    else:
+        first = washout + 1
+        with pytest.warns(UserWarning, match="an observation is not finite"):
+            forecaster.update([0.0, np.nan, 1.0])
+        assert math.isnan(forecaster.probability())
+        forecaster.update(SERIES[first])
+    assert math.isnan(forecaster.probability())
+    for number in range(first + 1, first + washout):
+        forecaster.update(SERIES[number], number * INTERVAL)
+    expected = forecaster.predict_proba(SERIES[np.newaxis, first : first + washout])[0, 1]
+    assert forecaster.probability() == expected
+
+
+def test_the_observations_are_saved_and_restored(forecaster, tmp_path):
+    for number, sample in enumerate(SERIES[:40]):
+        forecaster.update(sample, number * INTERVAL)
+    forecaster.save(tmp_path / "watching.nc")
+    again = burstcast.EventForecaster.load(tmp_path / "watching.nc")
+    for number, sample in enumerate(SERIES[40:60], start=40):
+        assert again.probability() == forecaster.probability()
+        forecaster.update(sample, number * INTERVAL)
+        again.update(sample, number * INTERVAL)
+    assert again.probability() == forecaster.probability()
+
+
+@pytest.mark.parametrize(
+    ("observation", "when", "message"),
+    [
+        (np.zeros(2), None, r"has the shape \(3,\).*this one has \(2,\)"),
+        (np.zeros((1, 3)), None, r"this one has \(1, 3\)"),
+        (np.zeros(3), 0.98, "at time 0.98 cannot follow one at time 1"),
+        (np.zeros(3), 1.01, "the sampling interval is 0.02"),
+        (np.zeros(3), math.nan, "the time of an observation must be a finite number, not nan"),
+        (np.zeros(3), math.inf, "must be a finite number, not inf"),
+    ],
+)
+def test_what_does_not_follow_is_refused(forecaster, observation, when, message):
+    forecaster.update(SERIES[0], 1.0)
+    with pytest.raises(ValueError, match=message):
+        forecaster.update(observation, when)
+    forecaster.update(SERIES[1], 1.02)  # what was refused has left nothing behind
+
+
+def test_nothing_is_watched_before_the_fit(watching):
+    with pytest.raises(RuntimeError, match="not fitted yet"):
+        burstcast.EventForecaster().update(np.zeros(3))
+    assert math.isnan(watching.probability())
+
+
+def test_a_fit_forgets_the_observations(forecaster):
+    for sample in SERIES[:40]:
+        forecaster.update(sample)
+    forecaster.set_params(calibrate=False).fit(lorenz(4, 900, 1))
+    assert math.isnan(forecaster.probability())
+
+
+def test_taking_a_sample_is_fast(forecaster):
+    """An update keeps the sample, whatever the networks; less than a millisecond is allowed."""
+    start = time.process_time()
+    for number in range(2000):
+        forecaster.update(SERIES[number % 300])
+    assert (time.process_time() - start) / 2000 < 1e-3
+
+
+@pytest.mark.long
+def test_ten_networks_of_1000_neurons():
+    """A sample takes less than a millisecond, and probabilities have the bits of the batch."""
+    forecaster = burstcast.EventForecaster(
+        event_threshold=12.0,
+        prediction_times=(0.5,),
+        lyapunov_time=1 / 0.9056,
+        sampling_interval=INTERVAL,
+        members=10,
+        neurons=1000,
+        grid=2,
+        bayesian_points=1,
+        calibrate=False,
+    ).fit(lorenz(4, 900, 1))
+    washout = forecaster._samples("washout")
+    taken, found = [], []
+    for number, sample in enumerate(SERIES[:100]):
+        start = time.process_time()
+        forecaster.update(sample)
+        taken.append(time.process_time() - start)
+        if number >= 90:
+            found.append(forecaster.probability())
+    assert len(forecaster.members_) == 10
+    assert np.median(taken) < 1e-3
+    windows = np.stack([SERIES[end - washout : end] for end in range(91, 101)])
+    assert found == forecaster.predict_proba(windows)[:, 1].tolist()
+
+
+# -- that knows parameters -------------------------------------------------------------------------
+
+REYNOLDS = (400.0, 600.0, 1000.0)
+
+
+def flows(reynolds, count, steps=300):
+    system = MoehlisFaisstEckhardt(reynolds, 4 * np.pi, 2 * np.pi)
+    start = np.zeros((9, count))
+    start[0], start[2] = 1, 0.07066
+    start[3] = -0.07076 + 0.01 * np.linspace(0, 1, count)
+    return integrate(system, start, 0.25, 4 * (200 + steps), stride=4)[200:].transpose(2, 0, 1)
+
+
+@pytest.fixture(scope="module")
+def aware():
+    series = np.concatenate([flows(reynolds, 3) for reynolds in REYNOLDS])
+    forecaster = EventForecaster(
+        MoehlisFaisstEckhardt(400.0, 4 * np.pi, 2 * np.pi),
+        event_threshold={"quantile": 0.9},
+        lyapunov_time=61.0,
+        prediction_times=(0.7,),
+        window=0.7,
+        washout=0.33,
+        kind="quadratic_aware",
+        noise=0.001,
+        sampling_stride=4,
+        calibrate=False,
+    )
+    return forecaster.fit(series, parameters=np.repeat(REYNOLDS, 3))
+
+
+def test_probabilities_depend_on_what_is_planned(aware):
+    observed = flows(500.0, 40)
+    asked = aware.what_if(observed, {"actuated": 2000.0}, parameters=500.0)
+    np.testing.assert_array_equal(
+        asked["none"], aware.predict_proba(observed, parameters=500.0)[:, 1]
+    )
+    assert asked["none"].sum() > asked["actuated"].sum()
+
+
+def test_plans_may_change_in_time(aware):
+    observed, steps = flows(400.0, 5), aware._timing.boundaries[-1]
+    never = np.full((5, steps), 400.0)
+    one = aware.predict_proba(observed, parameters=np.full(5, 400.0), planned=never)
+    np.testing.assert_array_equal(one, aware.predict_proba(observed, parameters=400.0))
+
+
+def test_it_is_saved_with_what_it_knows(aware, tmp_path):
+    aware.save(tmp_path / "aware.nc")
+    loaded = EventForecaster.load(tmp_path / "aware.nc", aware.observable)
+    observed = flows(700.0, 4)
+    np.testing.assert_array_equal(loaded.predict_proba(observed), aware.predict_proba(observed))
+    assert loaded.own_parameters_ == pytest.approx([np.mean(REYNOLDS)])
+
+
+def test_mistakes_are_told(aware):
+    observed = flows(400.0, 3)
+    with pytest.raises(ValueError, match=r"the shape \(4,\); 3 series of 19 steps"):
+        aware.predict_proba(observed, parameters=[400.0] * 4)
+    with pytest.raises(ValueError, match="need the values of reynolds: fit"):
+        EventForecaster(kind="quadratic_aware").fit(observed)
+    with pytest.raises(ValueError, match="analogues do not know the parameters"):
+        EventForecaster(kind="analogues").fit(observed, parameters=400.0)
+
+
+def test_schedules_of_two_parameters():
+    names = ["reynolds", "length_x"]
+    found = as_schedules([400.0, 12.0], 3, 4, names)
+    assert found.shape == (3, 4, 2)
+    assert found[2, 3].tolist() == [400, 12]
+    with pytest.raises(ValueError, match="must be finite"):
+        as_schedules([400.0, np.inf], 3, 4, names)
+
+
+@pytest.fixture(scope="module")
+def network():
+    series = np.concatenate([flows(reynolds, 4) for reynolds in REYNOLDS])
+    forecaster = EventForecaster(
+        MoehlisFaisstEckhardt(400.0, 4 * np.pi, 2 * np.pi),
+        event_threshold={"quantile": 0.9},
+        lyapunov_time=61.0,
+        prediction_times=(0.3,),
+        window=0.7,
+        washout=0.33,
+        kind="esn_aware",
+        members=2,
+        neurons=60,
+        validation_interval=1.0,
+        grid=2,
+        bayesian_points=0,
+        sampling_stride=4,
+    )
+    return forecaster.fit(series, parameters=np.repeat(REYNOLDS, 4))
+
+
+def test_networks_know_the_parameter(network):
+    assert len(network.members_) == len(network.hyperparameters_) == 2
+    observed = flows(500.0, 30)
+    asked = network.what_if(observed, {"actuated": 900.0}, parameters=500.0)
+    assert not np.array_equal(asked["none"], asked["actuated"])
+    # a schedule that says nothing new changes nothing
+    np.testing.assert_array_equal(
+        asked["none"], network.predict_proba(observed, parameters=500.0, planned=500.0)[:, 1]
+    )
+
+
+def test_a_network_forecasts_as_one_of_the_library_with_the_same_search(network):
+    member, case = network.members_[0], network._case(9, [500.0])
+    observed = flows(500.0, 3)
+    washouts = np.ascontiguousarray(observed[:, -20:].transpose(1, 2, 0))
+    steps = network._timing.boundaries[-1]
+    schedule = np.full((steps, 1, 3), 500.0)
+    outputs, _ = member.advance(member.start(washouts), steps, schedule)
+    restored = type(member).restore(member.record(), case)
+    again, _ = restored.advance(restored.start(washouts), steps)  # the case's own value
+    np.testing.assert_array_equal(outputs, again)
+    assert np.isfinite(outputs).all()
+
+
+def test_series_under_different_parameters_take_turns():
+    from burstcast.event_forecaster.networks import in_turns
+
+    schedules = np.repeat(np.repeat(REYNOLDS, 2), 4).reshape(6, 4, 1)
+    assert in_turns(schedules).tolist() == [0, 2, 4, 1, 3, 5]

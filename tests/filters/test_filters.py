@@ -1,0 +1,192 @@
+"""The square-root filter against the Kalman filter of the textbook; static gains."""
+
+import functools
+import math
+import operator
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from burstcast.filters.square_root import assimilate, mean, symmetric_members
+from burstcast.filters.static_gain import leading_directions, static_gain
+
+
+def total(values):
+    """Sum from left to right: that of Python makes up for rounding from 3.12 on."""
+    return functools.reduce(operator.add, values)
+
+
+def assimilated_number_by_number(ensemble, observation, noise, inflation):
+    """The same analysis, number by number."""
+    rows, members, batch = ensemble.shape
+    updated = np.empty_like(ensemble)
+    for point in range(batch):
+        centre = [total(ensemble[row, :, point].tolist()) / members for row in range(rows)]
+        deviation = [
+            [inflation * (value - centre[row]) for value in ensemble[row, :, point].tolist()]
+            for row in range(rows)
+        ]
+        for component, error in enumerate(noise.tolist()):
+            observed = list(deviation[component])
+            spread = total(value * value for value in observed) / (members - 1)
+            if spread + error * error == 0.0:
+                continue
+            innovation = observation[component, point] - centre[component]
+            ratio = math.sqrt(error * error / (spread + error * error))
+            for row in range(rows):
+                products = [
+                    one * other for one, other in zip(deviation[row], observed, strict=True)
+                ]
+                gain = sum(products) / (members - 1) / (spread + error * error)
+                centre[row] += gain * innovation
+                for member in range(members):
+                    deviation[row][member] -= gain / (1.0 + ratio) * observed[member]
+        for row in range(rows):
+            updated[row, :, point] = [centre[row] + value for value in deviation[row]]
+    return updated
+
+
+@given(rows=st.integers(1, 4), seed=st.integers(0, 1000), inflation=st.floats(1.0, 1.5))
+def test_every_bit_is_that_of_the_numbers_one_by_one(rows, seed, inflation):
+    """Whatever else is in the batch; also where nothing is to be learnt."""
+    generator = np.random.default_rng(seed)
+    observed = generator.integers(1, rows + 1)
+    ensemble = generator.normal(size=(rows, 12, 3))
+    noise, observation = generator.uniform(0, 2, observed), generator.normal(size=(observed, 3))
+    noise[0], ensemble[0, :, 1] = 0.0, 1.5
+    expected = assimilated_number_by_number(ensemble, observation, noise, inflation)
+    found = assimilate(ensemble, observation, noise, inflation)
+    np.testing.assert_array_equal(found, expected)
+    one = assimilate(ensemble[:, :, 2:], observation[:, 2:], noise, inflation)
+    np.testing.assert_array_equal(one, expected[:, :, 2:])
+
+
+def kalman_update(centre, covariance, observation, noise):
+    """Textbook analysis of an observation of the first components."""
+    observed = np.eye(noise.size, centre.size)
+    innovation = observed @ covariance @ observed.T + np.diag(noise**2)
+    gain = covariance @ observed.T @ np.linalg.inv(innovation)
+    return (
+        centre + gain @ (observation - observed @ centre),
+        (np.eye(centre.size) - gain @ observed) @ covariance,
+    )
+
+
+def covariance_of(ensemble):
+    return np.cov(ensemble)
+
+
+@given(dimension=st.integers(1, 6), spare=st.integers(0, 20), seed=st.integers(0, 1000))
+def test_the_first_ensemble_has_exactly_the_moments_of_the_noise(dimension, spare, seed):
+    generator = np.random.default_rng(seed)
+    centre, noise = generator.normal(size=(dimension, 3)), generator.uniform(0.1, 2, dimension)
+    ensemble = symmetric_members(centre, noise, 2 * (dimension + spare))
+    np.testing.assert_allclose(mean(ensemble), centre, atol=1e-12)
+    for point in range(3):
+        np.testing.assert_allclose(
+            np.atleast_2d(covariance_of(ensemble[:, :, point])), np.diag(noise**2), atol=1e-12
+        )
+    departures = ensemble - centre[:, np.newaxis]
+    np.testing.assert_allclose(np.mean(departures**3, axis=1), 0, atol=1e-12)
+
+
+@pytest.mark.parametrize("members", [7, 16])
+def test_too_few_or_odd_members_are_refused(members):
+    with pytest.raises(ValueError, match=f"{members} members .* an even number, at least 18"):
+        symmetric_members(np.zeros((9, 1)), np.ones(9), members)
+
+
+@given(
+    dimension=st.integers(2, 5),
+    observed=st.integers(1, 2),
+    seed=st.integers(0, 1000),
+    inflation=st.floats(1.0, 1.5),
+)
+def test_an_observation_moves_mean_and_covariance_as_kalmans_does(
+    dimension, observed, seed, inflation
+):
+    generator = np.random.default_rng(seed)
+    ensemble = generator.normal(size=(dimension, 15, 1)) @ np.ones((1, 2))
+    ensemble[:, :, 1] = generator.normal(size=(dimension, 15)) * 3.0
+    observation = generator.normal(size=(observed, 2))
+    noise = generator.uniform(0.2, 2.0, observed)
+    updated = assimilate(ensemble, observation, noise, inflation)
+    for point in range(2):
+        centre, covariance = kalman_update(
+            ensemble[:, :, point].mean(axis=1),
+            inflation**2 * np.cov(ensemble[:, :, point]),
+            observation[:, point],
+            noise,
+        )
+        np.testing.assert_allclose(updated[:, :, point].mean(axis=1), centre, atol=1e-10)
+        np.testing.assert_allclose(np.cov(updated[:, :, point]), covariance, atol=1e-10)
+
+
+def test_along_a_linear_system_it_stays_the_kalman_filter():
+    generator = np.random.default_rng(3)
+    matrix = np.linalg.qr(generator.normal(size=(4, 4)))[0] * np.array([1.1, 1.0, 0.9, 0.7])
+    noise = np.array([0.3, 0.2, 0.4, 0.1])
+    observations = generator.normal(size=(25, 4))
+    ensemble = symmetric_members(observations[0][:, np.newaxis], noise, 8)
+    centre, covariance = observations[0], np.diag(noise**2)
+    for observation in observations[1:]:
+        ensemble = np.einsum("ij,jmb->imb", matrix, ensemble)
+        ensemble = assimilate(ensemble, observation[:, np.newaxis], noise, 1.0)
+        centre, covariance = kalman_update(
+            matrix @ centre, matrix @ covariance @ matrix.T, observation, noise
+        )
+    np.testing.assert_allclose(mean(ensemble)[:, 0], centre, atol=1e-10)
+    np.testing.assert_allclose(np.cov(ensemble[:, :, 0]), covariance, atol=1e-12)
+
+
+def test_a_perfect_observation_is_believed_and_a_certain_state_does_not_move():
+    ensemble = np.random.default_rng(4).normal(size=(2, 6, 1))
+    updated = assimilate(ensemble, np.array([[3.0]]), np.zeros(1), 1.0)
+    np.testing.assert_allclose(updated[0], 3.0, atol=1e-12)
+    certain = np.repeat(np.array([[[1.0]], [[2.0]]]), 6, axis=1)
+    for noise in (0.0, 1.0):
+        updated = assimilate(certain, np.array([[5.0]]), np.array([noise]), 1.0)
+        np.testing.assert_array_equal(updated, certain)
+
+
+def test_points_do_not_depend_on_one_another():
+    generator = np.random.default_rng(5)
+    ensemble, observation = generator.normal(size=(3, 10, 20)), generator.normal(size=(3, 20))
+    noise = np.array([0.1, 0.2, 0.3])
+    together = assimilate(ensemble, observation, noise, 1.02)
+    ensemble[1, 2, 5] = np.nan
+    with_gap = assimilate(ensemble, observation, noise, 1.02)
+    others = np.arange(20) != 5
+    np.testing.assert_array_equal(with_gap[..., others], together[..., others])
+    assert np.isnan(with_gap[..., 5]).all()
+    for point in range(20):
+        alone = assimilate(
+            ensemble[..., point : point + 1], observation[:, point : point + 1], noise, 1.02
+        )
+        np.testing.assert_array_equal(alone[..., 0], with_gap[..., point])
+        np.testing.assert_array_equal(mean(alone)[:, 0], mean(with_gap)[:, point])
+
+
+def test_the_gain_is_the_kalman_filters():
+    generator = np.random.default_rng(3)
+    root, matrix = generator.normal(size=(6, 6)), generator.normal(size=(2, 6))
+    covariance, noise = root @ root.T, np.array([0.3, 0.7])
+    gain = static_gain(covariance, matrix, noise, 0.01)
+    # in information form: (C^-1 / share + H' R^-1 H)^-1 H' R^-1
+    precision = np.linalg.inv(0.01 * covariance) + matrix.T @ np.diag(noise**-2) @ matrix
+    np.testing.assert_allclose(gain, np.linalg.solve(precision, matrix.T * noise**-2), rtol=1e-9)
+
+
+def test_leading_directions_make_the_covariance():
+    generator = np.random.default_rng(5)
+    root = generator.normal(size=(5, 5))
+    covariance = root @ root.T
+    directions = leading_directions(covariance, 5)
+    np.testing.assert_allclose(directions @ directions.T, covariance, rtol=1e-9, atol=1e-9)
+    lengths = np.linalg.norm(directions, axis=0)
+    assert (np.diff(lengths) < 0).all()
+    np.testing.assert_array_equal(leading_directions(covariance, 2), directions[:, :2])
+    largest = np.argmax(np.abs(directions), axis=0)
+    assert (directions[largest, range(5)] > 0).all()

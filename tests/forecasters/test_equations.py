@@ -1,0 +1,304 @@
+"""Learnt and encoded equations, and filters in front of them, against what made the series."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from burstcast.data.dataset import component_scales, observed_series
+from burstcast.encoders.channels import StateChannels, channel_names, encoding_case
+from burstcast.forecasters._filtered import FilteredForecaster
+from burstcast.forecasters.base import ForecastingCase
+from burstcast.forecasters.equations_filtered import FilteredEquations
+from burstcast.forecasters.equations_noisy import EquationsFromObservation
+from burstcast.forecasters.linear_inverse import LinearInverseModel
+from burstcast.forecasters.quadratic import QuadraticModel
+from burstcast.forecasters.quadratic_filtered import FilteredQuadraticModel
+from burstcast.polynomials.basis import monomials
+from burstcast.polynomials.system import PolynomialSystem
+from burstcast.systems.integration import integrate
+from burstcast.systems.kolmogorov import KolmogorovFlow
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.measured import MeasuredSeries
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+
+OPTIONS = {"noise": None, "degree": 2, "window_lt": 0.2, "significance": 4.0}
+LORENZ = ForecastingCase(Lorenz63(), 0.01, 1, 60, OPTIONS)
+FLOW = ForecastingCase(MoehlisFaisstEckhardt(reynolds=400.0), 0.25, 4, 61, OPTIONS)
+
+
+def lorenz_series(series=4, samples=2000):
+    start = np.random.default_rng(3).normal(size=(3, series)) + np.array([[1.0], [1.0], [25.0]])
+    return integrate(LORENZ.system, start, 0.01, samples + 500)[500:].transpose(2, 0, 1)
+
+
+@pytest.fixture(scope="module")
+def flow_series():
+    """Ten series of the turbulent shear flow, (10, 2000, 9), none of which has laminarised."""
+    start = np.array([1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0])[:, np.newaxis]
+    perturbed = (
+        start + 0.01 * np.random.default_rng(2).random((9, 40)) * (np.arange(9) == 3)[:, None]
+    )
+    series = integrate(FLOW.system, perturbed, 0.25, 4 * 2200, stride=4)[200:].transpose(2, 0, 1)
+    turbulent = FLOW.system.observable(series.transpose(2, 0, 1)).max(axis=1) < 0.48
+    return series[turbulent][:10]
+
+
+def field_error(model, truth, states):
+    learnt, true = model.system.right_hand_side(states.T), truth.right_hand_side(states.T)
+    spread = true - true.mean(axis=1, keepdims=True)
+    return np.sqrt(np.square(learnt - true).sum() / np.square(spread).sum())
+
+
+def noisy(series, noise, seed=7):
+    deviation = np.random.default_rng(seed).standard_normal(series.shape)
+    return series + noise * series.std(axis=(0, 1)) * deviation
+
+
+def test_the_equations_of_lorenz_are_found_in_clean_series():
+    model = QuadraticModel.fit(lorenz_series(), LORENZ)
+    sigma, rho, beta = 10.0, 28.0, 8.0 / 3.0
+    basis = monomials(3, 2)
+    expected = np.zeros((len(basis), 3))
+    expected[basis.index((0,))] = [-sigma, rho, 0]
+    expected[basis.index((1,))] = [sigma, -1, 0]
+    expected[basis.index((2,))] = [0, 0, -beta]
+    expected[basis.index((0, 2)), 1] = -1
+    expected[basis.index((0, 1)), 2] = 1
+    np.testing.assert_allclose(model.coefficients, expected, atol=2e-3)
+    np.testing.assert_array_equal(model.coefficients[expected != 0] != 0, True)
+
+
+def test_the_equations_of_the_shear_flow_are_found_in_clean_series(flow_series):
+    model = QuadraticModel.fit(flow_series, FLOW)
+    assert field_error(model, FLOW.system, flow_series[0]) < 5e-6
+
+
+@pytest.mark.parametrize(("noise", "error"), [(0.001, 2e-4), (0.01, 2e-3), (0.05, 1e-2)])
+def test_the_error_of_the_field_is_a_fraction_of_the_noise(noise, error, flow_series):
+    model = QuadraticModel.fit(noisy(flow_series, noise), FLOW)
+    assert field_error(model, FLOW.system, flow_series[0]) < error
+
+
+def test_insignificant_terms_are_left_out_and_no_others(flow_series):
+    model = QuadraticModel.fit(noisy(flow_series, 0.01), FLOW)
+    # each coefficient of the true equations, from their second differences at random states
+    states = np.random.default_rng(4).normal(size=(9, 400))
+    basis = monomials(9, 2)
+    values = np.array([np.prod(states[list(factors)], axis=0) for factors in basis])
+    true = np.linalg.lstsq(values.T, FLOW.system.right_hand_side(states).T)[0]
+    missing = (np.abs(true) > 1e-9) & (model.coefficients == 0)
+    superfluous = (np.abs(true) < 1e-9) & (model.coefficients != 0)
+    assert not missing.any()
+    assert superfluous.sum() <= 2
+    everything = QuadraticModel.fit(
+        noisy(flow_series, 0.01),
+        ForecastingCase(**{**vars(FLOW), "options": {**OPTIONS, "significance": 0.0}}),
+    )
+    assert (everything.coefficients != 0).all()
+    errors = [field_error(one, FLOW.system, flow_series[1]) for one in (model, everything)]
+    assert errors[0] < 0.6 * errors[1]
+
+
+def test_the_learnt_equations_are_integrated_as_scipy_does_it():
+    model = QuadraticModel.fit(noisy(lorenz_series(), 0.01), LORENZ)
+    start = np.array([1.0, 2.0, 20.0])
+    outputs, memory = model.advance(start[:, np.newaxis], 40)
+    basis = monomials(3, 2)
+
+    def slope(_, state):
+        values = np.array([np.prod(state[list(factors)]) for factors in basis])
+        return values @ model.coefficients
+
+    expected = solve_ivp(slope, (0, 0.4), start, rtol=1e-10, atol=1e-10).y[:, -1]
+    np.testing.assert_allclose(outputs[-1, :, 0], expected, rtol=1e-5)
+    np.testing.assert_array_equal(memory, outputs[-1])
+
+
+def test_a_forecast_that_leaves_the_finite_numbers_disturbs_no_other():
+    coefficients = np.zeros((6, 2))
+    coefficients[3] = [1.0, 0.0]  # dx/dt = x^2, which is infinite at the time 1 / x
+    coefficients[2] = [0.0, -1.0]
+    system = PolynomialSystem(coefficients, 2, Lorenz63())
+    model = QuadraticModel(system, 0.1, 1, coefficients)
+    memory = np.array([[10.0, -1.0], [1.0, 1.0]])
+    outputs, memory = model.advance(memory, 30)
+    assert model.diverged(outputs).tolist() == [True, False]
+    np.testing.assert_allclose(outputs[-1, :, 1], [-1 / 4, np.exp(-3)], rtol=1e-3)
+    again, _ = model.advance(memory, 2)
+    assert model.diverged(again).tolist() == [True, False]
+
+
+def test_a_window_shorter_than_a_step_is_refused():
+    case = ForecastingCase(**{**vars(LORENZ), "options": {**OPTIONS, "window_lt": 0.01}})
+    with pytest.raises(
+        ValueError, match=r"window_lt is 0\.01 Lyapunov times, which is shorter than one step"
+    ):
+        QuadraticModel.fit(lorenz_series(), case)
+
+
+# -- filters ---------------------------------------------------------------------------------------
+
+FILTER_OPTIONS = {
+    "noise": None,
+    "degree": 2,
+    "window_lt": 0.2,
+    "significance": 4.0,
+    "members": 40,
+    "inflation": 1.0,
+}
+FILTERED = ForecastingCase(Lorenz63(), 0.01, 2, 50, FILTER_OPTIONS)
+KINDS = (FilteredEquations, FilteredQuadraticModel)
+
+
+@pytest.fixture(scope="module")
+def true():
+    """Chaotic trajectories, (500, 3, 60), sampled at 0.02."""
+    start = np.random.default_rng(3).normal(size=(3, 60)) + np.array([[1.0], [1.0], [25.0]])
+    return integrate(FILTERED.system, start, 0.01, 2 * 1000, stride=2)[501:]
+
+
+@pytest.fixture(scope="module")
+def noise(true):
+    return 0.02 * true.std(axis=(0, 2))
+
+
+@pytest.fixture(scope="module")
+def observed(true, noise):
+    deviation = np.random.default_rng(4).standard_normal(true.shape)
+    return true + noise[:, np.newaxis] * deviation
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_estimate_is_much_better_than_an_observation(kind, true, observed, noise):
+    model = kind.fit(observed[:, :, :10].transpose(2, 0, 1), FILTERED)
+    np.testing.assert_allclose(model.noise, noise, rtol=0.05)
+    errors, spreads = [], []
+    for start in range(0, 470, 50):
+        washout = observed[start : start + 30, :, 10:]
+        errors.append(model.start(washout) - true[start + 29, :, 10:])
+        spreads.append(model.ensemble(washout).std(axis=1, ddof=1))
+    error, spread = (
+        np.sqrt(np.square(np.array(values) / noise[:, np.newaxis]).mean())
+        for values in (errors, spreads)
+    )
+    assert error < 0.3
+    # the scatter of the members is the error that there is
+    assert spread == pytest.approx(error, rel=0.15)
+
+
+def test_a_washout_of_one_step_is_its_observation(observed):
+    model = FilteredEquations.fit(observed[:, :, :10].transpose(2, 0, 1), FILTERED)
+    np.testing.assert_allclose(model.start(observed[:1]), observed[0], atol=1e-12)
+
+
+def test_known_noise_is_believed(observed):
+    training = observed[:, :, :10].transpose(2, 0, 1)
+    case = ForecastingCase(**{**vars(FILTERED), "options": {**FILTER_OPTIONS, "noise": 0.3}})
+    model = FilteredEquations.fit(training, case)
+    np.testing.assert_allclose(model.noise, 0.3 * training.std(axis=(0, 1)))
+
+
+class FilteredLinearModel(FilteredForecaster):
+    """Any forecaster may be filtered."""
+
+    model_class = LinearInverseModel
+
+
+def test_around_a_linear_model_it_is_the_kalman_filter(observed):
+    training = observed[:, :, :10].transpose(2, 0, 1)
+    filtered = FilteredLinearModel.fit(training, FILTERED)
+    model, noise = filtered.model, filtered.noise
+    washout = observed[100:120, :, 11]
+    centre, covariance = washout[0], np.diag(noise**2)
+    for observation in washout[1:]:
+        centre = model.propagator @ centre + model.constant
+        covariance = model.propagator @ covariance @ model.propagator.T
+        gain = covariance @ np.linalg.inv(covariance + np.diag(noise**2))
+        centre = centre + gain @ (observation - centre)
+        covariance = covariance - gain @ covariance
+    members = filtered.ensemble(washout[:, :, np.newaxis])
+    np.testing.assert_allclose(filtered.start(washout[:, :, np.newaxis])[:, 0], centre, atol=1e-8)
+    np.testing.assert_allclose(np.cov(members[:, :, 0]), covariance, atol=1e-8)
+
+
+# -- encoded states --------------------------------------------------------------------------------
+
+KOLMOGOROV = KolmogorovFlow(40.0, 4, 5)
+GRID = {"points": [6, 6], "offset": [0.31, 0.17]}
+STRIDE = 10
+
+
+def with_observable(channels, states):
+    """Channels of series, and the observable as the last of them."""
+    observable = KOLMOGOROV.observable(np.moveaxis(states, -1, 0))[..., np.newaxis]
+    return np.concatenate([channels, observable], axis=-1)
+
+
+@pytest.fixture(scope="module")
+def setting():
+    """Series of the flow, what sensors see of them, and the case of a forecaster."""
+    start = KOLMOGOROV.sample_initial_states(6, np.random.default_rng(6))
+    states = integrate(KOLMOGOROV, start, 0.05, 6000, STRIDE)[-300:].transpose(2, 0, 1)
+    case = encoding_case(KOLMOGOROV, GRID, {})
+    readings = case.readings_of_series(states)
+    scales = component_scales(readings)
+    seen = observed_series(readings, 0, 0.01, scales, 1, "sensors")
+    case = replace(case, noise=0.01 * scales.standard_deviation)
+    channels = StateChannels.fit("identity", states, seen, case)
+    space = MeasuredSeries(channel_names("identity", case), "observable")
+    forecasting = ForecastingCase(
+        space,
+        0.05,
+        STRIDE,
+        17,
+        {"noise": 0.01, "members": 12, "inflation": 1.1},
+        source=KOLMOGOROV,
+        maps=channels.maps(states),
+    )
+    return states, with_observable(seen, states), channels, forecasting
+
+
+def test_a_forecast_is_that_of_the_decoded_state(setting):
+    _, seen, channels, case = setting
+    forecaster = EquationsFromObservation.fit(seen, case)
+    washout = seen[:2, :5].transpose(1, 2, 0)
+    outputs, _ = forecaster.advance(forecaster.start(washout), 3)
+    for row in range(2):
+        estimate = case.maps.gain @ seen[row, 4, :-1] + case.maps.constant
+        later = integrate(KOLMOGOROV, estimate[:, None], 0.05, 3 * STRIDE, STRIDE)[1:, :, 0]
+        expected = with_observable(channels.case.readings_of_series(later), later)
+        np.testing.assert_allclose(outputs[:, :, row], expected, atol=1e-9)
+
+
+def test_a_forecaster_is_restored(setting):
+    _, seen, _, case = setting
+    fitted = FilteredEquations.fit(seen, case)
+    again = FilteredEquations.restore(fitted.record(), replace(case, maps=None))
+    washout = seen[:1, :4].transpose(1, 2, 0)
+    np.testing.assert_array_equal(fitted.start(washout), again.start(washout))
+
+
+def test_the_filter_finds_the_state_that_the_sensors_do_not_see(setting):
+    """Within half a Lyapunov time the error falls to a tenth of that of the linear estimate."""
+    states, seen, _, case = setting
+    filtered = FilteredEquations.fit(seen, case)
+    washout = seen[:, 100:110].transpose(1, 2, 0)
+    truth = states[:, 109].T
+    linear = EquationsFromObservation.fit(seen, case).start(washout)
+    errors = [np.linalg.norm(found - truth) for found in (linear, filtered.start(washout))]
+    assert errors[1] < 0.1 * errors[0]
+    members = filtered.ensemble(washout)
+    assert members.shape == (KOLMOGOROV.dimension, 12, 6)
+    assert 0 < members.std(axis=1).mean() < np.abs(truth).mean()
+
+
+def test_members_start_around_the_linear_estimate(setting):
+    _, seen, _, case = setting
+    filtered = FilteredEquations.fit(seen, case)
+    first = filtered.first_members(seen[:2, 0].T).reshape(KOLMOGOROV.dimension, 12, 2)
+    np.testing.assert_allclose(first.mean(axis=1), case.maps.estimates(seen[:2, 0, :-1].T))
+    errors = case.maps.error_covariance(filtered.noise[:-1])
+    variances = np.linalg.eigvalsh(errors)[::-1]
+    assert np.cov(first[..., 0]).trace() == pytest.approx(variances[:6].sum())

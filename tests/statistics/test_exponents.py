@@ -1,0 +1,385 @@
+"""Lyapunov exponents of forecasters, and of series by the divergence of neighbours."""
+
+import re
+
+import numpy as np
+import pytest
+
+from burstcast.data.dataset import generate_ensemble, initial_states
+from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.network import EchoStateNetwork
+from burstcast.esn.reservoir import ReservoirSeed, make_reservoir
+from burstcast.esn.training import TrainingSeries, train
+from burstcast.forecasters.base import ForecastingCase
+from burstcast.forecasters.equations import EquationsFromTruth
+from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.forecasters.linear_inverse import LinearInverseModel
+from burstcast.forecasters.quadratic import QuadraticModel
+from burstcast.forecasters.registry import available_kinds, linearises
+from burstcast.statistics import lyapunov_spectrum as module
+from burstcast.statistics import neighbour_divergence as neighbours
+from burstcast.statistics.lyapunov_spectrum import forecaster_spectrum, summarise
+from burstcast.statistics.neighbour_divergence import (
+    NoExponentError,
+    correlation_steps,
+    neighbour_divergence,
+)
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.lyapunov import kaplan_yorke_dimension, lyapunov_spectrum
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from helpers_forecasters import MadeUpForecaster
+
+ROTATION = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3))).Q
+STEP = 0.02
+
+
+def spectrum(forecaster, washouts, steps, exponents=3, interval=5, seed=1):
+    generator = np.random.default_rng(seed)
+    return forecaster_spectrum(forecaster, washouts, steps, interval, exponents, STEP, generator)
+
+
+def lorenz_series(count, steps, transient=2000):
+    """States of the Lorenz equations, ``(series, time, 3)``, two integration steps apart."""
+    start = np.random.default_rng(2).normal(0, 8, (3, count)) + np.array([[0.0], [0.0], [25.0]])
+    start = integrate(Lorenz63(), start, 0.01, transient, max(transient, 1))[-1]
+    return integrate(Lorenz63(), start, 0.01, 2 * steps, 2).transpose(2, 0, 1)
+
+
+def test_linear_model_has_the_logarithms_of_its_eigenvalues():
+    rates = np.array([1.05, 0.9, 0.4])
+    model = LinearInverseModel(ROTATION @ np.diag(rates) @ ROTATION.T, np.array([0.1, 0.0, 0.2]))
+    found = spectrum(model, np.zeros((2, 4, 3)), 600)
+    expected = np.log(rates) / STEP
+    np.testing.assert_allclose(found.exponents, [expected, expected], rtol=0, atol=1e-9)
+    assert found.duration == pytest.approx(450 * STEP)
+
+
+def test_only_the_leading_exponents_are_wanted():
+    model = LinearInverseModel(ROTATION @ np.diag([1.05, 0.9, 0.4]) @ ROTATION.T, np.zeros(3))
+    leading = spectrum(model, np.zeros((1, 4, 3)), 600, exponents=2)
+    np.testing.assert_allclose(leading.exponents, [np.log([1.05, 0.9]) / STEP], rtol=0, atol=1e-9)
+    more = spectrum(model, np.zeros((1, 4, 3)), 600, exponents=5)
+    assert np.isnan(more.exponents[0, 3:]).all()
+    assert np.isfinite(more.exponents[0, :3]).all()
+
+
+def test_what_an_interval_loses_to_rounding_is_not_known():
+    model = LinearInverseModel(np.diag([1.05, 0.9, 1e-4]), np.zeros(3))
+    found = spectrum(model, np.zeros((2, 4, 3)), 600).exponents
+    np.testing.assert_allclose(found[:, 0], np.log(1.05) / STEP)
+    assert np.isnan(found[:, 2]).all()
+
+
+def test_equations_have_the_exponents_of_the_system():
+    washouts = lorenz_series(6, 10)
+    found = spectrum(EquationsFromTruth(Lorenz63(), 0.01, 2), washouts, 4000)
+    start = np.ascontiguousarray(washouts[:, -1].T)
+    own = lyapunov_spectrum(Lorenz63(), start, 0.01, 6000, 10, alignment_steps=2000)
+    assert found.duration == pytest.approx(own.duration)
+    # the perturbations begin otherwise, and are lined up after the alignment
+    np.testing.assert_allclose(found.exponents, own.exponents, rtol=0, atol=1e-6)
+
+
+def lorenz_network():
+    # off the attractor, at first, so that there is something to learn about the way back
+    series = lorenz_series(12, 4000, transient=0)
+    noise = np.random.default_rng(5).normal(size=series.shape)
+    observed = series + 1e-3 * series.std(axis=(0, 1)) * noise
+    input_range = np.ptp(observed, axis=(0, 1))
+    seed = ReservoirSeed(0, 300, 0, 3, 0.1)
+    dynamics = Dynamics(make_reservoir(300, 3, 3, 0.1, np.random.default_rng(3)), 0.1, 1.0, "scipy")
+    readout = train(dynamics, TrainingSeries(observed, input_range), washout=5, tikhonov=1e-9)
+    network = NetworkForecaster(EchoStateNetwork(dynamics, readout, input_range), seed, 10.0)
+    return network, observed
+
+
+def test_network_that_has_learnt_lorenz_has_its_exponents():
+    network, observed = lorenz_network()
+    found = spectrum(network, observed[:, -50:], 8000, exponents=4).exponents
+    mean, error = found.mean(axis=0), found.std(axis=0, ddof=1) / np.sqrt(len(found))
+    assert error[0] < 0.015
+    assert mean[0] == pytest.approx(0.906, abs=0.04)
+    assert mean[1] == pytest.approx(0.0, abs=0.02)
+    assert mean[2] == pytest.approx(-14.57, abs=0.5)
+    # the next one is the reservoir's own
+    assert mean[3] < -20
+    assert kaplan_yorke_dimension(mean) == pytest.approx(2.062, abs=0.005)
+
+
+def test_equations_that_are_learnt_have_the_exponents_of_lorenz():
+    series = lorenz_series(6, 2000)
+    options = {"window_lt": 0.1, "degree": 2, "noise": 0.0, "significance": 3.0}
+    model = QuadraticModel.fit(series, ForecastingCase(Lorenz63(), 0.01, 2, 50, options))
+    found = spectrum(model, series[:, -10:], 2000).exponents.mean(axis=0)
+    np.testing.assert_allclose(found, [0.906, 0.0, -14.57], rtol=0, atol=0.1)
+
+
+def test_runs_do_not_depend_on_how_many_run_side_by_side(monkeypatch):
+    washouts = lorenz_series(5, 10)
+    equations = EquationsFromTruth(Lorenz63(), 0.01, 2)
+    together = spectrum(equations, washouts, 60).exponents
+    monkeypatch.setattr(module, "RUNS_PER_BATCH", 2)
+    np.testing.assert_array_equal(spectrum(equations, washouts, 60).exponents, together)
+
+
+def test_no_run_has_no_exponents():
+    found = spectrum(EquationsFromTruth(Lorenz63(), 0.01, 2), np.zeros((0, 4, 3)), 60)
+    assert found.exponents.shape == (0, 3)
+
+
+def test_too_short_runs_are_refused():
+    with pytest.raises(ValueError, match="too few"):
+        spectrum(EquationsFromTruth(Lorenz63(), 0.01, 2), np.ones((1, 4, 3)), 4)
+
+
+def test_kinds_say_whether_they_linearise():
+    assert {"esn", "equations", "equations_noisy", "quadratic"} <= set(
+        filter(linearises, available_kinds())
+    )
+
+    class Other(MadeUpForecaster):
+        def start(self, washout, parameters=None):
+            return washout[-1]
+
+        def advance(self, memory, steps, parameters=None):
+            return np.repeat(memory[np.newaxis], steps, axis=0), memory
+
+    with pytest.raises(NotImplementedError, match="Other does not linearise"):
+        spectrum(Other(), np.ones((1, 4, 3)), 60)
+
+
+# -- summaries -------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("exponents", "dimension"),
+    [
+        ([0.906, 0.0, -14.572], 2 + 0.906 / 14.572),
+        ([1.0, 0.5, -0.7, -0.6, -5.0], 4 + 0.2 / 5.0),  # those of Hyperchaos: sum of four is 0.2
+        ([0.0, 1.0, -4.0], 2.25),  # in any order
+        ([-0.1, -0.2], 0.0),
+        ([0.0, -1.0], 1.0),
+        ([1.0, -0.5], np.nan),  # more than is known
+        ([1.0, -0.5, np.nan], np.nan),
+        ([1.0, -2.0, np.nan], 1.5),
+        ([np.nan], np.nan),
+    ],
+)
+def test_kaplan_yorke_dimension(exponents, dimension):
+    found = kaplan_yorke_dimension(np.array(exponents))
+    assert found == pytest.approx(dimension, nan_ok=True)
+
+
+def test_summary_has_the_dimension_of_the_mean_and_its_spread():
+    generator = np.random.default_rng(3)
+    exponents = np.array([0.9, 0.0, -14.5]) + generator.normal(size=(200, 3)) * [0.3, 0.05, 0.3]
+    found = summarise(exponents, 0.9, 2000, np.random.default_rng(1))
+    np.testing.assert_allclose(found.mean, exponents.mean(axis=0))
+    assert (found.low < found.mean).all()
+    assert found.dimension == kaplan_yorke_dimension(exponents.mean(axis=0))
+    # to first order the dimension is linear in the mean exponents
+    samples = 2 + (exponents[:, 0] + exponents[:, 1]) / 14.5
+    margin = 1.645 * samples.std() / np.sqrt(200)
+    assert found.dimension_high - found.dimension_low == pytest.approx(2 * margin, rel=0.1)
+
+
+def test_summary_of_few_runs():
+    one = summarise(np.array([[0.9, 0.0, -14.5]]), 0.95, 10, np.random.default_rng(1))
+    assert one.mean.tolist() == [0.9, 0.0, -14.5]
+    assert np.isnan([*one.low, *one.high, one.dimension_low]).all()
+    none = summarise(np.empty((0, 3)), 0.95, 10, np.random.default_rng(1))
+    assert np.isnan([*none.mean, none.dimension]).all()
+
+
+# -- from series -----------------------------------------------------------------------------------
+
+
+def lorenz(series=10, steps=4000):
+    """Sampled every 0.02 time units; published exponent: 0.906."""
+    generator = np.random.default_rng(1)
+    start = generator.normal(size=(3, series)) + np.array([[0], [0], [25]])
+    start = integrate(Lorenz63(), start, 0.01, 2000, stride=2000)[-1]
+    return integrate(Lorenz63(), start, 0.01, 2 * steps, stride=2).transpose(2, 0, 1)
+
+
+def estimate(series, interval, seed=0):
+    how = {"resamples": 200, "confidence": 0.95}
+    return neighbour_divergence(series, interval, np.random.default_rng(seed), **how)
+
+
+def runge_kutta(rates, state, step, samples, stride):
+    """Series ``(series, samples, component)`` by the classical method."""
+    found = []
+    for number in range(samples * stride):
+        if number % stride == 0:
+            found.append(state)
+        one = rates(state)
+        two = rates(state + step / 2 * one)
+        three = rates(state + step / 2 * two)
+        four = rates(state + step * three)
+        state = state + step / 6 * (one + 2 * two + 2 * three + four)
+    return np.stack(found).transpose(2, 0, 1)
+
+
+def four_species():
+    """Lotka-Volterra equations of Vano et al. (2006); their largest exponent is 0.0203."""
+    growth = np.array([[1.0], [0.72], [1.53], [1.27]])
+    competition = np.array(
+        [[1, 1.09, 1.52, 0], [0, 1, 0.44, 1.36], [2.33, 0, 1, 0.47], [1.21, 0.51, 0.35, 1]]
+    )
+    start = np.array([[0.301], [0.459], [0.131], [0.356]])
+    start = start * (1 + 0.01 * np.random.default_rng(1).normal(size=(4, 10)))
+
+    def rates(state):
+        return growth * state * (1 - competition @ state)
+
+    return runge_kutta(rates, start, 0.1, 3000, 10)[:, 500:], 1.0
+
+
+def bursting_neuron():
+    """Hindmarsh-Rose equations: 0.0133 by brute force (two trajectories, 64 series)."""
+    start = np.array([[-1.0], [0.0], [3.0]])
+    start = start + 0.3 * np.random.default_rng(1).normal(size=(3, 10))
+
+    def rates(state):
+        x, y, z = state
+        return np.stack(
+            [y + 3 * x**2 - x**3 - z + 3.25, 1 - 5 * x**2 - y, 0.006 * (4 * (x + 1.6) - z)]
+        )
+
+    return runge_kutta(rates, start, 0.05, 4500, 10)[:, 500:], 0.5
+
+
+def test_lorenz():
+    found = estimate(lorenz(), 0.02)
+    assert found.exponent == pytest.approx(0.906, rel=0.15)
+    assert found.low < 0.906 < found.high
+    assert found.high - found.low < 0.5 * found.exponent
+
+
+def test_lorenz_with_noise_and_of_one_component():
+    series = lorenz()
+    noise = 0.01 * series.std(axis=(0, 1)) * np.random.default_rng(2).normal(size=series.shape)
+    assert estimate(series + noise, 0.02).exponent == pytest.approx(0.906, rel=0.12)
+    assert estimate(series[:, :, :1], 0.02).exponent == pytest.approx(0.906, rel=0.12)
+
+
+@pytest.mark.parametrize(("series", "known"), [(four_species, 0.0203), (bursting_neuron, 0.0133)])
+def test_weak_chaos_is_not_hidden_by_what_lies_along_the_flow(series, known):
+    """By distances that are not taken across the flow, the first is 0.015 (0.0144 to 0.0157)."""
+    found = estimate(*series())
+    assert found.exponent == pytest.approx(known, rel=0.15)
+    assert found.low < known < found.high
+
+
+def test_growth_that_is_known():
+    """A logistic curve above a floor, and how its rate follows from a curve that is bent."""
+    steps, rate, first, saturated, floor = np.arange(121), 0.06, -4.0, 0.5, -4.5
+    for power in neighbours.POWERS:
+        grown = np.exp(rate * power * steps)
+        share = np.exp(power * (first - saturated))
+        distance = np.exp(saturated) * (share * grown / (1 + share * (grown - 1))) ** (1 / power)
+        curve = 0.5 * np.log(distance**2 + np.exp(2 * floor))
+        fit = neighbours._Growth.fitted(curve, saturated, power)
+        assert fit.rate == pytest.approx(rate, rel=1e-4)
+        bent = 1e-4 * np.sin(steps / 9)
+        again = neighbours._Growth.fitted(curve + bent, saturated, power)
+        assert again.rate - fit.rate == pytest.approx(bent @ fit.sensitivity, rel=0.1)
+        assert fit.sensitivity[0] == 0  # neighbours were chosen by the first distance
+
+
+def test_one_long_series_keeps_out_of_its_own_neighbourhood():
+    found = estimate(lorenz(series=1, steps=20000), 0.02)
+    assert found.theiler_window > 3
+    assert found.exponent == pytest.approx(0.906, rel=0.15)
+
+
+def test_shear_flow():
+    """Re = 400, whose published exponent is 0.0163."""
+    start = [1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0]
+    generator = np.random.default_rng(3)
+    (flow,) = generate_ensemble(
+        MoehlisFaisstEckhardt(400.0),
+        initial_states(np.array(start, float), 3, 0.01, 16, generator),
+        time_step=0.25,
+        sampling_stride=4,
+        transient_steps=800,
+        kept_steps=10000,
+        laminarisation_threshold=0.48,
+    )
+    assert len(flow.states) >= 10
+    found = estimate(flow.states[:10], 1.0)
+    assert found.exponent == pytest.approx(0.0163, rel=0.2)
+
+
+def test_units_do_not_matter():
+    series = lorenz(series=4, steps=1500)
+    scaled = series * [1e-3, 50.0, 7.0] + [3.0, -100.0, 0.0]
+    one, other = estimate(series, 0.02), estimate(scaled, 0.1)
+    assert other.exponent == pytest.approx(one.exponent / 5, rel=1e-6)
+
+
+@pytest.mark.parametrize(("number", "steps"), [(3, 240), (1, 400)])
+def test_distances_by_brute_force(number, steps, monkeypatch):
+    """In a short series alone, neighbours lie just beyond the Theiler window."""
+    monkeypatch.setattr(neighbours, "REFERENCES", 10**6)  # every state is followed
+    series = lorenz(number, steps)
+    found = estimate(series, 0.02)
+    steps, window = len(found.log_distance) - 1, correlation_steps(series / series.std(axis=(0, 1)))
+    states = series / series.std(axis=(0, 1))
+    starts = states.shape[1] - steps
+    expected = []
+    for of in range(number):
+        for at in range(starts):
+            nearest = min(
+                (np.linalg.norm(states[of, at] - states[other, step]), other, step)
+                for other in range(number)
+                for step in range(starts)
+                if other != of or abs(step - at) > window
+            )[1:]
+            logs = []
+            for ahead in range(steps + 1):
+                before, after = max(at + ahead - 1, 0), min(at + ahead + 1, states.shape[1] - 1)
+                apart = states[of, at + ahead] - states[nearest[0]][nearest[1] + ahead]
+                along = states[of, after] - states[of, before]
+                # by Pythagoras: the part along the flow is taken off
+                projected = apart @ along / np.linalg.norm(along)
+                logs.append(0.5 * np.log(apart @ apart - projected**2))
+            expected.append(logs)
+    np.testing.assert_allclose(found.log_distance, np.mean(expected, axis=0), rtol=1e-8)
+
+
+def test_correlation_time_of_a_known_process():
+    generator = np.random.default_rng(4)
+    series = np.zeros((20, 4000, 1))
+    for step in range(1, 4000):
+        series[:, step] = 0.95 * series[:, step - 1] + generator.normal(size=(20, 1))
+    assert correlation_steps(series) == pytest.approx(1 / -np.log(0.95), abs=2)
+    assert correlation_steps(np.broadcast_to(np.arange(40.0)[:, None], (2, 40, 1))) <= 10
+
+
+def test_what_does_not_part_has_no_exponent():
+    time = 0.05 * np.arange(2000)
+    phases = np.linspace(0, 1.013, 5)[:, None]
+    circles = np.stack([np.cos(time + phases), np.sin(time + phases)], axis=2)
+    with pytest.raises(NoExponentError, match="no exponent can be seen in these series"):
+        estimate(circles, 0.05)
+    with pytest.raises(NoExponentError, match="no state has a neighbour"):
+        estimate(lorenz(series=1, steps=8), 0.02)
+
+
+def test_coarse_readings_have_no_exponent():
+    series = lorenz(series=8, steps=1600)
+    with pytest.raises(NoExponentError, match=r"\d+ of \d+ pairs .* are at distance 0"):
+        estimate(np.round(series / 4) * 4, 0.02)
+
+
+def test_an_exponent_that_cannot_be_told_from_zero_is_none():
+    walks = [np.random.default_rng(n).normal(size=(3, 90, 2)).cumsum(axis=1) for n in range(8)]
+    refused = []
+    for walk in walks:
+        try:
+            found = estimate(walk, 1.0)
+            assert 0 < found.low < found.high
+        except NoExponentError as error:
+            refused.append(str(error))
+    assert any(re.search(r"\(-.* to .*\), cannot be told from 0", one) for one in refused)

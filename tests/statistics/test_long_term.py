@@ -1,0 +1,522 @@
+"""Long-term runs of made-up forecasters whose fate is known; survival and escape rates."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+import scipy.stats
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from burstcast.esn.dynamics import Dynamics
+from burstcast.esn.network import EchoStateNetwork
+from burstcast.esn.readout import Readout
+from burstcast.esn.reservoir import make_reservoir
+from burstcast.forecasters.equations import EquationsFromTruth
+from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
+from burstcast.statistics import long_term
+from burstcast.statistics.long_term import (
+    Fate,
+    FixedPointCriterion,
+    LongTermSettings,
+    long_term_starting_points,
+    run_long_term,
+)
+from burstcast.statistics.reductions import reduce_series
+from burstcast.statistics.survival import Lifetimes, escape_rate, survival_curve
+from burstcast.systems.lorenz63 import Lorenz63
+from helpers_forecasters import MadeUpForecaster
+
+EDGES = np.linspace(0.0, 1.0, 11)
+FIXED_POINT = FixedPointCriterion(variation=0.01, above=0.05, interval=40)
+
+
+def first_component(state):
+    return state[0]
+
+
+@dataclass
+class Scripted(MadeUpForecaster):
+    """Plays given series ``(steps, dimension, trajectories)``; the washout tells which one.
+
+    Counts how many trajectory steps it was asked for.
+    """
+
+    script: np.ndarray
+    bound: float = np.inf
+    asked: int = field(default=0)
+
+    def start(self, washout, parameters=None):
+        # which trajectory, and how far it is
+        return np.stack([washout[-1, 0], np.zeros(washout.shape[2])])
+
+    def advance(self, memory, steps, parameters=None):
+        which, begin = memory[0].astype(int), int(memory[1, 0])
+        self.asked += steps * len(which)
+        return self.script[begin : begin + steps, :, which], memory + np.array([[0.0], [steps]])
+
+    def diverged(self, outputs):
+        return ~(np.abs(outputs) <= self.bound).all(axis=(0, 1))
+
+    def washouts(self):
+        points = self.script.shape[2]
+        washouts = np.zeros((points, 3, self.script.shape[1]))
+        washouts[:, -1] = np.arange(points)[:, np.newaxis]
+        return washouts
+
+
+def brute_force(script, threshold, criterion, bound):
+    """Fate of each trajectory from its whole course, step by step."""
+    fates = []
+    for column in range(script.shape[2]):
+        fate = Fate.KEPT
+        for state in script[:, :, column]:
+            if not (np.abs(state) <= bound).all():
+                fate = Fate.DIVERGED
+            elif threshold is not None and state[0] > threshold:
+                fate = Fate.LAMINAR
+            if fate != Fate.KEPT:
+                break
+        last = script[:, 0, column][-criterion.interval :]
+        if (
+            fate == Fate.KEPT
+            and np.ptp(last) < criterion.variation
+            and last.min() > criterion.above
+        ):
+            fate = Fate.FIXED_POINT
+        fates.append(fate)
+    return np.array(fates)
+
+
+def brute_force_lifetimes(script, threshold, criterion, bound, fates):
+    """Steps to the one that decides, and to the beginning of a rest, over the whole course."""
+    lifetimes = []
+    for column, fate in enumerate(fates):
+        states = script[:, :, column]
+        observable = states[:, 0]
+        ends = ~(np.abs(states) <= bound).all(axis=1)
+        if threshold is not None:
+            ends |= observable > threshold
+        if fate in (Fate.LAMINAR, Fate.DIVERGED):
+            lifetimes.append(int(np.flatnonzero(ends)[0]) + 1)
+        elif fate == Fate.FIXED_POINT:
+            since = 0
+            for step in range(len(observable)):
+                if np.ptp(observable[since : step + 1]) >= criterion.variation:
+                    since = step
+            lifetimes.append(min(since, len(observable) - criterion.interval) + 1)
+        else:
+            lifetimes.append(len(observable))
+    return np.array(lifetimes)
+
+
+def script_of(kinds, steps, seed=0):
+    """Series of given kinds, with a second component that moves as the first one does."""
+    generator = np.random.default_rng(seed)
+    time = np.arange(steps)
+    columns = []
+    for kind in kinds:
+        values = generator.uniform(0.1, 0.4, steps)
+        event = int(generator.integers(0, steps))
+        if kind == "laminar":
+            values[event:] = 0.5
+        elif kind == "diverging":
+            values[event:] = generator.choice([np.nan, np.inf, -np.inf, 1e200])
+        elif kind == "laminar then diverging":
+            values[event] = 0.7
+            values[min(event + 3, steps - 1) :] = np.nan
+        elif kind == "settling":
+            values = 0.2 + 0.1 * np.exp(-time / 3) * np.cos(time)
+        elif kind == "settling low":
+            values = 0.04 + 0.1 * np.exp(-time / 3)
+        elif kind == "settling late":
+            values[-FIXED_POINT.interval :] = 0.3
+        elif kind == "settling too late":
+            values[-FIXED_POINT.interval + 1 :] = 0.3
+        elif kind == "resting and leaving":
+            values[: steps // 4] = 0.3
+        columns.append(np.stack([values, -values], axis=1))
+    return np.stack(columns, axis=2)
+
+
+def copies(series):
+    """Three trajectories alike: of one alone, the washouts would have no range to compare with."""
+    return np.repeat(series[:, :, np.newaxis], 3, axis=2)
+
+
+KINDS = (
+    "chaotic",
+    "laminar",
+    "diverging",
+    "laminar then diverging",
+    "settling",
+    "settling low",
+    "settling late",
+    "settling too late",
+    "resting and leaving",
+)
+
+
+def run(script, threshold=0.48, fixed_point=FIXED_POINT, bound=10.0, chunk=100):
+    forecaster = Scripted(script, bound)
+    settings = LongTermSettings(len(script), EDGES, threshold, fixed_point)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(long_term, "STEPS_PER_CHUNK", chunk)
+        return run_long_term(
+            forecaster, first_component, forecaster.washouts(), settings
+        ), forecaster
+
+
+def assert_same(first, second):
+    np.testing.assert_array_equal(first.fates, second.fates)
+    np.testing.assert_array_equal(first.lifetimes, second.lifetimes)
+    one, other = first.statistics, second.statistics
+    np.testing.assert_array_equal(one.histogram.counts, other.histogram.counts)
+    assert one.moments.count == other.moments.count
+    np.testing.assert_array_equal(one.moments.mean, other.moments.mean)
+    np.testing.assert_array_equal(one.moments.mean_product, other.moments.mean_product)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.sampled_from(KINDS), min_size=1, max_size=12),
+    st.integers(FIXED_POINT.interval, 260),
+    st.integers(1, 300),
+    st.integers(0, 1000),
+)
+def test_fates_and_statistics_are_those_of_the_whole_series(kinds, steps, chunk, seed):
+    script = script_of(kinds, steps, seed)
+    found, _ = run(script, chunk=chunk)
+    fates = brute_force(script, 0.48, FIXED_POINT, 10.0)
+    np.testing.assert_array_equal(found.fates, fates)
+    lifetimes = brute_force_lifetimes(script, 0.48, FIXED_POINT, 10.0, fates)
+    np.testing.assert_array_equal(found.lifetimes, lifetimes)
+    kept = script[:, :, fates == Fate.KEPT].transpose(2, 0, 1)
+    assert found.statistics.moments.count == kept.shape[0] * steps
+    if len(kept):
+        expected = reduce_series([kept], first_component, EDGES).merged(slice(None))
+        np.testing.assert_array_equal(found.statistics.histogram.counts, expected.histogram.counts)
+        np.testing.assert_array_equal(
+            found.statistics.moments.mean_product, expected.moments.mean_product
+        )
+
+
+def test_fates_in_the_order_of_the_starting_points():
+    script = script_of(["chaotic"] * 3 + ["laminar"] * 2 + ["diverging", "settling"], 300)
+    found, _ = run(script)
+    expected = [Fate.KEPT] * 3 + [Fate.LAMINAR] * 2 + [Fate.DIVERGED, Fate.FIXED_POINT]
+    assert found.fates.tolist() == expected
+
+
+def test_nothing_is_discarded_without_criteria():
+    script = script_of(["chaotic", "laminar", "settling"], 120)
+    found, _ = run(script, threshold=None, fixed_point=None)
+    assert (found.fates == Fate.KEPT).all()
+
+
+def test_only_a_value_beyond_the_threshold_is_laminar():
+    script = script_of(["chaotic", "chaotic"], 60)
+    script[7, 0, 0] = 0.48
+    script[59, 0, 1] = np.nextafter(0.48, 1)
+    found, _ = run(script)
+    assert found.fates.tolist() == [Fate.KEPT, Fate.LAMINAR]
+    assert found.lifetimes.tolist() == [60, 60]
+
+
+@pytest.mark.parametrize("chunk", [1, 3, 100])
+@pytest.mark.parametrize(
+    ("laminar", "diverging", "fate"),
+    [(7, 8, Fate.LAMINAR), (7, 7, Fate.DIVERGED), (8, 7, Fate.DIVERGED)],
+)
+def test_what_happens_first_counts(laminar, diverging, fate, chunk):
+    script = script_of(["chaotic"], 60)
+    script[laminar, 0] = 0.5
+    script[diverging, 1] = np.nan
+    assert run(script, chunk=chunk)[0].fates.tolist() == [fate]
+
+
+def test_all_trajectories_may_end():
+    found, forecaster = run(script_of(["laminar", "diverging"], 5000))
+    assert np.isnan(found.statistics.moments.mean).all()
+    assert (found.fates != Fate.KEPT).all()
+    assert forecaster.asked < 2 * 5000
+
+
+@pytest.mark.parametrize(("kind", "share"), [("laminar", 0.15), ("settling", 0.6), ("chaotic", 1)])
+def test_a_run_that_has_ended_costs_no_more_time(kind, share):
+    script = script_of([kind] * 3, 4000)
+    if kind == "laminar":
+        script[400:] = 0.5
+    _, forecaster = run(script)
+    assert forecaster.asked <= share * 3 * 4000
+    if kind == "chaotic":
+        assert forecaster.asked == 3 * 4000
+
+
+def test_slow_departure_from_an_unstable_fixed_point_is_not_cut_off():
+    # From a disturbance as small as rounding errors to the size of the flow in 1500 steps: at rest,
+    # as far as one can see, for most of that time.
+    steps = 1600
+    growth = np.exp(np.log(0.1 / 1e-17) * (np.arange(steps) / 1500))
+    values = 0.2 + np.minimum(1e-17 * growth, 0.1) * np.cos(np.arange(steps))
+    found, forecaster = run(copies(np.stack([values, values], axis=1)))
+    assert (found.fates == Fate.KEPT).all()
+    assert forecaster.asked == 3 * steps
+
+
+@pytest.mark.parametrize("chunk", [2, 7, 100])
+@pytest.mark.parametrize("small", [0.25, 2.0**-33])
+def test_a_variation_as_large_as_the_criterion_says_is_no_fixed_point(chunk, small):
+    # exact sums; the smaller one is below FIXED_POINT_RANGE of the washouts, too
+    values = np.where(np.arange(1000) % 2, 0.25, 0.25 + small)
+    states = np.stack([values, np.full(1000, 0.1)], axis=1)
+    for variation, fate in ((small, Fate.KEPT), (1.001 * small, Fate.FIXED_POINT)):
+        criterion = FixedPointCriterion(variation=variation, above=0.05, interval=40)
+        found, _ = run(copies(states), threshold=None, fixed_point=criterion, chunk=chunk)
+        assert set(found.fates) == {fate}
+
+
+def test_what_rests_from_the_beginning_has_rested_since_its_first_step():
+    found, _ = run(copies(np.full((400, 2), 0.3)))
+    assert set(found.fates) == {Fate.FIXED_POINT}
+    assert set(found.lifetimes) == {1}
+
+
+def test_quiet_of_the_observable_alone_is_no_fixed_point():
+    # the first component, the observable, rests; the second moves, and moves the first one later
+    time = np.arange(1000)
+    values = np.where(time < 900, 0.2, 0.2 + 0.1 * np.sin(time))
+    found, _ = run(copies(np.stack([values, np.sin(time)], axis=1)))
+    assert (found.fates == Fate.KEPT).all()
+
+
+def test_a_network_on_a_fixed_point_is_found_out_early():
+    # a readout so weak that the reservoir, and with it the network, comes to rest
+    generator = np.random.default_rng(5)
+    reservoir = make_reservoir(60, 2, 10, 0.1, generator)
+    weights = 0.01 * generator.standard_normal((61, 2))
+    weights[-1] = [0.3, 0.1]
+    seed = ReservoirSeed(0, 60, 0, 10, 0.1)
+    network = EchoStateNetwork(
+        Dynamics(reservoir, 0.7, 0.5, "scipy"), Readout(weights, 1e-6, "cholesky", 1.0), np.ones(2)
+    )
+    asked = []
+
+    class Counting(NetworkForecaster):
+        def advance(self, memory, steps, parameters=None):
+            asked.append(steps * memory.shape[-1])
+            return super().advance(memory, steps)
+
+    washouts = generator.uniform(0, 1, (4, 20, 2))
+    found = run_long_term(
+        Counting(network, seed, 10.0),
+        first_component,
+        washouts,
+        LongTermSettings(3000, EDGES, 0.48, FIXED_POINT),
+    )
+    assert found.fates.tolist() == [Fate.FIXED_POINT] * 4
+    assert sum(asked) < 0.6 * 4 * 3000
+
+
+def test_equations_have_the_statistics_of_their_own_trajectories():
+    system = Lorenz63()
+    forecaster = EquationsFromTruth(system, 0.01, 2)
+    washouts = np.random.default_rng(2).normal(0, 5, (5, 4, 3)) + np.array([0, 0, 20])
+    edges = np.linspace(-30, 30, 31)
+    found = run_long_term(
+        forecaster, system.observable, washouts, LongTermSettings(700, edges, None, None)
+    )
+    states, _ = forecaster.advance(np.ascontiguousarray(washouts[:, -1].T), 700)
+    expected = reduce_series([states.transpose(2, 0, 1)], system.observable, edges)
+    np.testing.assert_array_equal(
+        found.statistics.histogram.counts, expected.merged(slice(None)).histogram.counts
+    )
+    np.testing.assert_array_equal(
+        found.statistics.moments.mean_product, expected.merged(slice(None)).moments.mean_product
+    )
+    # the flow contracts towards the attractor, on which xy averages to beta z
+    mean_product = found.statistics.moments.mean_product
+    assert mean_product[0, 1] == pytest.approx(8 / 3 * found.statistics.moments.mean[2], rel=0.05)
+
+
+@pytest.mark.parametrize("chunk", [1, 7, 64, 1000])
+def test_chunks_change_no_result(chunk):
+    script = script_of(KINDS * 2, 333, seed=11)
+    assert_same(run(script, chunk=chunk)[0], run(script)[0])
+
+
+def test_trajectories_do_not_depend_on_their_neighbours():
+    script = script_of(KINDS, 333, seed=12)
+    together, _ = run(script)
+    alone = [run(script[..., [column]])[0].fates[0] for column in range(len(KINDS))]
+    np.testing.assert_array_equal(together.fates, alone)
+
+
+def test_settings_that_make_no_sense_are_refused():
+    with pytest.raises(ValueError, match="judged by its last 40"):
+        LongTermSettings(39, EDGES, None, FIXED_POINT)
+    with pytest.raises(ValueError, match="one step"):
+        LongTermSettings(0, EDGES, None, None)
+    with pytest.raises(ValueError, match="starting point"):
+        run_long_term(
+            Scripted(np.zeros((5, 2, 1))),
+            first_component,
+            np.zeros((0, 3, 2)),
+            LongTermSettings(5, EDGES, None, None),
+        )
+
+
+def test_starting_points_are_shared_out_evenly():
+    points = long_term_starting_points(3, 100, spacing=10, washout=5, count=8)
+    assert points.series.tolist() == [0, 0, 0, 1, 1, 1, 2, 2]
+    assert points.step.tolist() == [4, 14, 24, 4, 14, 24, 4, 14]
+
+
+def test_starting_points_are_as_many_as_there_is_room_for():
+    points = long_term_starting_points(2, 30, spacing=10, washout=5, count=500)
+    assert points.series.tolist() == [0, 0, 0, 1, 1, 1]
+    with pytest.raises(ValueError, match="no room"):
+        long_term_starting_points(2, 4, spacing=10, washout=5, count=500)
+
+
+# -- survival curves and escape rates --------------------------------------------------------------
+
+
+def exponential(rate, series, length, seed=1):
+    """Lifetimes that are exponential, seen at whole steps and for so long."""
+    steps = np.ceil(np.random.default_rng(seed).exponential(1 / rate, series)).astype(int)
+    return Lifetimes(np.minimum(steps, length), steps <= length, length)
+
+
+def test_curve_is_the_kaplan_meier_estimate():
+    lifetimes = exponential(1e-2, 60, 150)
+    times = np.arange(0, 150)
+    found = survival_curve(lifetimes, times, 0.95)
+    ended, running = lifetimes.steps[lifetimes.escaped], lifetimes.steps[~lifetimes.escaped]
+    estimate = scipy.stats.ecdf(scipy.stats.CensoredData(uncensored=ended, right=running)).sf
+    np.testing.assert_allclose(found.share, estimate.evaluate(times), atol=1e-12)
+
+
+@given(st.integers(1, 40), st.integers(0, 40), st.floats(0.5, 0.99))
+def test_intervals_of_the_curve_are_exact(series, escapes, confidence):
+    escapes = min(escapes, series)
+    steps = np.where(np.arange(series) < escapes, 3, 10)
+    lifetimes = Lifetimes(steps, np.arange(series) < escapes, 10)
+    found = survival_curve(lifetimes, np.array([2, 5]), confidence)
+    for share, low, high in zip(found.share, found.low, found.high, strict=True):
+        alive = round(share * series)
+        exact = scipy.stats.binomtest(alive, series).proportion_ci(confidence, "exact")
+        assert low == pytest.approx(exact.low, abs=1e-9)
+        assert high == pytest.approx(exact.high, abs=1e-9)
+
+
+def test_escapes_at_the_end_and_survivors_are_told_apart():
+    lifetimes = Lifetimes(np.array([10, 10, 4]), np.array([True, False, True]), 10)
+    found = survival_curve(lifetimes, np.array([0, 3, 4, 9, 10]), 0.95)
+    np.testing.assert_allclose(found.share, [1, 1, 2 / 3, 2 / 3, 1 / 3])
+
+
+def test_rate_is_the_maximum_of_the_likelihood():
+    lifetimes = exponential(1e-3, 400, 2000)
+    found = escape_rate(lifetimes, 1.0, 0.95, start=0)
+    data = scipy.stats.CensoredData(
+        uncensored=lifetimes.steps[lifetimes.escaped], right=lifetimes.steps[~lifetimes.escaped]
+    )
+    _, scale = scipy.stats.expon.fit(data, floc=0)
+    assert found.rate == pytest.approx(1 / scale, rel=1e-6)
+    assert found.low < 1e-3 < found.high
+    assert found.escapes == lifetimes.escaped.sum()
+
+
+def test_units_are_those_of_time():
+    lifetimes = exponential(1e-2, 50, 100)
+    steps, times = (escape_rate(lifetimes, interval, 0.9) for interval in (1.0, 0.25))
+    assert times.rate == pytest.approx(4 * steps.rate)
+    assert times.time_at_risk == pytest.approx(steps.time_at_risk / 4)
+
+
+@given(st.integers(0, 30), st.floats(0.5, 0.99))
+def test_ends_of_the_interval_have_exact_tails(escapes, confidence):
+    steps = np.where(np.arange(40) < escapes, 60, 100)
+    lifetimes = Lifetimes(steps, np.arange(40) < escapes, 100)
+    found = escape_rate(lifetimes, 1.0, confidence, start=20)
+    tail = (1 - confidence) / 2
+    counts = scipy.stats.poisson
+    assert counts.cdf(escapes, found.high * found.time_at_risk) == pytest.approx(tail)
+    if escapes:
+        assert counts.sf(escapes - 1, found.low * found.time_at_risk) == pytest.approx(tail)
+    else:
+        assert found.rate == found.low == 0.0
+        # the rule of three
+        assert found.high == pytest.approx(-np.log(tail) / found.time_at_risk)
+
+
+def test_interval_covers_as_often_as_it_says():
+    covered = 0
+    for seed in range(400):
+        found = escape_rate(exponential(1e-3, 40, 1000, seed), 1.0, 0.9, start=0)
+        covered += found.low <= 1e-3 <= found.high
+    # exact intervals of a count cover at least as often
+    assert covered / 400 > 0.88
+
+
+def test_the_beginning_is_left_out():
+    # nothing escapes for a while, because all series begin alike
+    later = exponential(2e-3, 2000, 1500)
+    steps = np.minimum(later.steps + 500, 2000)
+    lifetimes = Lifetimes(steps, later.escaped, 2000)
+    assert escape_rate(lifetimes, 1.0, 0.95, start=0).high < 2e-3
+    found = escape_rate(lifetimes, 1.0, 0.95)
+    assert found == escape_rate(lifetimes, 1.0, 0.95, start=500)
+    assert found.low < 2e-3 < found.high
+    early = Lifetimes(np.array([100, 500, 501, 2000]), np.array([1, 1, 1, 0], bool), 2000)
+    assert escape_rate(early, 1.0, 0.95).escapes == 1
+    assert escape_rate(early, 1.0, 0.95).time_at_risk == 1501
+
+
+def test_nothing_at_risk_has_no_rate():
+    gone = Lifetimes(np.array([3, 4]), np.array([True, True]), 100)
+    found = escape_rate(gone, 1.0, 0.95)
+    assert (found.escapes, found.time_at_risk) == (0, 0)
+    assert np.isnan([found.rate, found.low, found.high]).all()
+
+
+def test_what_makes_no_sense_is_refused():
+    lifetimes = exponential(1e-2, 5, 100)
+    with pytest.raises(ValueError, match="from step 100 of 100"):
+        escape_rate(lifetimes, 1.0, 0.95, start=100)
+    with pytest.raises(ValueError, match="100 steps only"):
+        survival_curve(lifetimes, np.array([101]), 0.95)
+    with pytest.raises(ValueError, match="needs a series"):
+        survival_curve(Lifetimes(np.array([], int), np.array([], bool), 9), np.array([1]), 0.95)
+
+
+# -- lifetimes of an ensemble ----------------------------------------------------------------------
+
+KEPT = np.array([1, 2, 5, 6, 9])
+LIFETIMES = np.array([3, 50, 50, 7, 9, 50, 50, 20, 30, 50, 11])
+
+
+def of_training(kept, training, steps=LIFETIMES):
+    return Lifetimes.of_ensemble(steps, kept, 50).of_training(kept, training)
+
+
+def test_those_of_training_end_with_its_last_series():
+    found = of_training(KEPT, 3)
+    assert found.steps.tolist() == [3, 50, 50, 7, 9, 50]
+    assert found.escaped.tolist() == [True, False, False, True, True, False]
+    assert found.length == 50
+
+
+def test_nothing_of_later_series_enters():
+    later = np.where(np.arange(11) > 5, 1, LIFETIMES)
+    np.testing.assert_array_equal(
+        of_training(KEPT, 3).steps, of_training(KEPT, 3, steps=later).steps
+    )
+
+
+def test_other_series_of_the_ensemble_may_be_the_first():
+    # trained on the fourth and the fifth
+    found = of_training(KEPT[[3, 4, 2, 0, 1]], 2)
+    assert found.steps.tolist() == [50, 20, 30, 50]
+    assert found.escaped.tolist() == [False, True, True, False]

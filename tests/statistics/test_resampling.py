@@ -1,0 +1,152 @@
+"""Bootstrap samples, percentiles and analysis of variance, against scipy's."""
+
+import itertools
+
+import numpy as np
+import pytest
+import scipy.stats
+from hypothesis import given
+from hypothesis import strategies as st
+
+from burstcast.statistics.analysis_of_variance import (
+    analysis_of_variance,
+    mean_and_margin,
+    slope_and_margin,
+)
+from burstcast.statistics.resampled_score import ResampledScore, median_score
+from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
+
+
+def test_weights_are_draws_with_replacement():
+    weights = bootstrap_weights(7, 4000, np.random.default_rng(1))
+    assert weights.shape == (4000, 7)
+    assert (weights.sum(axis=1) == 7).all()
+    assert weights.mean() == 1
+    # how often one is drawn is binomial
+    expected = scipy.stats.binom(7, 1 / 7).pmf(np.arange(4))
+    found = np.bincount(weights[:, 3], minlength=4)[:4] / 4000
+    np.testing.assert_allclose(found, expected, atol=0.02)
+
+
+def test_interval_of_a_mean_is_that_of_scipy():
+    values = np.random.default_rng(2).exponential(size=80)
+    weights = bootstrap_weights(80, 20_000, np.random.default_rng(3))
+    found = percentile_interval(weights @ values / 80, 0.9)
+    theirs = scipy.stats.bootstrap(
+        (values,), np.mean, n_resamples=20_000, confidence_level=0.9, method="percentile", rng=4
+    ).confidence_interval
+    assert found == pytest.approx((theirs.low, theirs.high), abs=0.01)
+
+
+def test_undefined_samples_are_left_out():
+    samples = np.array([np.nan, 1.0, 2.0, np.inf, 3.0])
+    assert percentile_interval(samples, 0.5) == (1.5, 2.5)
+    assert np.isnan(percentile_interval(np.full(3, np.nan), 0.5)).all()
+
+
+def test_scores_of_the_same_resamples_are_compared_one_by_one():
+    one = ResampledScore(np.array(3.0), np.array([1.0, 5.0, 2.0]))
+    other = ResampledScore(np.array(1.0), np.array([0.5, 7.0, np.nan]))
+    difference = one - other
+    assert difference.value == 2.0
+    np.testing.assert_array_equal(difference.samples, [0.5, -2.0, np.nan])
+    middle = median_score([one, other, ResampledScore(np.array(9.0), np.array([4.0, 6.0, 2.0]))])
+    assert middle.value == 3.0
+    np.testing.assert_array_equal(middle.samples, [1.0, 6.0, np.nan])
+
+
+# -- analysis of variance --------------------------------------------------------------------------
+
+
+def squares_by_least_squares(values, axis):
+    """What the indicators of one factor explain, of all that they and the mean explain."""
+    cells = list(itertools.product(*map(range, values.shape)))
+    flat = np.array([values[cell] for cell in cells])
+    mean = np.ones((len(cells), 1))
+    levels = np.array(
+        [[float(cell[axis] == level) for level in range(values.shape[axis])] for cell in cells]
+    )
+
+    def left(design):
+        solution = np.linalg.lstsq(design, flat, rcond=None)[0]
+        return float(np.square(flat - design @ solution).sum())
+
+    return left(mean) - left(np.hstack([mean, levels]))
+
+
+@given(st.integers(0, 1000), st.lists(st.integers(1, 4), min_size=2, max_size=3))
+def test_mean_squares_are_those_of_nested_least_squares(seed, shape):
+    values = np.random.default_rng(seed).normal(size=shape)
+    found = analysis_of_variance(values)
+    explained, freedom = 0.0, values.size - 1
+    for axis, factor in enumerate(found.factors):
+        assert factor.degrees == shape[axis] - 1
+        expected = squares_by_least_squares(values, axis)
+        explained, freedom = explained + expected, freedom - factor.degrees
+        if factor.degrees:
+            assert factor.mean_square * factor.degrees == pytest.approx(expected, abs=1e-9)
+        else:
+            assert np.isnan(factor.mean_square)
+            assert np.isnan(factor.standard_deviation)
+    assert found.residual.degrees == freedom
+    if freedom:
+        rest = values.var() * values.size - explained
+        assert found.residual.mean_square * freedom == pytest.approx(rest, abs=1e-9)
+
+
+def test_a_factor_beside_one_without_effect_is_that_of_a_one_way_analysis():
+    groups = np.random.default_rng(3).normal(size=(5, 4)) + np.arange(5)[:, np.newaxis]
+    # columns that do not differ: their squares are part of the residual of the one-way analysis
+    groups -= groups.mean(axis=0) - groups.mean()
+    found = analysis_of_variance(groups)
+    rows, columns = found.factors
+    assert columns.mean_square == pytest.approx(0.0, abs=1e-12)
+    within = found.residual.mean_square * found.residual.degrees / (20 - 5)
+    expected = scipy.stats.f_oneway(*groups).statistic
+    assert rows.mean_square / within == pytest.approx(expected)
+    assert columns.standard_deviation == 0.0
+
+
+def test_known_components_are_found():
+    generator = np.random.default_rng(0)
+    shape = (300, 200)
+    values = (
+        7.0
+        + 3.0 * generator.normal(size=(300, 1))
+        + 1.0 * generator.normal(size=(1, 200))
+        + 0.5 * generator.normal(size=shape)
+    )
+    found = analysis_of_variance(values)
+    deviations = [one.standard_deviation for one in (*found.factors, found.residual)]
+    np.testing.assert_allclose(deviations, [3.0, 1.0, 0.5], rtol=0.12)
+    assert found.mean == pytest.approx(values.mean())
+
+
+def test_a_single_factor_has_all_the_scatter():
+    found = analysis_of_variance(np.array([[1.0], [3.0]]))
+    assert found.factors[0].standard_deviation == pytest.approx(np.sqrt(2.0))
+    assert np.isnan(found.residual.standard_deviation)
+
+
+@pytest.mark.parametrize("values", [np.empty((0, 2)), np.array([[1.0, np.nan]])])
+def test_a_design_with_holes_is_refused(values):
+    with pytest.raises(ValueError, match="every cell"):
+        analysis_of_variance(values)
+
+
+def test_an_interval_of_a_mean_is_that_of_students_test():
+    values = [0.1, 0.4, 0.2, 0.7]
+    expected = scipy.stats.ttest_1samp(values, 0.0).confidence_interval(0.95)
+    mean, margin = mean_and_margin(values, 0.95)
+    assert (mean - margin, mean + margin) == pytest.approx((expected.low, expected.high))
+    assert np.isnan(mean_and_margin([0.5], 0.95)[1])
+
+
+def test_a_slope_is_that_of_scipy():
+    generator = np.random.default_rng(1)
+    x, y = generator.normal(size=7), generator.normal(size=7)
+    expected = scipy.stats.linregress(x, y)
+    slope, margin = slope_and_margin(x, y, 0.9)
+    assert slope == pytest.approx(expected.slope)
+    assert margin == pytest.approx(expected.stderr * scipy.stats.t.ppf(0.95, 5))
+    assert np.isnan(slope_and_margin([0.0, 1.0], [1.0, 2.0], 0.9)).all()

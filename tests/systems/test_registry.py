@@ -1,0 +1,425 @@
+"""Systems by name, the check of a system, and the messages for what cannot be made."""
+
+import math
+import re
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from burstcast.data.dataset import initial_states
+from burstcast.polynomials.system import PolynomialSystem
+from burstcast.systems.base import DynamicalSystem, has_own
+from burstcast.systems.check import (
+    UnsoundSystemError,
+    _initial_states,
+    check_system,
+    interface_problems,
+)
+from burstcast.systems.compiled import hindrance
+from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
+from burstcast.systems.flow_map import FlowMap
+from burstcast.systems.integration import integrate
+from burstcast.systems.kolmogorov import KolmogorovFlow
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.registry import available_systems, make_system, system_module
+from burstcast_workflow.commands.command_line import main
+
+
+def test_available_systems_are_the_modules_that_define_one():
+    assert available_systems() == ["fitzhugh_nagumo", "kolmogorov", "lorenz63", "mfe"]
+
+
+def test_make_system_with_defaults_and_integers():
+    assert make_system("mfe", {"reynolds": 400}) == MoehlisFaisstEckhardt(400.0)
+    assert make_system("lorenz63", {}) == Lorenz63()
+    system = make_system("mfe", {"reynolds": 600.0, "length_x": 5.0})
+    assert system == MoehlisFaisstEckhardt(600.0, length_x=5.0)
+
+
+FINITE = "'reynolds' of system 'mfe' must be a finite number"
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "message"),
+    [
+        *(
+            (name, {}, "available systems are fitzhugh_nagumo, kol")
+            for name in ("base", "registry")
+        ),
+        *(
+            (name, {}, "available systems are fitzhugh")
+            for name in ("integration", "mfe.x", "", "os")
+        ),
+        ("lorentz63", {}, "did you mean 'lorenz63'"),
+        ("mfe", {"reynold": 400.0}, r"no parameter 'reynold' \(did you mean 'reynolds'\?\)"),
+        ("mfe", {"length_x": 5.0}, "needs the parameter 'reynolds'"),
+        *(("mfe", {"reynolds": bad}, FINITE) for bad in (math.nan, math.inf, "400", True, None)),
+        ("mfe", {"reynolds": [400.0]}, FINITE),
+        ("mfe", {"reynolds": -400.0}, "reynolds must be positive"),
+        ("kolmogorov", {"reynolds": 0.0}, "reynolds must be positive"),
+        ("kolmogorov", {"reynolds": -1.0}, "reynolds must be positive"),
+        ("kolmogorov", {"large_scale_limit": 0.0}, "large_scale_limit must be positive"),
+        ("kolmogorov", {"largest_wavenumber": 7.5}, "largest_wavenumber must be a positive whole"),
+        ("kolmogorov", {"forcing_wavenumber": 0}, "forcing_wavenumber must be a positive whole"),
+        (
+            "kolmogorov",
+            {"forcing_wavenumber": 8, "largest_wavenumber": 7},
+            "must be at most largest_wavenumber",
+        ),
+    ],
+)
+def test_what_makes_no_system_is_told(name, parameters, message):
+    with pytest.raises(ValueError, match=message):
+        make_system(name, parameters)
+
+
+@pytest.mark.parametrize("name", ["sigma", "rho", "beta"])
+def test_bad_parameters_raise(name):
+    with pytest.raises(ValueError, match=f"{name} must be finite"):
+        Lorenz63(**{name: math.nan})
+
+
+# -- systems of one's own --------------------------------------------------------------------------
+OWN = """
+from dataclasses import dataclass
+from typing import ClassVar
+from burstcast.systems.base import DynamicalSystem, has_own
+
+@dataclass(frozen=True)
+class Circle(DynamicalSystem):
+    rate: float = 1.0
+    dimension: ClassVar[int] = 2
+    observable_name: ClassVar[str] = "x"
+    observable_symbol: ClassVar[str] = "x"
+    def right_hand_side(self, state):
+        return self.rate * state
+    def observable(self, state):
+        return state[0]
+"""
+
+
+@pytest.fixture
+def module(tmp_path, monkeypatch):
+    """Write a module of one's own, and make it importable."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+
+    def write(text, name="own_circles"):
+        path = tmp_path / f"{name}.py"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+
+    before = set(sys.modules)
+    yield write
+    for name in set(sys.modules) - before:
+        if name.startswith("own_"):
+            del sys.modules[name]
+
+
+def test_a_system_of_ones_own(module):
+    module(OWN)
+    system = make_system("own_circles:Circle", {"rate": 2})
+    assert (system.dimension, system.rate) == (2, 2.0)
+    with pytest.raises(ValueError, match=r"no parameter 'rat' \(did you mean 'rate'\?\)"):
+        make_system("own_circles:Circle", {"rat": 2})
+
+
+def test_a_system_in_a_package_of_ones_own(module):
+    module("", "own_flows/__init__")
+    module("from own_flows.circles import *", "own_flows/other")
+    module(OWN, "own_flows/circles")
+    assert make_system("own_flows.circles:Circle", {}).dimension == 2
+    assert system_module("own_flows.circles:Circle") == "own_flows.circles"
+    assert system_module("lorenz63") == "burstcast.systems.lorenz63"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "name", "message"),
+    [
+        ("", "", "own_squares:Circle", r"there is no module own_squares here or among what is"),
+        ("", "", "own_circles.deep:Circle", r"there is no module own_circles\.deep"),
+        ("", "", "own_circles:Cirle", r"has no class Cirle \(did you mean 'Circle'\?\)"),
+        ("", "", "own_circles:dataclass", r"dataclass of own_circles .* is no system"),
+        ("self.rate *", "self.rate *)", "own_circles:Circle", r"circles\.py, line 13: SyntaxError"),
+        ("import Cl", "import Kl", "own_circles:Circle", r"own_circles\.py, line 3: ImportError"),
+        ("ClassVar[int]", "Clas[int]", "own_circles:Circle", r"line 9: NameError: .*'Clas'"),
+        ("from typing", "import no_such\nfrom typing", "own_circles:Circle", r"line 3: .*no_such"),
+        ("rate: float = 1.0", "rate: list = []", "own_circles:Circle", r"circles\.py, line 6: V"),
+        ("observable(", "obsrvable(", "own_circles:Circle", r"Circle of own_circles lacks observ"),
+        ("dimension:", "dimensions:", "own_circles:Circle", r"Circle of own_circles lacks dimens"),
+        ("@dataclass(frozen=True)\n", "", "own_circles:Circle", r"must be a dataclass"),
+        (
+            "    def obs",
+            "    def __post_init__(self):\n        self.x = self.y\n    def obs",
+            "own_circles:Circle",
+            r"own_circles:Circle cannot be made: AttributeError: .*'y'",
+        ),
+    ],
+)
+def test_a_mistake_in_a_module_is_told(module, old, new, name, message):
+    assert old in OWN
+    module(OWN.replace(old, new, 1) if old else OWN)
+    with pytest.raises((ValueError, TypeError), match=message):
+        make_system(name, {})
+
+
+def test_one_broken_module_spoils_no_other(monkeypatch, tmp_path):
+    """A module of the package with a mistake, beside those that have none."""
+    import burstcast.systems
+
+    (tmp_path / "broken.py").write_text("def right_hand_side(:")
+    (tmp_path / "unfinished.py").write_text(OWN.replace("def observable", "def observed"))
+    monkeypatch.setattr(burstcast.systems, "__path__", [*burstcast.systems.__path__, str(tmp_path)])
+    assert make_system("lorenz63", {}) == Lorenz63()
+    assert available_systems() == ["fitzhugh_nagumo", "kolmogorov", "lorenz63", "mfe"]
+    with pytest.raises(
+        ValueError, match=r"did you mean 'lorenz63'\?\); the available systems are f"
+    ):
+        make_system("lorenz36", {})
+    with pytest.raises(ValueError, match=r"broken\.py, line 1: SyntaxError"):
+        make_system("broken", {})
+    with pytest.raises(ValueError, match=r"class Circle of .*unfinished lacks observable"):
+        make_system("unfinished", {})
+
+
+def test_a_module_of_the_package_defines_one_system(monkeypatch, tmp_path):
+    import burstcast.systems
+
+    second = OWN[OWN.index("@dataclass") :].replace("Circle", "Square")
+    (tmp_path / "several.py").write_text(OWN + second)
+    monkeypatch.setattr(burstcast.systems, "__path__", [*burstcast.systems.__path__, str(tmp_path)])
+    with pytest.raises(TypeError, match="must define one system, not several: Circle, Square"):
+        make_system("several", {})
+
+
+# -- what every system keeps to --------------------------------------------------------------------
+TERMS = np.random.default_rng(6).normal(size=(20, 3)) * (np.arange(60).reshape(20, 3) % 2)
+EVERY = {
+    "lorenz": Lorenz63(),
+    "other lorenz": Lorenz63(9.0, 20.0, 2.5),
+    "pair": FitzHughNagumoPair(),
+    "shear flow": MoehlisFaisstEckhardt(400.0),
+    "narrow shear flow": MoehlisFaisstEckhardt(250.0, 3.0, 7.0),
+    "polynomials": PolynomialSystem(TERMS, 3, Lorenz63()),
+    "kolmogorov": KolmogorovFlow(),
+}
+
+
+@pytest.fixture(params=EVERY, name="one_of_all")
+def every(request):
+    """A system, and states of it."""
+    found = EVERY[request.param]
+    return found, np.random.default_rng(2).uniform(-1, 1, (found.dimension, 37))
+
+
+def test_the_interface_is_kept(one_of_all):
+    system, states = one_of_all
+    assert list(interface_problems(system, 0.3 * states[:, :16])) == []
+    observed, before = system.observable(states), states.copy()
+    observed[:] = 0.0
+    system.right_hand_side(states)
+    np.testing.assert_array_equal(states, before)
+    assert system.right_hand_side(states[:, :0]).shape == (system.dimension, 0)
+
+
+def test_trajectories_are_independent_bit_for_bit(one_of_all):
+    system, states = one_of_all
+    together = integrate(system, 0.1 * states, 0.01, 4)
+    for first, last in ((0, 1), (1, 8), (8, 37)):
+        alone = integrate(system, 0.1 * states[:, first:last], 0.01, 4)
+        np.testing.assert_array_equal(alone, together[..., first:last])
+    names = ("right_hand_side", "observable", *["jacobian"] * has_own(system, "jacobian"))
+    for method in (getattr(system, name) for name in names):
+        whole = method(states)
+        for index in (0, 11, 36):
+            np.testing.assert_array_equal(method(states[:, index].copy()), whole[..., index])
+            view = method(states.T.copy().T[:, index : index + 1])
+            np.testing.assert_array_equal(view[..., 0], whole[..., index])
+        further = method(states[:, :36].reshape(system.dimension, 2, 18))
+        np.testing.assert_array_equal(further, whole[..., :36].reshape(further.shape))
+
+
+@pytest.mark.parametrize("name", sorted({*EVERY} - {"kolmogorov"}))  # it has an FFT
+def test_the_jacobian_is_the_complex_step_derivative(name):
+    system = EVERY[name]
+    states = np.random.default_rng(1).normal(0, 3, (system.dimension, 8))
+    for component in range(system.dimension):
+        perturbed = states.astype(complex)
+        perturbed[component] += 1e-30j
+        expected = system.right_hand_side(perturbed).imag / 1e-30
+        found = system.jacobian(states)[:, component]
+        np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-12)
+
+
+# -- the Lorenz equations --------------------------------------------------------------------------
+
+
+def test_textbook_values():
+    state = np.array([1.0, 2.0, 3.0])
+    derivative = Lorenz63(sigma=10.0, rho=28.0, beta=2.0).right_hand_side(state)
+    assert np.array_equal(derivative, [10.0, 23.0, -4.0])
+
+
+def test_fixed_points():
+    system = Lorenz63()
+    distance = math.sqrt(system.beta * (system.rho - 1.0))
+    points = np.array([[0, distance, -distance], [0, distance, -distance], [0, 27.0, 27.0]])
+    np.testing.assert_allclose(system.right_hand_side(points), 0.0, atol=1e-13)
+
+
+def test_series_of_an_ensemble_begin_apart_and_cover_many_turns():
+    ensemble = Lorenz63.case_defaults["ensemble"]
+    assert ensemble["initial_state"][ensemble["perturbed_component"] - 1] == 20.0
+    # starts are spread over a tenth of what z covers, 1 to 48
+    assert ensemble["perturbation"] == 5.0
+    assert ensemble["time_step"] * ensemble["sampling_stride"] == 0.02
+    assert (ensemble["transient"], ensemble["duration"]) == (20.0, 80.0)
+    # z is positive; its fixed points with lobes around them are at rho - 1, that below at 0
+    assert Lorenz63.case_defaults["density"]["range"] == [0.0, 50.0]
+    assert Lorenz63.case_defaults["fixed_point"] == {"variation": 0.1, "above": 0.0}
+
+
+# -- the check of a system -------------------------------------------------------------------------
+
+ROOT = Path(__file__).parents[2]
+STATES = np.random.default_rng(1).normal(0.0, 5.0, (3, 16))
+
+
+@dataclass(frozen=True)
+class Mistaken(Lorenz63):
+    """A Lorenz system, parts of which are overridden by what has a mistake."""
+
+
+def mistaken(**methods):
+    return dataclass(frozen=True)(type("Mistaken", (Lorenz63,), methods))()
+
+
+def generator():
+    return np.random.default_rng(7)
+
+
+def wrong_jacobian(self, state):
+    j = Lorenz63().jacobian(state)
+    j[2, 1] = -state[0]
+    return j
+
+
+def mixing(self, state):
+    return Lorenz63().right_hand_side(state) + 1e-3 * state.mean()
+
+
+@pytest.mark.parametrize(
+    ("methods", "message"),
+    [
+        ({"observable": lambda self, x: x[:1]}, r"observable returns the shape \(1, 16\)"),
+        ({"observable": lambda self, x: x[2] > 0}, "observable returns numbers of type bool"),
+        ({"right_hand_side": lambda self, x: x[:2]}, r"right_hand_side returns the shape \(2, 16"),
+        ({"right_hand_side": lambda self, x: x[7]}, "right_hand_side fails .* IndexError"),
+        ({"jacobian": lambda self, x: x}, r"jacobian returns the shape .* not \(3, 3, 16\)"),
+        ({"jacobian": wrong_jacobian}, r"jacobian: the entry \[2, 1\] differs from differences"),
+        ({"right_hand_side": mixing}, "differs from the same trajectory alone"),
+        (
+            {"right_hand_side": lambda self, x: np.multiply(x, 2.0, out=x)},
+            "right_hand_side changes the states",
+        ),
+        (
+            {"sample_initial_states": lambda self, n, g: g.random((n, 3))},
+            r"must return the shape \(3, 16\), not \(16, 3\)",
+        ),
+    ],
+)
+def test_mistakes_are_told(methods, message):
+    system = mistaken(**methods, case_defaults={})
+    with pytest.raises(UnsoundSystemError, match=message):
+        check_system(system, generator())
+
+
+@pytest.mark.parametrize("component", [None, 1, 3])
+@pytest.mark.parametrize("perturbation", [None, 1e-3, 2.0])
+def test_trajectories_begin_as_the_ensemble_of_the_system_does(component, perturbation):
+    begin = {"initial_state": [1.0, -2.0, 20.0], "perturbed_component": component}
+    system = mistaken(case_defaults={"ensemble": {**begin, "perturbation": perturbation}})
+    found = _initial_states(system, generator())
+    raised = (component or 1) - 1, perturbation or 0.01
+    expected = initial_states(np.array([1.0, -2.0, 20.0]), *raised, 16, generator())
+    np.testing.assert_array_equal(found, expected)
+
+
+def test_a_system_that_explodes_is_refused():
+    growing = mistaken(right_hand_side=lambda self, x: x * x, jacobian=DynamicalSystem.jacobian)
+    with pytest.raises(UnsoundSystemError, match="do not stay finite"):
+        check_system(growing, generator())
+
+
+def test_a_map_is_checked_like_everything_else():
+    @dataclass(frozen=True)
+    class Henon(FlowMap):
+        dimension: ClassVar[int] = 2
+        observable_name: ClassVar[str] = "x"
+        observable_symbol: ClassVar[str] = "x"
+
+        def flow_map(self, state, time_step):
+            return np.stack([1.0 - 1.4 * state[0] * state[0] + state[1], 0.3 * state[0]])
+
+        def observable(self, state):
+            return np.array(state[0])
+
+        def sample_initial_states(self, series, generator):
+            return np.asarray(generator.uniform(-0.1, 0.1, (2, series)))
+
+    assert "its own integrator" in check_system(Henon(), generator())
+
+
+def test_the_command_line(capsys):
+    assert main(["check-system", "lorenz63", "rho=28"]) == 0
+    interface, integrator, derivatives = capsys.readouterr().out.splitlines()
+    assert interface == "Lorenz63: keeps to the interface"
+    assert integrator.endswith("Runge-Kutta scheme, compiled")
+    assert "Jacobian given, within" in derivatives
+    for arguments, message in (
+        (["lorentz63"], "did you mean 'lorenz63'"),
+        (["lorenz63", "rho"], "write NAME=VALUE"),
+    ):
+        assert main(["check-system", *arguments]) == 1
+        assert message in capsys.readouterr().err
+
+
+@dataclass(frozen=True)
+class HindmarshRose(DynamicalSystem):
+    """A bursting neuron (Proc. R. Soc. B 221 (1984) 87), whose exponent is a hundredth."""
+
+    current: float = 3.25
+
+    dimension: ClassVar[int] = 3
+    observable_name: ClassVar[str] = "membrane potential"
+    observable_symbol: ClassVar[str] = "x"
+
+    def right_hand_side(self, state):
+        x, y, z = state
+        derivative = np.empty_like(state)
+        derivative[0] = y - x**3 + 3.0 * x**2 - z + self.current
+        derivative[1] = 1.0 - 5.0 * x**2 - y
+        derivative[2] = 0.006 * (4.0 * (x + 1.6) - z)
+        return derivative
+
+    def observable(self, state):
+        return np.array(state[0])
+
+
+class Tempered(HindmarshRose):
+    """The same with an operation that cannot be compiled."""
+
+    def right_hand_side(self, state):
+        return super().right_hand_side(np.tanh(state / 10.0) * 10.0)
+
+
+def test_what_hinders_compilation_is_named_with_its_line():
+    reason = hindrance(Tempered(), 0.1)
+    assert reason is not None
+    assert re.match(r".*test_registry.py:\d+, return super.*np.tanh.*_Symbol", reason)
+    assert hindrance(HindmarshRose(), 0.1) is None

@@ -1,0 +1,338 @@
+"""Tables of papers and pages: percentiles, LaTeX, widths, and rows that are shown."""
+
+import math
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from burstcast.statistics.percentiles import percentiles
+from burstcast.tables.latex import (
+    data_parameters,
+    escape,
+    latex_number,
+    network_parameters,
+    side_by_side,
+)
+from burstcast.tables.ranked import shown_once
+from burstcast.tables.typesetting import (
+    COLUMN_GAP,
+    PAGE_WIDTH,
+    number_writer,
+    panels,
+    text_width,
+    to_latex,
+    wide_table,
+    with_interval,
+)
+
+KEYS = ["case", "reynolds", "neurons"]
+
+
+def networks(values, **keys):
+    defaults: dict[str, object] = {"case": "Re400", "reynolds": 400.0, "neurons": 500}
+    return pd.DataFrame(
+        [{**defaults, **keys, "seed": seed, "score": v} for seed, v in enumerate(values)]
+    )
+
+
+def quantile_by_hand(values, fraction):
+    """Linear interpolation between order statistics, written out."""
+    ordered = sorted(values)
+    position = fraction * (len(ordered) - 1)
+    below = math.floor(position)
+    above = min(below + 1, len(ordered) - 1)
+    return ordered[below] + (position - below) * (ordered[above] - ordered[below])
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=12))
+def test_percentiles_interpolate_between_order_statistics(values):
+    row = percentiles(networks(values), KEYS, ["score"]).iloc[0]
+    for name, fraction in (("p25", 0.25), ("p50", 0.5), ("p75", 0.75)):
+        assert row[name] == pytest.approx(quantile_by_hand(values, fraction), abs=1e-9)
+    assert row["networks"] == len(values)
+
+
+def test_undefined_values_are_ignored_and_not_counted():
+    row = percentiles(networks([0.1, math.nan, 0.3, math.nan]), KEYS, ["score"]).iloc[0]
+    assert row["p50"] == pytest.approx(0.2)
+    assert row["networks"] == 2
+
+
+def test_percentiles_of_nothing_are_empty():
+    row = percentiles(networks([math.nan, math.nan]), KEYS, ["score"]).iloc[0]
+    assert np.isnan(row["p25"])
+    assert np.isnan(row["p50"])
+    assert row["networks"] == 0
+
+
+def test_groups_stay_apart_also_when_row_labels_repeat():
+    table = pd.concat([networks([1.0, 1.0]), networks([5.0], case="Re600", reynolds=600.0)])
+    result = percentiles(table, KEYS, ["score"])
+    assert list(result["case"]) == ["Re400", "Re600"]
+    assert list(result["p50"]) == [1.0, 5.0]
+    assert list(result["networks"]) == [2, 1]
+
+
+def test_a_case_without_reynolds_number_is_a_group():
+    table = networks([1.0, 3.0], case="lorenz", reynolds=math.nan)
+    result = percentiles(table, KEYS, ["score"])
+    assert len(result) == 1
+    assert result.loc[0, "p50"] == 2.0
+    assert np.isnan(result.loc[0, "reynolds"])
+
+
+def test_columns_are_keys_then_metric_then_percentiles():
+    result = percentiles(networks([1.0]).assign(other=2.0), KEYS, ["score", "other"])
+    assert list(result.columns) == [*KEYS, "metric", "p25", "p50", "p75", "networks"]
+    assert list(result["metric"]) == ["score", "other"]
+
+
+def test_percentiles_of_an_empty_table_have_its_columns():
+    result = percentiles(networks([1.0]).iloc[:0], KEYS, ["score"])
+    assert result.empty
+    assert "p50" in result.columns
+
+
+def test_infinite_values_and_missing_columns_are_refused():
+    with pytest.raises(ValueError, match="infinite values in column score"):
+        percentiles(networks([1.0, math.inf]), KEYS, ["score"])
+    with pytest.raises(KeyError, match="the table has no column recall"):
+        percentiles(networks([1.0]), KEYS, ["recall"])
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (400, "$400$"),
+        (4 * math.pi, r"$4\pi$"),
+        (math.pi, r"$\pi$"),
+        (3.14, "$3.14$"),
+        (0.25, "$0.25$"),
+        (1e-12, "$10^{-12}$"),
+        (1.6e-7, r"$1.6\times10^{-7}$"),
+        (-0.5, "$-0.5$"),
+        (0.0, "$0$"),
+    ],
+)
+def test_latex_number(value, expected):
+    assert latex_number(value) == expected
+
+
+def test_latex_number_refuses_what_is_no_number():
+    with pytest.raises(ValueError, match="nan"):
+        latex_number(math.nan)
+
+
+def test_escape_makes_every_special_character_literal():
+    assert escape("a_b & 5% {x} #1 $y") == r"a\_b \& 5\% \{x\} \#1 \$y"
+    assert escape("~^\\") == r"\textasciitilde{}\textasciicircum{}\textbackslash{}"
+
+
+def test_the_papers_parameter_tables():
+    data = data_parameters(
+        system=[
+            ("L_x", "Length of the domain in the $x$-direction", 4 * math.pi),
+            (r"\mathrm{Re}", "Reynolds number", 400.0),
+        ],
+        time_step=0.25,
+        laminarisation_threshold=0.48,
+        event_threshold=0.1,
+        series_kept=1436,
+        series_duration=4000.0,
+        training_series=10,
+    )
+    values = ["4\\pi", "400", "0.25", "0.48", "0.1", "1436", "4000", "10"]
+    assert list(data["Value"]) == [f"${value}$" for value in values]
+    assert data.loc[3, "Parameter"] == "$k_l$"
+    network = network_parameters(
+        spectral_radius=(0.1, 1.0),
+        input_scaling=(0.1, 10.0),
+        tikhonov=[1e-6, 1e-9, 1e-12],
+        connectivity=20,
+        input_bias=0.1,
+        noise=0.01,
+    )
+    assert list(network["Value"]) == [
+        "$[0.1, 1]$",
+        "$[0.1, 10]$",
+        "$[10^{-6}, 10^{-9}, 10^{-12}]$",
+        "$20$",
+        "$0.1$",
+        r"$0.01\,\sigma_u$",
+    ]
+
+
+def test_a_system_that_does_not_laminarise_has_no_such_row():
+    data = data_parameters(
+        system=[],
+        time_step=0.01,
+        laminarisation_threshold=None,
+        event_threshold=40.0,
+        series_kept=20,
+        series_duration=100.0,
+        training_series=5,
+        symbol="z",
+    )
+    assert not data["Explanation"].str.contains("Laminarisation").any()
+    assert "$z_e$" in list(data["Parameter"])
+
+
+def parameters(**values):
+    return pd.DataFrame(
+        [(f"${name}$", name, value) for name, value in values.items()],
+        columns=["Parameter", "Explanation", "Value"],
+    )
+
+
+def test_one_parameter_table_stays_as_it_is():
+    table = parameters(a="$1$")
+    assert side_by_side({"Re400": table}) is table
+
+
+def test_parameter_tables_side_by_side_keep_the_order_and_show_what_is_missing():
+    joined = side_by_side(
+        {"first": parameters(a="$1$", b="$2$"), "second": parameters(a="$3$", c="$4$")}
+    )
+    assert list(joined.columns) == ["Parameter", "Explanation", "first", "second"]
+    assert joined["Explanation"].tolist() == ["a", "b", "c"]
+    assert joined["first"].tolist()[:2] == ["$1$", "$2$"]
+    assert joined["second"].tolist()[::2] == ["$3$", "$4$"]
+    assert joined["first"].isna().tolist() == [False, False, True]
+    assert joined["second"].isna().tolist() == [False, True, False]
+
+
+# -- no wider than a page --------------------------------------------------------------------------
+
+# Widths of cmr8 in points: a digit is 4.25 wide, and so on.
+CMR8 = {
+    **dict.fromkeys("0123456789", 4.25),
+    **{".": 2.36, "(": 3.31, ")": 3.31, " ": 2.83, ",": 2.36, "-": 2.83},
+    **{"a": 4.25, "b": 4.72, "c": 3.78, "d": 4.72, "e": 3.78, "f": 2.6, "g": 4.25, "h": 4.72},
+    **{"i": 2.36, "j": 2.6, "k": 4.49, "l": 2.36, "m": 7.08, "n": 4.72, "o": 4.25, "p": 4.72},
+    **{"q": 4.49, "r": 3.33, "s": 3.35, "t": 3.31, "u": 4.72, "v": 4.49, "w": 6.14, "x": 4.49},
+    **{"y": 4.49, "z": 3.78, "R": 6.26, "V": 6.38, "S": 4.72, "N": 6.38, "A": 6.38, "E": 5.79},
+}
+
+
+@given(st.text(alphabet=list(CMR8), min_size=1, max_size=60))
+def test_widths_are_not_below_those_of_the_typeface(text):
+    assert text_width(text) >= 0.98 * sum(CMR8[letter] for letter in text)
+
+
+def test_what_only_looks_different_has_no_width():
+    assert text_width(r"$\mathrm{in}$") == text_width("in")
+    assert text_width(r"a\_b") == text_width("a_b")
+    assert text_width(r"$\rho$") > 0
+
+
+def test_a_cell_is_a_value_with_its_interval():
+    write = number_writer(".3f")
+    assert with_interval(0.8184, 0.815, 0.8241, write) == "$0.818$ ($0.815$ to $0.824$)"
+    assert with_interval(1.0, 1.0, 1.0, write) == "$1.000$"
+    assert with_interval(0.5, math.nan, math.nan, write) == "$0.500$"
+    assert with_interval(math.nan, math.nan, math.nan, write) == "--"
+    assert number_writer(None)(1e-9) == "$10^{-9}$"
+
+
+def long_form():
+    rows = [
+        ("a", 1.0, "f_score", 0.5, 0.25, 0.75),
+        ("a", 2.0, "f_score", 0.25, math.nan, math.nan),
+        ("b", 1.0, "f_score", math.nan, math.nan, math.nan),
+    ]
+    return pd.DataFrame(rows, columns=["who", "time", "metric", "value", "low", "high"])
+
+
+def test_rows_and_columns_are_in_the_order_of_the_table():
+    cells = wide_table(long_form(), ["who"], "time", specs={"f_score": ".2f"})
+    assert cells.columns.tolist() == ["who", 1.0, 2.0]
+    assert cells.to_numpy().tolist() == [
+        ["a", "$0.50$ ($0.25$ to $0.75$)", "$0.25$"],
+        ["b", "--", "--"],
+    ]
+
+
+def test_two_values_for_one_cell_are_an_error():
+    twice = pd.concat([long_form(), long_form()])
+    with pytest.raises(ValueError, match="two rows have the same who, time"):
+        wide_table(twice, ["who"], "time")
+
+
+@given(st.integers(1, 2), st.lists(st.integers(1, 30), min_size=1, max_size=12))
+def test_parts_have_all_columns_once_and_fit_the_page(keys, lengths):
+    names = [f"k{number}" for number in range(keys)] + [f"c{n}" for n in range(len(lengths))]
+    row = ["x"] * keys + ["8" * length for length in lengths]
+    parts = panels(pd.DataFrame([row], columns=names), {}, keys)
+    assert [name for part in parts for name in part[keys:]] == names[keys:]
+    cells = dict(zip(names, row, strict=True))
+    for part in parts:
+        assert part[:keys] == names[:keys]
+        widths = [max(text_width(cells[name]), text_width(name)) for name in part]
+        assert sum(widths) + COLUMN_GAP * (len(part) - 1) <= PAGE_WIDTH
+
+
+def test_a_table_is_a_table_environment_with_booktabs_rules():
+    cells = pd.DataFrame({"case_name": ["Re400"], "p50": ["$0.512$"]})
+    text = to_latex(cells, "Scores.", "tab:scores", heads={"p50": r"$p_{50}$"})
+    assert text.splitlines() == [
+        r"\begin{table}",
+        r"  \centering",
+        r"  \caption{Scores.}",
+        r"  \label{tab:scores}",
+        r"  \footnotesize",
+        r"  \setlength{\tabcolsep}{4pt}",
+        r"  \begin{tabular}{@{}lr@{}}",
+        r"    \toprule",
+        r"    case\_name & $p_{50}$ \\",
+        r"    \midrule",
+        r"    Re400 & $0.512$ \\",
+        r"    \bottomrule",
+        r"  \end{tabular}",
+        r"\end{table}",
+    ]
+    assert text.endswith("\n")
+
+
+def test_what_is_too_wide_stands_below():
+    cells = pd.DataFrame({"who": ["a"], **{f"c{n}": ["8" * 20] for n in range(9)}})
+    text = to_latex(cells, "c", "l")
+    assert text.count(r"\begin{tabular}") == text.count(r"\end{tabular}") == 3
+    rows = re.findall(r"^    a & .*$", text, re.M)
+    assert [row.count("&") for row in rows] == [3, 3, 3]
+
+
+# -- rows of the ranking ---------------------------------------------------------------------------
+
+
+def test_committees_stand_for_their_members_and_common_alarms_are_shown_once():
+    alarms = {
+        "flow": ["equations", "observable_now", "published_precursor"],
+        "modes": [
+            *("analogues", "analogues-committee", "climatology", "observable_now"),
+            *("esn-N50-RV-seed0", "esn-N50-RV-seed1", "esn-N50-RV-committee"),
+            *("esn-N90-RV-seed0", "esn-N50-SSV-seed0"),
+        ],
+    }
+    rows = pd.DataFrame(
+        [
+            {"case": case, "alarm": alarm, "prediction_time_lt": time}
+            for case, names in alarms.items()
+            for alarm in names
+            for time in (0.5, 1.0)
+        ]
+    )
+    shown = shown_once(rows)
+    # at each prediction time
+    for _, part in shown.groupby("prediction_time_lt"):
+        assert list(zip(part["case"], part["alarm"], strict=True)) == [
+            *(("flow", alarm) for alarm in alarms["flow"]),
+            ("modes", "analogues"),
+            ("modes", "climatology"),
+            ("modes", "esn-N50-RV-committee"),
+            ("modes", "esn-N90-RV-seed0"),
+            ("modes", "esn-N50-SSV-seed0"),
+        ]
