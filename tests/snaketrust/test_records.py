@@ -318,7 +318,7 @@ def test_a_run_that_is_alive_keeps_its_results():
 
 
 @pytest.fixture
-def compiled(tmp_path):
+def once_compiled(tmp_path):
     """A module of a package, which Python has compiled once."""
     package = tmp_path / "example"
     package.mkdir()
@@ -344,27 +344,27 @@ def edit_in_secret(path, text):
     os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns))
 
 
-def test_an_edit_that_keeps_size_and_time_is_run(compiled, tmp_path):
-    edit_in_secret(compiled, "VALUE = 2\n")
+def test_an_edit_that_keeps_size_and_time_is_run(once_compiled, tmp_path):
+    edit_in_secret(once_compiled, "VALUE = 2\n")
     assert imported(tmp_path) == 1  # what Python does by itself
-    compile_by_content([compiled])
+    compile_by_content([once_compiled])
     assert imported(tmp_path) == 2
-    edit_in_secret(compiled, "VALUE = 3\n")
+    edit_in_secret(once_compiled, "VALUE = 3\n")
     assert imported(tmp_path) == 3  # and from then on
-    compile_by_content([compiled])
+    compile_by_content([once_compiled])
     assert imported(tmp_path) == 3
 
 
-def test_a_process_that_runs_an_old_compiled_module_is_told(compiled, tmp_path, monkeypatch):
+def test_a_process_that_runs_an_old_compiled_module_is_told(once_compiled, tmp_path, monkeypatch):
     loaded = type(sys)("example.numbers")
-    loaded.__file__ = str(compiled)
+    loaded.__file__ = str(once_compiled)
     monkeypatch.setitem(sys.modules, "example.numbers", loaded)
     monkeypatch.setattr(sys, "pycache_prefix", None)
-    compile_by_content([compiled])  # nothing is wrong
+    compile_by_content([once_compiled])  # nothing is wrong
     for compiled in tmp_path.rglob("*.pyc"):
         compiled.unlink()
     assert imported(tmp_path) == 1
-    edit_in_secret(compiled, "VALUE = 2\n")
+    edit_in_secret(once_compiled, "VALUE = 2\n")
     with pytest.raises(UnlikeCodeError, match=r"compiled numbers\.py from another"):
-        compile_by_content([compiled])
-    compile_by_content([compiled])
+        compile_by_content([once_compiled])
+    compile_by_content([once_compiled])
