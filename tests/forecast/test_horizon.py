@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy.stats
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -260,16 +259,6 @@ def test_averages_are_those_of_what_was_drawn(horizons, seed):
         drawn = np.repeat(values, weight)
         assert mean == pytest.approx(drawn.mean(), abs=1e-12)
         assert median == pytest.approx(np.median(drawn), abs=1e-12)
-
-
-def test_the_interval_of_the_mean_is_that_of_its_standard_error():
-    values = np.random.default_rng(0).gamma(4.0, 1.0, size=500)
-    weights = bootstrap_weights(500, 4000, np.random.default_rng(1))
-    low, high = percentile_interval(resampled_averages(values, weights)[0], 0.95)
-    scipys = scipy.stats.bootstrap((values,), np.mean, n_resamples=4000, rng=2).confidence_interval
-    np.testing.assert_allclose([low, high], [scipys.low, scipys.high], atol=0.02)
-    half = 1.96 * values.std(ddof=1) / np.sqrt(500)
-    np.testing.assert_allclose([low, high], values.mean() + half * np.array([-1, 1]), atol=0.02)
 
 
 def test_without_events_there_is_no_average():
