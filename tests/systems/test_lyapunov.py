@@ -246,7 +246,7 @@ def growth_of(state=1.0, step=0.01, steps=20, initial=1e-8, saturation=1e-3, **o
         *(
             (
                 mean_with_interval,
-                {"values": np.ones(4), "confidence": bad},
+                {"per_series": np.ones(4), "confidence": bad},
                 ValueError,
                 "confidence",
             )
