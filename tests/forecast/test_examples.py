@@ -125,9 +125,15 @@ def test_all_events_satisfy_their_definition():
     assert distances == sorted(distances)
 
 
-def test_calm_must_lie_below_the_threshold():
+def test_what_cannot_be_chosen():
     with pytest.raises(ValueError, match="below"):
         EventCriterion(threshold=1.0, calm=1.0, quiet=1, longest=5, wanted_peak=2.0)
+    known = Wrong(TRUTH, 0.0, np.zeros(3)), OBSERVED, OBSERVED
+    settings = {"washout": 3, "tolerance": 0.2}
+    assert predicted_event([], *known, lead=3, **settings) is None
+    event = ExampleEvent(0, (5, 10, 20, 30), 2.0)
+    with pytest.raises(IndexError, match="beyond its series"):
+        predicted_event([event], *known, lead=4, **settings)
 
 
 class Wrong(MadeUpForecaster):
@@ -221,27 +227,6 @@ def test_batches_change_no_choice(monkeypatch):
     monkeypatch.setattr("burstcast.forecast.example_events.CANDIDATES_PER_BATCH", 1)
     assert choose([40, 50, 45])[0] == 1
     assert choose([0, 1000, 1000])[0] == 1
-
-
-def test_no_events_no_choice():
-    chosen = predicted_event(
-        [], Wrong(TRUTH, 0.0, np.zeros(3)), OBSERVED, OBSERVED, lead=3, washout=3, tolerance=0.2
-    )
-    assert chosen is None
-
-
-def test_a_forecast_from_the_start_of_a_series_is_refused():
-    event = ExampleEvent(0, (5, 10, 20, 30), 2.0)
-    with pytest.raises(IndexError, match="beyond its series"):
-        predicted_event(
-            [event],
-            Wrong(TRUTH, 0.0, np.zeros(3)),
-            OBSERVED,
-            OBSERVED,
-            lead=4,
-            washout=3,
-            tolerance=0.2,
-        )
 
 
 def test_an_event_is_forecast_from_its_washout_to_after_its_breakdown():

@@ -149,14 +149,6 @@ def test_another_spelling_of_the_same_runs_nothing(workflow, old, new):
     assert workflow.run() == {}
 
 
-def test_jobs_get_parameters_in_the_form_that_is_compared(workflow):
-    before = content(workflow)
-    workflow.edit("config.yaml", "low: 1", "low: 1.0")
-    assert workflow.run("--forceall") == {"join": 1}
-    assert content(workflow) == before
-    workflow.edit("config.yaml", "low: 1.0", "low: 1")
-
-
 def test_the_same_file_twice_settles(tmp_path):
     toy = foreign(tmp_path)
     toy.edit("config.yaml", "[x.txt, y.txt]", "[x.txt, x.txt]")

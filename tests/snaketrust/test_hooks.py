@@ -120,23 +120,36 @@ def test_snakemake_is_told_what_records_say(tmp_path, monkeypatch):
         assert checksums.get(spelling) == f"sha256:{inputs['series.csv']}"
 
 
+def listed(*items, lists=True):
+    """A list of Snakemake's of values, names with a value, and names with a list."""
+    found = Namedlist()
+    for item in items:
+        name, value = item if isinstance(item, tuple) else (None, item)
+        start, several = len(found), isinstance(value, list) and lists
+        found.extend(value if several else [value])
+        if name:
+            found._set_name(name, start, end=len(found) if several else None)
+    return found
+
+
 def job(inputs=(), params=(), outputs=("results/a.nc",), **wildcards):
     """A planned job: pairs of names and values, or values without a name."""
-    files = [Namedlist() for _ in range(3)]
-    for found, items in zip(files, (inputs, params, outputs), strict=True):
-        for item in items:
-            name, value = item if isinstance(item, tuple) else (None, item)
-            start, several = len(found), isinstance(value, list) and found is not files[1]
-            found.extend(value if several else [value])
-            if name:
-                found._set_name(name, start, end=len(found) if several else None)
     return SimpleNamespace(
-        input=files[0],
-        params=files[1],
-        output=files[2],
+        input=listed(*inputs),
+        params=listed(*params, lists=False),
+        output=listed(*outputs),
         wildcards_dict=wildcards,
         rule=SimpleNamespace(name="train"),
     )
+
+
+@pytest.fixture
+def made(tmp_path, monkeypatch):
+    """A result of a job, and what keeps its record."""
+    monkeypatch.chdir(tmp_path)
+    Path("results").mkdir()
+    Path("results/a.nc").write_text("equal")
+    return Records("results")
 
 
 A, B = ("a", "x.csv"), ("b", "y.csv")
@@ -165,16 +178,14 @@ PLANNED = job(inputs=[A, B], params=[("low", 1), ("high", 2)], case="one")
         (job([A, B], [("low", 1), ("high", 2)], case="other"), True),
     ],
 )
-def test_names_and_order_count_and_spellings_do_not(tmp_path, monkeypatch, other, runs):
-    monkeypatch.chdir(tmp_path)
-    Path("results").mkdir()
-    for path in ("x.csv", "y.csv", "results/a.nc"):
+def test_names_and_order_count_and_spellings_do_not(made, other, runs):
+    for path in ("x.csv", "y.csv"):
         Path(path).write_text("equal")
-    records, digests = Records("results"), {path: digest(path) for path in ("x.csv", "y.csv")}
-    names = [records.name(path) for path in PLANNED.input]
+    digests = {path: digest(path) for path in ("x.csv", "y.csv")}
+    names = [made.name(path) for path in PLANNED.input]
     told = shape(PLANNED.input, names, PLANNED.output, ["a.nc"], PLANNED.wildcards_dict)
     values = {"low": 1, "high": 2}
-    records.write(["results/a.nc"], {"rule": "train"}, values, digests, "", 1.0, shape=told)
+    made.write(["results/a.nc"], {"rule": "train"}, values, digests, "", 1.0, shape=told)
     install(KnownResults("results"), print)
     path = other.output[0]
     changed = PersistenceBase.params_changed(None, other, path)
@@ -184,12 +195,9 @@ def test_names_and_order_count_and_spellings_do_not(tmp_path, monkeypatch, other
 @pytest.mark.parametrize(
     "value", [(1, (2,)), {1: "a", 20: "b"}, {"b": 1, "a": 4.0}, np.float64(0.5), [np.int8(3)], ""]
 )
-def test_parameters_of_any_plain_kind_settle(tmp_path, monkeypatch, value):
-    monkeypatch.chdir(tmp_path)
-    Path("results").mkdir()
-    Path("results/a.nc").write_text("")
+def test_parameters_of_any_plain_kind_settle(made, value):
     kept = {"settings": plain(value)}
-    Records("results").write(["results/a.nc"], {"rule": "train"}, kept, {}, "", 1.0)
+    made.write(["results/a.nc"], {"rule": "train"}, kept, {}, "", 1.0)
     install(KnownResults("results"), print)
     planned = job(params=[("settings", value)])
     assert not PersistenceBase.params_changed(None, planned, "results/a.nc")
@@ -197,11 +205,8 @@ def test_parameters_of_any_plain_kind_settle(tmp_path, monkeypatch, value):
     assert PersistenceBase.params_changed(None, planned, "results/a.nc")
 
 
-def test_a_damaged_result_says_so(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("results").mkdir()
-    Path("results/a.nc").write_text("a")
-    Records("results").write(["results/a.nc"], {"rule": "train"}, {}, {}, "", 1.0)
+def test_a_damaged_result_says_so(made):
+    made.write(["results/a.nc"], {"rule": "train"}, {}, {}, "", 1.0)
     Path("results/a.nc").write_text("b")
     install(KnownResults("results"), print)
     changed = PersistenceBase.params_changed(None, job())
@@ -307,18 +312,6 @@ def test_scripts_of_snakemake_begin_with_it():
 
 
 # -- parameters in plain form ----------------------------------------------------------------------
-
-
-def listed(*items):
-    """A list of Snakemake's of values, names with a value, and names with a list."""
-    found = Namedlist()
-    for item in items:
-        name, value = item if isinstance(item, tuple) else (None, item)
-        start, several = len(found), isinstance(value, list)
-        found.extend(value if several else [value])
-        if name:
-            found._set_name(name, start, end=len(found) if several else None)
-    return found
 
 
 @pytest.mark.parametrize(

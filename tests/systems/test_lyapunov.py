@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 import scipy.stats
+from helpers_systems import FirstObserved
 
 from burstcast.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem
@@ -30,15 +31,13 @@ ROTATION = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
 
 
 @dataclass(frozen=True)
-class Linear(DynamicalSystem):
+class Linear(FirstObserved, DynamicalSystem):
     """dx/dt = A x with A symmetric, of known eigenvalues: the exponents."""
 
     rates: tuple[float, float, float]
     matrix: FloatArray = field(init=False, compare=False)
 
     dimension: ClassVar[int] = 3
-    observable_name: ClassVar[str] = "x"
-    observable_symbol: ClassVar[str] = "x"
 
     def __post_init__(self):
         object.__setattr__(self, "matrix", ROTATION @ np.diag(self.rates) @ ROTATION.T)
@@ -49,9 +48,6 @@ class Linear(DynamicalSystem):
     def jacobian(self, state):
         trailing = (1,) * (state.ndim - 1)
         return np.broadcast_to(self.matrix.reshape(3, 3, *trailing), (3, *state.shape))
-
-    def observable(self, state):
-        return np.array(state[0])
 
 
 def lorenz_states(count):
@@ -311,23 +307,18 @@ TRAJECTORIES = 24
 
 
 @dataclass(frozen=True)
-class Equations(DynamicalSystem):
+class Equations(FirstObserved, DynamicalSystem):
     """Three equations, given as a function; no Jacobian."""
 
     rates: Callable[[FloatArray, FloatArray, FloatArray], tuple]
 
     dimension: ClassVar[int] = 3
-    observable_name: ClassVar[str] = "x"
-    observable_symbol: ClassVar[str] = "x"
 
     def right_hand_side(self, state):
         derivative = np.empty_like(state)
         for row, rate in enumerate(self.rates(*state)):
             derivative[row] = rate
         return derivative
-
-    def observable(self, state):
-        return np.array(state[0])
 
 
 # A classical system: its equations, where it starts, a time step; published: its leading exponent,

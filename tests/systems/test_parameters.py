@@ -55,34 +55,27 @@ def by_scipy(right_hand_side, schedule, state, interval):
     return np.array(found)
 
 
-@pytest.mark.parametrize("values", [(400.0, 2000.0), tuple(np.linspace(300.0, 900.0, 20))])
-def test_a_switched_reynolds_number_is_integrated_as_scipy_does(values):
-    schedule = telegraph(60, 5, values)
-    start = states(5)
-    found = integrate_scheduled(REYNOLDS, schedule, start, 1 / 32, 32)
-    for flow in range(5):
-        expected = by_scipy(
-            lambda value, x: MoehlisFaisstEckhardt(float(value[0])).right_hand_side(x[:, None])[
-                :, 0
-            ],
-            schedule[:, :, flow],
-            start[:, flow],
-            1.0,
-        )
-        np.testing.assert_allclose(found[:, :, flow], expected, atol=2e-6)
+def under_reynolds(value, x):
+    return MoehlisFaisstEckhardt(float(value[0])).right_hand_side(x[:, None])[:, 0]
 
 
-def test_the_share_of_a_force_is_integrated_as_scipy_does():
-    share = ActuatorShare.of(MFE, {}, PUSH)
-    schedule, start = telegraph(40, 3, (0.0, 1.0, -1.0, 0.4)), states(3)
-    found = integrate_scheduled(share, schedule, start, 1 / 32, 32)
-    for flow in range(3):
-        expected = by_scipy(
-            lambda value, x: MFE.right_hand_side(x[:, None])[:, 0] + value[0] * np.array(PUSH),
-            schedule[:, :, flow],
-            start[:, flow],
-            1.0,
-        )
+def pushed(value, x):
+    return MFE.right_hand_side(x[:, None])[:, 0] + value[0] * np.array(PUSH)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "right_hand_side", "values"),
+    [
+        (REYNOLDS, under_reynolds, (400.0, 2000.0)),
+        (REYNOLDS, under_reynolds, tuple(np.linspace(300.0, 900.0, 20))),
+        (ActuatorShare.of(MFE, {}, PUSH), pushed, (0.0, 1.0, -1.0, 0.4)),
+    ],
+)
+def test_what_is_switched_is_integrated_as_scipy_does(parameters, right_hand_side, values):
+    schedule, start = telegraph(50, 4, values), states(4)
+    found = integrate_scheduled(parameters, schedule, start, 1 / 32, 32)
+    for flow in range(4):
+        expected = by_scipy(right_hand_side, schedule[:, :, flow], start[:, flow], 1.0)
         np.testing.assert_allclose(found[:, :, flow], expected, atol=2e-6)
 
 

@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from helpers_systems import FirstObserved
 
 from burstcast.data.dataset import initial_states
 from burstcast.polynomials.system import PolynomialSystem
@@ -358,16 +359,11 @@ def test_a_system_that_explodes_is_refused():
 
 def test_a_map_is_checked_like_everything_else():
     @dataclass(frozen=True)
-    class Henon(FlowMap):
+    class Henon(FirstObserved, FlowMap):
         dimension: ClassVar[int] = 2
-        observable_name: ClassVar[str] = "x"
-        observable_symbol: ClassVar[str] = "x"
 
         def flow_map(self, state, time_step):
             return np.stack([1.0 - 1.4 * state[0] * state[0] + state[1], 0.3 * state[0]])
-
-        def observable(self, state):
-            return np.array(state[0])
 
         def sample_initial_states(self, series, generator):
             return np.asarray(generator.uniform(-0.1, 0.1, (2, series)))
@@ -390,7 +386,7 @@ def test_the_command_line(capsys):
 
 
 @dataclass(frozen=True)
-class HindmarshRose(DynamicalSystem):
+class HindmarshRose(FirstObserved, DynamicalSystem):
     """A bursting neuron (Proc. R. Soc. B 221 (1984) 87), whose exponent is a hundredth."""
 
     current: float = 3.25
@@ -406,9 +402,6 @@ class HindmarshRose(DynamicalSystem):
         derivative[1] = 1.0 - 5.0 * x**2 - y
         derivative[2] = 0.006 * (4.0 * (x + 1.6) - z)
         return derivative
-
-    def observable(self, state):
-        return np.array(state[0])
 
 
 class Tempered(HindmarshRose):
