@@ -4,9 +4,10 @@ The page is page.md.jinja rendered with tables and numbers; no number is typed. 
 figure of the readouts and published_values.csv.
 """
 
+import re
 from collections.abc import Callable
 from functools import cache, partial
-from textwrap import fill
+from textwrap import TextWrapper
 
 import claims
 import comparisons
@@ -26,11 +27,25 @@ class UnsupportedError(ValueError):
 
 def said(*holds: bool, caller: Callable[[], str]) -> str:
     """A sentence that compares, if all of its comparisons hold."""
-    sentence = fill(caller(), 100, break_on_hyphens=False, break_long_words=False) + "\n"
+    sentence = caller()
     if not all(holds):
         told = ", ".join(str(bool(one)) for one in holds)
         raise UnsupportedError(f"the tables do not support ({told}): {sentence}")
     return sentence
+
+
+def wrapped(page: str) -> str:
+    """A page whose paragraphs and points have lines of 100 columns at most."""
+    lines = TextWrapper(100, break_on_hyphens=False, break_long_words=False)
+    points = TextWrapper(100, "", "  ", break_on_hyphens=False, break_long_words=False)
+    blocks = []
+    for block in re.split(r"\n{2,}", page.strip()):
+        if block.startswith("* "):
+            block = "\n".join(map(points.fill, re.split(r"\n(?=\* )", block)))
+        elif not block.startswith(("|", "#", "!", "<")):
+            block = lines.fill(block)
+        blocks.append(block)
+    return "\n\n".join(blocks) + "\n"
 
 
 def trio(tables: Tables, times: tuple[float, ...] = (1.0, 3.0, 5.0)) -> Part:
@@ -78,7 +93,7 @@ def page() -> str:
     )
     environment.filters["share"] = lambda value: text("{value:share}", {"value": value})
     environment.filters["signed"] = lambda value: f"{value:+.3f}"
-    return environment.get_template(TEMPLATE).render(
+    text_of_page = environment.get_template(TEMPLATE).render(
         {**vars(kept_tables), **vars(comparisons)},
         kept=cache(lambda name: Tables(KEPT / name)),
         said=said,
@@ -93,6 +108,7 @@ def page() -> str:
         concat=partial(pd.concat, ignore_index=True),
         abs=abs,
     )
+    return wrapped(text_of_page)
 
 
 def published_values() -> str:
