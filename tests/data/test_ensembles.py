@@ -193,60 +193,22 @@ def observed(states, first, noise=0.01, root_seed=2022, name="Re400"):
     return dataset.observed_series(states, first, noise, scales, root_seed, name)
 
 
-@given(st.integers(0, 6), st.integers(1, 6))
-def test_noise_of_a_series_depends_on_its_number_alone(first, count):
-    states = np.random.default_rng(2).normal(size=(12, 20, 2))
-    part = observed(states[first : first + count], first)
-    np.testing.assert_array_equal(part, observed(states, 0)[first : first + count])
-
-
-def test_noise_depends_on_nothing_that_another_series_changes():
+@pytest.mark.parametrize(
+    ("first", "noise", "root_seed", "name"),
+    [(0, 0.01, 2022, "Re400"), (7, 0.1, 2022, "Re600"), (3, 0.5, 1, "Re400"), (2, 0.0, 2022, "a")],
+)
+def test_each_series_has_the_noise_of_its_own_stream(first, noise, root_seed, name):
+    """Gaussian, of the given share of the scales: by case and number, whatever else there is."""
     states = np.random.default_rng(2).normal(size=(3, 20, 2))
-    other = states.copy()
-    other[0] += 100
-    np.testing.assert_array_equal(observed(states, 0)[1:], observed(other, 0)[1:])
-
-
-def test_noise_is_gaussian_of_the_papers_size():
-    states = np.zeros((4, 5000, 2))
-    noise = observed(states, 0)
-    np.testing.assert_allclose(noise.std(axis=(0, 1)), [0.01, 0.1], rtol=0.02)
-    np.testing.assert_allclose(noise.mean(axis=(0, 1)), 0, atol=0.003)
-    standard = noise / [0.01, 0.1]
-    assert abs((standard**4).mean() - 3) < 0.15
-    # independent in time and of the other component
-    assert abs((standard[:, 1:] * standard[:, :-1]).mean()) < 0.03
-    assert abs((standard[..., 0] * standard[..., 1]).mean()) < 0.03
-
-
-def test_noise_is_added_to_the_series_and_leaves_it_alone():
-    states = np.random.default_rng(2).normal(size=(3, 20, 2))
-    before = states.copy()
-    noise = observed(np.zeros_like(states), 0)
-    np.testing.assert_allclose(observed(states, 0), states + noise, rtol=1e-15)
+    before, found = states.copy(), observed(states, first, noise, root_seed, name)
     np.testing.assert_array_equal(states, before)
-    np.testing.assert_array_equal(observed(states, 0, noise=0.0), states)
-
-
-def test_other_cases_and_seeds_have_other_noise():
-    states = np.zeros((1, 20, 2))
-    reference = observed(states, 0)
-    assert not np.array_equal(reference, observed(states, 0, name="Re600"))
-    assert not np.array_equal(reference, observed(states, 0, root_seed=1))
-    assert not np.array_equal(reference, observed(states, 1))
-
-
-def test_noise_comes_from_the_stream_of_that_name():
-    states = np.zeros((2, 20, 2))
-    numbers = random_streams.stream(2022, "noise", "Re400", 8).standard_normal((20, 2))
-    np.testing.assert_array_equal(observed(states, 7)[1], 0.01 * np.array([1.0, 10.0]) * numbers)
-
-
-def test_the_series_of_a_case_have_one_noise_by_its_name():
-    states, scales = np.zeros((2, 5, 2)), dataset.Scales(np.array([1.0, 10.0]), np.ones(2))
-    np.testing.assert_array_equal(
-        observed(states, 3), dataset.observe(states, 3, 0.01, scales, 2022, "noise", "Re400")
-    )
+    for row in range(3):
+        stream = random_streams.stream(root_seed, "noise", name, first + row)
+        expected = states[row] + noise * np.array([1.0, 10.0]) * stream.standard_normal((20, 2))
+        np.testing.assert_allclose(found[row], expected, rtol=0, atol=1e-14)
+    scales = dataset.Scales(np.array([1.0, 10.0]), np.ones(2))
+    again = dataset.observe(states, first, noise, scales, root_seed, "noise", name)
+    np.testing.assert_array_equal(found, again)
 
 
 def test_inputs_are_divided_by_the_range_of_all_series_or_of_the_first():

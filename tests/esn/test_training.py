@@ -227,12 +227,9 @@ def test_bad_training_data_raise(training):
     for call, reason in calls:
         with pytest.raises(ValueError, match=reason):
             call()
-
-
-def test_singular_matrix_raises():
-    moments = Moments(5, np.zeros(2), np.zeros(1), np.zeros((2, 2), order="F"), np.ones((2, 1)))
+    singular = Moments(5, np.zeros(2), np.zeros(1), np.zeros((2, 2), order="F"), np.ones((2, 1)))
     with pytest.raises(np.linalg.LinAlgError, match="singular"):
-        solve_ridge(moments, 0.0)
+        solve_ridge(singular, 0.0)
 
 
 # -- the open loop over the training series --------------------------------------------------------
@@ -395,10 +392,6 @@ def test_training_is_the_papers_ridge_regression():
     np.testing.assert_array_equal(readout.weights, same.weights)
 
 
-def test_series_say_how_many_and_how_long_they_are():
-    assert (TRAINING.series, TRAINING.length) == (SERIES, LENGTH)
-
-
 def test_leaving_one_out_is_training_on_the_others():
     readouts = train_leaving_one_out(DYNAMICS, TRAINING, washout=WASHOUT, tikhonov=1e-4)
     for row, readout in enumerate(readouts):
@@ -407,6 +400,10 @@ def test_leaving_one_out_is_training_on_the_others():
         np.testing.assert_allclose(readout.weights, expected.weights, rtol=1e-7, atol=1e-9)
         assert readout.tikhonov == 1e-4
     assert row == SERIES - 1
+    assert (TRAINING.series, TRAINING.length) == (SERIES, LENGTH)
+    single = TrainingSeries(OBSERVED[:1], RANGE)
+    with pytest.raises(ValueError, match="two training series"):
+        next(train_leaving_one_out(DYNAMICS, single, washout=WASHOUT, tikhonov=1e-4))
 
 
 def test_leaving_one_out_does_not_see_the_one():
@@ -422,9 +419,3 @@ def test_leaving_one_out_does_not_see_the_one():
     )
     np.testing.assert_array_equal(first[2].weights, second[2].weights)
     assert not np.array_equal(first[1].weights, second[1].weights)
-
-
-def test_leaving_one_out_takes_two_series():
-    single = TrainingSeries(OBSERVED[:1], RANGE)
-    with pytest.raises(ValueError, match="two training series"):
-        next(train_leaving_one_out(DYNAMICS, single, washout=WASHOUT, tikhonov=1e-4))

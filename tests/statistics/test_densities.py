@@ -84,21 +84,6 @@ def test_density_of_nothing_is_undefined():
     assert np.isnan(mean_logarithmic_error(filled([1, 0, 0, 0]), empty))
 
 
-def test_what_is_no_histogram_is_refused():
-    with pytest.raises(ValueError, match="not finite"):
-        histogram(np.array([0.2, np.nan]), EDGES)
-    with pytest.raises(ValueError, match="increase"):
-        histogram(np.array([0.2]), np.array([0.0, 1.0, 1.0]))
-    with pytest.raises(ValueError, match="bound"):
-        Histogram(EDGES, np.array([1, 2]))
-    with pytest.raises(ValueError, match="negative"):
-        filled([1, -1, 0, 0])
-    other = Histogram(EDGES + 1e-9, np.ones(4, dtype=np.int64))
-    for function in (kantorovich_metric, mean_logarithmic_error):
-        with pytest.raises(ValueError, match="common bins"):
-            function(filled([1, 1, 1, 1]), other)
-
-
 def test_kantorovich_metric_of_shifted_bins_is_the_shift():
     # uniform over the first bin against uniform over the third: everything moves by two bins
     assert kantorovich_metric(filled([5, 0, 0, 0]), filled([0, 0, 3, 0])) == pytest.approx(0.5)
@@ -225,14 +210,6 @@ def test_interval_of_no_values_is_none():
     assert with_an_empty_one == pytest.approx(interval([np.ones((2, 4))], [[0, 1]]))
 
 
-def test_mean_density_needs_histograms_on_common_bins():
-    with pytest.raises(ValueError, match="no density"):
-        mean_density([])
-    other = Histogram(np.array([0.0, 1.0]), np.array([1]))
-    with pytest.raises(ValueError, match="common bins"):
-        mean_density([filled([1, 0, 0, 0]), other])
-
-
 def test_bins_are_equal_and_their_edges_include_both_ends():
     np.testing.assert_allclose(bin_edges(0.0, 0.5, 5), [0, 0.1, 0.2, 0.3, 0.4, 0.5])
 
@@ -321,15 +298,6 @@ def test_reductions_already_taken_do_not_change():
     taken = accumulator.reductions()
     accumulator.add(np.arange(7), states, energy(states.transpose(1, 0, 2)))
     assert same(taken, reduce_series([series], energy, ENERGIES))
-
-
-def test_what_cannot_be_reduced_is_refused():
-    series = random_series()
-    series[2, 5, 1] = np.nan
-    with pytest.raises(ValueError, match="not finite"):
-        reduce_series([series], energy, ENERGIES)
-    with pytest.raises(ValueError, match="no series"):
-        reduce_series([], energy, ENERGIES)
 
 
 def test_profiles_and_midplane_are_the_averages_of_the_fields():
@@ -449,17 +417,6 @@ def test_floor_sinks_as_the_root_of_the_sample_size():
     assert 3 < few / many < 5.3
 
 
-def test_floor_needs_two_parts():
-    whole = reduce_series([random_series(3)], energy, ENERGIES)
-    for size in (0, 3):
-        with pytest.raises(ValueError, match="split"):
-            sampling_floor(whole, None, 1, np.random.default_rng(0), sample=size)
-    with pytest.raises(ValueError, match="split"):
-        sampling_floor(
-            reduce_series([random_series(1)], energy, ENERGIES), None, 1, np.random.default_rng(0)
-        )
-
-
 # -- bootstrap samples of long runs ----------------------------------------------------------------
 COARSE = flow_modes(MoehlisFaisstEckhardt(400.0)).profile_matrices(np.linspace(-1, 1, 11))
 NAMES = [field.name for field in dataclasses.fields(Measures)]
@@ -527,3 +484,33 @@ def test_reductions_come_back_from_their_file(tmp_path):
     found = reductions_from(read_netcdf(path))
     for name in ("edges", "counts", "sums", "product_sums"):
         np.testing.assert_array_equal(getattr(found, name), getattr(reductions, name))
+
+
+def floor_of(series, **settings):
+    whole = reduce_series([random_series(series)], energy, ENERGIES)
+    return sampling_floor(whole, None, 1, np.random.default_rng(0), **settings)
+
+
+OTHER = Histogram(EDGES + 1e-9, np.ones(4, dtype=np.int64))
+
+
+@pytest.mark.parametrize(
+    ("made", "message"),
+    [
+        (lambda: histogram(np.array([0.2, np.nan]), EDGES), "not finite"),
+        (lambda: histogram(np.array([0.2]), np.array([0.0, 1.0, 1.0])), "increase"),
+        (lambda: Histogram(EDGES, np.array([1, 2])), "bound"),
+        (lambda: filled([1, -1, 0, 0]), "negative"),
+        (lambda: kantorovich_metric(filled([1, 1, 1, 1]), OTHER), "common bins"),
+        (lambda: mean_logarithmic_error(filled([1, 1, 1, 1]), OTHER), "common bins"),
+        (lambda: mean_density([]), "no density"),
+        (lambda: mean_density([filled([1, 0, 0, 0]), OTHER]), "common bins"),
+        (lambda: reduce_series([np.full((2, 5, 9), np.nan)], energy, ENERGIES), "not finite"),
+        (lambda: reduce_series([], energy, ENERGIES), "no series"),
+        *((lambda size=size: floor_of(3, sample=size), "split") for size in (0, 3)),
+        (lambda: floor_of(1), "split"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(made, message):
+    with pytest.raises(ValueError, match=message):
+        made()
