@@ -299,6 +299,17 @@ def over_sets(tables: Tables, score: Score, **where: Any) -> pd.DataFrame:
     return found.sort_values(["order", "reynolds", "neurons"], kind="stable")
 
 
+def renamed(rows: pd.DataFrame) -> pd.DataFrame:
+    """Rows with the words for their readouts."""
+    return rows.assign(readout=rows["forecaster"].map(READOUTS))
+
+
+def extremes(rows: pd.DataFrame, column: str) -> pd.DataFrame:
+    """Least and largest value of the networks of each kind."""
+    of_kind = rows.groupby("forecaster", sort=False)[column]
+    return of_kind.agg(least="min", largest="max").reset_index()
+
+
 def draw_readouts(tables: Tables, path: Path) -> None:
     """Draw F-score and PH_ee against the size, one curve for each readout."""
     from matplotlib.figure import Figure  # the page itself is made without it
