@@ -109,38 +109,21 @@ def test_horizons_are_those_of_the_papers_procedure(data, starts, between_checks
     np.testing.assert_allclose(found, expected, rtol=1e-13)
 
 
-def horizon_of(speed, search=SEARCH):
-    speeds = np.full((1, search.steps_before_event + 1), speed)
-    return float(prediction_horizons(Drifting(), first, *events(speeds), search)[0])
-
-
-def test_a_perfect_forecast_has_the_longest_horizon():
-    assert horizon_of(0.0) == 4.0
-
-
-def test_a_hopeless_forecast_has_the_horizon_of_the_shortest_start():
-    assert horizon_of(1.0) == 0.0
-    assert horizon_of(1 / 32) == pytest.approx(3 / 13)  # of the six steps of half a Lyapunov time
-    assert horizon_of(-2.0) == pytest.approx(2 / 13)  # lost after two steps
-
-
-def test_the_horizon_is_the_first_start_that_reaches_the_event():
-    # accurate for 32 steps: 2.5 Lyapunov times are 32 steps, 3 of them 39
-    assert horizon_of(0.125 / 32.5) == 2.5
-    # the error must stay below the tolerance at the event, too
-    assert horizon_of(0.125 / 31.5) == 2.0
-
-
-def test_an_error_that_reaches_the_tolerance_is_too_large():
-    outputs = np.array([0.0, 0.05, 0.1, 0.0, 0.0])
-
-    class Given(Drifting):
-        def advance(self, memory, steps, parameters=None):
-            return outputs[:steps].reshape(steps, 1, 1), memory
-
-    washouts = np.zeros((SEARCH.washout, 2, 1))
-    assert accurate_steps(Given(), first, washouts, np.zeros((5, 1)), 0.1).tolist() == [2]
-    assert accurate_steps(Given(), first, washouts, np.zeros((5, 1)), 0.11).tolist() == [5]
+@pytest.mark.parametrize(
+    ("speed", "horizon"),
+    [
+        (0.0, 4.0),
+        (1 / 32, 3 / 13),  # of the six steps of half a Lyapunov time
+        (-2.0, 2 / 13),  # lost after two steps
+        # accurate for 32 steps: 2.5 Lyapunov times are 32 steps, 3 of them 39
+        (0.125 / 32.5, 2.5),
+        (0.125 / 31.5, 2.0),  # the error must stay below the tolerance at the event, too
+    ],
+)
+def test_the_horizon_is_the_first_start_that_reaches_the_event(speed, horizon):
+    speeds = np.full((1, SEARCH.steps_before_event + 1), speed)
+    found = prediction_horizons(Drifting(), first, *events(speeds), SEARCH)
+    assert found.tolist() == pytest.approx([horizon])
 
 
 @pytest.fixture(scope="module")

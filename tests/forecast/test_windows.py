@@ -16,13 +16,7 @@ from burstcast.forecast.event_probabilities import EventProbabilities
 from burstcast.forecast.forecast_files import forecasts_from
 from burstcast.forecast.observed_points import observed_points
 from burstcast.forecast.window_forecasts import member_forecasts, window_forecasts
-from burstcast.forecast.windows import (
-    WindowForecasts,
-    WindowSummaries,
-    crosses,
-    summarise,
-    window_boundaries,
-)
+from burstcast.forecast.windows import WindowForecasts, crosses, summarise, window_boundaries
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations_filtered import FilteredEquations
@@ -108,21 +102,11 @@ def test_edges(values, expected):
     assert one_window(*values) is expected
 
 
-def test_the_largest_value_may_be_the_first_or_the_last():
+def test_windows_share_their_common_step_and_hold_both_of_their_ends():
     falling = summarise(np.array([[9.0], [5.0], [4.0], [3.0]]), (2, 4))
     assert (falling.first.tolist(), falling.largest.tolist()) == ([[5.0]], [[5.0]])
-    rising = summarise(np.array([[0.0], [1.0], [2.0], [3.0], [9.0]]), (2, 4))
-    assert (rising.first.tolist(), rising.largest.tolist()) == ([[1.0]], [[3.0]])
-
-
-def test_windows_share_their_common_step():
-    # the rise ends on the boundary: both windows see it, only the first one crosses there
-    summaries = summarise(np.array([[0.0], [0.0], [0.2], [0.0], [0.3]]), (1, 3, 5))
-    assert summaries.first.tolist() == [[0.0, 0.2]]
-    assert summaries.largest.tolist() == [[0.2, 0.3]]
-    assert crosses(summaries, 0, 1, THRESHOLD).tolist() == [True]
-    assert crosses(summaries, 1, 1, THRESHOLD).tolist() == [False]
-    assert crosses(summaries, 0, 2, 0.25).tolist() == [True]
+    rising = summarise(np.array([[0.0], [0.0], [0.2], [0.0], [0.3]]), (1, 3, 5))
+    assert (rising.first.tolist(), rising.largest.tolist()) == ([[0.0, 0.2]], [[0.2, 0.3]])
 
 
 @pytest.mark.parametrize(("first", "length"), [(-1, 1), (1, 2), (2, 1)])
@@ -130,11 +114,6 @@ def test_windows_beyond_the_forecast_are_refused(first, length):
     summaries = summarise(np.zeros((5, 1)), (1, 3, 5))
     with pytest.raises(IndexError, match="beyond the forecast"):
         crosses(summaries, first, length, THRESHOLD)
-
-
-def test_forecasts_that_are_lost_cross_nothing():
-    summaries = WindowSummaries(first=np.full((1, 2), np.nan), largest=np.full((1, 2), np.nan))
-    assert not crosses(summaries, 0, 2, THRESHOLD).any()
 
 
 # -- forecasts reduced to windows ------------------------------------------------------------------

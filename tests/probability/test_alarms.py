@@ -144,32 +144,6 @@ def test_the_lead_time_of_alarms_that_stay():
     assert (found.stayed[0], found.first[0]) == (0, 45)
 
 
-def test_an_alarm_for_a_window_without_the_event_is_not_right():
-    alarms = np.zeros((10, 3), dtype=bool)
-    alarms[8, 1:] = True  # 15 steps before: only the first window holds the event
-    assert one_event(alarms).first[0] == 0
-    alarms[8, 0] = True
-    assert one_event(alarms).first[0] == 15
-
-
-def test_an_event_is_in_a_window_up_to_its_last_step_and_not_at_its_first():
-    alarms = np.zeros((10, 3), dtype=bool)
-    alarms[7, 0] = True  # from step 70: the window is (80, 100]
-    assert one_event(alarms, step=100).first[0] == 30
-    assert one_event(alarms, step=101).first[0] == 0
-    assert one_event(alarms, step=80).first[0] == 0
-    assert one_event(alarms, step=81).first[0] == 11
-
-
-def test_another_event_under_way_ends_the_search():
-    alarms, scored = np.ones((10, 3), dtype=bool), np.ones(10, dtype=bool)
-    scored[6] = False
-    found = one_event(alarms, scored)
-    assert (found.stayed[0], found.possible[0]) == (25, 25)
-    scored[8] = False  # nobody could have warned of it
-    assert one_event(alarms, scored).stayed.size == 0
-
-
 @settings(deadline=None)
 @given(st.integers(0, 2**31))
 def test_lead_times_are_those_of_all_pairs(seed):

@@ -322,13 +322,6 @@ def test_equations_have_the_statistics_of_their_own_trajectories():
     assert mean_product[0, 1] == pytest.approx(8 / 3 * found.statistics.moments.mean[2], rel=0.05)
 
 
-def test_trajectories_do_not_depend_on_their_neighbours():
-    script = script_of(KINDS, 333, seed=12)
-    together, _ = run(script)
-    alone = [run(script[..., [column]])[0].fates[0] for column in range(len(KINDS))]
-    np.testing.assert_array_equal(together.fates, alone)
-
-
 def test_starting_points_are_shared_out_evenly():
     points = long_term_starting_points(3, 100, spacing=10, washout=5, count=8)
     assert points.series.tolist() == [0, 0, 0, 1, 1, 1, 2, 2]
