@@ -1,5 +1,6 @@
 """Kinds that learn how the flow depends on a parameter; schedules; columns known in advance."""
 
+import functools
 from dataclasses import replace
 
 import numpy as np
@@ -135,47 +136,56 @@ def test_a_filter_that_is_told_estimates_better_than_an_observation(models, swit
     assert told < 0.3 * np.sqrt(np.mean((model.start(observed[:WASHOUT]) - now) ** 2))
 
 
-@pytest.mark.parametrize("kind", [AwareQuadraticModel, FilteredAwareQuadraticModel])
-def test_forecasts_do_not_depend_on_their_batch_nor_on_pauses(kind, models, switched):
+EQUATIONS = (EquationsFromTruth, EquationsFromObservation, FilteredEquations)
+
+
+@pytest.fixture(
+    params=[AwareQuadraticModel, FilteredAwareQuadraticModel, AwareNetworkForecaster, *EQUATIONS],
+    ids=lambda kind: kind.__name__,
+)
+def scheduled(request, models, network, training):
+    """A forecaster of each kind that uses a schedule, and its case."""
+    if request.param is AwareNetworkForecaster:
+        return network[1], network[0]
+    case = replace(CASE, options=ALL_OPTIONS) if request.param in EQUATIONS else CASE
+    return models.get(request.param) or request.param.fit(training[0], case), case
+
+
+def test_forecasts_under_a_schedule_depend_on_nothing_else(scheduled, switched):
+    """Not on their batch, on pauses, nor on having been in a file."""
+    model, case = scheduled
     schedule, _, observed = switched
-    past, ahead = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
-    model = models[kind]
-    together = forecast(model, observed[:WASHOUT], past, ahead)
+    past, ahead, washout = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :], observed[:WASHOUT]
+    together = forecast(model, washout, past, ahead)
+    assert not np.array_equal(forecast(model, washout), together)
     for flow in (0, 7):
         one = slice(flow, flow + 1)
-        alone = forecast(model, observed[:WASHOUT, :, one], past[..., one], ahead[..., one])
+        alone = forecast(model, washout[..., one], past[..., one], ahead[..., one])
         assert np.array_equal(alone[..., 0], together[..., flow])
-    memory = model.start(observed[:WASHOUT], past)
-    first, memory = model.advance(memory, 17, ahead[:17])
+    first, memory = model.advance(model.start(washout, past), 17, ahead[:17])
     second, _ = model.advance(memory, AHEAD - 17, ahead[17:])
     assert np.array_equal(np.concatenate([first, second]), together)
+    restored = type(model).restore(model.record(), case)
+    assert np.array_equal(forecast(restored, washout, past, ahead), together)
+
+
+@pytest.mark.parametrize("kind", [AwareQuadraticModel, AwareNetworkForecaster])
+def test_perturbations_grow_as_differences_do(kind, models, network, switched):
+    model = network[1] if kind is AwareNetworkForecaster else models[kind]
+    memory = model.start(switched[2][:WASHOUT])
+    tangent = np.random.default_rng(2).normal(size=(len(memory), 2, 20))
+    there, grown = model.advance_tangent(memory, tangent, 5)
+    assert np.array_equal(there, model.advance(memory, 5)[1])
+    for number in range(2):
+        ahead = model.advance(memory + 1e-6 * tangent[:, number], 5)[1]
+        behind = model.advance(memory - 1e-6 * tangent[:, number], 5)[1]
+        np.testing.assert_allclose(grown[:, number], (ahead - behind) / 2e-6, rtol=1e-3, atol=1e-5)
 
 
 def test_the_observable_is_that_of_the_states(models):
     model = models[AwareQuadraticModel]
     state = np.random.default_rng(1).normal(size=(4, 5))
     assert np.array_equal(model.system.observable(state), CASE.system.observable(state[:3]))
-
-
-def test_perturbations_grow_as_differences_do(models):
-    model = models[AwareQuadraticModel]
-    memory = states(4, 9)
-    tangent = np.random.default_rng(2).normal(size=(3, 2, 4))
-    there, grown = model.advance_tangent(memory, tangent, 10)
-    assert np.array_equal(there, model.advance(memory, 10)[1])
-    for number in range(2):
-        ahead = model.advance(memory + 1e-6 * tangent[:, number], 10)[1]
-        behind = model.advance(memory - 1e-6 * tangent[:, number], 10)[1]
-        np.testing.assert_allclose(grown[:, number], (ahead - behind) / 2e-6, rtol=1e-4, atol=1e-5)
-
-
-@pytest.mark.parametrize("kind", [AwareQuadraticModel, FilteredAwareQuadraticModel])
-def test_restored_from_its_record_it_forecasts_the_same_bits(kind, models, switched):
-    schedule, _, observed = switched
-    past, ahead = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
-    restored = kind.restore(models[kind].record(), CASE)
-    expected = forecast(models[kind], observed[:WASHOUT], past, ahead)
-    assert np.array_equal(forecast(restored, observed[:WASHOUT], past, ahead), expected)
 
 
 def test_a_series_left_out_takes_its_schedule_along(training):
@@ -258,22 +268,12 @@ def test_a_network_under_the_case_s_own_values_is_a_plain_one(network, switched)
     plain = model.network.under(model.factors(np.array([[28.0]]))[0])
     memory = model.start(observed[:WASHOUT])
     assert np.array_equal(model.advance(memory, 40)[0], plain.forecast(memory, 40)[0])
-    tangent = np.random.default_rng(1).normal(size=(200, 1, 20))
-    there, grown = model.advance_tangent(memory, tangent, 3)
-    assert np.array_equal(there, model.advance(memory, 3)[1])
-    ahead = model.advance(memory + 1e-6 * tangent[:, 0], 3)[1]
-    behind = model.advance(memory - 1e-6 * tangent[:, 0], 3)[1]
-    np.testing.assert_allclose(grown[:, 0], (ahead - behind) / 2e-6, rtol=1e-3, atol=1e-6)
 
 
-def test_a_network_is_restored_and_refitted_with_its_factors(network, training, switched):
+def test_a_network_is_refitted_with_its_factors(network, training, switched):
     case, model = network
     observed, schedules = training
-    schedule, _, now = switched
-    restored = AwareNetworkForecaster.restore(model.record(), case)
-    ahead = schedule[WASHOUT - 1 :]
-    expected = forecast(model, now[:WASHOUT], None, ahead)
-    assert np.array_equal(forecast(restored, now[:WASHOUT], None, ahead), expected)
+    _, _, now = switched
     refitted = next(model.leave_one_out(observed, case, WASHOUT, schedules))
     others, _ = factored_training(observed[1:], model.network.input_range, schedules[1:], case)
     readout = train(model.network.dynamics, others, washout=WASHOUT, tikhonov=1e-9)
@@ -332,19 +332,14 @@ def actuated():
     return schedule, true, true + noise * np.random.default_rng(3).standard_normal(true.shape)
 
 
-def forecast_of(model, washout, past=None, ahead=None):
-    return model.advance(model.start(washout, past), FOLLOWING, ahead)[0]
+forecast_of = functools.partial(forecast, steps=FOLLOWING)
 
 
-def test_the_equations_told_of_the_schedule_forecast_perfectly_wherever_they_pause(actuated):
+def test_the_equations_told_of_the_schedule_forecast_perfectly(actuated):
     schedule, true, _ = actuated
     model = EquationsFromTruth.fit(np.empty((0, 2, 9)), SWITCHED)
-    ahead = schedule[SEEN - 1 :]
-    told = forecast_of(model, true[:SEEN], schedule[: SEEN - 1], ahead)
+    told = forecast_of(model, true[:SEEN], schedule[: SEEN - 1], schedule[SEEN - 1 :])
     assert np.array_equal(told, true[SEEN:])
-    first, memory = model.advance(model.start(true[:SEEN]), 40, ahead[:40])
-    second, _ = model.advance(memory, FOLLOWING - 40, ahead[40:])
-    assert np.array_equal(np.concatenate([first, second]), true[SEEN:])
     assert not np.allclose(forecast_of(model, true[:SEEN]), true[SEEN:], atol=0.05)
 
 
