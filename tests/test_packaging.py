@@ -25,6 +25,7 @@ from burstcast_workflow.config.loading import load
 from snaketrust.hooks import TESTED
 
 ROOT = Path(__file__).parents[1]
+PROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 # names of conda that are not those of the lock file
 CONDA = {"matplotlib-base": "matplotlib", "netcdf4": "netCDF4", "pyyaml": "PyYAML"}
 
@@ -34,8 +35,12 @@ def locked(name="requirements.lock"):
     return dict(line.split("==") for line in lines if "==" in line)
 
 
+def read_yaml(*parts):
+    return yaml.safe_load(ROOT.joinpath(*parts).read_text(encoding="utf-8"))
+
+
 def test_the_conda_environment_has_the_versions_of_the_lock_file():
-    environment = yaml.safe_load((ROOT / "workflow" / "envs" / "burstcast.yaml").read_text())
+    environment = read_yaml("workflow", "envs", "burstcast.yaml")
     python, *others = environment["dependencies"]
     assert python == "python =3.11"
     found = dict(entry.split(" =") for entry in others)
@@ -53,10 +58,9 @@ def test_users_install_what_campaigns_use_and_no_more():
 
 
 def test_the_conda_environment_has_what_jobs_import():
-    environment = yaml.safe_load((ROOT / "workflow" / "envs" / "burstcast.yaml").read_text())
+    environment = read_yaml("workflow", "envs", "burstcast.yaml")
     names = {entry.split(" ")[0] for entry in environment["dependencies"]}
-    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    wanted = set(re.findall(r'^    "([A-Za-z0-9-]+)>=', project, re.MULTILINE))
+    wanted = set(re.findall(r'^    "([A-Za-z0-9-]+)>=', PROJECT, re.MULTILINE))
     jobs = {"numpy", "scipy", "pandas", "llvmlite", "netCDF4", "pyyaml", "pydantic"}
     jobs |= {"scikit-optimize", "scikit-image", "matplotlib"}
     assert jobs <= wanted
@@ -106,17 +110,16 @@ def test_the_container_is_built_from_the_lock_file():
 def test_the_container_runs_what_is_installed():
     (command,) = [argument for name, argument in instructions() if name == "CMD"]
     assert command == '["burstcast", "--help"]'
-    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     assert (
         '[project.scripts]\nburstcast = "burstcast_workflow.commands.command_line:main"\n'
-        in project
+        in PROJECT
     )
 
 
 def test_every_place_names_the_version_of_the_package():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    project = tomllib.loads(PROJECT)["project"]
     version = project["version"]
-    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    citation = read_yaml("CITATION.cff")
     assert citation["version"] == version
     changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     newest = re.findall(r"^## (\S+) \((\S+)\)$", changelog, re.MULTILINE)[0]
@@ -124,11 +127,12 @@ def test_every_place_names_the_version_of_the_package():
 
 
 def test_pages_promise_the_releases_that_are_tested():
+    assert f'"snakemake>={TESTED[0].removesuffix(".0")}"' in PROJECT
+    assert locked()["snakemake"] in TESTED
     oldest, newest = (".".join(TESTED[place].split(".")[:2]) for place in (0, -1))
-    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    pythons = re.findall(r"Python :: (3\.\d+)", project)
+    pythons = re.findall(r"Python :: (3\.\d+)", PROJECT)
     promise = f"Python {pythons[0]} to {pythons[-1]} and Snakemake {oldest} to {newest} are tested."
-    workflow = yaml.safe_load((ROOT / ".github" / "workflows" / "tests.yml").read_text())
+    workflow = read_yaml(".github", "workflows", "tests.yml")
     assert workflow["jobs"]["wheel"]["strategy"]["matrix"]["python"] == [pythons[0], pythons[-1]]
     for name in ("CHANGELOG.md", "docs/installing.md"):
         text = (ROOT / name).read_text(encoding="utf-8")
@@ -136,7 +140,7 @@ def test_pages_promise_the_releases_that_are_tested():
 
 
 def test_the_catalog_finds_what_it_asks_for():
-    catalog = yaml.safe_load((ROOT / ".snakemake-workflow-catalog.yml").read_text())
+    catalog = read_yaml(".snakemake-workflow-catalog.yml")
     assert catalog["usage"]["report"] is True
     assert set(catalog["usage"]) == {"mandatory-flags", "software-stack-deployment", "report"}
     for path in ("workflow/Snakefile", "config/README.md", ".test/Snakefile", "LICENSE"):
@@ -145,7 +149,7 @@ def test_the_catalog_finds_what_it_asks_for():
 
 @pytest.mark.parametrize("job", ["tests", "campaign", "wheel"])
 def test_continuous_integration_runs_what_is_there(job):
-    workflow = yaml.safe_load((ROOT / ".github" / "workflows" / "tests.yml").read_text())
+    workflow = read_yaml(".github", "workflows", "tests.yml")
     commands = [step["run"] for step in workflow["jobs"][job]["steps"] if "run" in step]
     assert commands
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8").replace("$(VENV)", ".venv")
@@ -169,7 +173,7 @@ def test_the_readme_of_the_config_has_a_config_that_is_right():
 
 def test_the_text_of_the_report_says_which_campaign():
     class Snakemake:
-        config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+        config = read_yaml("config.yaml")
 
     text = (ROOT / "workflow" / "report" / "workflow.rst").read_text(encoding="utf-8")
     said = jinja2.Template(text, trim_blocks=True).render(snakemake=Snakemake)
@@ -178,12 +182,6 @@ def test_the_text_of_the_report_says_which_campaign():
     html = docutils.core.publish_string(said, writer="html5", settings_overrides=strict)
     assert 'href="https://arxiv.org/abs/2204.11682"' in html
     assert "``results/paper``" in said
-
-
-def test_the_bound_of_snakemake_is_the_first_release_that_was_tested():
-    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    assert f'"snakemake>={TESTED[0].removesuffix(".0")}"' in project
-    assert locked()["snakemake"] in TESTED
 
 
 # -- the library alone -----------------------------------------------------------------------------
@@ -246,8 +244,7 @@ def required(name, found):
 def environment(tmp_path_factory):
     """Environment of a Python that finds the library and what it requires, and nothing else."""
     directory = tmp_path_factory.mktemp("site")
-    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    (listed,) = re.findall(r"^dependencies = \[(.*?)^\]", project, re.MULTILINE | re.DOTALL)
+    (listed,) = re.findall(r"^dependencies = \[(.*?)^\]", PROJECT, re.MULTILINE | re.DOTALL)
     found: dict[str, object] = {}
     for name in re.findall(r'"([\w-]+)>=', listed):
         required(name.lower(), found)

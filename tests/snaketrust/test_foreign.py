@@ -209,69 +209,35 @@ def test_what_a_checkpoint_finds_is_made_once(tmp_path):
     assert gathered.read_text().startswith("5 5 5 ")
 
 
+CODED, JOINED = 'params: code=sources.fingerprint("join.py")', 'script: "scripts/join.py"'
+READER = (
+    'rule reader:\n    input: f"{RESULTS}/3.txt"\n    output: "read.txt"\n    shell: "cat {input}"'
+)
+# What is said of a rule: its output, with {} for a file of its own in the results, and other lines.
 REFUSED = {
-    "shell:": 'output: f"{RESULTS}/1.txt"\n    shell: "touch {output}"',
-    "run:": 'output: f"{RESULTS}/2.txt"\n    run: Path(output[0]).touch()',
-    "the output directory()": (
-        'output: directory(f"{RESULTS}/3")\n    params: code=sources.fingerprint("join.py")\n'
-        '    script: "scripts/join.py"'
-    ),
-    "the output touch()": (
-        'output: touch(f"{RESULTS}/4.txt")\n    params: code=sources.fingerprint("join.py")\n'
-        '    script: "scripts/join.py"'
-    ),
-    "no parameter code": 'output: f"{RESULTS}/5.txt"\n    script: "scripts/join.py"',
-    "but its code is the fingerprint of join.py": (
-        'output: f"{RESULTS}/6.txt"\n    params: code=sources.fingerprint("join.py")\n'
-        '    script: "scripts/common.py"'
-    ),
-    "elsewhere": (
-        'output: f"{RESULTS}/7.txt", "else.txt"\n'
-        '    params: code=sources.fingerprint("join.py")\n    script: "scripts/join.py"'
-    ),
-    "parameters that cannot be compared": (
-        'output: f"{RESULTS}/8.txt"\n'
-        '    params: code=sources.fingerprint("join.py"), some={1, 2}\n'
-        '    script: "scripts/join.py"'
-    ),
-    "writes outside of results": (
-        'output: "else2.txt"\n    params: code=sources.fingerprint("join.py")\n'
-        '    script: "scripts/join.py"'
-    ),
-    "has shadow:": (
-        'output: f"{RESULTS}/10.txt"\n    params: code=sources.fingerprint("join.py")\n'
-        '    shadow: "minimal"\n    script: "scripts/join.py"'
-    ),
-    "params.some is PosixPath": (
-        'output: f"{RESULTS}/11.txt"\n'
-        '    params: code=sources.fingerprint("join.py"), some=Path("x.txt")\n'
-        '    script: "scripts/join.py"'
-    ),
-    "runs scripts/join.R": (
-        'output: f"{RESULTS}/12.txt"\n    params: code=sources.fingerprint("join.py")\n'
-        '    script: "scripts/join.R"'
-    ),
-    "has a module called py": (
-        'output: f"{RESULTS}/13.txt"\n    params: code=sources.fingerprint("odd.py")\n'
-        '    script: "scripts/odd.py"'
-    ),
-    "the output pipe()": (
-        'output: pipe(f"{RESULTS}/14.txt")\n    params: code=sources.fingerprint("join.py")\n'
-        '    script: "scripts/join.py"\n\n\n'
-        'rule reader:\n    input: f"{RESULTS}/14.txt"\n    output: "read.txt"\n'
-        '    shell: "cat {input} > {output}"'
-    ),
-    "derives threads_too from threads": (
-        'output: f"{RESULTS}/9.txt"\n'
-        '    params: code=sources.fingerprint("join.py"), '
-        "threads_too=lambda wildcards, threads: threads\n"
-        '    script: "scripts/join.py"'
-    ),
+    "shell:": ("{}", 'shell: "touch {output}"'),
+    "run:": ("{}", "run: Path(output[0]).touch()"),
+    "the output directory()": ("directory({})", CODED, JOINED),
+    "the output pipe()": ("pipe({})", CODED, f"{JOINED}\n\n\n{READER}"),
+    "the output touch()": ("touch({})", CODED, JOINED),
+    "no parameter code": ("{}", JOINED),
+    "but its code is the fingerprint of join.py": ("{}", CODED, 'script: "scripts/common.py"'),
+    "elsewhere": ('{}, "else.txt"', CODED, JOINED),
+    "writes outside of results": ('"else2.txt"', CODED, JOINED),
+    "parameters that cannot be compared": ("{}", f"{CODED}, some={{1, 2}}", JOINED),
+    "params.some is PosixPath": ("{}", f'{CODED}, some=Path("x.txt")', JOINED),
+    "derives low from threads": ("{}", f"{CODED}, low=lambda wildcards, threads: threads", JOINED),
+    "has shadow:": ("{}", CODED, 'shadow: "minimal"', JOINED),
+    "runs scripts/join.R": ("{}", CODED, 'script: "scripts/join.R"'),
+    "has a module called py": ("{}", *(one.replace("join", "odd") for one in (CODED, JOINED))),
 }
 
 
 def test_rules_without_records_are_refused_before_any_job_in_a_sentence_each(tmp_path):
-    rules = [f"rule odd{place}:\n    {text}\n" for place, text in enumerate(REFUSED.values())]
+    rules = []
+    for place, (output, *lines) in enumerate(REFUSED.values()):
+        own = output.replace("{}", f'f"{{RESULTS}}/{place}.txt"')
+        rules.append("\n    ".join([f"rule odd{place}:", f"output: {own}", *lines]) + "\n")
     odd = {"scripts/odd.py": "import toy.py\n", "lib/toy/py.py": "", "scripts/join.R": ""}
     toy = foreign(tmp_path, more="\n\n".join(rules), **odd)
     names = [f"odd{place}" for place in range(len(REFUSED))]
