@@ -13,23 +13,13 @@ from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import Reservoir, make_reservoir
 from burstcast.esn.tangent import ClosedLoopTangent
+from helpers_forecasters import textbook_step
 
 BACKENDS = ["compiled", "scipy"]
 RANGE = np.array([2.0, 0.5, 1.0, 3.0])
 
 
 KINDS = [(1.0, "linear"), (0.3, "linear"), (1.0, "quadratic"), (0.6, "quadratic")]
-
-
-def textbook_step(dynamics, current, state):
-    """One step of one trajectory with dense matrices, number by number where neurons leak."""
-    reservoir, leak = dynamics.reservoir, dynamics.leak_rate
-    input_matrix = np.zeros((reservoir.neurons, reservoir.dimension + 1))
-    input_matrix[np.arange(reservoir.neurons), reservoir.input_column] = reservoir.input_weight
-    fed = np.append(current, reservoir.input_bias)
-    recurrent = dynamics.spectral_radius * reservoir.recurrent.toarray() @ state
-    reached = np.tanh(dynamics.input_scaling * input_matrix @ fed + recurrent)
-    return np.array([(1 - leak) * x + leak * y for x, y in zip(state, reached, strict=True)])
 
 
 def random_readout(reservoir, generator):

@@ -10,6 +10,7 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.readout import Moments, MomentsAccumulator, _symmetric_norm, solve_ridge
 from burstcast.esn.reservoir import make_reservoir
 from burstcast.esn.training import TrainingSeries, collect, train, train_leaving_one_out
+from helpers_forecasters import textbook_step
 
 
 def accumulate(states, targets, edges=()):
@@ -243,20 +244,11 @@ TRAINING = TrainingSeries(observed=OBSERVED, input_range=RANGE)
 
 
 def textbook_states(dynamics=DYNAMICS, observed=OBSERVED, input_range=RANGE):
-    """States by series and step with dense matrices: entry j has seen the inputs before step j."""
-    reservoir = dynamics.reservoir
-    recurrent = dynamics.spectral_radius * reservoir.recurrent.toarray()
-    inputs = np.zeros((reservoir.neurons, observed.shape[2] + 1))
-    for neuron in range(reservoir.neurons):
-        weight = dynamics.input_scaling * reservoir.input_weight[neuron]
-        inputs[neuron, reservoir.input_column[neuron]] = weight
-    states = np.zeros((*observed.shape[:2], reservoir.neurons))
-    for number, series in enumerate(observed):
-        state = np.zeros(reservoir.neurons)
+    """States by series and step: entry j has seen the inputs before step j."""
+    states = np.zeros((*observed.shape[:2], dynamics.reservoir.neurons))
+    for state, series in zip(states, observed, strict=True):
         for step in range(1, len(series)):
-            given_input = np.append(series[step - 1] / input_range, reservoir.input_bias)
-            state = np.tanh(inputs @ given_input + recurrent @ state)
-            states[number, step] = state
+            state[step] = textbook_step(dynamics, series[step - 1] / input_range, state[step - 1])
     return states
 
 

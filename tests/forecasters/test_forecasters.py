@@ -27,6 +27,7 @@ from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from helpers_forecasters import textbook_step
 
 SYSTEM = MoehlisFaisstEckhardt(reynolds=400.0)
 
@@ -143,18 +144,13 @@ def test_members_forecast_side_by_side_as_if_each_were_alone(name, flow):
 
 
 def test_the_network_is_driven_by_the_washout_and_then_by_itself(flow):
-    network = FORECASTERS["esn"].network
-    reservoir, scale = network.dynamics.reservoir, network.input_range
-    recurrent = 0.9 * reservoir.recurrent.toarray()
-    dense = np.zeros((30, 10))
-    dense[np.arange(30), reservoir.input_column] = reservoir.input_weight
+    forecaster, network = FORECASTERS["esn"], FORECASTERS["esn"].network
     state, expected = np.zeros(30), []
     for value in flow[:20, :, 2]:
-        state = np.tanh(dense @ np.append(value / scale, 0.1) + recurrent @ state)
+        state = textbook_step(network.dynamics, value / network.input_range, state)
     for _ in range(6):
         expected.append(np.append(state, 1) @ network.readout.weights)
-        state = np.tanh(dense @ np.append(expected[-1] / scale, 0.1) + recurrent @ state)
-    forecaster = FORECASTERS["esn"]
+        state = textbook_step(network.dynamics, expected[-1] / network.input_range, state)
     outputs, _ = forecaster.advance(forecaster.start(flow[:20]), 6)
     np.testing.assert_allclose(outputs[:, :, 2], expected, rtol=1e-10)
 

@@ -23,6 +23,7 @@ from burstcast.tuning.strategies.registry import (
 )
 from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import DIVERGED_ERROR, Validation, validate
+from helpers_forecasters import textbook_step
 
 NEURONS, DIMENSION = 40, 3
 SERIES, LENGTH = 4, 260
@@ -54,21 +55,15 @@ class Textbook:
     """The paper's network, one series and one step at a time."""
 
     def __init__(self, dynamics, observed, input_range, washout):
-        reservoir = dynamics.reservoir
-        self.observed, self.range, self.washout = observed, input_range, washout
-        self.bias = reservoir.input_bias
-        self.recurrent = dynamics.spectral_radius * reservoir.recurrent.toarray()
-        self.inputs = np.zeros((reservoir.neurons, observed.shape[2] + 1))
-        for neuron, column in enumerate(reservoir.input_column):
-            self.inputs[neuron, column] = dynamics.input_scaling * reservoir.input_weight[neuron]
+        self.dynamics, self.observed = dynamics, observed
+        self.range, self.washout = input_range, washout
 
     def step(self, state, value):
-        driven = self.inputs @ np.append(value / self.range, self.bias)
-        return np.tanh(driven + self.recurrent @ state)
+        return textbook_step(self.dynamics, value / self.range, state)
 
     def open_loop(self, series, stop):
         """State that predicts step ``stop``: it has seen all the steps before."""
-        state = np.zeros(len(self.recurrent))
+        state = np.zeros(self.dynamics.reservoir.neurons)
         for step in range(stop):
             state = self.step(state, self.observed[series, step])
         return state
