@@ -10,10 +10,19 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 from numpy.testing import assert_array_equal
 
+from burstcast.data.starting_points import SeriesPoints
 from burstcast.files.netcdf import read_netcdf, write_netcdf
 from burstcast.forecast import window_forecasts as module
 from burstcast.forecast.event_probabilities import EventProbabilities
-from burstcast.forecast.forecast_files import forecasts_from
+from burstcast.forecast.forecast_files import (
+    event_summary,
+    event_variables,
+    forecast_variables,
+    forecasts_from,
+    horizon_variables,
+    point_variables,
+    schedule_variables,
+)
 from burstcast.forecast.observed_points import observed_points
 from burstcast.forecast.window_forecasts import member_forecasts, window_forecasts
 from burstcast.forecast.windows import WindowForecasts, crosses, summarise, window_boundaries
@@ -322,3 +331,63 @@ def test_points_are_labelled_where_no_event_is_under_way():
             SUMMARIES[1][:, first : first + 2].max(axis=1) >= 0.1
         )
         np.testing.assert_array_equal(labelled.happened[:, column], rises[kept])
+
+
+# -- what files hold -------------------------------------------------------------------------------
+
+
+def held(variables):
+    """Data of variables by name, whose dimensions they have."""
+    for one in variables.values():
+        assert np.ndim(one.data) == len(one.dimensions)
+    return {name: one.data for name, one in variables.items()}
+
+
+def test_files_hold_what_lies_around_each_point_and_event():
+    generator = np.random.default_rng(1)
+    observed, states = generator.normal(size=(2, 3, 60, 2))
+    truth, schedules = generator.normal(size=(5, 60)), generator.normal(size=(3, 59, 1))
+    where = {"spacing": 7, "washout": 5, "boundaries": (2, 4, 9)}
+    found = observed_points(observed, truth[2:], first_component, **where)
+    points = held(point_variables(found, states, "x") | schedule_variables(found, schedules, 9))
+    for row, (series, now) in enumerate(zip(points["series"], points["step"], strict=True)):
+        seen = slice(now - 4, now + 1)
+        assert_array_equal(points["washout"][row], observed[series, seen])
+        assert_array_equal(points["true_washout"][row], states[series, seen])
+        assert_array_equal(points["parameter"][row], schedules[series, now - 4 : now + 9])
+        assert points["observable_now"][row] == observed[series, now, 0]
+        assert points["washout_maximum"][row] == observed[series, seen, 0].max()
+    assert_array_equal(points["first"], found.truth.first)
+    assert_array_equal(points["largest"], found.truth.largest)
+    events = SeriesPoints(np.array([2, 4, 3]), np.array([20, 33, 59]))
+    arguments = events, 2, observed, states, truth, 6
+    assert "parameter" not in event_variables(*arguments)
+    of_events = held(event_variables(*arguments, schedules))
+    for row, (series, step) in enumerate(((2, 20), (4, 33), (3, 59))):
+        before = slice(step - 6, step + 1)
+        assert (of_events["series"][row], of_events["step"][row]) == (series, step)
+        assert_array_equal(of_events["observed"][row], observed[series - 2, before])
+        assert_array_equal(of_events["true_state"][row], states[series - 2, before])
+        assert_array_equal(of_events["truth"][row], truth[series, before])
+        assert_array_equal(of_events["parameter"][row], schedules[series - 2, step - 6 : step])
+    horizons = held(horizon_variables(events.series, events.step, np.array([1.0, 2.0, 0.5])))
+    assert horizons["prediction_horizon_lt"].tolist() == [1.0, 2.0, 0.5]
+    assert horizons["step"].tolist() == [20, 33, 59]
+
+
+@pytest.mark.parametrize("members", [0, 3])
+def test_forecasts_come_back_from_their_files(members):
+    first, largest = np.random.default_rng(2).random((2, 6, 4))
+    of_members = np.random.default_rng(3).random((2, 6, members, 4))
+    forecasts = WindowForecasts(first, largest, np.arange(6) % 2 == 0, *of_members)
+    found = forecasts_from(held(forecast_variables(forecasts, "x")))
+    for name, values in vars(forecasts).items():
+        assert_array_equal(getattr(found, name), values)
+
+
+def test_events_are_summed_up():
+    observable = np.array([[0.0, 1.0, 2.0, 0.0], [0.5, 0.0, 0.0, 1.0]])
+    assert event_summary(observable, 1.0, 1, 3, 2) == {
+        **{"event_share": 3 / 8, "training_event_share": 0.5, "events_per_series": 1.5},
+        **{"usable_events": 2, "largest_observable": 2.0},
+    }

@@ -15,6 +15,9 @@ from sklearn.metrics import (
 )
 
 from burstcast.data.starting_points import SeriesPoints
+from burstcast.forecast.event_probabilities import EventProbabilities
+from burstcast.forecast.windows import WindowForecasts
+from burstcast.probability.alarm_sources import alarm_sources
 from burstcast.probability.alarms import (
     average_precision,
     best_threshold,
@@ -200,3 +203,26 @@ def test_no_event():
     found = lead_times(np.ones((10, 3), bool), WINDOWS, points(10), np.ones(10, bool), nobody)
     assert found.stayed.shape == (0,)
     assert all(score.denominator.tolist() == [0] for score in lead_time_scores(found, 1, [1], 10))
+
+
+# -- sources of alarms -----------------------------------------------------------------------------
+
+
+def test_alarms_are_those_of_baselines_forecasters_and_committees():
+    """A committee has several networks, which come first, or the members of one ensemble."""
+    values, lost = np.zeros((4, 2)), np.zeros(4, dtype=bool)
+    alone, ensemble = (
+        WindowForecasts(values, values, lost, *np.zeros((2, 4, members, 2))) for members in (0, 3)
+    )
+    forecasts = {
+        "analogues": ensemble,
+        **dict.fromkeys(("esn-N50-RV-seed0", "esn-N50-RV-seed1", "esn-N50-SSV-seed0"), alone),
+        "persistence": alone,
+        "precursor": EventProbabilities(values, np.array([0.5, 1.0]), 0.1),
+    }
+    sources = {one.identifier: one for one in alarm_sources(forecasts)}
+    committees = ["esn-N50-RV-committee", "analogues-committee"]
+    assert list(sources) == ["climatology", "observable_now", *forecasts, *committees]
+    assert [name for name, one in sources.items() if one.committee] == committees
+    assert sources[committees[0]].forecasters == ("esn-N50-RV-seed0", "esn-N50-RV-seed1")
+    assert [name for name, one in sources.items() if not one.compared] == list(forecasts)[1:4]
