@@ -13,7 +13,7 @@ Backend = Literal["compiled", "scipy"]
 
 @cache
 def compiler_problem() -> str:
-    """Return why nothing can be compiled on this machine; empty if compilation works."""
+    """Reason why nothing can be compiled on this machine; empty if compilation works."""
     try:
         import llvmlite.binding  # noqa: F401 - loading it is the test
     except Exception as error:  # a library that does not fit the machine raises whatever it likes
@@ -22,7 +22,7 @@ def compiler_problem() -> str:
 
 
 def usable_backend(wanted: Backend) -> Backend:
-    """Return the wanted implementation, or the one that runs everywhere, with a warning."""
+    """Wanted implementation, or, with a warning, the one that runs everywhere."""
     if wanted == "compiled" and (problem := compiler_problem()):
         warnings.warn(
             f"reservoirs are computed by scipy, which is several times slower: nothing can be "

@@ -1,12 +1,11 @@
-"""Functions written down in LLVM's language, instruction by instruction, and made machine code.
+"""Functions written in LLVM's intermediate language and compiled to machine code.
 
-LLVM is the compiler below numba. What is written here are its instructions on vectors of numbers,
-one number for each of some trajectories that are next to each other in memory (its lanes). They
-are carried out as written, in this order, each of them rounded as the standard of floating-point
-arithmetic asks for: the results are the same bits on any processor. A processor whose registers
-hold fewer numbers takes several instructions for one.
+LLVM is the compiler below numba. Its instructions here work on vectors, with one number (a lane)
+for each of several trajectories that are adjacent in memory. They are carried out as written, in
+order, each rounded as IEEE 754 requires: results have the same bits on every processor. A processor
+whose registers hold fewer numbers takes several instructions for one.
 
-Making machine code takes some hundredths of a second in each process; nothing is kept on disk.
+Compilation takes some hundredths of a second in each process; nothing is cached on disk.
 """
 
 import ctypes
@@ -20,7 +19,7 @@ ALIGNMENT = 64
 class Lanes:
     """Text of a function that works on vectors of ``width`` numbers.
 
-    Values are the names that LLVM knows them by (``%v12``), or numbers; integers have 64 bits.
+    Values are LLVM's names for them (``%v12``), or numbers; integers have 64 bits.
     """
 
     def __init__(
@@ -71,7 +70,7 @@ class Lanes:
         return self._add(f"mul i64 {one}, {other}")
 
     def smaller(self, one: str, other: str) -> str:
-        """Return the smaller of two integers."""
+        """Smaller of two integers."""
         return self._add(f"call i64 @llvm.smin.i64(i64 {one}, i64 {other})")
 
     def integer_at(self, array: str, index: str) -> str:
@@ -80,17 +79,17 @@ class Lanes:
         return self._add(f"sext i32 {short} to i64")
 
     def number_at(self, array: str, index: str) -> str:
-        """Place of an entry of an array of numbers."""
+        """Address of an entry of an array of numbers."""
         return self._place(array, "double", index)
 
     def copy(self, target: str, source: str, size: str) -> None:
-        """Copy so many bytes from one place to another."""
+        """Copy ``size`` bytes from one address to another."""
         self._lines.append(
             f"  call void @llvm.memcpy.p0.p0.i64(ptr {target}, ptr {source}, i64 {size}, i1 false)"
         )
 
     def vector_at(self, array: str, index: str) -> str:
-        """Place of a vector of an aligned array of vectors."""
+        """Address of a vector of an aligned array of vectors."""
         return self._place(array, self.vector, index)
 
     def load(self, array: str, index: str) -> str:
@@ -137,7 +136,7 @@ class Lanes:
         return self._add(f"call {self.vector} @llvm.fma.v{self.width}f64({operands})")
 
     def clamp(self, x: str, bound: float) -> str:
-        """``x`` limited to [-bound, bound]; what is not a number stays so."""
+        """``x`` limited to [-bound, bound]; NaN stays NaN."""
         for relation, limit in (("ogt", self.fill(bound)), ("olt", self.fill(-bound))):
             beyond = self._add(f"fcmp {relation} {self.vector} {x}, {limit}")
             x = self._add(
@@ -157,10 +156,10 @@ class Lanes:
         kind: str = "",
         step: int = 1,
     ) -> list[str]:
-        """Write a loop down: ``for index in range(start, stop, step)``.
+        """Append a loop: ``for index in range(start, stop, step)``; return the carried values.
 
-        ``body``: Writes down what is done; called with the index and the carried values, it returns
-        the latter's next values.
+        ``body``: Appends the instructions of the loop; it is called with the index and the carried
+        values, and returns the next carried values.
         """
         kind = kind or self.vector
         self._names += 1
@@ -169,7 +168,7 @@ class Lanes:
         enter = self._add(f"icmp slt i64 {start}, {stop}")
         self._lines.append(f"  br i1 {enter}, label %{inside}, label %{after}")
         self._begin(inside)
-        place = len(self._lines)  # of what is known after the body only
+        place = len(self._lines)  # of the phi instructions, which need the results of the body
         results = list(body(index, *values) or [])
         following = self.plus(index, step)
         more = self._add(f"icmp slt i64 {following}, {stop}")
@@ -191,16 +190,16 @@ class Lanes:
 
 
 def hexadecimal(number: float) -> str:
-    """A number as LLVM reads it, with all its bits."""
+    """Text of a number with all its bits, as LLVM reads it."""
     return f"0x{struct.pack('>d', number).hex()}"
 
 
 def compiled(text: str, name: str, pointers: int, integers: int) -> Callable[..., None]:
-    """Function of a program in machine code for this processor, without a result.
+    """Compile the function ``name`` of a program for this processor.
 
-    Its arguments are so many addresses and integers, in this order.
+    Its arguments are ``pointers`` addresses, then ``integers`` integers; it returns nothing.
     """
-    # loaded here only: it takes a moment, and whoever computes nothing does without it
+    # imported late: it takes a moment, which commands that compute nothing save
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()

@@ -1,12 +1,13 @@
 """Records of each controlled flow, and costs and gains over all flows with intervals.
 
-Flows are what is independent: intervals are percentile bootstraps over flows, the flow with control
-always together with the one without it. Flows that laminarise, with control or without it, count
-in neither sample of the observable (as in the paper), but in the hazard of laminarisation.
+Flows are independent of each other: intervals are percentile bootstraps over flows, and a flow with
+control is resampled together with the same flow without it. Flows that laminarise, with or without
+control, are left out of both samples of the observable (as in the paper); they count in the hazard
+of laminarisation alone.
 
-Where no flow has any exceedance left, a bootstrap knows no upper bound. By the rule of three, no
-more than a share 1 - (1 - c)^(1/n) (3/n at c = 0.95) of all flows can exceed at all, with
-confidence c; the bound takes it that those flows exceed as the uncontrolled ones do that exceed.
+Where no flow has any exceedance left, a bootstrap gives no upper bound. By the rule of three, at
+most a share 1 - (1 - c)^(1/n) of n flows (3/n at c = 0.95) can exceed at all, with confidence c;
+the bound assumes that they would exceed for as long as the uncontrolled flows that exceed do.
 """
 
 import math
@@ -40,7 +41,7 @@ def _mean(meaning: str) -> Described:
 class FlowRecords:
     """Records of each flow, ``(flows,)``; only steps and integration steps that count."""
 
-    row: Annotated[IntArray, _count("row")]  #: which of the given flows it is
+    row: Annotated[IntArray, _count("row")]  #: position among the given flows
     #: exceeding_uncontrolled, exceeding_controlled: steps at or above the event threshold
     exceeding_uncontrolled: Annotated[IntArray, _count("exceeding uncontrolled")]
     exceeding_controlled: Annotated[IntArray, _count("exceeding controlled")]
@@ -48,12 +49,12 @@ class FlowRecords:
     events_uncontrolled: Annotated[IntArray, _count("events uncontrolled")]
     events_controlled: Annotated[IntArray, _count("events controlled")]
     actuated_integration_steps: Annotated[IntArray, _count("actuated integration steps")]
-    switchings: Annotated[IntArray, _count("switchings")]  #: how often it was switched on
+    switchings: Annotated[IntArray, _count("switchings")]  #: number of starts of the actuation
     #: laminar_step_uncontrolled, laminar_step_controlled: steps from the first look to the first
-    #: one beyond the laminarisation threshold; -1: there is none up to the last step that counts
+    #: step above the laminarisation threshold; -1: there is none up to the last step that counts
     laminar_step_uncontrolled: Annotated[IntArray, _count("laminar step uncontrolled")]
     laminar_step_controlled: Annotated[IntArray, _count("laminar step controlled")]
-    #: mean energy input and dissipation; NaN for a system that does not tell them
+    #: mean energy input and dissipation; NaN for a system without an energy budget
     input_uncontrolled: Annotated[FloatArray, _mean("input uncontrolled")]
     input_controlled: Annotated[FloatArray, _mean("input controlled")]
     dissipation_uncontrolled: Annotated[FloatArray, _mean("dissipation uncontrolled")]
@@ -82,7 +83,7 @@ def record_flows(flows: ControlledFlows, laminarisation_threshold: float | None)
 
 
 def neither(records: FlowRecords) -> BoolArray:
-    """Flows that laminarise neither with control nor without it."""
+    """Whether each flow laminarises neither with control nor without it."""
     return (records.laminar_step_uncontrolled < 0) & (records.laminar_step_controlled < 0)
 
 
@@ -90,14 +91,14 @@ def neither(records: FlowRecords) -> BoolArray:
 class Span:
     """Times for which flows count and are at risk of laminarisation."""
 
-    steps: int  #: that count, in each flow
-    integration_steps: int
+    steps: int  #: counted steps of each flow
+    integration_steps: int  #: counted integration steps of each flow
     steps_at_risk: int  #: from the first look to the last step that counts
     steps_per_lyapunov_time: int
 
     @classmethod
     def of(cls, timing: Timing) -> "Span":
-        """That of all flows of a simulation."""
+        """Span that all flows of a simulation have."""
         return cls(
             steps=timing.span,
             integration_steps=timing.span * timing.schedule.sampling_stride,
@@ -141,7 +142,7 @@ actuation. Hazards are laminarisations per Lyapunov time of the flows that are n
 
 
 COSTS = ("effort", "power")
-"""Costs of the actuation (`burstcast.control.cost.ActuationCost`), where they are recorded."""
+"""Costs of the actuation (`burstcast.control.energy.ActuationCost`), where they are recorded."""
 
 
 def score_flows(
@@ -151,10 +152,10 @@ def score_flows(
     generator: np.random.Generator,
     costs: Mapping[str, FloatArray] | None = None,
 ) -> dict[str, ResampledScore]:
-    """Score flows that ran for the same time, by the names in `FLOW_SCORES` and of the costs.
+    """Score flows that ran for the same time: all of `FLOW_SCORES`, and mean costs.
 
-    ``generator``: Runs on the same flows are compared on the same resamples if theirs begin alike.
-    ``costs``: Costs of each flow, ``(flows,)``, by the names in `COSTS`, of which means are scores.
+    ``generator``: Runs on the same flows are compared on the same resamples if their generators
+    start in the same state. ``costs``: Costs of each flow, ``(flows,)``, by the names in `COSTS`.
     """
     flows = len(records.row)
     weights = np.ones((resamples + 1, flows))
@@ -170,9 +171,9 @@ def weighted_scores(
     weights: FloatArray,
     costs: Mapping[str, FloatArray] | None = None,
 ) -> dict[str, FloatArray]:
-    """Scores of flows that count with weights ``(resamples, flows)``, ``(resamples,)`` each.
+    """Scores of `score_flows` by name, ``(resamples,)`` each; NaN where a score is not defined.
 
-    By the names in `FLOW_SCORES` and of the costs; NaN where a score is not defined.
+    ``weights``: Weights of the flows in each resample, ``(resamples, flows)``.
     """
     values = _scores(records, span, weights)
     weighted = weights * neither(records)
@@ -258,4 +259,4 @@ def _quotient(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
 
 
 RECORDS = tuple(field.name for field in fields(FlowRecords))
-"""Names of what is recorded of each flow."""
+"""Names of the fields of `FlowRecords`."""

@@ -38,19 +38,18 @@ def window_of(timing: Timing) -> tuple[int, int]:
 def judge_alarms(flows: RunningFlows, looks: Looks) -> Mapping[str, BoolArray]:
     """Compare alarms with the truth, ``(looks,)`` each; False where there was no alarm.
 
-    ``would_cross``: Whether the flow would have crossed the threshold in the window had the alarm
-    not been acted on: the very state at the alarm is integrated on, and an earlier actuation that
-    is still on stays on. ``would_be_under_way``: Whether it would have been at or above the
-    threshold at the window's first step already. ``reached``: Whether the flow, acted on, was at or
-    above the threshold in the window, or crossed it between the start of the actuation and the
-    window.
+    ``would_cross``: Whether the flow would have crossed the threshold in the window without this
+    alarm: integration continues from the state at the alarm, with an earlier actuation that is
+    still on. ``would_be_under_way``: Whether it would have been at or above the threshold at the
+    window's first step already. ``reached``: Whether the controlled flow was at or above the
+    threshold in the window, or crossed it between the start of the actuation and the window.
     """
     system, threshold = flows.experiment.system, flows.experiment.threshold
     stride, (begin, stop) = flows.timing.schedule.sampling_stride, flows.timing.effect
     start, end = window_of(flows.timing)
     alarms = np.flatnonzero(looks.alarm)
     of_flow, steps = looks.flow[alarms], looks.step[alarms]
-    # where the actuation of a flow's alarm before ends, in integration steps after an alarm
+    # end of the actuation of the flow's previous alarm, in integration steps after this alarm
     before = np.zeros_like(steps)
     before[1:] = np.where(of_flow[1:] == of_flow[:-1], stop - np.diff(steps) * stride, 0)
     ahead = np.arange(end * stride)
@@ -68,7 +67,7 @@ def judge_alarms(flows: RunningFlows, looks: Looks) -> Mapping[str, BoolArray]:
         judged["would_be_under_way"][which] = otherwise[start] >= threshold
         observable = observable_of(system, ending_at(flows.states, flow, now + end, end + 1))
         upward = upward_crossings(observable, threshold)
-        # a step under actuation in part is one that actuation could have changed
+        # a step that is partly under actuation counts: the actuation could have changed it
         early = upward[:, begin // stride + 1 : start + 1].any(axis=1)
         judged["reached"][which] = early | (observable[:, start:] >= threshold).any(axis=1)
     return judged
@@ -106,7 +105,7 @@ class WindowCounts:
     delayed_events: Annotated[IntArray, _count("suppressed events that came before a next window")]
     unsuppressed_events: Annotated[IntArray, _count("true alarms whose event came")]
     missed_events: Annotated[IntArray, _count("events in a window without an alarm")]
-    #: a former event was under way, and the flow dipped below the threshold in between
+    #: an earlier event was under way, and the flow dipped below the threshold in between
     events_under_way: Annotated[
         IntArray, _count("events in a window without an alarm that begins in an event")
     ]
@@ -157,8 +156,8 @@ _NO_WINDOW, _MISSED, _UNDER_WAY, _TRUE_ALARM, _FALSE_ALARM = range(5)
 def _windows(flows: ControlledFlows) -> ByteArray:
     """Kind of the window in which each step of each flow lies, ``(flows, timing.length)``.
 
-    A window's first step belongs to the window before it: whoever crosses the threshold in a window
-    is below it at the first step.
+    A window's first step belongs to the window before it: a flow that crosses the threshold in a
+    window is below it at the first step.
     """
     timing, looks = flows.timing, flows.looks
     start, end = window_of(timing)
@@ -177,7 +176,7 @@ def _windows(flows: ControlledFlows) -> ByteArray:
 
 
 def _crosses_between_windows(flows: ControlledFlows, upward: BoolArray) -> BoolArray:
-    """Whether there is an event between the window of each forecast, if an alarm, and the next."""
+    """Whether an event falls between each look's window, after an alarm, and the next window."""
     start, end = window_of(flows.timing)
     # one entry for each step beyond the end, where nothing counts
     padded = np.pad(upward, ((0, 0), (0, end + start)))
@@ -249,7 +248,7 @@ class Histograms:
 
 
 def observable_histograms(flows: ControlledFlows, edges: FloatArray) -> Histograms:
-    """Histograms of each flow."""
+    """Histograms of each flow in bins with these edges, ``(bins + 1,)``."""
     counted = flows.timing.counted
     samples = flows.uncontrolled[:, counted], flows.controlled[:, counted]
     free = [flow[~on] for flow, on in zip(samples[1], flows.actuated[:, counted], strict=True)]

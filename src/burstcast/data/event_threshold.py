@@ -6,10 +6,9 @@ from burstcast.arrays import FloatArray
 
 
 def threshold_at(quantile: float, observable: FloatArray) -> float:
-    """Value of the observable that a share ``quantile`` of its samples is below.
+    """Event threshold: a share ``quantile`` of the samples of the observable lies below it.
 
-    ``observable``: Observable of the training series, of any shape: nothing of the test series may
-    enter.
+    ``observable``: Observable of the training series alone, of any shape.
     """
     if not 0 < quantile < 1:
         raise ValueError(f"a quantile lies between 0 and 1, not at {quantile}")

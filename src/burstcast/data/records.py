@@ -1,4 +1,4 @@
-"""Records as they were measured: checked, cut at their gaps, and made into series of states."""
+"""Measured records: checks, cuts at gaps, and conversion to series of states."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,8 +20,9 @@ from burstcast.data.times import TIME, time_step_of
 from burstcast.systems.measured import MeasuredSeries
 
 TOLERANCE = 0.1
-"""Largest distance of a time from the regular times of its run, in time steps: clocks jitter, and
-beyond it a run ends, so that no run drifts away from them."""
+"""Largest distance of a row's time from the regular times of its run, in time steps.
+
+Clocks jitter by less; a row further away begins another run, so that no run drifts."""
 
 
 @dataclass(frozen=True)
@@ -31,9 +32,9 @@ class RecordedSeries:
     states: FloatArray  #: ``(series, time, component)``
     #: values that are known in advance, ``(series, time, column)``; None where there are none
     known: FloatArray | None = None
-    #: time of the first sample of each series; None where there are none, or series overlap
+    #: time of the first sample of each series; None where rows have no times, or these do not rise
     start: FloatArray | None = None
-    left_out: str = ""  #: what was left out, in a sentence; empty if nothing was
+    left_out: str = ""  #: sentence about rows that were left out; empty if there are none
 
 
 def recorded_series(
@@ -64,8 +65,8 @@ def series_of_records(
 ) -> RecordedSeries:
     """Series of states of records, checked.
 
-    ``quantities``, ``known``: Components, and what is known in advance. ``step``: Time between two
-    rows. ``cut``: Whether gaps cut a record; otherwise they are errors.
+    ``quantities``, ``known``: Components, and columns that are known in advance. ``step``: Time
+    between two rows. ``cut``: Whether gaps cut a record; otherwise they are errors.
     """
     for run in runs:
         _check_codes(run)
@@ -103,7 +104,7 @@ def _check_codes(run: Run) -> None:
 
 
 def needed_columns(path: str, quantities: Sequence[Quantity]) -> list[str]:
-    """Columns of a file that quantities are made of, each once."""
+    """Columns of a file from which quantities are computed, each once."""
     content = content_of(path)
     if not content.has_time and path.endswith((".csv", ".parquet")):
         raise ValueError(
@@ -118,7 +119,7 @@ def needed_columns(path: str, quantities: Sequence[Quantity]) -> list[str]:
 
 
 def check_rising(run: Run) -> None:
-    """Check that each row has a time, which is later than the time of the row before."""
+    """Check that each row has a time, and that times rise from row to row."""
     time = run.columns[TIME]
     if not np.isfinite(time).all():
         row = int(np.flatnonzero(~np.isfinite(time))[0]) + 1
@@ -161,9 +162,9 @@ def check_regular(run: Run, step: float) -> None:
 def runs_without_gaps(run: Run, step: float) -> list[Run]:
     """Cut a record at its gaps.
 
-    A row is complete if it has numbers in all columns. Two complete rows belong together if they
-    are a time step apart. A time that does not fit the regular times of its run by more than
-    `TOLERANCE` begins another run. A run has regular times.
+    A row is complete if it has numbers in all columns. Neighbouring complete rows belong together
+    if they are a time step apart; a time further than `TOLERANCE` from the regular times of its run
+    begins another run. The times of the resulting runs are exactly regular.
     """
     timed = TIME in run.columns
     if timed:
@@ -191,7 +192,7 @@ def runs_without_gaps(run: Run, step: float) -> list[Run]:
 
 
 def _regular(time: FloatArray, step: float) -> int:
-    """Number of the first times that are regular, at least 1; looked for in growing parts."""
+    """Number of leading times that are regular, at least 1; searched in growing parts."""
     length = 64
     while True:
         places = (time[:length] - time[0]) / step
@@ -204,7 +205,7 @@ def _regular(time: FloatArray, step: float) -> int:
 
 
 def long_runs(runs: Sequence[Run], samples: int) -> tuple[list[Run], str]:
-    """Runs that are as long as a block, and a sentence about the others, empty if there is none."""
+    """Runs of at least ``samples`` rows, and a sentence about shorter ones, empty without any."""
     lengths = [run.length for run in runs]
     kept = [run for run in runs if run.length >= samples]
     if not kept:
@@ -224,9 +225,9 @@ def long_runs(runs: Sequence[Run], samples: int) -> tuple[list[Run], str]:
 
 
 def problems_of_columns(data: Mapping[str, Any], names: Sequence[str]) -> Iterator[str]:
-    """Mistakes in the columns that a case's records have as known in advance.
+    """Mistakes in the columns that a case declares as known in advance.
 
-    ``names``: Columns of the first file; empty where that cannot be read. Messages begin with the
+    ``names``: Columns of the first file; empty if it cannot be read. Messages begin with the
     setting in ``data`` that is wrong: "known has rho twice".
     """
     channels = list(map(Quantity, [*data["components"], data["observable"]]))

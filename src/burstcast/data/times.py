@@ -12,7 +12,7 @@ TIME = "time"
 """Name of the column, the variable or the axis of times."""
 
 SECONDS = {"second": 1, "minute": 60, "hour": 3600, "day": 86400}
-"""Units of time that a record with dates may have, all of constant length, in seconds."""
+"""Units of time for records with dates, in seconds; each has a constant length."""
 
 _STEP = re.compile(rf"(\d+(?:\.\d+)?) ?({'|'.join(SECONDS)})s?", re.ASCII)
 _DATE = re.compile(
@@ -99,7 +99,7 @@ def times_since(values: FloatArray, units: str, calendar: str, unit: str) -> Flo
 
 
 def is_number(text: str) -> bool:
-    """Whether a field has a number; Python's 1_000 is none in a file."""
+    """Whether a field is a number; in files, Python's 1_000 is not."""
     try:
         float("" if "_" in text or not text.isascii() else text)
     except ValueError:

@@ -1,9 +1,9 @@
 """The interface of an encoder, which maps observations to the channels that forecasters receive.
 
-A turbulent flow has hundreds of components, of which sensors see few. An encoder makes of the
-observed components the *channels* of a forecaster's state: fewer of them, or others, which are
-easier to learn. It is fitted to the training series. A new kind of encoder is one new module of
-this package with one concrete subclass of `Encoder` in it; its name is the module's.
+A turbulent flow has hundreds of components, of which sensors see few. An encoder computes the
+*channels* of a forecaster's state from the observed components: fewer quantities, or quantities
+that are easier to learn. It is fitted to the training series. A new kind of encoder is one new
+module of this package with one concrete subclass of `Encoder` in it; its name is the module's.
 """
 
 import abc
@@ -60,13 +60,13 @@ class Encoder(abc.ABC):
     """Maps observations to channels."""
 
     decodes: ClassVar[bool] = False
-    """Whether `decode` leads back to what was encoded."""
+    """Whether `decode` recovers what was encoded."""
 
     option_names: ClassVar[tuple[str, ...]] = ()
     """Names of its options."""
 
     array_names: ClassVar[tuple[str, ...]] = ()
-    """Names of the arrays that fitting finds, all of its fields; none where nothing is fitted."""
+    """Names of the fitted arrays, which are all of its fields; empty if nothing is fitted."""
 
     @classmethod
     @abc.abstractmethod
@@ -79,7 +79,7 @@ class Encoder(abc.ABC):
             True states where the kind needs them, and observed ones otherwise, of the training
             series only: ``(series, time, component)``.
         case
-            What may be known beside them.
+            Information beside the series.
 
         Raises
         ------
@@ -89,7 +89,7 @@ class Encoder(abc.ABC):
 
     @classmethod
     def restore(cls, arrays: Mapping[str, FloatArray], case: EncodingCase) -> Self:
-        """Encoder of a case from the arrays that it was fitted to."""
+        """Encoder of a case from its fitted arrays."""
         return cls(**arrays) if cls.array_names else cls.fit(np.empty((0, 0, 0)), case)
 
     @classmethod

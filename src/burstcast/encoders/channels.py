@@ -18,7 +18,7 @@ from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.state_space import StateSpace, component_names
 
 IDENTITY, ESTIMATE = "identity", "state_estimate"
-"""Kinds of encoders that are given what is observed, also where sensors see the state."""
+"""Kinds of encoders that receive the observations themselves, even those of sensors."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class StateChannels:
     #: estimate of the state from the readings of sensors, which the encoder is given; None where
     #: states are observed themselves, or readings are not encoded
     estimate: StateEstimateEncoder | None
-    encoder: Encoder  #: function from observed or estimated states, or from readings, to channels
+    encoder: Encoder  #: map from observed or estimated states, or from readings, to channels
 
     @classmethod
     def fit(cls, kind: str, states: FloatArray, seen: FloatArray, case: EncodingCase) -> Self:
@@ -61,8 +61,8 @@ class StateChannels:
         """Fit to training series that are observed with the noise of their case.
 
         ``level``: Standard deviation of the noise in standard deviations of each observed
-        component. ``random_seed``, ``source``: Root of all random streams, and the name of the case
-        whose states they are.
+        component. ``random_seed``, ``source``: Root of all random streams, and name of the case
+        that has these states.
         """
         readings = case.readings_of_series(states)
         scales = component_scales(readings)
@@ -86,7 +86,7 @@ class StateChannels:
 
     @property
     def arrays(self) -> dict[str, FloatArray]:
-        """All that fitting has found, by part and name."""
+        """Fitted arrays, by part and name."""
         parts = {"estimate": self.estimate, "encoder": self.encoder}
         return {
             f"{part}_{name}": getattr(one, name)
@@ -120,7 +120,7 @@ class StateChannels:
         moments = state_moments(states.reshape(-1, states.shape[-1]), self.case.space)
         decode: Callable[[FloatArray], FloatArray] = self.encoder.decode
         if self.case.observation is not None and self.estimate is None:
-            # readings themselves, or the estimate of the state, which is its own channel
+            # channels are the estimate of the state itself, or readings, which it follows from
             known = isinstance(self.encoder, StateEstimateEncoder)
             decode = _same if known else StateEstimateEncoder.of(moments, self.case).encode
         matrix, offset = _affine(
@@ -174,7 +174,7 @@ def channel_names(kind: str, case: EncodingCase) -> tuple[str, ...]:
 
 
 def check_encoding(kind: str, case: EncodingCase, noise: float, snapshots: int) -> None:
-    """Check the settings of an encoded case against what is known before there are data.
+    """Check the settings of an encoded case before there are data.
 
     ``noise``: Level of the observation noise, ``training.noise``.
     """

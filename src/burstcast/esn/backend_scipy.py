@@ -1,7 +1,7 @@
 """Dynamics of the reservoir in numpy and scipy: the plain implementation.
 
-It is the reference for `burstcast.esn.backend_compiled`, and serves where that does not run.
-The state of a trajectory is bit for bit the same whatever the batch that it is part of: every
+It is the reference for `burstcast.esn.backend_compiled`, and the fallback where that does not run.
+The state of a trajectory is bit for bit the same whatever batch it is part of: every
 product is one of a sparse matrix with a batch, summed in the order of the row's entries. (A product
 of BLAS would depend on the size of the batch.)
 """
@@ -18,7 +18,7 @@ class ScipyBackend:
 
     ``recurrent``: Recurrent weights times the spectral radius, shape ``(neurons, neurons)``.
     ``input_column``, ``input_weight``: The input that feeds each neuron (the last one is the bias)
-    and its weight times the input scaling, shape ``(neurons,)``. ``leak_rate``, ``readout``: As of
+    and its weight times the input scaling, shape ``(neurons,)``. ``leak_rate``, ``readout``: See
     `burstcast.esn.dynamics.Dynamics`.
     """
 

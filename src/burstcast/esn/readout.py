@@ -145,13 +145,13 @@ class MomentsAccumulator:
 
 @dataclass(frozen=True)
 class Readout:
-    """A trained readout."""
+    """A trained readout, and how it was solved for."""
 
     #: W_out, shape ``(neurons + 1, dimension)``; the last row is the output bias
     weights: FloatArray
     tikhonov: float  #: the regularisation beta it was trained with
     solver: str  #: how the linear system was solved: "cholesky" or "ldl"
-    #: estimate of the reciprocal condition number of the system's matrix, in the 1-norm, to three
+    #: estimate of the reciprocal condition number of the regularised matrix in the 1-norm, to three
     #: digits
     reciprocal_condition: float
 

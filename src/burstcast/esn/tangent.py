@@ -9,8 +9,8 @@ with the leak rate a and the readout's features f (1 and r in the paper), so tha
 
     J = (1 - a) I + a diag(1 - t^2) (rho W + sigma_in W_in diag(1 / range) W_out^T diag(f'(r))),
 
-where W_in and W_out are without the bias. J is a dense matrix, but the sum of a sparse one and one
-of the rank of the output: it is applied to perturbations factor by factor, and never formed.
+where W_in and W_out are without the bias. J is dense, but the sum of a sparse matrix and a matrix
+whose rank is the output's dimension: it is applied factor by factor, and never formed.
 
 Source: Margazoglou & Magri, "Stability analysis of chaotic systems from data", Nonlinear Dynamics
 111 (2023) 8799, for networks of this kind.
@@ -24,12 +24,10 @@ from burstcast.esn.network import EchoStateNetwork
 
 
 class ClosedLoopTangent:
-    """Takes perturbations of a network's states along its closed loop.
+    """Propagates perturbations of a network's reservoir states along its closed loop.
 
     All products are of a sparse matrix with a batch, summed in the order of the row's entries: a
-    trajectory's perturbations are bit for bit the same whatever the batch that it is part of.
-
-    ``network``: The network; its reservoir's states are perturbed.
+    trajectory's perturbations are bit for bit the same whatever batch it is part of.
     """
 
     def __init__(self, network: EchoStateNetwork) -> None:
@@ -48,11 +46,10 @@ class ClosedLoopTangent:
     def advance(
         self, states: FloatArray, tangent: FloatArray, steps: int
     ) -> tuple[FloatArray, FloatArray]:
-        """Take states and perturbations some steps further.
+        """States and perturbations ``steps`` steps later; the states have the closed loop's bits.
 
-        ``states``: States of the reservoir, ``(neurons, batch)``. ``tangent``: Perturbations of
-        them, ``(neurons, perturbations, batch)``. Returns both, so many steps later; the states
-        equal the closed loop's bit for bit.
+        ``states``: States of the reservoir, ``(neurons, batch)``. ``tangent``: Perturbations of the
+        states, ``(neurons, perturbations, batch)``.
         """
         shape = tangent.shape
         for _ in range(steps):

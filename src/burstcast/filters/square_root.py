@@ -1,11 +1,11 @@
 """The ensemble square-root filter: an estimate of the present state from a noisy history.
 
-An ensemble of states stands for what is known: its mean for the estimate, its scatter for the
-covariance of the error. A model advances the members; each observation then moves their mean as the
-Kalman filter does, and shrinks their deviations such that their covariance is the Kalman filter's,
-too. No random numbers are needed for that (Whitaker & Hamill, "Ensemble data assimilation without
-perturbed observations", Monthly Weather Review 130, 2002). The errors of the components of an
-observation are independent, so that they are assimilated one after the other.
+The mean of an ensemble of states is the estimate, and its scatter the covariance of the error. A
+model advances the members; each observation then moves their mean as the Kalman filter does, and
+shrinks their deviations such that their covariance is the Kalman filter's, too. No random numbers
+are needed (Whitaker & Hamill, "Ensemble data assimilation without perturbed observations", Monthly
+Weather Review 130, 2002). The errors of the components of an observation are independent, so that
+the components are assimilated one after the other.
 """
 
 import math
@@ -52,17 +52,16 @@ def symmetric_members(centre: FloatArray, deviation: FloatArray, members: int) -
 def assimilate(
     ensemble: FloatArray, observation: FloatArray, noise: FloatArray, inflation: float
 ) -> FloatArray:
-    """Ensembles after an observation of their first components.
+    """Ensembles after an observation of their first components, ``(rows, members, batch)``.
 
-    ``ensemble``: What the model forecasts for the time of the observation, ``(rows, members,
-    batch)``. Its first rows are observed; further ones follow by their covariance with them.
-    ``observation``: ``(observed, batch)``. ``noise``: Standard deviation of the errors of the
-    observation, ``(observed,)``. ``inflation``: Factor of the deviations from the mean before the
-    observation is taken in: above 1 for what a model with errors, or an ensemble of finite size,
-    leaves out. Shape ``(rows, members, batch)``. An ensemble with a member that is not finite is
-    not finite.
+    ``ensemble``: Forecasts of the model for the time of the observation, ``(rows, members,
+    batch)``. The first rows are observed; further rows are corrected by their covariance with
+    these. ``observation``: ``(observed, batch)``. ``noise``: Standard deviation of the errors of
+    the observation, ``(observed,)``. ``inflation``: Factor of the deviations from the mean before
+    the observation: above 1, it makes up for errors of the model and for the finite ensemble. A
+    member that is not finite makes its whole ensemble so.
     """
-    # an ensemble whose model has left the finite numbers is a result
+    # an ensemble that overflows is a result, not an error
     with np.errstate(over="ignore", invalid="ignore"):
         centre = mean(ensemble)
         deviation = inflation * (ensemble - centre[:, np.newaxis])

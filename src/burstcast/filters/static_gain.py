@@ -14,11 +14,12 @@ from burstcast.arrays import FloatArray
 def static_gain(
     covariance: FloatArray, matrix: FloatArray, noise: FloatArray, share: float
 ) -> FloatArray:
-    """Gain of the Kalman filter for a fixed covariance of the error.
+    """Gain of the Kalman filter for a fixed covariance of the error, ``(dimension, observed)``.
 
     ``covariance``: Covariance of the states over a long time, ``(dimension, dimension)``.
     ``matrix``: Matrix of the observation, ``(observed, dimension)``. ``noise``: Standard deviation
-    of the errors of the observation, ``(observed,)``. Shape ``(dimension, observed)``.
+    of the errors of the observation, ``(observed,)``; above 0. ``share``: Covariance of the error,
+    as a share of that of the states.
     """
     across = share * covariance @ matrix.T
     gain: FloatArray = np.linalg.solve(matrix @ across + np.diag(np.square(noise)), across.T).T

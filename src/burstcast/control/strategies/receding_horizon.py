@@ -1,14 +1,14 @@
-"""Receding-horizon control: look again and again, act only while the forecast holds an event.
+"""Receding-horizon control: forecast at every decision, act while an event is forecast.
 
 Every decision looks a horizon ahead, as model predictive control does (e.g. Rawlings, Mayne &
 Diehl, "Model Predictive Control", 2017), with a trivial optimisation: the actuator is on or off,
 and it is on only if the flow would otherwise have an event. An event that is under way counts like
 one that is still to come. A forecast counts as long as it is finite.
 
-The forecaster is given the last observed states, whatever equations they came under, and forecasts
-the free flow from the present state, as if the actuation were off. States under actuation lie in
-the same space, and a reservoir forgets its inputs within a few steps, but the washout is unlike any
-in training.
+The forecaster receives the last observed states, with or without actuation, and forecasts the free
+flow from the present state, as if the actuation were off. States under actuation lie in the same
+space, and a reservoir forgets its inputs within a few steps, but such a washout does not occur in
+training.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class RecedingHorizon(ForesightedStrategy):
         return self.aware
 
     def policy(self, experiment: ControlExperiment, forecaster: Any) -> Policy:
-        """Act where the forecast reaches the level anywhere up to the horizon."""
+        """Policy that acts if the forecast reaches the level at any step up to the horizon."""
         self.check(experiment.schedule)
         horizon, level = self.horizon(experiment.schedule), self.level(experiment)
         observable = experiment.observed_space.observable
