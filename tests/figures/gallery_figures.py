@@ -1,52 +1,94 @@
-"""Every figure, drawn from small inputs."""
+"""Arguments of every figure, small and like a campaign's, and the figures drawn from them."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from helpers_figures import THRESHOLD, burst, interval_rows, percentile_rows
 from matplotlib.figure import Figure
 
-from burstcast.figures.burst_forecast import burst_forecast
-from burstcast.figures.burst_vorticity import burst_vorticity
-from burstcast.figures.by_reynolds import by_reynolds
-from burstcast.figures.classification_scores import classification_scores
-from burstcast.figures.control_conditions import control_conditions
-from burstcast.figures.control_density import ControlledDensity, control_density
-from burstcast.figures.control_frontier import control_frontier
-from burstcast.figures.control_schematic import control_schematic
-from burstcast.figures.control_tradeoff import control_tradeoff
-from burstcast.figures.encoder_loss import encoder_loss
-from burstcast.figures.forecast_skill import draw as forecast_skill
-from burstcast.figures.horizon_by_size import horizon_by_size
-from burstcast.figures.horizon_evaluations import HorizonEvaluation, horizon_evaluations
-from burstcast.figures.horizon_schematic import draw as horizon_schematic
-from burstcast.figures.long_term_density import long_term_density
-from burstcast.figures.lost_skill import lost_skill
-from burstcast.figures.lyapunov_spectrum import draw as lyapunov_spectrum
-from burstcast.figures.midplane_mean_square import midplane_mean_square
-from burstcast.figures.midplane_planes import midplane_planes
-from burstcast.figures.network_schematic import draw as network_schematic
-from burstcast.figures.observable_and_density import observable_and_density
-from burstcast.figures.parts.nothing_to_show import nothing_to_show
-from burstcast.figures.prediction_examples import PredictionExample, prediction_examples
-from burstcast.figures.prediction_schematic import prediction_schematic
-from burstcast.figures.profile_errors import profile_errors
-from burstcast.figures.reliability import draw as reliability
-from burstcast.figures.skill_by_parameter import skill_by_parameter
-from burstcast.figures.suppressed_event import suppressed_event
-from burstcast.figures.survival import draw as survival
-from burstcast.figures.validation_strategies import ValidationLayout, validation_strategies
-from burstcast.figures.vorticity_isosurfaces import FlowSnapshot, vorticity_isosurfaces
+from burstcast.figures.parts.style import nothing_to_show
+from burstcast.figures.registry import figure_module
+from burstcast.statistics.densities import bin_edges, histogram
+from burstcast.systems.kolmogorov import KolmogorovFlow
 
 TIME = np.linspace(0.0, 8.0, 401)
-EDGES = np.linspace(0.015, 0.47, 41)
-DENSITY = 40 * np.exp(-25 * EDGES[:-1])
-X, Y, Z = np.linspace(0, 4 * np.pi, 17), np.linspace(-1, 1, 9), np.linspace(0, 2 * np.pi, 13)
-PLANES = np.array([np.outer(np.cos(0.5 * X + phase), np.sin(Z)) for phase in range(4)])
-TIMES = np.array([1.0, 2.5, 4.0, 5.5])
+SERIES: dict[str, Any] = {
+    "observable": burst(TIME, 4.0)[np.newaxis],
+    "threshold": THRESHOLD,
+    "symbol": "k",
+    # 50 samples in a Lyapunov time
+    **{"exponents": None, "published_exponent": 0.02, "time_step": 0.5, "sampling_stride": 2},
+}
+NAMED = {"symbol": "k", "observable_name": "kinetic energy"}
+FLOW: dict[str, Any] = {
+    "system": "mfe",
+    "parameters": {"reynolds": 400.0, "length_x": 4 * np.pi, "length_z": 2 * np.pi},
+    "flow_points": [17, 9, 13],
+}
+PLANE_FLOW: dict[str, Any] = {
+    "system": "kolmogorov",
+    "parameters": {"largest_wavenumber": 3, "forcing_wavenumber": 2},
+    "training_series": 1,
+}
 SCORES = {"precision": 0.97, "recall": 1.0, "f_score": 0.98}
 PREDICTION_TIMES = (1.0, 2.0, 3.0)
+STATES = np.random.default_rng(5).normal(0.0, 0.1, (4, 9)) + np.eye(9)[0]
+MARKS = np.array([50, 125, 200, 275])
+EXAMPLES: dict[str, Any] = {
+    "outcome": np.array([0, 1, 2]),
+    "example_time_lt": TIME - 1.5,
+    "example_truth": np.stack([burst(TIME, peak) for peak in (4.5, 7.5, 4.5)]),
+    "example_forecast": np.where(
+        TIME >= 1.5, np.stack([burst(TIME, peak) for peak in (4.6, 4.5, 7.5)]), np.nan
+    ),
+    "evaluation_time_lt": (late := np.linspace(-9, 2, 221)),
+    "evaluation_truth": burst(late, 0.6),
+    "evaluation_lead_time_lt": (leads := np.array([7.5, 7.0, 6.5, 6.0])),
+    "evaluation_forecast": burst(late, 0.6)
+    + 0.02 * (leads[:, np.newaxis] - 6) * np.exp(0.8 * late),
+    "evaluation_horizon_lt": np.array([6.5, 6.0, 5.5, 6.0]),
+    "allowed_error": 0.008,
+}
+EVENT: dict[str, Any] = {
+    "time_lt": TIME,
+    "true": burst(TIME, 4.0),
+    "forecast": burst(TIME, 4.1),
+    "mark": MARKS,
+    "true_state": STATES,
+    "forecast_state": 1.02 * STATES,
+}
+SUPPRESSED: dict[str, Any] = {
+    "time_lt": TIME - 1.0,
+    "uncontrolled": burst(TIME - 1.0, 5.0),
+    "controlled": 0.3 * burst(TIME - 1.0, 5.0),
+    "forecast": np.where((TIME >= 1) & (TIME <= 5), 0.9 * burst(TIME - 1.0, 5.0), np.nan),
+    "actuation_lt": np.array([1.0, 2.5]),
+    "mark": MARKS,
+    "uncontrolled_state": STATES,
+    "controlled_state": 0.3 * STATES,
+}
+
+
+def long_term_file(scale: float, **more: Any) -> dict[str, Any]:
+    """Content of a file of long-term statistics."""
+    counts = histogram(scale * burst(TIME, 4.0), bin_edges(0.0, 0.3, 30))
+    moments = scale * (np.outer(STATES[0], STATES[0]) + 0.1 * np.eye(9))
+    return {
+        **{"edge": counts.edges, "count": counts.counts, "below": 0, "above": 0},
+        **{"states": 401, "mean": scale * STATES[0], "mean_product": moments, **more},
+    }
+
+
+LONG_TERM: dict[str, Any] = {
+    "data": long_term_file(1.0),
+    "training": long_term_file(0.8),
+    "long_term": [
+        long_term_file(0.9, neurons=1000, seed=0),
+        long_term_file(0.5, neurons=1000, seed=1),
+    ],
+}
 
 
 def ranking_rows() -> pd.DataFrame:
@@ -75,75 +117,6 @@ def ranking_rows() -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def plane_burst() -> Figure:
-    """A vortex that turns faster until the peak."""
-    x, y = np.meshgrid(*[np.linspace(0, 2 * np.pi, 33)] * 2, indexing="ij")
-    times = [-2.0, -1.0, 0.0, 1.0]
-    fields = np.stack([np.exp(-abs(time)) * np.sin(x) * np.sin(2 * y + time) for time in times])
-    time = np.linspace(-4, 4, 81)
-    observable = 0.1 + 0.2 * np.exp(-(time**2))
-    return burst_vorticity(
-        time, observable, times, fields, (2 * np.pi, 2 * np.pi), 0.2, "Dissipation, $D$"
-    )
-
-
-def plane_forecast() -> Figure:
-    """A vortex whose forecast turns too slowly."""
-    x, y = np.meshgrid(*[np.linspace(0, 2 * np.pi, 33)] * 2, indexing="ij")
-    times = [0.2, 0.6, 1.0, 1.4]
-    fields = {
-        name: np.stack([rate * time * np.sin(x) * np.sin(2 * y) for time in times])
-        for name, rate in (("true", 2.0), ("forecast", 1.5))
-    }
-    time = np.linspace(-1, 3, 81)
-    observable = {
-        name: 0.1 + 0.2 * np.exp(-((time - 1) ** 2)) * field.max() for name, field in fields.items()
-    }
-    return burst_forecast(
-        *(time, observable, times, fields, (2 * np.pi, 2 * np.pi), 0.2),
-        *("Dissipation, $D$", "forecast: network"),
-    )
-
-
-def plane_modes() -> Figure:
-    """Modes that hold energy before they hold the observable."""
-    x, y = np.meshgrid(*[np.linspace(0, 2 * np.pi, 33)] * 2, indexing="ij")
-    numbers = np.array([1, 2, 4, 8, 16, 32])
-    kept = {
-        "variance": 1 - 0.5 / numbers,
-        "mean": 1 - 0.8 / np.sqrt(numbers),
-        "correlation": np.array([-0.2, -0.8, -0.6, 0.5, 0.9, 1.0]),
-    }
-    modes = {1: np.sin(x), 3: np.sin(4 * y), 5: np.sin(2 * x) * np.cos(y)}
-    return encoder_loss(numbers, kept, modes, (2 * np.pi, 2 * np.pi), "D")
-
-
-def _evaluations() -> Figure:
-    time = np.linspace(-9, 2, 221)
-    evaluations = []
-    for start in (7.5, 7.0, 6.5, 6.0):
-        own = time[time >= -start]
-        error = 0.02 * np.exp(0.8 * own) * (start - 6.0)
-        horizon = start if start == 6.0 else start - 1.0
-        evaluations.append(HorizonEvaluation(start, own, burst(own, 0.6) + error, horizon))
-    return horizon_evaluations(time, burst(time, 0.6), evaluations, THRESHOLD, 0.008)
-
-
-def _examples() -> Figure:
-    return prediction_examples(
-        [
-            PredictionExample(name, TIME, burst(TIME, peak), burst(TIME, other))
-            for name, peak, other in (
-                ("true positive", 3.5, 3.5),
-                ("false positive", 6.0, 3.5),
-                ("false negative", 3.5, 6.0),
-            )
-        ],
-        THRESHOLD,
-        2.0,
-    )
-
-
 def statistics_rows() -> pd.DataFrame:
     metrics = {
         "nrmse_u": 0.02,
@@ -167,7 +140,8 @@ def statistics_rows() -> pd.DataFrame:
     return pd.concat([table, *references], ignore_index=True)
 
 
-def survival_figure(rate: float = 1e-4) -> Figure:
+def own_flow(rate: float = 1e-4, spectrum: bool = True) -> dict[str, Any]:
+    """Tables of survival and of spectra."""
     time = np.linspace(0, 4000, 101)
     share = np.exp(-rate * time)
     curves = pd.concat(
@@ -175,68 +149,89 @@ def survival_figure(rate: float = 1e-4) -> Figure:
         for name, factor in (("esn", 1.0), ("equations", 0.98))
         for now, value in zip(time, factor * share, strict=True)
     )
-    data = pd.DataFrame(
-        {
-            "forecaster": "data",
-            "time": time,
-            "survival": share,
-            "survival_low": 0.97 * share,
-            "survival_high": np.minimum(1, 1.03 * share),
-        }
-    )
-    rates = {"forecaster": "data", "escape_rate": [rate], "escape_rate_low": [0.9 * rate]}
-    return survival(
-        data,
-        curves,
-        pd.DataFrame({**rates, "escape_rate_high": [1.1 * rate]}),
-        percentile_rows({"escape_rate": 1.5 * rate}),
-        1000,
-    )
-
-
-EXPONENTS = np.array([0.0155, 0.0045, 0.0, -0.006, -0.013, -0.02, -0.031, -0.036, -0.041])
-
-
-def lyapunov_figure() -> Figure:
+    ends = {"survival_low": 0.97 * share, "survival_high": np.minimum(1, 1.03 * share)}
+    flow = np.array([0.0155, 0.0045, 0.0, -0.006, -0.013, -0.02, -0.031, -0.036, -0.041])
     exponents = pd.concat(
         percentile_rows({"lyapunov_exponent": value}, validations=("RV",), number=number)
-        for number, value in enumerate([*EXPONENTS, -0.27], 1)
+        for number, value in enumerate([*flow, -0.27], 1)
     )
     exponents[["p25", "p75"]] = np.sort(exponents[["p25", "p75"]], axis=1)
-    data = {"forecaster": "data", "number": np.arange(1, 10), "lyapunov_exponent": EXPONENTS}
-    ends = {f"lyapunov_exponent_{end}": EXPONENTS + 0.0005 * sign for end, sign in ENDS.items()}
-    dimension = {f"kaplan_yorke_dimension{end}": [value] for end, value in DIMENSION.items()}
-    return lyapunov_spectrum(
-        pd.DataFrame({**data, **ends}),
-        exponents,
-        pd.DataFrame({"forecaster": "data", **dimension}),
-        percentile_rows({"kaplan_yorke_dimension": 5.5}, validations=("RV",)),
-        1000,
-    )
+    number = {"number": np.arange(1, 10)}
+    tables = {
+        "exponents": of_data("lyapunov_exponent", flow, 0.0005, **number),
+        "exponent_percentiles": exponents,
+        "dimensions": of_data("kaplan_yorke_dimension", np.array([5.1]), 0.05),
+        "dimension_percentiles": percentile_rows(
+            {"kaplan_yorke_dimension": 5.5}, validations=("RV",)
+        ),
+    }
+    return {
+        "curves": pd.DataFrame({"forecaster": "data", "time": time, "survival": share, **ends}),
+        "curve_percentiles": curves,
+        "rates": of_data("escape_rate", np.array([rate]), 0.1 * rate),
+        "rate_percentiles": percentile_rows({"escape_rate": 1.5 * rate}),
+        **{name: [table] if spectrum else None for name, table in tables.items()},
+        "neurons": 1000,
+    }
 
 
-ENDS = {"low": -1, "high": 1}
-DIMENSION = {"": 5.1, "_low": 5.05, "_high": 5.15}
+def of_data(name: str, values: np.ndarray, width: float, **keys: Any) -> pd.DataFrame:
+    """Rows of the data with the ends of their intervals."""
+    ends = {f"{name}_low": values - width, f"{name}_high": values + width}
+    return pd.DataFrame({"forecaster": "data", **keys, name: values, **ends})
 
 
-def control_rows() -> pd.DataFrame:
-    return pd.concat(
-        [
-            percentile_rows(
-                {"reduction": value, "control_fraction": 0.2 + 0.05 * index},
-                sizes=(2000.0,),
-                validations=("RV",),
-                prediction_times=PREDICTION_TIMES,
-                forecaster=name,
+def control_tables() -> dict[str, pd.DataFrame]:
+    """Percentiles of the paper's control, and costs and gains of its runs over flows."""
+    keys = {"sizes": (2000.0,), "validations": ("RV",), "prediction_times": PREDICTION_TIMES}
+    percentiles = pd.concat(
+        percentile_rows(
+            {"reduction": value, "control_fraction": 0.2 + 0.05 * index, **more},
+            **keys,  # type: ignore[arg-type]
+            forecaster=name,
+        )
+        for index, (name, value, more) in enumerate(
+            (
+                ("esn", 0.9, {"exceedance_uncontrolled": 0.1}),
+                ("equations", 0.8, {}),
+                ("random", 0.3, {}),
             )
-            for index, (name, value) in enumerate(
-                (("esn", 0.9), ("equations", 0.8), ("random", 0.3))
-            )
-        ]
+        )
     )
+    papers = {"strategy": "prediction_triggered", "starts": "quiet"}
+    papers |= {"delay_lt": 0.0, "quiet_lt": 0.0, "strength": 1.0}  # type: ignore[dict-item]
+    strategies = percentiles[percentiles["metric"].isin(["reduction", "control_fraction"])]
+    left = strategies["metric"] == "reduction"
+    strategies = strategies.assign(
+        **papers,
+        metric=strategies["metric"].replace("reduction", "relative_exceedance"),
+        low=strategies["p25"].where(~left, 1 - strategies["p75"]),
+        high=strategies["p75"].where(~left, 1 - strategies["p25"]),
+    )
+    return {"percentiles": percentiles, "strategies": strategies}
+
+
+def density_rows() -> pd.DataFrame:
+    """Densities with and without control at four Reynolds numbers and two prediction times."""
+    edges = np.linspace(0.015, 0.47, 41)
+    rows = []
+    for reynolds in (400, 600, 800, 1000):
+        for time, factor in ((1.0, 0.5), (2.0, 0.7)):
+            without = 40 * np.exp(-25 * edges[:-1])
+            keys = {"case": f"Re{reynolds}", "reynolds": float(reynolds), "forecaster": "esn"}
+            keys |= {"neurons": 2000.0, "validation": "RV", "prediction_time_lt": time}
+            table = {**keys, "low": edges[:-1], "high": edges[1:]}
+            for name, density in (("uncontrolled", without), ("controlled", factor * without)):
+                table[f"density_{name}"] = density
+                table[f"density_{name}_low"] = 0.9 * density
+                table[f"density_{name}_high"] = 1.1 * density
+            rows.append(pd.DataFrame(table))
+    return pd.concat(rows, ignore_index=True)
 
 
 USUAL = {"span_lt": 20.0, "noise": 0.01}
+SIZE: dict[str, Any] = {"neurons": 2000, "validation": "RV"}
+NO_SIZE: dict[str, Any] = {"neurons": None, "validation": None}
 
 
 PARAMETER = {
@@ -247,7 +242,7 @@ PARAMETER = {
 }
 
 
-def parameter_rows() -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+def parameter_rows() -> dict[str, list[pd.DataFrame]]:
     """Scores, their intervals and escape rates of three kinds at four Reynolds numbers."""
     scores, intervals, survival = [], [], []
     for case, value in PARAMETER["values"].items():
@@ -260,7 +255,8 @@ def parameter_rows() -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
                 scores.append({**keys, "f_score": f_score})
                 ends = {"low": f_score - 0.05, "high": f_score + 0.04}
                 intervals.append({**keys, "metric": "f_score", **ends})
-    return pd.DataFrame(scores), pd.DataFrame(intervals), pd.DataFrame(survival)
+    tables = {"scores": scores, "intervals": intervals, "survivals": survival}
+    return {name: [pd.DataFrame(rows).assign(neurons=np.nan)] for name, rows in tables.items()}
 
 
 def _escape(case: str, kind: str, rate: float) -> dict[str, object]:
@@ -280,7 +276,13 @@ def frontier_rows() -> pd.DataFrame:
         conditions: dict[str, float] | None = None,
         **settings: float,
     ) -> None:
-        keys = {"horizon_lt": np.nan, "decision_interval_lt": np.nan, "prediction_time_lt": np.nan}
+        size = SIZE if forecaster.startswith("esn") else NO_SIZE
+        keys = {
+            **size,
+            "horizon_lt": np.nan,
+            "decision_interval_lt": np.nan,
+            "prediction_time_lt": np.nan,
+        }
         usual = {**USUAL, "quiet_lt": 3.0, "delay_lt": 0.0, "strength": 1.0}
         for metric, value in (("relative_exceedance", left), ("control_fraction", acting)):
             rows.append(
@@ -416,141 +418,152 @@ def reliability_rows() -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _vorticity() -> Figure:
-    grid = np.meshgrid(X, Y, Z, indexing="ij")
-    wave = np.cos(grid[0] / 2) * np.sin(grid[2]) * (1 - grid[1] ** 2)
-    velocity = np.stack([grid[1], 0.2 * wave, 0.1 * wave])
-    snapshots = [FlowSnapshot("before", velocity, wave), FlowSnapshot("after", velocity, -wave)]
-    return vorticity_isosurfaces(X, Y, Z, snapshots, 0.4)
+def plane_states() -> dict[str, Any]:
+    """Two series of a plane flow whose modes decay at rates of their own, but for one burst."""
+    flow = KolmogorovFlow(**PLANE_FLOW["parameters"])
+    generator = np.random.default_rng(3)
+    waves = np.sin(np.arange(120) * generator.uniform(0.2, 0.9, (flow.dimension, 1)))
+    size = 1.0 / np.arange(1, flow.dimension + 1)
+    states = np.stack([waves.T * size, 0.7 * waves.T * size])
+    states[1, 60] *= 4.0
+    observable = flow.observable(states.reshape(-1, flow.dimension).T).reshape(2, -1)
+    return {"states": states, "observable": observable}
 
 
-def _profiles() -> Figure:
-    true = np.stack([np.sin(Y), Y**2, -1 + Y**2])
-    rows = statistics_rows()
-    return profile_errors(Y, true, 0.9 * true, 1.02 * true, rows, interval_rows(rows))
+def plane_event() -> dict[str, Any]:
+    """An event whose channels are its states: the forecast has three quarters of them."""
+    states = plane_states()["states"]
+    marks = np.array([4, 8, 12, 16])
+    channels = 0.75 * states[1, 50 + marks]
+    time_lt = np.linspace(-0.5, 2.0, 26)
+    observable = 0.1 + 0.2 * np.exp(-((time_lt - 1) ** 2))
+    event = {
+        **{"time_lt": time_lt, "true": observable, "forecast": 0.9 * observable, "mark": marks},
+        "forecast_state": np.hstack([channels, np.zeros((4, 1))]),
+        **{"series": 1, "first_step": 50},
+    }
+    size = states.shape[2]
+    return {"event": event, "states": states, "gain": np.eye(size), "constant": np.zeros(size)}
+
+
+ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
+    "observable_and_density": lambda: {
+        **SERIES,
+        **NAMED,
+        "density": {"bins": 40, "range": [0.015, 0.47]},
+    },
+    "validation_strategies": lambda: {
+        **SERIES,
+        "strategies": ["SSV", "RV"],
+        "recycle": {"series": 1, "intervals_per_series": 2},
+        **{"washout_lt": 0.5, "interval_lt": 2.0},
+    },
+    "network_schematic": lambda: {
+        **{"inputs": 9, "neurons": 2000, "connectivity": 20, "input_bias": 0.1},
+        "hyperparameters": {"spectral_radius": 0.29, "input_scaling": 0.33, "tikhonov": 1e-9},
+    },
+    "prediction_schematic": lambda: {
+        **{"examples": EXAMPLES, "threshold": THRESHOLD, "symbol": "k"},
+        **{"prediction_time_lt": 2.0, "washout_lt": 0.5, "window_lt": 1.0},
+    },
+    "prediction_examples": lambda: {
+        **{"examples": EXAMPLES, "threshold": THRESHOLD, "symbol": "k"},
+        **{"prediction_time_lt": 2.0, "window_lt": 1.0},
+    },
+    "classification_scores": lambda: {
+        "percentiles": percentile_rows(SCORES, prediction_times=PREDICTION_TIMES),
+        **{"fixed_neurons": 1000, "fixed_prediction_time_lt": 3, "sizes_validation": "RV"},
+    },
+    "horizon_schematic": lambda: {
+        **{"longest_lead_time_lt": 10, "lead_time_step_lt": 0.5, "tolerance": 0.2, "symbol": "k"}
+    },
+    "horizon_evaluations": lambda: {
+        **{"examples": EXAMPLES, "threshold": THRESHOLD, "washout_lt": 0.5, "symbol": "k"}
+    },
+    "horizon_by_size": lambda: {
+        "percentiles": (rows := percentile_rows({"mean_horizon_lt": 4.5})),
+        "intervals": interval_rows(rows),
+    },
+    "by_reynolds": lambda: {
+        "horizons": [reynolds_rows("mean_horizon_lt", None)],
+        "scores": [reynolds_rows("f_score", PREDICTION_TIMES)],
+        **{"neurons": 2000, "prediction_times_lt": [2.0, 3.0]},
+    },
+    "forecast_skill": lambda: {
+        "scores": score_rows("f_score", "brier_skill"),
+        **{"neurons": 2000, "validation": "RV"},
+    },
+    "reliability": lambda: {
+        "bins": reliability_rows(),
+        **{"prediction_times_lt": [3.0], "neurons": 2000, "validation": "RV"},
+    },
+    "midplane_planes": lambda: {**FLOW, "event": EVENT, "threshold": THRESHOLD},
+    "vorticity_isosurfaces": lambda: {**FLOW, "event": EVENT, "isosurface_level": 0.5},
+    "midplane_mean_square": lambda: {**FLOW, **LONG_TERM},
+    "profile_errors": lambda: {
+        **LONG_TERM,
+        **{name: FLOW[name] for name in ("system", "parameters")},
+        "percentiles": (rows := statistics_rows()),
+        "intervals": interval_rows(rows),
+        "points": 21,
+    },
+    "long_term_density": lambda: {
+        **LONG_TERM,
+        "percentiles": (rows := statistics_rows()),
+        "intervals": interval_rows(rows),
+        "threshold": THRESHOLD,
+        **NAMED,
+    },
+    "own_flow": own_flow,
+    "control_schematic": lambda: {
+        **{"event": SUPPRESSED, "threshold": THRESHOLD, "symbol": "k", "force": None},
+        **{"prediction_time_lt": 2.0, "window_lt": 1.0, "parameters": {"reynolds": 2000.0}},
+    },
+    "suppressed_event": lambda: {**FLOW, "event": SUPPRESSED, "threshold": THRESHOLD},
+    "control_density": lambda: {
+        "densities": [density_rows()],
+        "panels": [
+            {"case": f"Re{re}", "event_threshold": 0.1, "neurons": 2000, "validation": "RV"}
+            for re in (400, 600, 800, 1000)
+        ],
+        "prediction_times_lt": [1.0, 2.0],
+        **NAMED,
+    },
+    "control_tradeoff": lambda: {
+        **control_tables(),
+        "networks": {"neurons": 2000.0, "validation": "RV"},
+        "symbol": "k",
+    },
+    "control_frontier": lambda: {
+        **{"scores": frontier_rows(), "network": {"forecaster": "esn", **SIZE}, "symbol": "k"},
+        **USUAL,
+    },
+    "skill_by_parameter": lambda: {
+        **parameter_rows(),
+        **{"parameter": PARAMETER, "prediction_times_lt": [2, 3], "neurons": 500},
+    },
+    "lost_skill": lambda: {"tables": [ranking_rows()]},
+    "burst_forecast": lambda: {
+        **plane_event(),
+        **{"symbol": "D", "observable_name": "dissipation", "threshold": 0.2},
+        "source": {name: PLANE_FLOW[name] for name in ("system", "parameters")},
+        "forecaster": "equations_filtered",
+    },
+    "burst_vorticity": lambda: {
+        **{**SERIES, **PLANE_FLOW, **plane_states()},
+        **{"published_exponent": 0.1, "symbol": "D", "observable_name": "dissipation"},
+    },
+    "encoder_loss": lambda: {**PLANE_FLOW, "states": plane_states()["states"], "symbol": "D"},
+}
+
+
+def drawn(name: str, **changes: Any) -> Figure:
+    """Draw a figure from its arguments, some of them replaced."""
+    figure: Figure = figure_module(name).draw(**{**ARGUMENTS[name](), **changes})
+    return figure
 
 
 GALLERY: dict[str, Callable[[], Figure]] = {
-    "observable_and_density": lambda: observable_and_density(
-        TIME, burst(TIME, 4.0), EDGES, DENSITY, THRESHOLD
-    ),
-    "validation_strategies": lambda: validation_strategies(
-        TIME,
-        burst(TIME, 4.0),
-        [
-            ValidationLayout(
-                "SSV", "Single Shot Validation", (0, 0.5), (0.5, 6.0), np.array([[6.0, 8.0]])
-            ),
-            ValidationLayout(
-                "RV", "Recycle Validation", (0, 0.5), (0.5, 8.0), np.array([[0.5, 2.5], [2.5, 4.5]])
-            ),
-        ],
-        THRESHOLD,
-    ),
-    "prediction_examples": _examples,
-    "classification_scores": lambda: classification_scores(
-        percentile_rows(SCORES, prediction_times=PREDICTION_TIMES), 1000, 3
-    ),
-    "horizon_evaluations": _evaluations,
-    "horizon_by_size": lambda: horizon_by_size(
-        percentile_rows({"mean_horizon_lt": 4.5}),
-        interval_rows(percentile_rows({"mean_horizon_lt": 4.5})),
-    ),
-    "forecast_skill": lambda: forecast_skill(score_rows("f_score", "brier_skill"), 2000, "RV"),
-    "reliability": lambda: reliability(reliability_rows(), [3.0], 2000, "RV"),
-    "by_reynolds": lambda: by_reynolds(
-        reynolds_rows("mean_horizon_lt", None),
-        reynolds_rows("f_score", PREDICTION_TIMES),
-        2000,
-        [2.0, 3.0],
-    ),
+    **{name: lambda name=name: drawn(name) for name in ARGUMENTS},  # type: ignore[misc]
     "nothing_to_show": lambda: nothing_to_show("No event was predicted from any start."),
-    "network_schematic": lambda: network_schematic(
-        inputs=9,
-        neurons=2000,
-        connectivity=20,
-        input_bias=0.1,
-        hyperparameters={"spectral_radius": 0.29, "input_scaling": 0.33, "tikhonov": 1e-9},
-    ),
-    "prediction_schematic": lambda: prediction_schematic(
-        TIME - 1.5,
-        burst(TIME - 1.5, 3.0),
-        np.where(TIME >= 1.5, burst(TIME - 1.5, 3.1), np.nan),
-        THRESHOLD,
-        2.0,
-        washout_lt=0.5,
-    ),
-    "horizon_schematic": lambda: horizon_schematic(
-        longest_lead_time_lt=10, lead_time_step_lt=0.5, tolerance=0.2, symbol="k"
-    ),
-    "midplane_planes": lambda: midplane_planes(
-        TIME,
-        burst(TIME, 4.0),
-        burst(TIME, 4.1),
-        TIMES,
-        X,
-        Z,
-        PLANES,
-        1.02 * PLANES,
-        THRESHOLD,
-    ),
-    "midplane_mean_square": lambda: midplane_mean_square(
-        X, Z, PLANES[0] ** 2, 1.1 * PLANES[0] ** 2, 1.4 * PLANES[0] ** 2
-    ),
-    "profile_errors": _profiles,
-    "long_term_density": lambda: long_term_density(
-        EDGES,
-        DENSITY,
-        0.8 * DENSITY,
-        1.1 * DENSITY,
-        statistics_rows(),
-        interval_rows(statistics_rows()),
-        THRESHOLD,
-    ),
-    "survival": survival_figure,
-    "lyapunov_spectrum": lyapunov_figure,
-    "vorticity_isosurfaces": _vorticity,
-    "control_schematic": lambda: control_schematic(
-        TIME - 1.0,
-        burst(TIME, 5.0),
-        0.3 * burst(TIME, 5.0),
-        np.where((TIME >= 1) & (TIME <= 4), 0.9 * burst(TIME, 5.0), np.nan),
-        THRESHOLD,
-        2.0,
-        (1.0, 2.5),
-    ),
-    "suppressed_event": lambda: suppressed_event(
-        TIME,
-        burst(TIME, 4.0),
-        0.3 * burst(TIME, 4.0),
-        (1.0, 2.5),
-        TIMES,
-        X,
-        Z,
-        PLANES,
-        0.3 * PLANES,
-        THRESHOLD,
-    ),
-    "control_density": lambda: control_density(
-        [
-            ControlledDensity(
-                f"Re = {re}",
-                EDGES,
-                THRESHOLD,
-                DENSITY,
-                {1.0: 0.5 * DENSITY, 2.0: 0.7 * DENSITY},
-                np.stack([0.9 * DENSITY, 1.1 * DENSITY]),
-                {1.0: np.stack([0.4 * DENSITY, 0.6 * DENSITY])},
-            )
-            for re in (400, 600, 800, 1000)
-        ],
-    ),
-    "control_tradeoff": lambda: control_tradeoff(control_rows()),
-    "control_conditions": lambda: control_conditions(frontier_rows(), USUAL),
-    "control_frontier": lambda: control_frontier(frontier_rows(), USUAL),
-    "skill_by_parameter": lambda: skill_by_parameter(*parameter_rows(), PARAMETER, [2, 3]),
-    "lost_skill": lambda: lost_skill(ranking_rows()),
-    "burst_forecast": plane_forecast,
-    "burst_vorticity": plane_burst,
-    "encoder_loss": plane_modes,
 }

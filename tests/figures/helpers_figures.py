@@ -119,3 +119,18 @@ def interval_rows(percentiles: pd.DataFrame) -> pd.DataFrame:
         ],
         ignore_index=True,
     )
+
+
+def as_published(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
+    """Percentiles in the form of the published ones."""
+    training = rows["forecaster"] == "training"
+    names = {"mean_horizon_lt": "mean_prediction_horizon", "mean_log_error": "mle"}
+    return pd.DataFrame(
+        {
+            "kind": kind,
+            **{name: rows[name] for name in ("reynolds", "neurons", "p25", "p50", "p75")},
+            "validation": rows["validation"].mask(training, "TRAIN"),
+            "prediction_time": rows["prediction_time_lt"],
+            "metric": rows["metric"].replace(names),
+        }
+    )

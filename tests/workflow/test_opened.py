@@ -83,9 +83,9 @@ def test_its_tables_and_figures(opened, tmp_path):
     # figures, where there are any; a campaign that was moved; one without its forecasters
     shutil.copy(opened.results / ".run.json", tmp_path)
     (tmp_path / "figures").mkdir()
-    (tmp_path / "figures" / "survival.png").touch()
+    (tmp_path / "figures" / "own_flow.png").touch()
     moved = burstcast_workflow.open_campaign(tmp_path)
-    assert moved.figures["survival"] == tmp_path / "figures" / "survival.png"
+    assert moved.figures["own_flow"] == tmp_path / "figures" / "own_flow.png"
     assert dict(moved.networks) == {}
     assert "0 networks (of 4)" in repr(moved)
     with pytest.raises(ValueError, match="not made yet"):

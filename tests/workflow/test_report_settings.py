@@ -70,7 +70,6 @@ def test_the_paper_has_all_figures_and_those_of_other_cases():
     assert set(FIGURES) - set(names) == {
         "burst_forecast",
         "burst_vorticity",
-        "control_conditions",
         "control_frontier",
         "encoder_loss",
         "lost_skill",
@@ -101,7 +100,7 @@ def test_no_figure_over_one_reynolds_number():
 def test_the_frontier_is_made_where_other_strategies_control():
     overlay = yaml.safe_load((WORKFLOW / "presets" / "beyond_the_paper.yaml").read_text())
     frontier = campaign(overlay)
-    assert figure_names(frontier)[-2:] == ["control_frontier", "control_conditions"]
+    assert figure_names(frontier)[-1] == "control_frontier"
     shown = settings(frontier, "control_frontier")["shown.frontier_network"]
     assert shown == {"forecaster": "esn", "neurons": 1000, "validation": "RV", "seed": 0}
     assert settings(PAPER, "control_frontier", "Re800")["shown.frontier_network"]["seed"] == 0

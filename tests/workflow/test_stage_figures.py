@@ -28,7 +28,7 @@ ROOT = Path(__file__).parents[2]
 FLOW = {"midplane_planes", "vorticity_isosurfaces"}
 STATISTICS = {
     *("long_term_density", "profile_errors", "midplane_mean_square"),
-    *("survival", "lyapunov_spectrum"),
+    "own_flow",
 }
 CONTROL = {"control_schematic", "suppressed_event", "control_density", "control_tradeoff"}
 LORENZ = {
@@ -144,8 +144,7 @@ def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
     assert not is_flow(found.cases["lorenz"])
     assert stage_figures(found) == {
         "long_term_density",
-        "survival",
-        "lyapunov_spectrum",
+        "own_flow",
         "control_schematic",
         "control_density",
         "control_tradeoff",

@@ -141,7 +141,7 @@ def test_the_end_names_only_what_there_is(tmp_path):
     (tmp_path / "tables" / "dataset.csv").write_text("")
     assert where_results_lie(tmp_path) == f"Tables: {tmp_path}/tables/*.csv and *.tex."
     (tmp_path / "figures").mkdir()
-    (tmp_path / "figures" / "survival.png").write_text("")
+    (tmp_path / "figures" / "own_flow.png").write_text("")
     assert "look first" not in where_results_lie(tmp_path)
     (tmp_path / "figures" / "forecast_skill.png").write_text("")
     assert where_results_lie(tmp_path).endswith("; look first at forecast_skill.")

@@ -5,7 +5,7 @@ the end. Forecast fields are decoded from the forecaster's channels, sensor read
 All fields share one colour scale; red turns anticlockwise.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,19 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.parts.nothing_to_show import nothing_to_show
-from burstcast.figures.parts.planes import (
-    draw_periodic_field,
-    evolution_above_fields,
-    vorticity_fields,
-)
-from burstcast.figures.parts.style import (
-    NETWORK,
-    TRUTH,
-    letter_panels,
-    observable_label,
-    styled,
-)
+from burstcast.figures.parts import frame, looks, planes, style
 from burstcast.figures.registry import Declaration
 from burstcast.forecasters._labels import forecaster_label
 from burstcast.systems.registry import make_system
@@ -50,6 +38,7 @@ FIGURE = Declaration(
 )
 
 
+@style.styled
 def draw(
     *,
     event: Mapping[str, Any],
@@ -62,58 +51,36 @@ def draw(
     symbol: str,
     observable_name: str,
 ) -> Figure:
-    """Draw an event that the forecaster follows.
+    """Draw the observable over an event, above the true and the forecast fields.
 
-    ``event``: The event, its forecast and where it lies in the series
-    (`burstcast.forecast.example_events.FlowEvent`). ``gain``, ``constant``: How states of the flow
-    follow from channels (`burstcast.encoders.state_maps.StateMaps`). ``states``: True states of the
-    flow, ``(series, time, dimension)``.
+    ``event``: See `burstcast.forecast.example_events.FlowEvent`. ``gain``, ``constant``: How states
+    of the flow follow from channels. ``states``: True ones, ``(series, time, dimension)``.
     """
     if not len(event["time_lt"]):
-        return nothing_to_show("No event of the test series stands alone.")
+        return style.nothing_to_show("No event of the test series stands alone.")
     flow: Any = make_system(source["system"], source["parameters"])
     marks = event["mark"]
-    true = states[event["series"], event["first_step"] + marks].T
-    forecast = gain @ event["forecast_state"][:, :-1].T + constant[:, np.newaxis]
-    return burst_forecast(
+    times_lt = event["time_lt"][marks]
+    decoded = gain @ event["forecast_state"][:, :-1].T + constant[:, np.newaxis]
+    fields = {
+        "truth": states[event["series"], event["first_step"] + marks].T,
+        "forecast": decoded,
+    }
+    fields = {name: planes.vorticity_fields(flow, found) for name, found in fields.items()}
+    figure, evolution, lower = planes.evolution_above_fields(
+        5.4,
+        2.3,
         event["time_lt"],
-        {"true": event["true"], "forecast": event["forecast"]},
-        event["time_lt"][marks],
-        {
-            name: vorticity_fields(flow, values)
-            for name, values in (("true", true), ("forecast", forecast))
-        },
-        flow.domain,
+        [
+            (event["true"], "truth", looks.TRUTH),
+            (event["forecast"], f"forecast: {forecaster_label(forecaster)}", looks.NETWORK),
+        ],
+        times_lt,
         threshold,
-        observable_label(symbol, observable_name),
-        f"forecast: {forecaster_label(forecaster)}",
-    )
-
-
-@styled
-def burst_forecast(
-    time_lt: FloatArray,
-    observable: Mapping[str, FloatArray],
-    times_lt: Sequence[float],
-    fields: Mapping[str, FloatArray],
-    domain: tuple[float, float],
-    threshold: float,
-    label: str,
-    forecast_label: str,
-) -> Figure:
-    """Draw the observable above the true and the forecast fields.
-
-    ``time_lt``: Time after the start of the forecast in Lyapunov times, ``(time,)``.
-    ``observable``: "true" and "forecast", ``(time,)`` each. ``fields``: "true" and "forecast"
-    vorticity, ``(fields, x, y)`` each.
-    """
-    curves = [
-        (observable["true"], {"label": "truth", **TRUTH}),
-        (observable["forecast"], {"label": forecast_label, **NETWORK}),
-    ]
-    labels = "Time after the start of the forecast [LT]", label
-    figure, evolution, lower = evolution_above_fields(
-        5.4, 2.3, time_lt, curves, times_lt, threshold, labels
+        (
+            "Time after the start of the forecast [LT]",
+            frame.observable_label(symbol, observable_name),
+        ),
     )
     evolution.legend(loc="upper right")
     panels: list[list[Axes]] = lower.subplots(2, len(times_lt), sharex=True, sharey=True).tolist()
@@ -121,10 +88,10 @@ def burst_forecast(
     largest = float(np.nanmax(np.abs(np.stack([*fields.values()]))))
     for name, row in zip(fields, panels, strict=True):
         for axes, field, time in zip(row, fields[name], times_lt, strict=True):
-            drawn = draw_periodic_field(axes, field, domain, largest)
+            drawn = planes.draw_periodic_field(axes, field, flow.domain, largest)
             axes.set_xlabel("" if row is panels[0] else "$x$")
             axes.set_title(f"${time:+.1f}$ LT", loc="right")
-        row[0].set_ylabel(f"{'truth' if name == 'true' else name}, $y$")
+        row[0].set_ylabel(f"{name}, $y$")
     lower.colorbar(drawn, ax=all_panels, label="Vorticity", shrink=0.7)
-    letter_panels([evolution, *all_panels])
+    style.letter_panels([evolution, *all_panels])
     return figure

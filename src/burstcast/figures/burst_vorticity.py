@@ -11,13 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.parts.planes import (
-    draw_periodic_field,
-    evolution_above_fields,
-    vorticity_fields,
-)
-from burstcast.figures.parts.style import TRUTH, letter_panels, observable_label, styled
-from burstcast.figures.parts.time_axis import samples_per_lyapunov_time
+from burstcast.figures.parts import frame, looks, planes, style
 from burstcast.figures.registry import Declaration
 from burstcast.systems.registry import make_system
 
@@ -47,6 +41,7 @@ _TIMES_LT = (-2.0, -1.0, -0.5, 0.0, 1.0)
 _SHOWN_LT = 4.0
 
 
+@style.styled
 def draw(
     *,
     states: FloatArray,
@@ -62,57 +57,38 @@ def draw(
     symbol: str,
     observable_name: str,
 ) -> Figure:
-    """Draw the largest peak that has all of its times within its series.
+    """Draw the largest peak of the test series that has all of its times within its series.
 
-    ``states``, ``observable``: States and observable of all series, ``(series, time, dimension)``
-    and ``(series, time)``. ``time_step``, ``sampling_stride``, ``published_exponent``: Time step,
-    sampling stride and published exponent of the case.
+    ``states``, ``observable``: ``(series, time, dimension)`` and ``(series, time)``.
     """
-    unit = samples_per_lyapunov_time(exponents, published_exponent, time_step, sampling_stride)
+    unit = frame.samples_per_lyapunov_time(
+        exponents, published_exponent, time_step, sampling_stride
+    )
     margin = min(round(_SHOWN_LT * unit), (observable.shape[1] - 1) // 2)
     tested = observable[training_series:, margin : observable.shape[1] - margin]
     row, step = np.unravel_index(np.argmax(tested), tested.shape)
     row, peak = row + training_series, step + margin
     steps = [peak + round(time * unit) for time in _TIMES_LT]
     steps = [min(max(one, 0), observable.shape[1] - 1) for one in steps]
+    times_lt = [(one - peak) / unit for one in steps]
     flow: Any = make_system(system, parameters)
-    span = slice(peak - margin, peak + margin + 1)
-    return burst_vorticity(
-        (np.arange(span.start, span.stop) - peak) / unit,
-        observable[row, span],
-        [(one - peak) / unit for one in steps],
-        vorticity_fields(flow, states[row, steps].T),
-        flow.domain,
+    fields = planes.vorticity_fields(flow, states[row, steps].T)
+    shown = np.arange(peak - margin, peak + margin + 1)
+    figure, evolution, lower = planes.evolution_above_fields(
+        3.6,
+        1.15,
+        (shown - peak) / unit,
+        [(observable[row, shown], None, looks.TRUTH)],
+        times_lt,
         threshold,
-        observable_label(symbol, observable_name),
-    )
-
-
-@styled
-def burst_vorticity(
-    time_lt: FloatArray,
-    observable: FloatArray,
-    times_lt: list[float],
-    fields: FloatArray,
-    domain: tuple[float, float],
-    threshold: float,
-    label: str,
-) -> Figure:
-    """Draw the observable above the fields.
-
-    ``time_lt``, ``observable``: Around the peak, ``(time,)``; Lyapunov times. ``fields``:
-    Vorticity, ``(fields, x, y)``.
-    """
-    labels = "Time from the peak [LT]", label
-    figure, evolution, lower = evolution_above_fields(
-        3.6, 1.15, time_lt, [(observable, TRUTH)], times_lt, threshold, labels
+        ("Time from the peak [LT]", frame.observable_label(symbol, observable_name)),
     )
     panels: list[Axes] = list(lower.subplots(1, len(fields), sharey=True))
     largest = float(np.abs(fields).max())
     for axes, field, time in zip(panels, fields, times_lt, strict=True):
-        drawn = draw_periodic_field(axes, field, domain, largest)
+        drawn = planes.draw_periodic_field(axes, field, flow.domain, largest)
         axes.set_title(f"${time:+.1f}$ LT" if time else "peak", loc="right")
     panels[0].set_ylabel("$y$")
     lower.colorbar(drawn, ax=panels, label="Vorticity", shrink=0.7)
-    letter_panels([evolution, *panels])
+    style.letter_panels([evolution, *panels])
     return figure

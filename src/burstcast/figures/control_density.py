@@ -5,31 +5,13 @@ without the time under actuation.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from burstcast.arrays import FloatArray
-from burstcast.figures.parts.nothing_to_show import nothing_to_show
-from burstcast.figures.parts.style import (
-    BLUE,
-    DOUBLE_COLUMN,
-    GREY,
-    PURPLE,
-    SINGLE_COLUMN,
-    THRESHOLD,
-    TRUTH,
-    VERMILLION,
-    band_handle,
-    density_label,
-    legend_above,
-    new_figure,
-    observable_label,
-    styled,
-)
+from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import Declaration
 
 FIGURE = Declaration(
@@ -46,22 +28,7 @@ FIGURE = Declaration(
 )
 
 
-@dataclass(frozen=True)
-class ControlledDensity:
-    """Densities of one case."""
-
-    title: str  #: title of the panel: "Re = 400"
-    bin_edges: FloatArray
-    threshold: float
-    uncontrolled: FloatArray  #: density without control, ``(bins,)``
-    #: density with control by prediction time in Lyapunov times, ``(bins,)`` each
-    controlled: Mapping[float, FloatArray]
-    #: interval of the density without control, ``(2, bins)``; None: it is not shown
-    uncontrolled_band: FloatArray | None = None
-    #: intervals of the densities with control, ``(2, bins)`` each
-    bands: Mapping[float, FloatArray] = field(default_factory=dict)
-
-
+@style.styled
 def draw(
     *,
     densities: Sequence[pd.DataFrame],
@@ -70,151 +37,85 @@ def draw(
     symbol: str,
     observable_name: str,
 ) -> Figure:
-    """Draw a panel for each case.
+    """Draw a panel for each case, two beside each other, on logarithmic scale.
 
     ``panels``: Each case that is shown, its event threshold, and ``neurons`` and ``validation`` of
     the networks that are shown.
     """
     table = pd.concat(densities, ignore_index=True)
-    shown = []
-    for panel in panels:
-        case = panel["case"]
-        rows = table[
-            (table["case"] == case)
-            & (table["forecaster"] == "esn")
-            & (table["neurons"] == panel["neurons"])
-            & (table["validation"] == panel["validation"])
-            & table["prediction_time_lt"].isin(prediction_times_lt)
-        ]
-        by_time = {
-            float(time): group.sort_values("low")
-            for time, group in rows.groupby("prediction_time_lt")
-        }
-        bins = next(iter(by_time.values()))
-        shown.append(
-            ControlledDensity(
-                title=f"Re = {bins['reynolds'].iloc[0]:g}" if "reynolds" in bins else case,
-                bin_edges=np.append(bins["low"], bins["high"].iloc[-1]),
-                threshold=panel["event_threshold"],
-                # the flows that count differ a little between prediction times
-                uncontrolled=_mean(by_time, ["density_uncontrolled"])[0],
-                uncontrolled_band=_mean(
-                    by_time, ["density_uncontrolled_low", "density_uncontrolled_high"]
-                ),
-                controlled={
-                    time: group["density_controlled"].to_numpy() for time, group in by_time.items()
-                },
-                bands={
-                    time: group[["density_controlled_low", "density_controlled_high"]].to_numpy().T
-                    for time, group in by_time.items()
-                },
-            )
-        )
-    # NaN where no flow counts
-    if any(np.isfinite(panel.uncontrolled).all() for panel in shown):
-        return control_density(shown, symbol=symbol, name=observable_name)
-    return nothing_to_show("No flow was free of events for long enough to be controlled.")
-
-
-def _mean(by_time: Mapping[float, pd.DataFrame], columns: list[str]) -> FloatArray:
-    """Means of columns over the prediction times, ``(columns, bins)``."""
-    return np.asarray(np.mean([group[columns].to_numpy().T for group in by_time.values()], axis=0))
-
-
-@styled
-def control_density(
-    cases: Sequence[ControlledDensity],
-    *,
-    symbol: str = "k",
-    name: str = "kinetic energy",
-) -> Figure:
-    """Draw one panel per case, two beside each other, on logarithmic scale."""
-    if not cases:
-        raise ValueError("there is no case to draw")
-    positive = [
-        float(value)
-        for case in cases
-        for density in (case.uncontrolled, *case.controlled.values())
-        for value in density[density > 0]
+    table = table[
+        (table["forecaster"] == "esn") & table["prediction_time_lt"].isin(prediction_times_lt)
     ]
-    if not positive:
-        raise ValueError("no density is positive anywhere")
-    # where no axis reaches: a density of zero has no logarithm
-    lowest = 0.5 * min(positive)
-    columns = min(2, len(cases))
-    rows = (len(cases) + columns - 1) // columns
-    figure = new_figure(DOUBLE_COLUMN if columns == 2 else SINGLE_COLUMN, 1.75 * rows + 0.5)
-    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
-    times = sorted({time for case in cases for time in case.controlled})
-    colours = [BLUE, VERMILLION, PURPLE]
-    dashes = [(0.0, (3.5, 1.2)), (0.0, (1.0, 1.0)), (0.0, (6.0, 1.5, 1.0, 1.5))]
-    for index, (panel, case) in enumerate(zip(panels, cases, strict=False)):
-        panel.stairs(
-            case.uncontrolled,
-            case.bin_edges,
-            baseline=None,
-            color=TRUTH["color"],
-            linewidth=TRUTH["linewidth"],
-            label="without control",
-        )
-        bands = [
-            (colours[times.index(time) % len(colours)], band)
-            for time, band in sorted(case.bands.items())
+    keys = ["case", "neurons", "validation"]
+    shown = [table[(table[keys] == pd.Series(panel)[keys]).all(axis=1)] for panel in panels]
+    names = ["density_uncontrolled", "density_controlled"]
+    # the flows that count differ a little between prediction times; NaN where no flow counts
+    without = [
+        rows.groupby("low")[[names[0], f"{names[0]}_low", f"{names[0]}_high"]].mean()
+        for rows in shown
+    ]
+    if not any(np.isfinite(rows[names[0]]).all() for rows in without):
+        return style.nothing_to_show("No flow was free of events for long enough to be controlled.")
+    drawn = np.concatenate(
+        [*(rows[names[0]] for rows in without), *(rows[names[1]] for rows in shown)]
+    )
+    positive = drawn[drawn > 0]
+    columns = min(2, len(panels))
+    rows_of_panels = (len(panels) + columns - 1) // columns
+    width = style.DOUBLE_COLUMN if columns == 2 else style.SINGLE_COLUMN
+    figure = style.new_figure(width, 1.75 * rows_of_panels + 0.5)
+    axes = figure.subplots(rows_of_panels, columns, sharex=True, sharey=True, squeeze=False).ravel()
+    times = sorted(pd.concat(shown)["prediction_time_lt"].unique())
+    for index, (panel, rows, mean) in enumerate(zip(panels, shown, without, strict=True)):
+        by_time = [
+            (looks.TIMES[times.index(time) % len(looks.TIMES)], time, group.sort_values("low"))
+            for time, group in rows.groupby("prediction_time_lt")
         ]
-        if case.uncontrolled_band is not None:
-            bands.insert(0, (GREY, case.uncontrolled_band))
-        for colour, (low, high) in bands:
-            panel.stairs(
-                high,
-                case.bin_edges,
-                baseline=np.maximum(low, lowest),
+        edges = np.append(mean.index, rows["high"].max())
+        bands = [(style.GREY, mean, names[0])]
+        bands += [(color, group, names[1]) for (color, _), _, group in by_time]
+        axes[index].stairs(
+            mean[names[0]], edges, baseline=None, label="without control", **looks.TRUTH
+        )
+        for color, band, name in bands:
+            axes[index].stairs(
+                band[f"{name}_high"],
+                edges,
+                # where no axis reaches: a density of zero has no logarithm
+                baseline=np.maximum(band[f"{name}_low"], 0.5 * positive.min()),
                 fill=True,
-                color=colour,
+                color=color,
                 alpha=0.2,
                 linewidth=0,
             )
-        for time, density in sorted(case.controlled.items()):
-            panel.stairs(
-                density,
-                case.bin_edges,
+        for (color, dashes), time, group in by_time:
+            axes[index].stairs(
+                group[names[1]],
+                edges,
                 baseline=None,
-                color=colours[times.index(time) % len(colours)],
-                linestyle=dashes[times.index(time) % len(dashes)],
+                color=color,
+                linestyle=dashes,
                 linewidth=1.2,
                 label=f"control, PT = {time:g} LT",
             )
-        panel.axvline(case.threshold, **THRESHOLD)
-        panel.annotate(
-            f"${symbol}_e$",
-            (case.threshold, 1),
-            (2.5, -3),
-            panel.get_xaxis_transform(),
-            "offset points",
-            ha="left",
-            va="top",
-            color=THRESHOLD["color"],
-        )
-        letter = f"({chr(ord('a') + index)}) " if len(cases) > 1 else ""
-        panel.set_title(f"{letter}{case.title}", loc="left")
-        if index + columns >= len(cases):
-            panel.set_xlabel(observable_label(symbol, name))
-            panel.xaxis.set_tick_params(labelbottom=True)
-    for panel in panels[len(cases) :]:
+        frame.density_axes(axes[index], panel["event_threshold"], symbol, observable_name)
+        letter = f"({chr(ord('a') + index)}) " if len(panels) > 1 else ""
+        title = f"Re = {rows['reynolds'].iloc[0]:g}" if "reynolds" in rows else panel["case"]
+        axes[index].set_title(f"{letter}{title}", loc="left")
+        axes[index].xaxis.set_tick_params(labelbottom=index + columns >= len(panels))
+        if index + columns < len(panels):
+            axes[index].set_xlabel("")
+        if index % columns:
+            axes[index].set_ylabel("")
+    for panel in axes[len(panels) :]:
         panel.set_axis_off()
-    for panel in panels[::columns]:
-        panel.set_ylabel(density_label(symbol))
-    panels[0].set_yscale("log")
-    panels[0].set_ylim(0.6 * min(positive), 3 * max(positive))
-    panels[0].set_xlim(
-        min(float(case.bin_edges[0]) for case in cases),
-        max(float(case.bin_edges[-1]) for case in cases),
-    )
-    banded = any(case.bands for case in cases)
-    more = [band_handle("interval over flows")] if banded else []
+    axes[0].set_ylim(0.6 * positive.min(), 3 * positive.max())
+    together = pd.concat(shown)
+    axes[0].set_xlim(together["low"].min(), together["high"].max())
+    more = [style.band_handle("interval over flows")]
     if columns == 2:
-        legend_above(figure, panels[: len(cases)], more)
+        style.legend_above(figure, axes[: len(panels)], more)
     else:
-        panels[0].legend(
-            handles=[*panels[0].get_legend_handles_labels()[0], *more], loc="upper right"
-        )
+        handles = [*axes[0].get_legend_handles_labels()[0], *more]
+        axes[0].legend(handles=handles, loc="upper right")
     return figure

@@ -1,56 +1,31 @@
-"""Exceedance of the event threshold that control leaves, as a share of that without control,
-against the share of the time under actuation, with confidence intervals over flows: (a) rules,
-random actuation and the paper's strategy, (b) strategies that compare forecasts with and without
+"""Exceedance of the event threshold that control leaves, as a share of that without control, with
+confidence intervals over flows. First row, against the share of the time under actuation: rules,
+random actuation and the paper's strategy, beside strategies that compare forecasts with and without
 actuation; their horizontal axes differ. Curves run along the horizon, the prediction time, the
 level or the probability of actuation, which is written at the ends of some of them; "every" is the
-interval between decisions. The vertical axis is linear in the shaded strip: a marker on 0 has left
-nothing, and its bar ends at the bound of the rule of three. Colours and fillings distinguish
-forecasters. One network is shown, and the committee of all networks of its size. The figure
-control_conditions has other conditions.
+interval between decisions. Second row, for settings that were tried at several values: against the
+delay and the strength of the actuator and the noise of the observations. The vertical axes are
+linear in the shaded strip: a marker on 0 has left nothing, and its bar ends at the bound of the
+rule of three. Colours and fillings distinguish forecasters. One network is shown, and the committee
+of all networks of its size.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 
-from burstcast.figures.parts.control_runs import (
-    ACTING,
-    COMPARING,
-    LEFT,
-    curve_style,
-    draw_curve,
-    forecaster_handles,
-    forecasters_in_order,
-    interval_lengths,
-    kind_handles,
-    left_label,
-    linestyles_of,
-    logarithmic_with_nothing,
-    of_network,
-    runs_of,
-    strategy_look,
-    usual_conditions,
-    where,
-    with_kinds,
-)
-from burstcast.figures.parts.nothing_to_show import nothing_to_show
-from burstcast.figures.parts.percentile_curves import require_single_case
-from burstcast.figures.parts.style import (
-    DOUBLE_COLUMN,
-    GREY,
-    bar_handle,
-    columns_that_fit,
-    letter_panels,
-    new_figure,
-    styled,
-)
+from burstcast.figures.parts import control_runs, frame, looks, medians, style
+from burstcast.figures.parts.control_runs import ACTING, CONDITIONS, LEFT
 from burstcast.figures.registry import Declaration
+from burstcast.forecasters._labels import forecaster_label
 
 FIGURE = Declaration(
     section="control",
@@ -66,6 +41,7 @@ FIGURE = Declaration(
 )
 
 
+@style.styled
 def draw(
     *,
     scores: pd.DataFrame,
@@ -74,69 +50,102 @@ def draw(
     noise: float,
     symbol: str,
 ) -> Figure:
-    """Draw all strategies with one network, and the forecasters to compare it with.
+    """Draw all strategies with one network at most, and the forecasters to compare it with.
 
     ``span_lt``, ``noise``: Usual length of a run and noise of the observations.
     """
-    usual = {"span_lt": span_lt, "noise": noise}
-    return control_frontier(of_network(scores, network), usual, symbol=symbol)
-
-
-@styled
-def control_frontier(
-    scores: pd.DataFrame, usual: Mapping[str, float], *, symbol: str = "k"
-) -> Figure:
-    """Draw the share of the exceedance that is left against the share of time under actuation.
-
-    Bars are confidence intervals over flows. The vertical axis is logarithmic, and linear in the
-    shaded strip at its foot: "nothing left" has a place.
-
-    ``scores``: A row for each run of control and metric (``relative_exceedance``,
-    ``control_fraction``), of one case and one network at most: ``strategy``, its settings,
-    ``forecaster`` ("none" where it does without), ``starts``, ``quiet_lt``, ``span_lt``,
-    ``delay_lt``, ``strength``, ``noise``, ``metric``, ``value``, ``low``, ``high``. Shown are flows
-    that start quietly, of the span that is usual and the quiet that most runs have. ``usual``:
-    ``span_lt`` and ``noise`` where nothing else is tried. Returns the figure; one that says why it
-    is empty where no share is defined.
-    """
-    require_single_case(scores)
-    runs = where(runs_of(scores, usual["span_lt"]), usual_conditions(usual["noise"]))
+    all_runs = control_runs.runs_of(control_runs.of_network(scores, network), span_lt)
+    usual = {"delay_lt": 0.0, "strength": 1.0, "noise": noise}
+    runs = control_runs.where(all_runs, usual)
     if runs.empty:
-        return nothing_to_show("Without control no event occurred that control could prevent.")
-    runs = with_kinds(runs, along=False)
-    linestyles = linestyles_of(runs)
-    comparing = runs["strategy"].isin(COMPARING)
+        return style.nothing_to_show(
+            "Without control no event occurred that control could prevent."
+        )
+    runs = control_runs.with_kinds(runs, along=False)
+    tried = {
+        one.column: found
+        for one in CONDITIONS
+        if not (found := control_runs.tried_under(all_runs, usual, one.column)).empty
+    }
+    kinds, lines = _kinds(runs)
+    columns = style.columns_that_fit(kinds, 3)
+    height = 3.6 + 0.14 * max(0, math.ceil(len(kinds) / columns) - 3)
+    figure = style.new_figure(style.DOUBLE_COLUMN, height + 2.9 * bool(tried))
+    upper: Figure | SubFigure = figure
+    if tried:
+        upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=[height, 2.9])[:, 0]
+    comparing = runs["strategy"].isin(looks.COMPARING)
     groups = [rows for rows in (runs[~comparing], runs[comparing]) if not rows.empty]
-    kinds = kind_handles(runs, linestyles)
-    columns = columns_that_fit(kinds, 3)
-    figure = new_figure(DOUBLE_COLUMN, 3.6 + 0.14 * max(0, math.ceil(len(kinds) / columns) - 3))
-    panels = list(figure.subplots(1, len(groups), sharey=True, squeeze=False)[0])
+    panels = list(upper.subplots(1, len(groups), sharey=True, squeeze=False)[0])
     for axes, rows in zip(panels, groups, strict=True):
-        _draw_frontier(axes, rows, linestyles)
-    colours = [*forecaster_handles(runs), bar_handle("interval over flows")]
-    figure.legend(handles=colours, loc="outside upper center", ncols=4)
-    figure.legend(handles=kinds, loc="outside lower center", ncols=columns)
-    panels[0].set_ylabel(left_label(symbol))
-    logarithmic_with_nothing(panels, runs)
-    letter_panels(panels)
+        _draw_frontier(axes, rows, lines)
+    shown = pd.concat([runs, *tried.values()])
+    colours = [*_forecasters(shown), style.bar_handle("interval over flows")]
+    upper.legend(handles=colours, loc="outside upper center", ncols=4)
+    upper.legend(handles=kinds, loc="outside lower center", ncols=columns)
+    _finish(panels, runs, symbol)
+    if tried:
+        below = list(lower.subplots(1, max(2, len(tried)), sharey=True, squeeze=False)[0])
+        for unused in below[len(tried) :]:
+            unused.remove()
+        below = below[: len(tried)]
+        kinds = _draw_conditions(below, tried)
+        lower.legend(handles=kinds, loc="outside lower center", ncols=3)
+        _finish(below, pd.concat(tried.values()), symbol)
+        panels += below
+    style.letter_panels(panels)
     return figure
 
 
-def _draw_frontier(axes: Axes, runs: pd.DataFrame, linestyles: Mapping[str, Any]) -> None:
+def _kinds(runs: pd.DataFrame) -> tuple[list[Line2D], dict[str, Any]]:
+    """Legend of strategies and their settings, in grey, and the line of each of them."""
+    handles, lines = [], {}
+    for strategy, own in runs.groupby("strategy", sort=False):
+        for number, kind in enumerate(dict.fromkeys(own["kind"])):
+            line = looks.STRATEGY_LINES[number % len(looks.STRATEGY_LINES)]
+            keywords = looks.controlled_curve("none", str(strategy), line)
+            handles.append(Line2D([], [], label=kind, **keywords))
+            lines[kind] = line
+    return handles, lines
+
+
+def _forecasters(runs: pd.DataFrame) -> list[Line2D]:
+    """Legend of the colours."""
+    names = [one for one in looks.ordered_forecasters(runs["forecaster"]) if one != "none"]
+    return [
+        Line2D(
+            [],
+            [],
+            label="echo state network" if name == "esn" else forecaster_label(name),
+            **{**looks.controlled_curve(name, "receding_horizon", "-"), "linewidth": 2.0},
+        )
+        for name in names
+    ]
+
+
+def _bars(rows: pd.DataFrame, metric: str) -> Any:
+    return medians.lengths(rows, *(f"{name}_{metric}" for name in ("value", "low", "high")))
+
+
+def _draw_curve(axes: Axes, rows: pd.DataFrame, x: Any, look: Mapping[str, Any]) -> None:
+    """Draw the share left, with its interval; ``look`` may have bars along x."""
+    keywords: dict[str, Any] = {"capsize": 1.5, "elinewidth": 0.5, "capthick": 0.5, **look}
+    axes.errorbar(x, rows[f"value_{LEFT}"], yerr=_bars(rows, LEFT), **keywords)
+
+
+def _draw_frontier(axes: Axes, runs: pd.DataFrame, lines: Mapping[str, Any]) -> None:
     """Draw the share left against the time under actuation."""
     for strategy, own in runs.groupby("strategy", sort=False):
-        along = strategy_look(str(strategy)).along
+        along = looks.strategy(str(strategy)).along
         for (kind, forecaster), curve in own.groupby(["kind", "forecaster"], sort=False):
-            ordered = curve.sort_values(along or f"value_{ACTING}")
-            style = curve_style(str(forecaster), str(strategy), linestyles[str(kind)])
-            draw_curve(
-                axes, ordered, f"value_{ACTING}", style, xerr=interval_lengths(ordered, ACTING)
-            )
+            rows = curve.sort_values(along or f"value_{ACTING}")
+            look = looks.controlled_curve(str(forecaster), str(strategy), lines[str(kind)])
+            _draw_curve(axes, rows, rows[f"value_{ACTING}"], {**look, "xerr": _bars(rows, ACTING)})
         if along is not None:
             # what curves run along is written at one of them
             kinds = list(dict.fromkeys(own["kind"]))
             middle = own[own["kind"] == kinds[len(kinds) // 2]]
-            first = forecasters_in_order(middle["forecaster"])[0]
+            first = looks.ordered_forecasters(middle["forecaster"])[0]
             _label_ends(axes, middle[middle["forecaster"] == first], along)
     axes.set_xscale("log")
     axes.margins(x=0.08)
@@ -164,8 +173,50 @@ def _label_ends(axes: Axes, rows: pd.DataFrame, along: str) -> None:
             "data",
             "offset points",
             fontsize=6.5,
-            color=GREY,
+            color=style.GREY,
             # legible where a curve passes behind it
             path_effects=[withStroke(linewidth=1.5, foreground="white")],
             zorder=5,
         )
+
+
+def _draw_conditions(panels: Sequence[Axes], tried: Mapping[str, pd.DataFrame]) -> list[Line2D]:
+    """Draw the share left against each condition; returns what tells curves apart."""
+    together = control_runs.with_kinds(pd.concat(tried, names=["condition"]), along=True)
+    kinds, lines = _kinds(together)
+    conditions = [one for one in CONDITIONS if one.column in tried]
+    for axes, condition in zip(panels, conditions, strict=True):
+        runs = together.loc[[condition.column]].sort_values(condition.column, kind="stable")
+        values = condition.unit * np.unique(runs[condition.column].to_numpy(dtype=np.float64))
+        curves = runs.groupby(["kind", "forecaster", "strategy"], sort=False)
+        for number, ((kind, forecaster, strategy), rows) in enumerate(curves):
+            position = condition.unit * rows[condition.column].to_numpy(dtype=np.float64)
+            # a hair apart, so that bars do not hide each other
+            share = 0.01 * (number - (len(curves) - 1) / 2)
+            if condition.logarithmic:
+                position = position * (values[-1] / values[0]) ** share
+            else:
+                position = position + share * (values[-1] - values[0])
+            look = looks.controlled_curve(str(forecaster), str(strategy), lines[str(kind)])
+            _draw_curve(axes, rows, position, look)
+        if condition.logarithmic:
+            axes.set_xscale("log")
+        axes.set_xticks(values, [f"{value:g}" for value in values])
+        axes.xaxis.set_minor_locator(NullLocator())
+        axes.margins(x=0.08)
+        axes.set_xlabel(condition.label)
+    return kinds
+
+
+def _finish(panels: Sequence[Axes], runs: pd.DataFrame, symbol: str) -> None:
+    """Make the vertical axes logarithmic down to the least share that is left, linear below it."""
+    shares = runs[f"value_{LEFT}"]
+    end = frame.linear_below(shares, -5)
+    highest = max(1.0, float(shares.max()), float(runs[f"high_{LEFT}"].max()))
+    for axes in panels:
+        axes.set_yscale("symlog", linthresh=end, linscale=0.6)
+        axes.set_ylim(-0.25 * end, 3.0 * highest)
+        axes.axhspan(-0.25 * end, end, color=style.LIGHT_GREY, alpha=0.5, linewidth=0, zorder=0.2)
+        axes.axhline(1.0, color=style.GREY, linewidth=0.5, zorder=0.5)
+    left = rf"Exceedance left: $P({symbol} \geq {symbol}_e)$"
+    panels[0].set_ylabel(f"{left}\nwith control / without it")

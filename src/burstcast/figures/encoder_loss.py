@@ -15,15 +15,7 @@ from matplotlib.figure import Figure
 from burstcast.arrays import FloatArray
 from burstcast.encoders.base import EncodingCase
 from burstcast.encoders.pod import PodEncoder
-from burstcast.figures.parts.planes import draw_periodic_field, vorticity_fields
-from burstcast.figures.parts.style import (
-    DOUBLE_COLUMN,
-    FLOOR,
-    letter_panels,
-    new_figure,
-    sequence_styles,
-    styled,
-)
+from burstcast.figures.parts import looks, planes, style
 from burstcast.figures.registry import Declaration
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system
@@ -44,9 +36,9 @@ FIGURE = Declaration(
 _SNAPSHOTS = 2000
 """Training states, at equal distances, from which modes are made and which are decoded."""
 _SHOWN = (0, 2, 4, 6)
-_POINTS = 64
 
 
+@style.styled
 def draw(
     *,
     states: FloatArray,
@@ -55,9 +47,9 @@ def draw(
     training_series: int,
     symbol: str,
 ) -> Figure:
-    """Draw the modes of a flow, and what they hold.
+    """Draw what the leading modes of a flow hold, and some of the modes.
 
-    ``states``: States of all series, ``(series, time, dimension)``.
+    ``states``: Of all series, ``(series, time, dimension)``.
     """
     flow: Any = make_system(system, parameters)
     training = states[:training_series].reshape(-1, states.shape[2])
@@ -65,55 +57,10 @@ def draw(
     count = min(len(snapshots), flow.dimension)
     encoder = PodEncoder.fit(snapshots[np.newaxis], EncodingCase(flow, {"modes": count}))
     numbers = np.unique(np.geomspace(1, count, 24).astype(int))
+    held = kept(encoder, flow, snapshots.T, numbers)
     shown = [number for number in _SHOWN if number < count]
-    fields = vorticity_fields(flow, encoder.modes[:, shown], _POINTS)
-    return encoder_loss(
-        numbers,
-        kept(encoder, flow, snapshots.T, numbers),
-        {number + 1: field for number, field in zip(shown, fields, strict=True)},
-        flow.domain,
-        symbol,
-    )
-
-
-def kept(
-    encoder: PodEncoder, flow: DynamicalSystem, states: FloatArray, numbers: np.ndarray
-) -> dict[str, FloatArray]:
-    """Shares of the variance and the observable, and correlations of the observable.
-
-    ``states``: States that are decoded from their leading coefficients, ``(dimension, states)``.
-    ``numbers``: Numbers of leading modes, ``(numbers,)``. Returns "variance", "mean" and
-    "correlation", ``(numbers,)`` each.
-    """
-    true, coefficients = flow.observable(states), encoder.encode(states)
-    shares, means, correlations = [], [], []
-    for number in numbers:
-        leading = np.zeros_like(coefficients)
-        leading[:number] = coefficients[:number]
-        found = flow.observable(encoder.decode(leading))
-        shares.append(encoder.variances[:number].sum() / encoder.variances.sum())
-        means.append(found.mean() / true.mean())
-        correlations.append(np.corrcoef(found, true)[0, 1])
-    return {
-        "variance": np.array(shares),
-        "mean": np.array(means),
-        "correlation": np.array(correlations),
-    }
-
-
-@styled
-def encoder_loss(
-    numbers: np.ndarray,
-    kept: Mapping[str, FloatArray],
-    modes: Mapping[int, FloatArray],
-    domain: tuple[float, float],
-    symbol: str,
-) -> Figure:
-    """Draw the shares of the modes above a number of leading modes.
-
-    ``modes``: Vorticity ``(x, y)`` of modes, by their numbers from 1.
-    """
-    figure = new_figure(DOUBLE_COLUMN, 3.9)
+    fields = planes.vorticity_fields(flow, encoder.modes[:, shown], 64)
+    figure = style.new_figure(style.DOUBLE_COLUMN, 3.9)
     grid = figure.add_gridspec(2, 1, height_ratios=[1.25, 1.0])
     upper, lower = (figure.add_subfigure(grid[row]) for row in range(2))
     lines: Axes = upper.subplots()
@@ -122,18 +69,40 @@ def encoder_loss(
         "mean": f"mean of the decoded ${symbol}$, in units of the true one",
         "correlation": f"correlation of the decoded ${symbol}$ with the true one",
     }
-    for (name, label), style in zip(labels.items(), sequence_styles(len(labels)), strict=True):
-        lines.semilogx(numbers, kept[name], label=label, markersize=3.0, **style)
-    lines.axhline(0.0, **FLOOR)
+    for (name, label), look in zip(labels.items(), looks.sequence(len(labels)), strict=True):
+        lines.semilogx(numbers, held[name], label=label, markersize=3.0, **look)
+    lines.axhline(0.0, **looks.FLOOR)
     lines.set_xlim(numbers[0], numbers[-1])
-    lines.set_ylim(min(-0.05, 1.1 * min(map(np.min, kept.values()))), 1.05)
+    lines.set_ylim(min(-0.05, 1.1 * min(map(np.min, held.values()))), 1.05)
     lines.set_xlabel("Number of modes")
     lines.legend(loc="lower right")
-    panels: list[Axes] = list(lower.subplots(1, len(modes), sharey=True, squeeze=False)[0])
-    for axes, (number, field) in zip(panels, modes.items(), strict=True):
-        largest = float(np.abs(field).max())
-        draw_periodic_field(axes, field, domain, largest)
-        axes.set_title(f"mode {number}", loc="right")
+    panels: list[Axes] = list(lower.subplots(1, len(shown), sharey=True, squeeze=False)[0])
+    for axes, number, field in zip(panels, shown, fields, strict=True):
+        planes.draw_periodic_field(axes, field, flow.domain, float(np.abs(field).max()))
+        axes.set_title(f"mode {number + 1}", loc="right")
     panels[0].set_ylabel("$y$")
-    letter_panels([lines, *panels])
+    style.letter_panels([lines, *panels])
     return figure
+
+
+def kept(
+    encoder: PodEncoder, flow: DynamicalSystem, states: FloatArray, numbers: np.ndarray
+) -> dict[str, FloatArray]:
+    """Shares of the variance and of the mean observable, and correlations of the observable.
+
+    ``states``: States that are decoded from so many leading coefficients, ``(dimension, states)``.
+    Returns "variance", "mean" and "correlation", ``(numbers,)`` each.
+    """
+    true, coefficients = flow.observable(states), encoder.encode(states)
+    decoded = [
+        flow.observable(
+            encoder.decode(np.where(np.arange(len(coefficients)) < number, coefficients.T, 0.0).T)
+        )
+        for number in numbers
+    ]
+    variances = encoder.variances
+    return {
+        "variance": np.array([variances[:n].sum() / variances.sum() for n in numbers]),
+        "mean": np.array([one.mean() / true.mean() for one in decoded]),
+        "correlation": np.array([np.corrcoef(one, true)[0, 1] for one in decoded]),
+    }

@@ -8,26 +8,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from burstcast.figures.parts.percentile_curves import (
-    METRIC_LABELS,
-    NEURONS_LABEL,
-    draw_percentiles,
-    draw_published,
-    draw_single_intervals,
-    published_handles,
-    require_single_case,
-    say_where_empty,
-    select,
-    spread_handles,
-)
-from burstcast.figures.parts.reference_forecasters import draw_references
-from burstcast.figures.parts.style import (
-    SINGLE_COLUMN,
-    new_figure,
-    ordered_validations,
-    styled,
-    validation_style,
-)
+from burstcast.figures.parts import medians, style
 from burstcast.figures.registry import Declaration
 from burstcast.tables.published import published_beside
 
@@ -43,58 +24,38 @@ FIGURE = Declaration(
 )
 
 
+@style.styled
 def draw(
     *,
     percentiles: pd.DataFrame,
     intervals: pd.DataFrame,
     published: pd.DataFrame | None = None,
 ) -> Figure:
-    """Draw the horizons of one case."""
-    beside = published_beside(percentiles, published, "horizon")
-    return horizon_by_size(percentiles, intervals, published=beside)
-
-
-@styled
-def horizon_by_size(
-    percentiles: pd.DataFrame,
-    intervals: pd.DataFrame,
-    *,
-    published: pd.DataFrame | None = None,
-) -> Figure:
-    """Draw the quartiles over networks of the mean PH_ee, one curve per validation strategy.
-
-    ``percentiles``: Percentiles of one case: forecaster, neurons, validation, metric
-    (``mean_horizon_lt``), p25, p50, p75. ``intervals``: Intervals of the same case and each
-    forecaster by itself: forecaster, neurons, validation, metric, low, high. ``published``:
-    Published percentiles in the same form, drawn as open markers at the sizes of the table.
-    """
-    require_single_case(percentiles)
+    """Draw the mean PH_ee, one curve for each validation strategy, at the sizes of the table."""
+    metric, theirs = "mean_horizon_lt", published_beside(percentiles, published, "horizon")
     networks = percentiles[percentiles["forecaster"] == "esn"]
     sizes = np.unique(networks["neurons"].dropna().to_numpy(dtype=np.float64))
-    if published is not None:
-        published = published[published["neurons"].isin(sizes)]
     many = percentiles["forecaster"].nunique() > 4
-    figure = new_figure(SINGLE_COLUMN, 3.2 if many else 2.8)
+    figure = style.new_figure(style.SINGLE_COLUMN, 3.2 if many else 2.8)
     axes = figure.subplots()
     # a perfect forecaster reaches the longest lead time of the search
-    draw_references(axes, percentiles, "mean_horizon_lt", "neurons", leave_out=["equations"])
+    medians.draw_references(axes, percentiles, metric, "neurons", leave_out=["equations"])
     references = len(axes.get_legend_handles_labels()[0])
-    for validation in ordered_validations(networks["validation"].dropna()):
-        style = validation_style(validation)
-        chosen = {"validation": validation, "metric": "mean_horizon_lt"}
-        draw_percentiles(axes, select(networks, **chosen), "neurons", style, label=validation)
-        draw_single_intervals(axes, intervals, "mean_horizon_lt", validation, style)
-        if published is not None:
-            draw_published(axes, select(published, **chosen), "neurons", style)
+    for validation, look, rows in medians.validations(networks, metric=metric):
+        medians.draw(axes, rows, "neurons", look, label=validation)
+        medians.draw_single_intervals(axes, intervals, metric, validation, look)
+        if theirs is not None:
+            rows = medians.select(theirs, validation=validation, metric=metric)
+            medians.draw_published(axes, rows[rows["neurons"].isin(sizes)], "neurons", look)
     handles, _ = axes.get_legend_handles_labels()
-    handles += [*spread_handles([axes]), *published_handles([axes])]
+    handles += [*medians.spread_handles([axes]), *medians.published_handles([axes])]
     # references, whose names are long, have the first column of the legend
     handles += [Line2D([], [], linestyle="", label=" ")] * (2 * references - len(handles))
     axes.set_xticks(sizes)
     axes.margins(x=0.06)
-    axes.set_xlabel(NEURONS_LABEL)
-    axes.set_ylabel(METRIC_LABELS["mean_horizon_lt"])
+    axes.set_xlabel(medians.NEURONS)
+    axes.set_ylabel(medians.LABELS[metric])
     if handles:  # among references at any height there is no room for them
         figure.legend(handles=handles, loc="outside upper center", ncols=2, columnspacing=1.0)
-    say_where_empty([axes])
+    medians.say_where_empty([axes])
     return figure

@@ -13,27 +13,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from burstcast.arrays import FloatArray
-from burstcast.figures.parts.best_network import best_of
-from burstcast.figures.parts.percentile_curves import (
-    published_handles,
-    require_single_case,
-    spread_handles,
-)
-from burstcast.figures.parts.statistics_by_size import draw_statistics_by_size
-from burstcast.figures.parts.style import (
-    DOUBLE_COLUMN,
-    NETWORK,
-    THRESHOLD,
-    TRAINING,
-    TRUTH,
-    density_label,
-    legend_above,
-    letter_panels,
-    new_figure,
-    observable_label,
-    styled,
-)
+from burstcast.figures.parts import errors, frame, looks, medians, style
 from burstcast.figures.registry import Declaration
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.tables.published import published_beside
@@ -58,6 +38,7 @@ FIGURE = Declaration(
 )
 
 
+@style.styled
 def draw(
     *,
     data: Mapping[str, Any],
@@ -71,84 +52,23 @@ def draw(
     published: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw the data, the training set and the best network, and the measures of all networks."""
-    true = LongTermStatistics.from_arrays(data).histogram
-    best = best_of(data, long_term)
-    return long_term_density(
-        true.edges,
-        true.density,
-        LongTermStatistics.from_arrays(training).histogram.density,
-        None if best is None else best.statistics.histogram.density,
-        percentiles,
-        intervals,
-        threshold,
-        network_label="" if best is None else best.label,
-        symbol=symbol,
-        name=observable_name,
-        published=published_beside(percentiles, published, "statistics"),
-    )
-
-
-@styled
-def long_term_density(
-    bin_edges: FloatArray,
-    true: FloatArray,
-    training: FloatArray,
-    network: FloatArray | None,
-    percentiles: pd.DataFrame,
-    intervals: pd.DataFrame,
-    threshold: float,
-    *,
-    network_label: str = "ESN (best)",
-    symbol: str = "k",
-    name: str = "kinetic energy",
-    published: pd.DataFrame | None = None,
-) -> Figure:
-    """Draw (a) the densities, (b) the Kantorovich metric and (c) the mean logarithmic error.
-
-    ``bin_edges``: ``(bins + 1,)``. ``true``, ``training``, ``network``: Densities, ``(bins,)``; the
-    network is the best one of its size, None if no network has one. ``percentiles``: Percentiles of
-    one case: forecaster (``esn``, ``training``, ``floor``), neurons, validation, metric
-    (``kantorovich``, ``mean_log_error``), p25, p50, p75.
-    """
-    require_single_case(percentiles)
-    figure = new_figure(DOUBLE_COLUMN, 4.2)
+    true, trained = (LongTermStatistics.from_arrays(one).histogram for one in (data, training))
+    best = errors.best_of(data, long_term)
+    shown = [(true, looks.TRUTH, "True"), (trained, looks.TRAINING, "Train")]
+    if best is not None:
+        shown.append((best.statistics.histogram, looks.NETWORK, best.label))
+    figure = style.new_figure(style.DOUBLE_COLUMN, 4.2)
     panels = figure.subplot_mosaic([["density", "density"], ["kantorovich", "mean_log_error"]])
-    density = panels["density"]
-    for values, style, label in (
-        (true, TRUTH, "True"),
-        (training, TRAINING, "Train"),
-        (network, NETWORK, network_label),
-    ):
-        if values is None:
-            continue
-        density.stairs(
-            values,
-            bin_edges,
-            baseline=None,
-            label=label,
-            color=style["color"],
-            linestyle=style["linestyle"],
-            linewidth=style["linewidth"],
-        )
-    density.axvline(threshold, **THRESHOLD)
-    density.annotate(
-        f"${symbol}_e$",
-        (threshold, 1),
-        (2.5, -3),
-        density.get_xaxis_transform(),
-        "offset points",
-        ha="left",
-        va="top",
-        color=THRESHOLD["color"],
-    )
-    density.set_yscale("log")
-    density.set_ylim(0.5 * true[true > 0].min(), 2.5 * true.max())
-    density.set_xlim(float(bin_edges[0]), float(bin_edges[-1]))
-    density.set_xlabel(observable_label(symbol, name))
-    density.set_ylabel(density_label(symbol))
-    errors = {metric: panels[metric] for metric in ("kantorovich", "mean_log_error")}
-    draw_statistics_by_size(errors, percentiles, intervals, published)
-    more = [*spread_handles(panels.values()), *published_handles(panels.values())]
-    legend_above(figure, [density, panels["kantorovich"]], more, columns=4)
-    letter_panels([density, panels["kantorovich"], panels["mean_log_error"]])
+    density = panels.pop("density")
+    for histogram, look, label in shown:
+        density.stairs(histogram.density, true.edges, baseline=None, label=label, **look)
+    frame.density_axes(density, threshold, symbol, observable_name)
+    density.set_ylim(0.5 * true.density[true.density > 0].min(), 2.5 * true.density.max())
+    density.set_xlim(float(true.edges[0]), float(true.edges[-1]))
+    theirs = published_beside(percentiles, published, "statistics")
+    errors.draw(panels, percentiles, intervals, theirs)
+    below = list(panels.values())
+    more = [*medians.spread_handles(below), *medians.published_handles(below)]
+    style.legend_above(figure, [density, below[0]], more, columns=4)
+    style.letter_panels([density, *below])
     return figure

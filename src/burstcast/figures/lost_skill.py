@@ -14,15 +14,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from burstcast.figures.parts.style import (
-    DOUBLE_COLUMN,
-    FLOOR,
-    bar_handle,
-    letter_panels,
-    new_figure,
-    sequence_styles,
-    styled,
-)
+from burstcast.figures.parts import looks, medians, style
 from burstcast.figures.registry import Declaration
 from burstcast.forecasters._labels import forecaster_label
 from burstcast.forecasters._names import described
@@ -37,67 +29,53 @@ FIGURE = Declaration(
 )
 
 _METRIC = "average_precision"
-_CASE_KEYS = ["case", "alarm", "forecaster", "neurons", "seed"]
+_FORECASTER = ["forecaster", "neurons", "seed"]
 _LEFT_OUT = ("climatology", "persistence")
 
 
+@style.styled
 def draw(*, tables: Sequence[pd.DataFrame]) -> Figure:
-    """Draw all forecasters of a flow and of the cases that are made from it."""
-    return lost_skill(pd.concat(list(tables), ignore_index=True))
-
-
-@styled
-def lost_skill(ranking: pd.DataFrame) -> Figure:
-    """Draw the equations beside the forecasters that learn.
-
-    ``ranking``: The table ``ranking`` of all cases, of which only onsets are drawn.
-    """
+    """Draw all forecasters of a flow and of the cases made from it."""
+    ranking = pd.concat(list(tables), ignore_index=True)
     onsets = ranking[ranking["event"] == ONSET]
     rates = onsets[onsets["metric"] == "base_rate"].groupby("prediction_time_lt")["value"].mean()
     rows = onsets[onsets["metric"] == _METRIC]
     rows = shown_once(rows[~rows["alarm"].isin(_LEFT_OUT)])
     known = rows["forecaster"].str.startswith("equations")
-    figure = new_figure(DOUBLE_COLUMN, 4.2)
+    figure = style.new_figure(style.DOUBLE_COLUMN, 4.2)
     panels: list[Axes] = list(figure.subplots(1, 2, sharey=True))
-    learnt = rows[~known]
-    for axes, part in zip(panels, (rows[known], learnt), strict=True):
-        lines = [group for _, group in part.groupby(_CASE_KEYS, dropna=False)]
-        lines.sort(key=lambda group: -group["value"].mean())
-        if part is learnt:
-            lines = _best_of_each(lines)
-        for group, style in zip(lines, sequence_styles(len(lines)), strict=True):
+    for axes, learnt in zip(panels, (False, True), strict=True):
+        groups = rows[known != learnt].groupby(["case", "alarm", *_FORECASTER], dropna=False)
+        lines = sorted((group for _, group in groups), key=lambda group: -group["value"].mean())
+        if learnt:  # each where it ranks best
+            names = [tuple(group[_FORECASTER].astype(str).iloc[0]) for group in lines]
+            lines = [group for n, group in enumerate(lines) if names[n] not in names[:n]]
+        for group, look in zip(lines, looks.sequence(len(lines)), strict=True):
             group = group.sort_values("prediction_time_lt")
-            low, value, high = (
-                group[name].to_numpy(dtype=np.float64) for name in ("low", "value", "high")
-            )
-            lengths = np.clip(np.nan_to_num([value - low, high - value]), 0.0, None)
             axes.errorbar(
                 group["prediction_time_lt"].to_numpy(dtype=np.float64),
-                value,
-                yerr=lengths,
+                group["value"].to_numpy(dtype=np.float64),
+                yerr=medians.lengths(group, "value", "low", "high"),
                 label=_label(group.iloc[0]),
                 elinewidth=0.6,
                 markersize=3.5,
-                **style,
+                **look,
             )
-        axes.plot(rates.index, rates, **FLOOR, label="base rate")
-        axes.set_xlabel("Prediction time [LT]")
+        axes.plot(rates.index, rates, **looks.FLOOR, label="base rate")
+        axes.set_xlabel(medians.PREDICTION_TIME)
         axes.set_ylim(0, 1.02)
         axes.legend(
-            handles=[*axes.get_legend_handles_labels()[0], bar_handle("interval", caps=False)],
+            handles=[
+                *axes.get_legend_handles_labels()[0],
+                style.bar_handle("interval", caps=False),
+            ],
             loc="lower center",
             bbox_to_anchor=(0.5, 1.07),
             fontsize="small",
         )
     panels[0].set_ylabel("Average precision of onsets")
-    letter_panels(panels)
+    style.letter_panels(panels)
     return figure
-
-
-def _best_of_each(lines: Sequence[pd.DataFrame]) -> list[pd.DataFrame]:
-    """The first line of each forecaster, whatever the case."""
-    found = {tuple(group[_CASE_KEYS[2:]].astype(str).iloc[0]): group for group in reversed(lines)}
-    return list(reversed(found.values()))
 
 
 def _label(row: pd.Series) -> str:
@@ -106,5 +84,5 @@ def _label(row: pd.Series) -> str:
     if row["alarm"] in SAME_EVERYWHERE:
         return name
     if pd.notna(row["neurons"]):
-        name = described(name, row["neurons"])
+        name = described(name, float(row["neurons"]))
     return f"{str(row['case']).replace('_', ' ')}: {name}"

@@ -13,11 +13,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from burstcast.arrays import FloatArray
-from burstcast.figures.parts.best_network import best_of
-from burstcast.figures.parts.nothing_to_show import nothing_to_show
-from burstcast.figures.parts.planes import draw_plane
-from burstcast.figures.parts.style import DOUBLE_COLUMN, letter_panels, new_figure, styled
+from burstcast.figures.parts import errors, planes, style
 from burstcast.figures.registry import Declaration
 from burstcast.statistics import profiles
 from burstcast.statistics.reductions import LongTermStatistics
@@ -42,6 +38,7 @@ FIGURE = Declaration(
 )
 
 
+@style.styled
 def draw(
     *,
     data: Mapping[str, Any],
@@ -51,55 +48,40 @@ def draw(
     parameters: Mapping[str, float],
     flow_points: Sequence[int],
 ) -> Figure:
-    """Draw the data, and the deviations of the best network and of the training set."""
+    """Draw u^2 in the data, and the errors of the best network and of the training set."""
     grid = make_flow_grid(make_system(system, parameters), flow_points)
-    best = best_of(data, long_term)
+    best = errors.best_of(data, long_term)
     if best is None:
-        return nothing_to_show("No network has any long-term statistics.")
+        return style.nothing_to_show("No network has any long-term statistics.")
     true, trained = map(LongTermStatistics.from_arrays, (data, training))
-    fields = [
+    mean, *others = (
         profiles.midplane_mean_square(grid.modes, statistics.moments, grid.x, grid.z)
         for statistics in (true, best.statistics, trained)
-    ]
-    return midplane_mean_square(grid.x, grid.z, *fields, network_label=best.label)
-
-
-@styled
-def midplane_mean_square(
-    x: FloatArray,
-    z: FloatArray,
-    true: FloatArray,
-    network: FloatArray,
-    training: FloatArray,
-    *,
-    network_label: str = "echo state network",
-) -> Figure:
-    """Draw (a) the time average of u^2 in the data, (b) the network's error, (c) the training's.
-
-    ``true``, ``network``, ``training``: Time averages of u^2, ``(points_x, points_z)``.
-    """
-    errors = [np.abs(network - true), np.abs(training - true)]
-    figure = new_figure(DOUBLE_COLUMN, 2.15)
-    panels = figure.subplots(1, 3, sharey=True)
-    mean = draw_plane(panels[0], x, z, true, Normalize(0.0, float(true.max())), "viridis")
+    )
+    deviations = [np.abs(other - mean) for other in others]
+    figure = style.new_figure(style.DOUBLE_COLUMN, 2.15)
+    panels = list(figure.subplots(1, 3, sharey=True))
     # One scale for both errors: that they can be compared is the point.
-    norm = Normalize(0.0, max(float(error.max()) for error in errors) or 1.0)
-    for panel, error in zip(panels[1:], errors, strict=True):
-        mesh = draw_plane(panel, x, z, error, norm, "inferno")
+    norms = [Normalize(0.0, float(mean.max()))]
+    norms += [Normalize(0.0, max(float(error.max()) for error in deviations) or 1.0)] * 2
+    colours = ("viridis", "inferno", "inferno")
+    meshes = [
+        planes.draw_plane(panel, grid.x, grid.z, field, norm, colour)
+        for panel, field, norm, colour in zip(
+            panels, [mean, *deviations], norms, colours, strict=True
+        )
+    ]
     for panel in panels:
         panel.set_xlabel("$x$")
     panels[0].set_ylabel("$z$")
-    bar = figure.colorbar(mean, ax=panels[0], aspect=22, location="top", ticks=MaxNLocator(4))
-    bar.set_label(r"$\overline{u^2}_{\mathrm{True}}$ [$U_0^2$]", labelpad=5)
-    bar = figure.colorbar(
-        mesh, ax=list(panels[1:]), aspect=46, location="top", ticks=MaxNLocator(5)
-    )
-    bar.set_label(
-        r"$|\overline{u^2} - \overline{u^2}_{\mathrm{True}}|$ [$U_0^2$]: "
-        f"(b) {network_label}, (c) training set",
-        labelpad=5,
-    )
-    letter_panels(list(panels))
-    for panel, error in zip(panels[1:], errors, strict=True):
+    difference = r"$|\overline{u^2} - \overline{u^2}_{\mathrm{True}}|$ [$U_0^2$]: "
+    for mesh, below, aspect, ticks, label in (
+        (meshes[0], panels[:1], 22, 4, r"$\overline{u^2}_{\mathrm{True}}$ [$U_0^2$]"),
+        (meshes[2], panels[1:], 46, 5, f"{difference}(b) {best.label}, (c) training set"),
+    ):
+        place: dict[str, Any] = {"aspect": aspect, "location": "top", "ticks": MaxNLocator(ticks)}
+        figure.colorbar(mesh, ax=below, **place).set_label(label, labelpad=5)
+    style.letter_panels(panels)
+    for panel, error in zip(panels[1:], deviations, strict=True):
         panel.set_title(f"max. {float(error.max()):.2g}", loc="right")
     return figure

@@ -15,24 +15,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from burstcast.arrays import FloatArray
-from burstcast.figures.parts.best_network import best_of
-from burstcast.figures.parts.percentile_curves import (
-    published_handles,
-    require_single_case,
-    spread_handles,
-)
-from burstcast.figures.parts.statistics_by_size import draw_statistics_by_size
-from burstcast.figures.parts.style import (
-    DOUBLE_COLUMN,
-    NETWORK,
-    TRAINING,
-    TRUTH,
-    legend_above,
-    letter_panels,
-    new_figure,
-    styled,
-)
+from burstcast.figures.parts import errors, looks, medians, style
 from burstcast.figures.registry import Declaration
 from burstcast.statistics.profiles import velocity_profiles
 from burstcast.statistics.reductions import LongTermStatistics
@@ -60,13 +43,14 @@ FIGURE = Declaration(
     published=True,
 )
 
-PROFILES = {
-    "nrmse_u": r"$\langle \overline{u} \rangle$",
-    "nrmse_uu": r"$\langle \overline{u^2} \rangle$",
-    "nrmse_uv": r"$\langle \overline{uv} \rangle$",
+_LABELS = {
+    "nrmse_u": r"$\langle \overline{u} \rangle$ [$U_0$]",
+    "nrmse_uu": r"$\langle \overline{u^2} \rangle$ [$U_0^2$]",
+    "nrmse_uv": r"$\langle \overline{uv} \rangle$ [$U_0^2$]",
 }
 
 
+@style.styled
 def draw(
     *,
     data: Mapping[str, Any],
@@ -79,68 +63,29 @@ def draw(
     parameters: Mapping[str, float],
     published: pd.DataFrame | None = None,
 ) -> Figure:
-    """Draw the data, the training set and the best network, and the errors of all networks.
-
-    Profiles have so many ``points``.
-    """
+    """Draw the data, the training set and the best network, and the errors of all networks."""
     y = np.linspace(-1.0, 1.0, points)
     modes = flow_modes(make_system(system, parameters))
     assert modes is not None
     matrices = modes.profile_matrices(y)
-
-    def profiles(statistics: LongTermStatistics) -> FloatArray:
-        found = velocity_profiles(matrices, statistics.moments)
-        return np.stack([found.u, found.uu, found.uv])
-
-    best = best_of(data, long_term)
-    return profile_errors(
-        y,
-        profiles(LongTermStatistics.from_arrays(data)),
-        profiles(LongTermStatistics.from_arrays(training)),
-        None if best is None else profiles(best.statistics),
-        percentiles,
-        intervals,
-        network_label="" if best is None else best.label,
-        published=published_beside(percentiles, published, "statistics"),
-    )
-
-
-@styled
-def profile_errors(
-    y: FloatArray,
-    true: FloatArray,
-    training: FloatArray,
-    network: FloatArray | None,
-    percentiles: pd.DataFrame,
-    intervals: pd.DataFrame,
-    *,
-    network_label: str = "ESN (best)",
-    published: pd.DataFrame | None = None,
-) -> Figure:
-    """Draw (a-c) the profiles of u, u^2 and uv and (d-f) the errors against reservoir size.
-
-    ``y``: Distance from the midplane, ``(points_y,)``. ``true``, ``training``, ``network``:
-    Averages over x, z and time, ``(3, points_y)``: of u, u^2 and uv. The network is the best one of
-    its size, None if no network has any. ``percentiles``: Percentiles of one case: forecaster
-    (``esn``, ``training``, ``floor``), neurons, validation, metric (``nrmse_u``, ``nrmse_uu``,
-    ``nrmse_uv``), p25, p50, p75.
-    """
-    require_single_case(percentiles)
-    figure = new_figure(DOUBLE_COLUMN, 4.0)
+    true, trained = (LongTermStatistics.from_arrays(one) for one in (data, training))
+    best = errors.best_of(data, long_term)
+    shown = [(true, looks.TRUTH, "True"), (trained, looks.TRAINING, "Train")]
+    if best is not None:
+        shown.append((best.statistics, looks.NETWORK, best.label))
+    figure = style.new_figure(style.DOUBLE_COLUMN, 4.0)
     panels = figure.subplots(2, 3)
-    units = ("$U_0$", "$U_0^2$", "$U_0^2$")
-    labels = zip(panels[0], PROFILES.values(), units, strict=True)
-    for index, (profile, label, unit) in enumerate(labels):
-        profile.plot(true[index], y, label="True", **TRUTH)
-        profile.plot(training[index], y, label="Train", **TRAINING)
-        if network is not None:
-            profile.plot(network[index], y, label=network_label, **NETWORK)
-        profile.set_xlabel(f"{label} [{unit}]")
-        profile.set_ylim(float(y[0]), float(y[-1]))
-        profile.set_ylabel("$y$ [$h$]")
-    errors = dict(zip(PROFILES, panels[1], strict=True))
-    draw_statistics_by_size(errors, percentiles, intervals, published)
-    more = [*spread_handles(panels.flat), *published_handles(panels.flat)]
-    legend_above(figure, [panels[0, 0], panels[1, 0]], more, columns=4)
-    letter_panels(list(panels.flat))
+    for statistics, look, name in shown:
+        found = velocity_profiles(matrices, statistics.moments)
+        for axes, profile in zip(panels[0], (found.u, found.uu, found.uv), strict=True):
+            axes.plot(profile, y, label=name, **look)
+    for axes, label in zip(panels[0], _LABELS.values(), strict=True):
+        axes.set_xlabel(label)
+        axes.set_ylim(float(y[0]), float(y[-1]))
+        axes.set_ylabel("$y$ [$h$]")
+    theirs = published_beside(percentiles, published, "statistics")
+    errors.draw(dict(zip(_LABELS, panels[1], strict=True)), percentiles, intervals, theirs)
+    more = [*medians.spread_handles(panels.flat), *medians.published_handles(panels.flat)]
+    style.legend_above(figure, [panels[0, 0], panels[1, 0]], more, columns=4)
+    style.letter_panels(list(panels.flat))
     return figure

@@ -14,19 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from burstcast.arrays import FloatArray
-from burstcast.figures.parts.percentile_curves import METRIC_LABELS, say_where_empty
-from burstcast.figures.parts.reference_forecasters import forecaster_style, ordered_forecasters
-from burstcast.figures.parts.style import (
-    BLACK,
-    DOUBLE_COLUMN,
-    GREY,
-    bar_handle,
-    legend_above,
-    letter_panels,
-    new_figure,
-    styled,
-)
+from burstcast.figures.parts import looks, medians, style
 from burstcast.figures.registry import Declaration
 
 FIGURE = Declaration(
@@ -45,17 +33,16 @@ FIGURE = Declaration(
     cases="several_parameters",
 )
 
-# markers that look different when they are open
-_MARKERS = ("o", "s", "^", "D", "v", ">", "<")
 _RATE_UNIT = 1e-4
 _TRAINED: dict[str, Any] = {
-    "color": GREY,
+    "color": style.GREY,
     "linewidth": 0.6,
     "linestyle": (0, (4, 3)),
     "zorder": 0.5,
 }
 
 
+@style.styled
 def draw(
     *,
     scores: Sequence[pd.DataFrame],
@@ -65,124 +52,72 @@ def draw(
     prediction_times_lt: Sequence[float],
     neurons: int,
 ) -> Figure:
-    """Draw forecasters of all cases, networks of one size."""
-    return skill_by_parameter(
-        _of_size(scores, neurons),
-        _of_size(intervals, neurons),
-        _of_size(survivals, neurons),
-        parameter,
-        prediction_times_lt,
-    )
+    """Draw a panel for each prediction time that there is, and one of the escape rates.
 
-
-def _of_size(tables: Sequence[pd.DataFrame], neurons: int) -> pd.DataFrame:
-    """Rows of all cases, without networks of other sizes."""
-    rows = pd.concat(list(tables))
-    return rows[rows["neurons"].isna() | (rows["neurons"] == neurons)]
-
-
-@styled
-def skill_by_parameter(
-    scores: pd.DataFrame,
-    intervals: pd.DataFrame,
-    survival: pd.DataFrame,
-    parameter: Mapping[str, Any],
-    prediction_times_lt: Sequence[float],
-) -> Figure:
-    """Draw a panel for each prediction time, and one of the escape rates.
-
-    ``scores``: ``case``, ``forecaster``, ``prediction_time_lt``, ``f_score``: one row for each
-    forecaster and time; networks that differ by their seeds are shown by their medians.
-    ``intervals``: Intervals of the scores: the same keys, ``metric``, ``low``, ``high``.
-    ``survival``: ``case``, ``forecaster`` ("data" for the true flow), ``escape_rate``,
-    ``escape_rate_low``, ``escape_rate_high``. ``parameter``: ``name`` of the parameter, its
-    ``values`` by case, the ``trained`` values, and the ``kinds`` of forecasters that know it.
-    ``prediction_times_lt``: Prediction times of the panels; times that the scores do not have are
-    left out.
+    Networks that differ by their seeds are shown by their medians. ``parameter``: ``name`` of the
+    parameter, its ``values`` by case, the ``trained`` values, and the ``kinds`` of forecasters that
+    know it.
     """
-    times = [time for time in prediction_times_lt if time in set(scores["prediction_time_lt"])]
-    bars = intervals[intervals["metric"] == "f_score"].drop(columns="metric")
-    keys = [name for name in scores.columns if name in bars.columns]
-    found = scores.merge(bars, on=keys, how="left").rename(columns={"f_score": "value"})
-    escapes = survival.rename(
-        columns={"escape_rate": "value", "escape_rate_low": "low", "escape_rate_high": "high"}
-    )
+    found, bars, escapes = (pd.concat(list(tables)) for tables in (scores, intervals, survivals))
+    bars = bars[bars["metric"] == "f_score"].drop(columns="metric")
+    keys = [name for name in found.columns if name in bars.columns]
+    found = found.merge(bars, on=keys, how="left").rename(columns={"f_score": "value"})
+    ends = {
+        f"escape_rate{end}": name
+        for end, name in (("", "value"), ("_low", "low"), ("_high", "high"))
+    }
+    escapes = escapes.rename(columns=ends)
     escapes = escapes.assign(**(escapes[["value", "low", "high"]] / _RATE_UNIT))
+    found, escapes = (
+        rows[rows["neurons"].isna() | (rows["neurons"] == neurons)] for rows in (found, escapes)
+    )
+    times = [time for time in prediction_times_lt if time in set(found["prediction_time_lt"])]
     of_panels = [*(found[found["prediction_time_lt"] == time] for time in times), escapes]
-    kinds = ["data", *ordered_forecasters({*scores["forecaster"]} - {"permanent_alarm"})]
-    figure = new_figure(DOUBLE_COLUMN, 3.0)
+    kinds = ["data", *looks.ordered_forecasters({*found["forecaster"]} - {"permanent_alarm"})]
+    figure = style.new_figure(style.DOUBLE_COLUMN, 3.0)
     panels: list[Axes] = list(figure.subplots(1, len(of_panels), squeeze=False)[0])
     for axes, rows in zip(panels, of_panels, strict=True):
         for value in parameter["trained"]:
             axes.axvline(value, **_TRAINED)
+        named = rows.assign(parameter=rows["case"].map(parameter["values"]))
         for number, kind in enumerate(kinds):
-            own = _by_value(rows[rows["forecaster"] == kind], parameter)
-            if not own.empty:
-                _draw(axes, own, kind, number, parameter)
-        axes.set_xlabel(_parameter_label(parameter["name"]))
+            own = named[named["forecaster"] == kind].groupby("parameter")
+            medians_of_kind = own[["value", "low", "high"]].median().dropna(subset="value")
+            if not medians_of_kind.empty:
+                _draw(axes, medians_of_kind.reset_index(), kind, number, parameter)
+        name = parameter["name"]
+        axes.set_xlabel(
+            "Reynolds number" if name == "reynolds" else name.replace("_", " ").capitalize()
+        )
         axes.margins(x=0.08)
     for axes, time in zip(panels, times, strict=False):
         axes.set_ylim(0, 1)
-        axes.set_ylabel(f"{METRIC_LABELS['f_score']}, {time:g} LT ahead")
+        axes.set_ylabel(f"{medians.LABELS['f_score']}, {time:g} LT ahead")
     panels[-1].set_ylim(bottom=0)
     panels[-1].set_ylabel(r"Escape rate [$10^{-4}$ / time unit]")
-    say_where_empty(panels)
+    medians.say_where_empty(panels)
     trained = Line2D([], [], **_TRAINED, label="values trained on")
-    legend_above(
-        figure, [panels[-1], *panels[:-1]], [trained, bar_handle("interval", caps=False)], 3
-    )
-    letter_panels(panels)
+    more = [trained, style.bar_handle("interval", caps=False)]
+    style.legend_above(figure, [panels[-1], *panels[:-1]], more, 3)
+    style.letter_panels(panels)
     return figure
-
-
-def _by_value(rows: pd.DataFrame, parameter: Mapping[str, Any]) -> pd.DataFrame:
-    """Medians over networks, in the order of the parameter."""
-    named = rows.assign(parameter=rows["case"].map(parameter["values"]))
-    found = named.groupby("parameter")[["value", "low", "high"]].median()
-    return found.dropna(subset="value").reset_index()
 
 
 def _draw(
     axes: Axes, rows: pd.DataFrame, kind: str, number: int, parameter: Mapping[str, Any]
 ) -> None:
+    """Draw one kind, its markers open at values of the parameter that it was not trained on."""
     span = max(parameter["values"].values()) - min(parameter["values"].values())
-    look = {**forecaster_style(kind), "linewidth": 0.9}
+    look = {**looks.forecaster_line(kind), "linewidth": 0.9, "markersize": 3.5}
+    look["marker"] = looks.OPEN_MARKERS[number % len(looks.OPEN_MARKERS)]
     if kind == "data":
-        look |= {"label": "true flow", "color": BLACK, "linestyle": "-"}
-    position = rows["parameter"].to_numpy(dtype=np.float64) + 0.008 * span * (number - 2)
-    low, value, high = (rows[name].to_numpy(dtype=np.float64) for name in ("low", "value", "high"))
-    lengths = np.clip(np.nan_to_num([value - low, high - value]), 0.0, None)
-    marker = _MARKERS[number % len(_MARKERS)]
-    axes.errorbar(
-        position, value, yerr=lengths, marker=marker, markersize=3.5, elinewidth=0.6, **look
-    )
+        look |= {"label": "true flow", "color": style.BLACK, "linestyle": "-"}
+    at = rows["parameter"].to_numpy(dtype=np.float64)
+    position = at + 0.008 * span * (number - 2)
+    value = rows["value"].to_numpy(dtype=np.float64)
+    bars = medians.lengths(rows, "value", "low", "high")
+    axes.errorbar(position, value, yerr=bars, elinewidth=0.6, **look)
     if kind in parameter["kinds"]:
-        _open_markers(axes, position, value, rows["parameter"], marker, look["color"], parameter)
-
-
-def _open_markers(
-    axes: Axes,
-    position: FloatArray,
-    value: FloatArray,
-    at: pd.Series,
-    marker: str,
-    color: str,
-    parameter: Mapping[str, Any],
-) -> None:
-    unseen = ~np.isclose(at.to_numpy(dtype=np.float64)[:, None], parameter["trained"]).any(axis=1)
-    axes.add_line(
-        Line2D(
-            position[unseen],
-            value[unseen],
-            linestyle="",
-            marker=marker,
-            markersize=3.5,
-            markeredgecolor=color,
-            markerfacecolor="white",
-            zorder=4,
-        )
-    )
-
-
-def _parameter_label(name: str) -> str:
-    return "Reynolds number" if name == "reynolds" else name.replace("_", " ").capitalize()
+        unseen = ~np.isclose(at[:, None], parameter["trained"]).any(axis=1)
+        look |= {"linestyle": "", "markerfacecolor": "white", "label": None, "zorder": 4}
+        axes.add_line(Line2D(position[unseen], value[unseen], **look))

@@ -11,23 +11,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from burstcast.arrays import FloatArray
-from burstcast.figures.parts.nothing_to_show import nothing_to_show
-from burstcast.figures.parts.planes import (
-    add_row_bar,
-    draw_plane,
-    frame_evolution,
-    label_planes,
-    symmetric_norm,
-)
-from burstcast.figures.parts.style import (
-    CONTROLLED,
-    DOUBLE_COLUMN,
-    GREEN,
-    TRUTH,
-    new_figure,
-    styled,
-)
+from burstcast.figures.parts import looks, planes, style
 from burstcast.figures.registry import Declaration
 from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.registry import make_system
@@ -47,6 +31,7 @@ FIGURE = Declaration(
 )
 
 
+@style.styled
 def draw(
     *,
     event: Mapping[str, Any],
@@ -55,69 +40,32 @@ def draw(
     flow_points: Sequence[int],
     threshold: float,
 ) -> Figure:
-    """Draw the event."""
+    """Draw the observable with and without control, and the midplane at the times marked."""
     if not event["mark"].size:
-        return nothing_to_show("No event was suppressed.")
+        return style.nothing_to_show("No event was suppressed.")
     flow = make_system(system, parameters)
     grid = make_flow_grid(flow, flow_points)
+    looks_of = {"uncontrolled": looks.TRUTH, "controlled": looks.CONTROLLED}
+    labels = {"uncontrolled": "without control", "controlled": "with control"}
     start, stop = event["actuation_lt"]
-    return suppressed_event(
+    shaded = {"xmin": start, "xmax": stop, "color": style.GREEN, "alpha": 0.13, "linewidth": 0}
+    figure, evolution, panels = planes.evolution_above_planes(
+        (3.8, 1.45),
+        2,
         event["time_lt"],
-        event["uncontrolled"],
-        event["controlled"],
-        (start, stop),
+        [(event[name], labels[name], look) for name, look in looks_of.items()],
         event["time_lt"][event["mark"]],
-        grid.x,
-        grid.z,
-        grid.midplane(event["uncontrolled_state"]),
-        grid.midplane(event["controlled_state"]),
         threshold,
-        symbol=flow.observable_symbol,
-    )
-
-
-@styled
-def suppressed_event(
-    time_lt: FloatArray,
-    uncontrolled: FloatArray,
-    controlled: FloatArray,
-    actuation_lt: tuple[float, float],
-    plane_times_lt: FloatArray,
-    x: FloatArray,
-    z: FloatArray,
-    uncontrolled_planes: FloatArray,
-    controlled_planes: FloatArray,
-    threshold: float,
-    *,
-    symbol: str = "k",
-) -> Figure:
-    """Draw (a) the observable with and without control, (b, c) the midplane at the times marked.
-
-    ``time_lt``, ``uncontrolled``, ``controlled``: Observable over the event, ``(time,)``.
-    ``uncontrolled_planes``, ``controlled_planes``: Velocity along x, ``(planes, points_x,
-    points_z)``.
-    """
-    figure = new_figure(DOUBLE_COLUMN, 3.8)
-    top, bottom = figure.subfigures(2, 1, squeeze=False, height_ratios=[1.0, 1.45])[:, 0]
-    evolution = top.subplots()
-    evolution.axvspan(
-        *actuation_lt, color=GREEN, alpha=0.13, linewidth=0, zorder=0.4, label="actuation"
-    )
-    evolution.plot(time_lt, uncontrolled, label="without control", **TRUTH)
-    evolution.plot(time_lt, controlled, label="with control", **CONTROLLED)
-    frame_evolution(
-        evolution, time_lt, [uncontrolled, controlled], threshold, plane_times_lt, symbol
+        flow.observable_symbol,
+        {**shaded, "zorder": 0.4, "label": "actuation"},
     )
     evolution.set_xlabel("Time from the forecast [LT]")
-
-    norm = symmetric_norm([uncontrolled_planes, controlled_planes])
-    panels = bottom.subplots(2, len(plane_times_lt), squeeze=False)
-    for row, (planes, label) in enumerate(
-        ((uncontrolled_planes, "without control"), (controlled_planes, "with control"))
-    ):
-        for column, plane in enumerate(planes):
-            mesh = draw_plane(panels[row, column], x, z, plane, norm, "RdBu_r")
-        panels[row, 0].set_ylabel(f"{label}\n$z$")
-    label_planes(panels)
-    add_row_bar(figure, mesh, list(panels.flat), "$u$ [$U_0$]", ticks=5)
+    fields = {name: grid.midplane(event[f"{name}_state"]) for name in labels}
+    norm = planes.symmetric_norm([*fields.values()])
+    for row, (name, label) in zip(panels, labels.items(), strict=True):
+        for axes, field in zip(row, fields[name], strict=True):
+            mesh = planes.draw_plane(axes, grid.x, grid.z, field, norm, "RdBu_r")
+        row[0].set_ylabel(f"{label}\n$z$")
+    planes.label_planes(panels)
+    planes.add_row_bar(figure, mesh, list(panels.flat), "$u$ [$U_0$]", ticks=5)
     return figure

@@ -5,7 +5,6 @@ velocities in units of U_0, the velocity of the laminar flow halfway between cen
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,9 +20,7 @@ from scipy.ndimage import map_coordinates
 from skimage.measure import marching_cubes
 
 from burstcast.arrays import FloatArray, IntArray
-from burstcast.figures.parts.nothing_to_show import nothing_to_show
-from burstcast.figures.parts.planes import symmetric_norm
-from burstcast.figures.parts.style import BLUE, DOUBLE_COLUMN, VERMILLION, new_figure, styled
+from burstcast.figures.parts import planes, style
 from burstcast.figures.registry import Declaration
 from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.registry import make_system
@@ -41,22 +38,15 @@ FIGURE = Declaration(
     only_flows=True,
 )
 
-_COLOURS = {1: VERMILLION, -1: BLUE}
-_VELOCITY_COLOURS = "PRGn"
+_COLOURS = {1: style.VERMILLION, -1: style.BLUE}
+_VELOCITY = "PRGn"
 _OPACITY = 0.75
+_ARROWS = 12
 # of the event's four times: the peak, and when the laminar structure has broken down
-_BEFORE, _AFTER = 2, 3
+_SHOWN = {2: "before", 3: "after"}
 
 
-@dataclass(frozen=True)
-class FlowSnapshot:
-    """The flow in a box at one time, on a regular grid."""
-
-    title: str  #: title of the panel
-    velocity: FloatArray  #: u, v, w: ``(3, points_x, points_y, points_z)``
-    scalar: FloatArray  #: the field whose isosurfaces are drawn: ``(points_x, points_y, points_z)``
-
-
+@style.styled
 def draw(
     *,
     event: Mapping[str, Any],
@@ -67,69 +57,40 @@ def draw(
 ) -> Figure:
     """Draw the true flow at the event's peak and after its breakdown.
 
-    The level of the isosurfaces is relative to the largest vorticity.
-    """
-    if not event["mark"].size:
-        return nothing_to_show("No isolated event occurred in the test set.")
-    grid = make_flow_grid(make_system(system, parameters), flow_points)
-    axes = np.meshgrid(grid.x, grid.y, grid.z, indexing="ij", sparse=True)
-    snapshots = [
-        FlowSnapshot(
-            f"$t_{index + 1}$, {title} the breakdown",
-            grid.modes.velocity(event["true_state"][index], *axes),
-            grid.modes.vorticity(event["true_state"][index], *axes)[0],
-        )
-        for index, title in ((_BEFORE, "before"), (_AFTER, "after"))
-    ]
-    largest = max(float(np.abs(snapshot.scalar).max()) for snapshot in snapshots)
-    level = isosurface_level * largest
-    return vorticity_isosurfaces(grid.x, grid.y, grid.z, snapshots, level)
-
-
-@styled
-def vorticity_isosurfaces(
-    x: FloatArray,
-    y: FloatArray,
-    z: FloatArray,
-    snapshots: Sequence[FlowSnapshot],
-    level: float,
-    *,
-    scalar_label: str = r"\omega_x",
-    arrows: int = 12,
-) -> Figure:
-    """Draw one panel per snapshot: surfaces of plus and minus the level, and the velocity.
-
     The box has its physical proportions, the walls above and below. Colours on its far side and
     its left end are the velocity along x; vectors there are the velocity in these planes. Surfaces
-    are closed where the box cuts them.
-
-    ``level``: Level of the isosurfaces; drawn where the scalar attains ``level`` and ``-level``.
+    are closed where the box cuts them. Their level is relative to the largest vorticity.
     """
-    if not level > 0:
-        raise ValueError(f"the level of an isosurface must be positive, not {level}")
-    figure = new_figure(DOUBLE_COLUMN, 2.35, layout=None)
-    streamwise = symmetric_norm([snapshot.velocity[0] for snapshot in snapshots] or [np.zeros(1)])
-    largest = max(
-        float(np.sqrt((snapshot.velocity**2).sum(axis=0)).max()) for snapshot in snapshots
-    )
-    width = 1.0 / len(snapshots)
+    if not event["mark"].size:
+        return style.nothing_to_show("No isolated event occurred in the test set.")
+    grid = make_flow_grid(make_system(system, parameters), flow_points)
+    x, y, z = grid.x, grid.y, grid.z
+    points = np.meshgrid(x, y, z, indexing="ij", sparse=True)
+    states = [event["true_state"][time] for time in _SHOWN]
+    velocities = [grid.modes.velocity(state, *points) for state in states]
+    vorticities = [grid.modes.vorticity(state, *points)[0] for state in states]
+    level = isosurface_level * max(float(np.abs(one).max()) for one in vorticities)
+    streamwise = planes.symmetric_norm([velocity[0] for velocity in velocities])
+    largest = max(float(np.sqrt((one**2).sum(axis=0)).max()) for one in velocities)
+    figure = style.new_figure(style.DOUBLE_COLUMN, 2.35, layout=None)
+    width = 1.0 / len(states)
     # Matplotlib draws in the largest square of the frame and cuts off the rest: the square is made
     # as wide as the panel, and higher than the figure.
     height = width * figure.get_figwidth() / figure.get_figheight()
-    for index, snapshot in enumerate(snapshots):
+    for index, (time, when) in enumerate(_SHOWN.items()):
         axes = figure.add_axes(
             (index * width, 0.5 - 0.5 * height, width, height),
             projection="3d",
             computed_zorder=False,
         )
         _draw_box(axes, x, y, z)
-        _draw_velocity(axes, x, y, z, snapshot.velocity[0], streamwise)
-        _draw_vectors(axes, x, y, z, snapshot.velocity, largest, arrows)
-        _draw_surfaces(axes, x, y, z, snapshot.scalar, level)
-        letter = chr(ord("a") + index)
-        figure.text(index * width + 0.015, 0.97, f"({letter}) {snapshot.title}", va="top")
+        _draw_velocity(axes, x, y, z, velocities[index][0], streamwise)
+        _draw_vectors(axes, x, y, z, velocities[index], largest)
+        _draw_surfaces(axes, x, y, z, vorticities[index], level)
+        title = f"({chr(ord('a') + index)}) $t_{time + 1}$, {when} the breakdown"
+        figure.text(index * width + 0.015, 0.97, title, va="top")
     figure.colorbar(
-        ScalarMappable(streamwise, _VELOCITY_COLOURS),
+        ScalarMappable(streamwise, _VELOCITY),
         cax=figure.add_axes((0.36, 0.1, 0.28, 0.035)),
         orientation="horizontal",
         alpha=_OPACITY,
@@ -137,16 +98,11 @@ def vorticity_isosurfaces(
     box = ", ".join(f"${name}/h$: {_extent(axis)}" for name, axis in (("x", x), ("y", y), ("z", z)))
     figure.text(0.985, 0.04, box, ha="right", va="center")
     figure.text(0.345, 0.1175, "Velocity along $x$, $u$ [$U_0$]", ha="right", va="center")
-    signs = [1, -1] if any(snapshot.scalar.min() < -level for snapshot in snapshots) else [1]
+    signs = [1, -1] if any(one.min() < -level for one in vorticities) else [1]
     for place, sign in enumerate(signs):
-        figure.text(
-            0.985,
-            0.97 - 0.085 * place,
-            rf"Vorticity ${scalar_label} = {sign * level:.2g}\,U_0/h$",
-            color=_COLOURS[sign],
-            ha="right",
-            va="top",
-        )
+        text = rf"Vorticity $\omega_x = {sign * level:.2g}\,U_0/h$"
+        look: dict[str, Any] = {"color": _COLOURS[sign], "ha": "right", "va": "top"}
+        figure.text(0.985, 0.97 - 0.085 * place, text, **look)
     return figure
 
 
@@ -193,7 +149,7 @@ def _draw_velocity(
     axes: Axes3D, x: FloatArray, y: FloatArray, z: FloatArray, u: FloatArray, norm: Normalize
 ) -> None:
     """Colour the far side of the box and its left end by the velocity along x."""
-    colours = ScalarMappable(norm, _VELOCITY_COLOURS)
+    colours = ScalarMappable(norm, _VELOCITY)
     for plane, coordinates in (
         (u[:, :, -1], (x[:, np.newaxis], np.full((1, 1), z[-1]), y)),
         (u[0], (np.full((1, 1), x[0]), z, y[:, np.newaxis])),
@@ -221,21 +177,20 @@ def _draw_vectors(
     z: FloatArray,
     velocity: FloatArray,
     largest: float,
-    arrows: int,
 ) -> None:
     """Draw the in-plane velocity on the far side of the box and on its left end."""
-    scale = 1.1 * float(np.ptp(x)) / (arrows * largest)
+    scale = 1.1 * float(np.ptp(x)) / (_ARROWS * largest)
 
     def inner(axis: FloatArray, count: int) -> IntArray:
         """Give indices of evenly spaced points, away from the ends."""
         return np.round((np.arange(count) + 0.5) / count * (len(axis) - 1)).astype(np.int64)
 
-    rows = inner(y, max(3, arrows // 2))
-    columns = inner(x, arrows)
+    rows = inner(y, _ARROWS // 2)
+    columns = inner(x, _ARROWS)
     along, up = np.meshgrid(x[columns], y[rows], indexing="ij")
     u, v = (velocity[i][:, :, -1][np.ix_(columns, rows)] * scale for i in (0, 1))
     _draw_arrows(axes, along, up, u, v, lambda p, q: (p, np.full_like(p, z[-1]), q))
-    columns = inner(z, max(3, 2 * arrows // 3))
+    columns = inner(z, 2 * _ARROWS // 3)
     along, up = np.meshgrid(z[columns], y[rows], indexing="ij")
     w, v = (velocity[i][0][np.ix_(rows, columns)].T * scale for i in (2, 1))
     _draw_arrows(axes, along, up, w, v, lambda p, q: (np.full_like(p, x[0]), p, q))

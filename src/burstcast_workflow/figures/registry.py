@@ -189,6 +189,8 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     "long_term_networks": lambda campaign, case: [
         one.directory for one in long_term_candidates(campaign, case)
     ],
+    # the case, if spectra of its networks are computed
+    "spectrum_case": lambda campaign, case: [case] if case in _with_spectrum(campaign) else [],
     "suppressed_event": _suppressed_event,
     # the case that another is a part of
     "source": Campaign.source_case,
@@ -319,7 +321,6 @@ CASES: Mapping[str, Callable[[Campaign], list[str]]] = {
     "plane_flows": _plane_flows,
     "decoded_planes": _decoded_planes,
     "long_term": _with_long_term,
-    "spectrum": _with_spectrum,
     "control_example": _control_example,
     "controlled": _controlled,
     "controlled_systems": _controlled_systems,

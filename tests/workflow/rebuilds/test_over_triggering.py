@@ -272,11 +272,10 @@ GATHERED = """classification_table/* horizon_table/* warnings_table/*
     figure/forecast_skill figure/reliability"""
 GATHERED_CONTROL = """control_table/* control_density_table/* control_strategies_table/*
     all_control_table all_control_density_table all_control_strategies_table
-    figure/control_tradeoff figure/control_density figure/control_frontier
-    figure/control_conditions"""
+    figure/control_tradeoff figure/control_density figure/control_frontier"""
 GATHERED_LONG_RUNS = """statistics_table/* survival_table/* lyapunov_spectrum_table/*
     all_statistics_table all_survival_table all_lyapunov_spectrum_table
-    figure/survival figure/lyapunov_spectrum warnings_table/* all_warnings_table"""
+    figure/own_flow warnings_table/* all_warnings_table"""
 GATHERED_NETWORKS = f"""{GATHERED} {GATHERED_CONTROL}
     hyperparameters_table/* all_hyperparameters_table
     {GATHERED_LONG_RUNS}
@@ -295,7 +294,7 @@ WITH_EFFECT = [
             "(ahead >= 2.0 * level)",
         ),
         "control/*/receding_horizon-* control_strategies_table/* "
-        "all_control_strategies_table figure/control_frontier figure/control_conditions "
+        "all_control_strategies_table figure/control_frontier "
         "figure/control_tradeoff",
     ),
     (

@@ -42,8 +42,8 @@ OF_NETWORKS = (
     *("hyperparameters_table", *SCORES, "horizon_table", *PROBABILITIES, *CONTROL_TABLES),
     *(*LONG_RUN_TABLES, "warnings_table"),
 )
-# figures of each case: scores, skill, density, survival, exponents, profiles, midplane, trade-off
-OF_CASES = 8 * CASES
+# figures of each case: scores, skill, density, own flow, profiles, midplane, trade-off
+OF_CASES = 7 * CASES
 # of the example: reliability, lead times, a committee's event; by Reynolds number
 OF_ALARMS = 5
 
@@ -107,7 +107,7 @@ def reason(project: Project, words: str, overlay: dict | None = None) -> str:
 def test_the_campaign_has_these_jobs(tmp_path, job_server):
     project = Project.create(tmp_path / "project", job_server, PAPER)
     assert plan(project) == JOBS
-    assert sum(JOBS.values()) == 1533
+    assert sum(JOBS.values()) == 1529
 
 
 def test_the_finished_campaign_has_nothing_to_do(paper):
@@ -154,7 +154,7 @@ def test_one_more_seed(paper):
         **joined(*OF_NETWORKS),
         "figure": OF_CASES + OF_ALARMS + 2,  # horizon by size, density under control
     }
-    assert sum(jobs.values()) == 247
+    assert sum(jobs.values()) == 243
     assert "scan (9)" in reason(paper, "one more seed, 10 -> 11 (10)", {"campaign": campaign})
 
 
@@ -173,7 +173,7 @@ def test_one_more_beta(paper):
         # all but the observable's, the strategies' and the schematic of the horizon
         "figure": OF_CASES + 16,
     }
-    assert sum(jobs.values()) == 1457
+    assert sum(jobs.values()) == 1453
     assert "search (180)" in reason(paper, "tikhonov", overlay)
 
 

@@ -6,11 +6,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from burstcast.figures.parts.percentile_curves import nearest_value
-from burstcast.figures.parts.reference_forecasters import (
-    forecaster_style,
-    ordered_forecasters,
-)
+from burstcast.figures.parts import looks
+from burstcast.figures.parts.medians import nearest_value
 
 _NETWORKS = ("esn", "esn_committee")
 _BOLD = 1.4  # lines of networks; the others are thinner
@@ -68,11 +65,11 @@ def draw_alarms(axes: Axes, table: pd.DataFrame, x: str) -> None:
     single networks are drawn as `median_network`.
     """
     table = median_network(table, x)
-    for kind in ordered_forecasters(set(table["forecaster"])):
+    for kind in looks.ordered_forecasters(set(table["forecaster"])):
         rows = table[(table["forecaster"] == kind) & table["value"].notna()].sort_values(x)
         if rows.empty:
             continue
-        style = forecaster_style(kind)
+        style = looks.forecaster_line(kind)
         if kind == "esn":
             style["label"] = "median network"
         network = kind in _NETWORKS

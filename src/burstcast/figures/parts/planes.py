@@ -12,24 +12,78 @@ from matplotlib.image import AxesImage
 from matplotlib.ticker import MaxNLocator
 
 from burstcast.arrays import FloatArray
-from burstcast.figures.parts.style import (
-    BLUE,
-    DOUBLE_COLUMN,
-    WINDOW,
-    draw_threshold,
-    new_figure,
-    observable_label,
-)
+from burstcast.figures.parts import frame, looks, style
+
+Curves = Sequence[tuple[FloatArray, str | None, looks.LineStyle]]
+
+# -- flows in a plane ------------------------------------------------------------------------------
+
+
+def evolution_above_fields(
+    height: float,
+    fields_share: float,
+    time_lt: FloatArray,
+    curves: Curves,
+    times_lt: Sequence[float] | FloatArray,
+    threshold: float,
+    labels: tuple[str, str],
+) -> tuple[Figure, Axes, SubFigure]:
+    """Draw an observable with the event threshold and the times of fields, and leave room for them.
+
+    ``height``, ``fields_share``: Height of the figure in inches, and of the part for the fields in
+    heights of the panel. Returns the figure, the panel of the observable, and the part below it.
+    """
+    figure = style.new_figure(style.DOUBLE_COLUMN, height)
+    grid = figure.add_gridspec(2, 1, height_ratios=[1.0, fields_share])
+    upper, lower = (figure.add_subfigure(grid[row]) for row in range(2))
+    evolution: Axes = upper.subplots()
+    for observable, label, look in curves:
+        evolution.plot(time_lt, observable, label=label, **look)
+    frame.draw_threshold(evolution, threshold, "event threshold", at_left=True)
+    for time in times_lt:
+        evolution.axvline(time, **looks.WINDOW)
+    evolution.set_xlim(time_lt[0], time_lt[-1])
+    evolution.set_xlabel(labels[0])
+    evolution.set_ylabel(labels[1])
+    return figure, evolution, lower
+
+
+def vorticity_fields(flow: Any, states: FloatArray, points: int = 96) -> FloatArray:
+    """Vorticity of states of a plane flow on a regular grid, ``(states, points, points)``.
+
+    ``states``: ``(dimension, states)``.
+    """
+    sides = [np.linspace(0.0, side, points) for side in flow.domain]
+    grid = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
+    fields: FloatArray = flow.vorticity(states, grid).reshape(points, points, -1)
+    return np.moveaxis(fields, -1, 0)
+
+
+def draw_periodic_field(
+    axes: Axes, field: FloatArray, domain: tuple[float, float], largest: float
+) -> AxesImage:
+    """Draw a field of a doubly periodic flow, ``(points_x, points_y)``, with diverging colours."""
+    image = axes.imshow(
+        field.T,
+        origin="lower",
+        extent=(0.0, domain[0], 0.0, domain[1]),
+        cmap="RdBu_r",
+        vmin=-largest,
+        vmax=largest,
+    )
+    axes.set_xlabel("$x$")
+    axes.set_xticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
+    axes.set_yticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
+    return image
+
+
+# -- the midplane of a channel ---------------------------------------------------------------------
 
 
 def draw_plane(
     axes: Axes, x: FloatArray, z: FloatArray, values: FloatArray, norm: Normalize, colours: str
 ) -> QuadMesh:
-    """Draw values over the plane, in its physical proportions.
-
-    ``x``, ``z``: Coordinates, ``(points_x,)`` and ``(points_z,)``. ``values``: ``(points_x,
-    points_z)``.
-    """
+    """Draw values over the plane, ``(points_x, points_z)``, in its physical proportions."""
     mesh = axes.pcolormesh(
         x, z, values.T, norm=norm, cmap=colours, shading="gouraud", rasterized=True
     )
@@ -43,70 +97,6 @@ def draw_plane(
     axes.get_xticklabels()[0].set_horizontalalignment("left")
     axes.get_xticklabels()[-1].set_horizontalalignment("right")
     return mesh
-
-
-def evolution_above_fields(
-    height: float,
-    fields_share: float,
-    time_lt: FloatArray,
-    curves: Sequence[tuple[FloatArray, Mapping[str, Any]]],
-    times_lt: Sequence[float],
-    threshold: float,
-    labels: tuple[str, str],
-) -> tuple[Figure, Axes, SubFigure]:
-    """Draw an observable with the event threshold and the times of fields, and leave room for them.
-
-    ``height``, ``fields_share``: Height of the figure in inches, and of the part for the fields in
-    heights of the panel. ``time_lt``, ``curves``: Lyapunov times ``(time,)``, and each observable
-    ``(time,)`` with the style of its line. Returns the figure, the panel of the observable, and the
-    part below it.
-    """
-    figure = new_figure(DOUBLE_COLUMN, height)
-    grid = figure.add_gridspec(2, 1, height_ratios=[1.0, fields_share])
-    upper, lower = (figure.add_subfigure(grid[row]) for row in range(2))
-    evolution: Axes = upper.subplots()
-    for observable, style in curves:
-        evolution.plot(time_lt, observable, **style)
-    draw_threshold(evolution, threshold, "event threshold", at_left=True)
-    for time in times_lt:
-        evolution.axvline(time, **WINDOW)
-    evolution.set_xlim(time_lt[0], time_lt[-1])
-    evolution.set_xlabel(labels[0])
-    evolution.set_ylabel(labels[1])
-    return figure, evolution, lower
-
-
-def vorticity_fields(flow: Any, states: FloatArray, points: int = 96) -> FloatArray:
-    """Vorticity of states of a plane flow on a regular grid.
-
-    ``flow``: A flow with a vorticity in a plane (`burstcast.systems.kolmogorov.KolmogorovFlow`).
-    ``states``: ``(dimension, states)``. Shape ``(states, points, points)``, along x, then y.
-    """
-    sides = [np.linspace(0.0, side, points) for side in flow.domain]
-    grid = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, 2)
-    fields: FloatArray = flow.vorticity(states, grid).reshape(points, points, -1)
-    return np.moveaxis(fields, -1, 0)
-
-
-def draw_periodic_field(
-    axes: Axes, field: FloatArray, domain: tuple[float, float], largest: float
-) -> AxesImage:
-    """Draw a field of a doubly periodic flow, with diverging colours.
-
-    ``field``: ``(points_x, points_y)``.
-    """
-    image = axes.imshow(
-        field.T,
-        origin="lower",
-        extent=(0.0, domain[0], 0.0, domain[1]),
-        cmap="RdBu_r",
-        vmin=-largest,
-        vmax=largest,
-    )
-    axes.set_xlabel("$x$")
-    axes.set_xticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
-    axes.set_yticks([0.0, np.pi, 2.0 * np.pi], ["0", r"$\pi$", r"$2\pi$"])
-    return image
 
 
 def _multiples_of_pi(coordinate: FloatArray) -> tuple[list[float], list[str]]:
@@ -126,58 +116,64 @@ def symmetric_norm(fields: Sequence[FloatArray]) -> Normalize:
     return Normalize(-largest or -1.0, largest or 1.0)
 
 
-def label_planes(planes: np.ndarray[tuple[int, int], np.dtype[np.object_]]) -> None:
-    """Name a grid of planes: times t_1, t_2, ... above it, rows (b), (c), ..., its outer axes."""
-    rows, columns = planes.shape
-    for row in range(rows):
-        for column in range(columns):
-            axes: Axes = planes[row, column]
-            axes.tick_params(labelleft=column == 0, labelbottom=row == rows - 1)
-            if row == 0:
-                axes.set_title(f"$t_{column + 1}$", loc="center")
-            if column == 0:
-                axes.set_title(f"({chr(ord('b') + row)})", loc="left")
-            if row == rows - 1:
-                axes.set_xlabel("$x$")
-
-
-def frame_evolution(
-    axes: Axes,
+def evolution_above_planes(
+    size: tuple[float, float],
+    rows: int,
     time_lt: FloatArray,
-    observables: Sequence[FloatArray],
+    curves: Curves,
+    times_lt: FloatArray,
     threshold: float,
-    plane_times_lt: FloatArray,
     symbol: str,
-) -> None:
-    """Frame the panel (a) above planes: threshold, times of the planes, limits, names.
+    shaded: Mapping[str, Any] | None = None,
+) -> tuple[Figure, Axes, np.ndarray[Any, Any]]:
+    """Draw an observable with the times t_1, t_2, ... marked, above rows of empty planes.
 
-    ``time_lt``: Their time, ``(time,)``. ``observables``: What is drawn, ``(time,)`` each; may have
-    gaps.
+    ``size``: Height of the figure in inches, and of the planes in heights of the panel.
+    ``shaded``: Keywords of a span of time that is shaded. Returns the figure, the panel of the
+    observable, and the panels of the planes, ``(rows, times)``.
     """
-    draw_threshold(axes, threshold, f"${symbol}_e$", at_left=True)
-    _mark_times(axes, plane_times_lt)
-    axes.set_xlim(float(time_lt[0]), float(time_lt[-1]))
-    # room for the name of the threshold, however low the event is
-    axes.set_ylim(0, 1.2 * max(threshold, float(np.nanmax(observables))))
-    axes.set_ylabel(observable_label(symbol))
-    axes.set_title("(a)", loc="left")
-    axes.legend(loc="upper left")
-
-
-def _mark_times(axes: Axes, times: FloatArray) -> None:
-    """Draw vertical lines at the times t_1, t_2, ... and name them above the frame."""
-    for index, time in enumerate(times, start=1):
-        axes.axvline(float(time), color=BLUE, linewidth=0.8, linestyle=(0, (4.0, 1.5)))
-        axes.annotate(
+    figure = style.new_figure(style.DOUBLE_COLUMN, size[0])
+    top, bottom = figure.subfigures(2, 1, squeeze=False, height_ratios=[1.0, size[1]])[:, 0]
+    evolution: Axes = top.subplots()
+    if shaded is not None:
+        evolution.axvspan(**shaded)
+    for observable, label, look in curves:
+        evolution.plot(time_lt, observable, label=label, **look)
+    frame.draw_threshold(evolution, threshold, f"${symbol}_e$", at_left=True)
+    for index, time in enumerate(times_lt, start=1):
+        evolution.axvline(float(time), color=style.BLUE, linewidth=0.8, linestyle=(0, (4.0, 1.5)))
+        evolution.annotate(
             f"$t_{index}$",
             (float(time), 1),
             (0, 1.5),
-            axes.get_xaxis_transform(),
+            evolution.get_xaxis_transform(),
             "offset points",
             ha="center",
             va="bottom",
-            color=BLUE,
+            color=style.BLUE,
         )
+    evolution.set_xlim(float(time_lt[0]), float(time_lt[-1]))
+    # room for the name of the threshold, however low the event is
+    highest = float(np.nanmax([observable for observable, _, _ in curves]))
+    evolution.set_ylim(0, 1.2 * max(threshold, highest))
+    evolution.set_ylabel(frame.observable_label(symbol))
+    evolution.set_title("(a)", loc="left")
+    evolution.legend(loc="upper left")
+    panels: np.ndarray[Any, Any] = bottom.subplots(rows, len(times_lt), squeeze=False)
+    return figure, evolution, panels
+
+
+def label_planes(panels: Any) -> None:
+    """Name a grid of planes: times t_1, t_2, ... above it, rows (b), (c), ..., its outer axes."""
+    for row, column in np.ndindex(panels.shape):
+        axes = panels[row][column]
+        axes.tick_params(labelleft=column == 0, labelbottom=row == len(panels) - 1)
+        if row == 0:
+            axes.set_title(f"$t_{column + 1}$", loc="center")
+        if column == 0:
+            axes.set_title(f"({chr(ord('b') + row)})", loc="left")
+        if row == len(panels) - 1:
+            axes.set_xlabel("$x$")
 
 
 def add_row_bar(

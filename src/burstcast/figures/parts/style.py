@@ -1,4 +1,4 @@
-"""The look that the figures share: sizes, fonts, colours, panel letters, reproducible files.
+"""The style of all figures: sizes, fonts, colours, panel letters, legends, reproducible files.
 
 Figures are built from :class:`matplotlib.figure.Figure` without pyplot: no global state, and a
 quick start. Colours are of the Okabe-Ito palette, safe for colour-blind readers; what a colour
@@ -8,9 +8,8 @@ so that a figure looks the same on every machine.
 
 import functools
 import io
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Literal, ParamSpec, TypedDict
+from typing import Any, Literal, ParamSpec
 
 import matplotlib
 import numpy as np
@@ -20,9 +19,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.patheffects import withStroke
-
-from burstcast.arrays import BoolArray
 
 P = ParamSpec("P")
 
@@ -39,38 +35,6 @@ VERMILLION = "#D55E00"
 PURPLE = "#CC79A7"
 GREY = "#6E6E6E"
 LIGHT_GREY = "#DADADA"
-
-
-class LineStyle(TypedDict):
-    """Keywords of a line, by role."""
-
-    color: str
-    linestyle: str | tuple[float, tuple[float, ...]]
-    linewidth: float
-
-
-class MarkerStyle(LineStyle):
-    """Keywords of a line with markers, by role."""
-
-    marker: str
-
-
-TRUTH = LineStyle(color=BLACK, linestyle="-", linewidth=1.1)
-NETWORK = LineStyle(color=VERMILLION, linestyle=(0, (3.5, 1.2)), linewidth=1.2)
-TRAINING = LineStyle(color=GREEN, linestyle=(0, (1.0, 1.0)), linewidth=1.3)
-FLOOR = LineStyle(color=GREY, linestyle=(0, (6.0, 1.5, 1.0, 1.5)), linewidth=0.9)
-THRESHOLD = LineStyle(color=GREY, linestyle="-", linewidth=0.7)
-WINDOW = LineStyle(color=BLUE, linestyle=(0, (5.0, 2.0)), linewidth=0.9)
-CONTROLLED = LineStyle(color=GREEN, linestyle=(0, (6.0, 1.2, 1.2, 1.2)), linewidth=1.3)
-"""The line of a controlled flow, the same in every figure."""
-
-_VALIDATION = {
-    "SSV": MarkerStyle(color=ORANGE, linestyle=(0, (4.0, 1.5)), linewidth=1.2, marker="s"),
-    "RV": MarkerStyle(color=BLUE, linestyle="-", linewidth=1.2, marker="o"),
-}
-_SPARE = MarkerStyle(color=PURPLE, linestyle=(0, (6.0, 1.5, 1.0, 1.5)), linewidth=1.2, marker="^")
-
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
 
 # A user's own matplotlibrc must not change a figure: every setting starts from Matplotlib's
 # defaults, except settings of interactive windows, which a figure does not have.
@@ -165,31 +129,12 @@ def render(figure: Figure, file_format: Literal["pdf", "png", "svg"]) -> bytes:
     return buffer.getvalue()
 
 
-def validation_style(validation: str) -> MarkerStyle:
-    """Colour, line style and marker of a validation strategy in every figure."""
-    return _VALIDATION.get(validation, _SPARE)
-
-
-def ordered_validations(names: Iterable[str]) -> list[str]:
-    """Strategies in the order of the paper (SSV before RV), unknown ones after them by name."""
-    known = list(_VALIDATION)
-    return sorted(
-        set(names), key=lambda name: (known.index(name) if name in known else len(known), name)
-    )
-
-
-def sequence_styles(count: int) -> list[MarkerStyle]:
-    """Styles for an ordered family of curves (reservoir sizes): dark to light, markers differ."""
-    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.82, max(count, 2)))[:count]
-    return [
-        MarkerStyle(
-            color=matplotlib.colors.to_hex(colour),
-            linestyle="-" if index % 2 == 0 else (0, (4.0, 1.2)),
-            linewidth=1.0,
-            marker=_MARKERS[index % len(_MARKERS)],
-        )
-        for index, colour in enumerate(colours)
-    ]
+@styled
+def nothing_to_show(reason: str) -> Figure:
+    """Draw a placeholder that states why a figure has no content."""
+    figure = new_figure(SINGLE_COLUMN, 0.8, layout=None)
+    figure.text(0.5, 0.5, reason, ha="center", va="center", color=GREY)
+    return figure
 
 
 def letter_panels(axes: Sequence[Axes], *, inside: bool = False, start: int = 0) -> None:
@@ -202,46 +147,6 @@ def letter_panels(axes: Sequence[Axes], *, inside: bool = False, start: int = 0)
             )
         else:
             panel.set_title(letter, loc="left")
-
-
-def observable_label(symbol: str, name: str | None = None) -> str:
-    """Label of an axis that shows the observable: "Kinetic energy, $k$", or the symbol alone."""
-    upright = re.sub(r"\\mathrm\{(.*)\}", r"\1", symbol).replace(r"\_", "_")
-    if name is None or name.lower() == upright.lower():
-        return f"${symbol}$"
-    return f"{name[:1].upper()}{name[1:]}, ${symbol}$"
-
-
-def true_runs(condition: BoolArray) -> list[tuple[int, int]]:
-    """First and last index of each run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], condition, [False]]).astype(np.int8)))
-    return [(int(first), int(last) - 1) for first, last in edges.reshape(-1, 2)]
-
-
-def draw_threshold(
-    axes: Axes, threshold: float, label: str | None = None, *, at_left: bool = False
-) -> None:
-    """Draw the event threshold as a horizontal line, with its symbol at one of its ends."""
-    axes.axhline(threshold, zorder=1.5, **THRESHOLD)
-    if label is not None:
-        axes.annotate(
-            label,
-            (0 if at_left else 1, threshold),
-            (3 if at_left else -3, 1.5),
-            axes.get_yaxis_transform(),
-            "offset points",
-            ha="left" if at_left else "right",
-            va="bottom",
-            color=GREY,
-            # legible where a curve passes behind it
-            path_effects=[withStroke(linewidth=2.0, foreground="white")],
-            zorder=5,
-        )
-
-
-def density_label(symbol: str) -> str:
-    """Label of an axis that shows a probability density of an observable."""
-    return rf"PDF of ${symbol}$"
 
 
 def band_handle(label: str, color: str = GREY) -> Patch:
