@@ -12,7 +12,7 @@ from burstcast.esn.readout import Readout
 from burstcast.esn.training import TrainingSeries, train
 from burstcast.forecast.window_forecasts import member_forecasts
 from burstcast.forecasters.analogues import Analogues
-from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
@@ -22,7 +22,7 @@ from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.persistence import Persistence
 from burstcast.forecasters.quadratic import QuadraticModel
 from burstcast.forecasters.quadratic_filtered import FilteredQuadraticModel
-from burstcast.forecasters.registry import forecaster_class, trajectory_kinds
+from burstcast.forecasters.registry import all_kinds, forecaster_class, kind_class, trajectory_kinds
 from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
@@ -187,21 +187,35 @@ CASE = ForecastingCase(
 )
 
 
-def test_every_kind_is_tested_here_and_says_what_it_is():
+INTEGRATING = {"equations", "equations_filtered", "equations_noisy"}
+FILTERING = {"equations_filtered", "quadratic_filtered", "quadratic_aware_filtered"}
+AWARE = {"esn_aware", "quadratic_aware", "quadratic_aware_filtered"}
+
+
+@pytest.mark.parametrize(
+    ("what", "expected"),
+    [
+        ("has_trajectories", {*FORECASTERS, *AWARE}),
+        ("sees_truth", {"equations", "esn_true_washout"}),  # only the bounds
+        ("needs_equations", INTEGRATING),
+        ("provides_ensemble", {"analogues", *FILTERING}),
+        ("has_filter", FILTERING),
+        ("aware", {*INTEGRATING, *AWARE}),
+        ("from_files", {"external"}),
+        ("has_search", {"esn", "esn_aware", "esn_true_washout"}),
+        ("searched_as", {"esn_true_washout"}),
+    ],
+)
+def test_kinds_say_what_they_are(what, expected):
+    kinds = {kind: kind_class(kind) for kind in all_kinds()}
+    assert {kind for kind, found in kinds.items() if getattr(found, what, False)} == expected
+    assert NetworkFromTruth.searched_as == "esn"
+
+
+def test_every_kind_is_tested_here():
     assert sorted(FORECASTERS) == trajectory_kinds()
-    kinds = {kind: forecaster_class(kind) for kind in FORECASTERS}
-    assert kinds == {kind: type(forecaster) for kind, forecaster in FORECASTERS.items()}
-    integrating = {"equations", "equations_filtered", "equations_noisy"}
-    filtered = {"equations_filtered", "quadratic_filtered"}
-    for what, expected in {
-        "needs_equations": integrating,
-        "aware": integrating,
-        "sees_truth": {"equations", "esn_true_washout"},  # only the bounds
-        "has_filter": filtered,
-        "provides_ensemble": {"analogues", *filtered},
-    }.items():
-        assert {kind for kind, found in kinds.items() if getattr(found, what)} == expected, what
-    assert not Forecaster.sees_truth
+    for kind, forecaster in FORECASTERS.items():
+        assert forecaster_class(kind) is type(forecaster)
 
 
 def test_what_is_not_there_is_named_with_what_is():
