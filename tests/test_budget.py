@@ -17,7 +17,7 @@ BUDGET = {
     "product, all lines": 49_000,
     "product, code": 29_100,
     "product, docstrings": 8_450,
-    "tests, all lines": 41_500,
+    "tests, all lines": 40_700,
 }
 ROOM = 0.02
 SUFFIXES = {".py", ".smk", ".jinja", ".css", ".js", ".html"}
