@@ -1,4 +1,4 @@
-"""Kept tables: which a campaign has, how they come here, whether another run has the same.
+"""Kept tables: which these are, how they are collected, whether another run reproduces them.
 
 ::
 
@@ -123,7 +123,7 @@ def _finished_tables(results: Path) -> list[Path]:
 
 
 def differences(campaign: str, results: Path) -> list[str]:
-    """Rows of another run's tables that a campaign's kept ones do not have.
+    """Rows of another run's tables that are not among a campaign's kept rows.
 
     ``results``: Results directory of a campaign that is part of the kept one: the same cases, fewer
     networks. Tables with rows for each network are compared, as text, to the last digit, in the
@@ -150,7 +150,8 @@ def differences(campaign: str, results: Path) -> list[str]:
             [",".join(row) for row in table[list(ours)].to_numpy().tolist()]
             for table in (others, ours)
         )
-        found += [f"{name}: {row}" for row in rows if row not in set(known)]
+        unknown = set(rows).difference(known)
+        found += [f"{name}: {row}" for row in rows if row in unknown]
         print(f"{name}: {len(rows)} rows looked up", file=sys.stderr)
     return found
 

@@ -1,9 +1,9 @@
 """The report of a campaign: one page, in one file that needs nothing else.
 
-It opens with what the campaign is and what it has found; sections of figures and tables follow in
-the order of `workflow/tables.yaml`, and provenance last. Figures are in it as
-pictures and as PDF, tables as CSV, which the page itself draws: with switches, sorted by any
-column. The page's own text and looks are `page.*` beside this module.
+It opens with the campaign and its main numbers; sections of figures and tables follow in the order
+of `workflow/tables.yaml`, and provenance last. Figures are embedded as PNG and PDF, tables as CSV,
+which the page's script shows with switches, sorted by any column. The text and style of the page
+are `page.*` beside this module.
 """
 
 import base64
@@ -87,7 +87,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class ShownSection:
-    """A section of the page: its number and title, figures and tables."""
+    """A section of the page."""
 
     title: str
     figures: list[Shown]
@@ -104,8 +104,8 @@ def page(
 ) -> str:
     """Text of the page.
 
-    ``costs``: What jobs took: `burstcast_workflow.costs.records.rule_costs`. ``days``: When the
-    first job began and the last one ended, in seconds since the epoch, if known.
+    ``costs``: Costs of jobs (`burstcast_workflow.costs.records.rule_costs`). ``days``: Start of the
+    first job and end of the last one, in seconds since the epoch; None: not known.
     """
     sections = list(_sections(flagged))
     there = {figure.name for section in sections for figure in section.figures}
@@ -141,7 +141,7 @@ def page(
 
 
 def title_of(name: str) -> str:
-    """Name of a figure or table for people: "Long-term density"."""
+    """Title of a figure or table, from its name: "Long-term density"."""
     words = name.replace("_", " ")
     for plain, spelt in _SPELT.items():
         words = words.replace(plain, spelt)
@@ -154,7 +154,7 @@ def title_of(name: str) -> str:
 def computed(campaign: Campaign, tables: Path) -> list[dict[str, str]]:
     """Contents of a campaign, a row for each case: data, networks, other forecasters.
 
-    ``tables``: Directory of its tables, where the data are counted.
+    ``tables``: Directory of the campaign's tables.
     """
     data = {row["case"]: row for row in pd.read_csv(tables / "dataset.csv").to_dict("records")}
     rows = []
@@ -193,9 +193,9 @@ def _kinds(campaign: Campaign) -> dict[str, str]:
 
 
 def other_settings(config: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    """Settings that differ from config.yaml, the paper's: name, value here, value there.
+    """Settings that differ from the paper's config.yaml: name, value here, value there.
 
-    Forecasters and the drawing of figures are left out.
+    The blocks of the campaign, the results directory and settings of figures are left out.
     """
     path = project_root() / "config.yaml"
     paper = load(yaml.safe_load(path.read_text(encoding="utf-8")))
@@ -213,7 +213,7 @@ def other_settings(config: Mapping[str, Any]) -> list[tuple[str, str, str]]:
 
 
 def _rows(table: pd.DataFrame | None) -> list[dict[str, str]]:
-    """Rows as a person reads them."""
+    """Rows of text, with numbers in three digits; missing ones are empty."""
     if table is None:
         return []
     return [
@@ -228,10 +228,9 @@ def _rows(table: pd.DataFrame | None) -> list[dict[str, str]]:
 
 
 def times_of_rules(costs: pd.DataFrame) -> list[dict[str, str]]:
-    """Times of jobs by rule, the longest first.
+    """Times of jobs by rule, the longest first: in all, and of the longest job.
 
-    ``costs``: Costs of `burstcast_workflow.costs.records.rule_costs`. Returns rows: rule, number of
-    jobs that have run, time of all of them, of the longest, and the largest memory.
+    ``costs``: See `burstcast_workflow.costs.records.rule_costs`.
     """
     ran = costs[costs["records"] > 0].sort_values("minutes", ascending=False)
     return [
@@ -256,7 +255,7 @@ def _duration(seconds: float) -> str:
 
 
 def _sections(flagged: Iterable[Flagged]) -> Iterator[ShownSection]:
-    """Sections in their order, figures and tables in theirs; nothing for what is not there."""
+    """Sections, their figures and their tables, each in declared order; empty ones are left out."""
     found: dict[tuple[str, str], list[Flagged]] = {}
     for one in flagged:
         kind = "figure" if "figure" in one.labels else "table"
@@ -313,5 +312,5 @@ def _shown_table(name: str, one: Flagged) -> Shown:
         for column in header
     ]
     data = json.dumps({"name": name, "csv": text, "columns": columns})
-    # so that nothing in it ends the element that it stands in
+    # no text of a table can end the script element around it
     return Shown(name, Markup(one.caption), data=Markup(data.replace("<", "\\u003c")))

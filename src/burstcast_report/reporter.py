@@ -1,8 +1,8 @@
 """The report of a campaign as one page: ``snakemake --reporter burstcast`` writes report.html.
 
-What Snakemake hands over, the files that rules flag with ``report()``, with their sections, labels
-and captions, goes to `burstcast_report.page`. Snakemake looks through all plugins whenever
-it starts, so that nothing of burstcast is imported before a report is made.
+The files that rules flag with ``report()`` go to `burstcast_report.page`, with their labels and
+captions. Snakemake imports all plugins whenever it starts: burstcast's other modules are imported
+only when a report is made.
 """
 
 from dataclasses import dataclass, field
@@ -49,7 +49,7 @@ class PageReporter(ReporterBase):  # type: ignore[misc]
             for records in subcategories.values()
             for record in records
         ]
-        # of a job without times Snakemake says that it ended before it began
+        # a job without times ends before it begins, by Snakemake's defaults
         known = [job for job in self.jobs if job.starttime <= job.endtime]
         first, last = (job.starttime for job in known), (job.endtime for job in known)
         text = page(

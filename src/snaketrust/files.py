@@ -1,4 +1,4 @@
-"""Files: what is in them, and writing them completely or not at all."""
+"""Digests of files, and files that are written completely or not at all."""
 
 import hashlib
 import os
@@ -50,6 +50,6 @@ def remove_partial(path: Path) -> None:
 
 
 def flush(path: Path) -> None:
-    """Have a file written to the disk before what follows."""
+    """Wait until a file has reached the disk."""
     with path.open("rb") as file:
         os.fsync(file.fileno())

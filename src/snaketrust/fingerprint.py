@@ -1,17 +1,17 @@
-"""Fingerprints of code: what a script runs, insensitive to how it is written down.
+"""Fingerprints of the code that a script runs, insensitive to layout and comments.
 
 Snakemake does not notice that a module which a script imports has changed. Each rule therefore
 carries the fingerprints of its script and of all modules of the project that the script reaches
 through imports, as a parameter, and Snakemake compares them as it does any other parameter.
 
-A fingerprint is a hash of what a file's code does (`snaketrust.code_hash`). What imports do not
-show must not happen, and a test of the project should keep it out. Two things are known otherwise:
+A fingerprint is a hash of what a file's code does (`snaketrust.code_hash`). Code that is reached
+without an import is not seen; a test of the project should forbid it. There are two exceptions:
 
 * Modules that are found by name, in a package with a module ``registry``. A script that reaches a
-  registry depends on the modules that its job is about, and on no others. A module of a
-  user's own lies elsewhere: all that it imports counts, too, as far as it is not installed, and so
-  do the files that are declared for it.
-* Code that all jobs run, such as what logs and writes files: an edit of it would run everything
+  registry depends on the modules that its job is about, and on no others. A user's own module is
+  outside the package: everything that it imports counts, too, unless it is installed, and so do the
+  files that are declared for it.
+* Code that all jobs run, such as logging and writing of files: an edit of it would run everything
   again. A module with a version stands for it (`Project.stand_ins`).
 """
 

@@ -32,7 +32,7 @@ CLAIM = ".run.json"
 
 
 class OvertakenError(RuntimeError):
-    """Another run has the results directory now."""
+    """Another run has claimed the results directory."""
 
 
 @dataclass(frozen=True)
@@ -72,9 +72,9 @@ class Run:
         revision: str = "",
         wanted: Iterable[str] = (),
     ) -> None:
-        """Take the results directory, and let the jobs that this process starts know the run.
+        """Claim the results directory for this run, and for the jobs that this process starts.
 
-        ``wanted`` has the names of all files that it is to make, if they are not there yet.
+        ``wanted`` has the names of all files that the run should make if they do not exist.
         """
         self.check_idle()
         host, process = socket.gethostname(), os.getpid()
@@ -94,7 +94,7 @@ class Run:
         os.environ[VARIABLE] = f"{self.token} {self.results}"
 
     def check_idle(self) -> None:
-        """Check that no other run is at work in the results directory, as far as one can see."""
+        """Check that no other run of this machine is at work in the results directory."""
         found = self.claimed()
         other = found.get("process", 0)
         here = found.get("host") == socket.gethostname() and other != os.getpid()
@@ -106,7 +106,7 @@ class Run:
             )
 
     def plan(self) -> dict[str, Any]:
-        """Read what was planned: the claim with what `claim` has got."""
+        """Read the claim of this run; an `OvertakenError` if a newer run has replaced it."""
         claim = self.claimed()
         if claim.get("token") != self.token:
             by = f"{claim.get('host')}, process {claim.get('process')}" if claim else "unknown"
@@ -116,7 +116,7 @@ class Run:
         return claim
 
     def claimed(self) -> dict[str, Any]:
-        """Claim of the newest run, whichever it is; empty if there is none."""
+        """Claim of the newest run, this one or another; empty if there is none."""
         try:
             found = json.loads((Path(self.results) / CLAIM).read_bytes())
         except (OSError, ValueError, RecursionError):
@@ -131,7 +131,7 @@ def check_ownership() -> None:
 
 
 def _started(process: int) -> str:
-    """When a process started, in ticks of the machine's clock; empty if there is none."""
+    """Start of a process, in ticks of the machine's clock; empty if there is no such process."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[19]
     except (OSError, IndexError):

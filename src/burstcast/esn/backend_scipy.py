@@ -1,9 +1,9 @@
 """Dynamics of the reservoir in numpy and scipy: the plain implementation.
 
 It is the reference for `burstcast.esn.backend_compiled`, and the fallback where that does not run.
-The state of a trajectory is bit for bit the same whatever batch it is part of: every
-product is one of a sparse matrix with a batch, summed in the order of the row's entries. (A product
-of BLAS would depend on the size of the batch.)
+The state of a trajectory is bit for bit the same whatever batch it is part of: every product is one
+of a sparse matrix with a batch, summed in the order of the row's entries. (A product of BLAS would
+depend on the size of the batch.)
 """
 
 import numpy as np

@@ -16,7 +16,7 @@ class EventProbabilities:
     """Probabilities of one event at many starting points, by prediction time."""
 
     probability: FloatArray  #: ``(points, prediction times)``
-    #: lyapunov times from a point to its window, ``(prediction times,)``
+    #: Lyapunov times from a point to its window, ``(prediction times,)``
     prediction_time_lt: FloatArray
     event_threshold: float  #: observable that the event reaches
 

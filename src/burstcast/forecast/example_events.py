@@ -32,11 +32,10 @@ class EventCriterion:
     """
 
     threshold: float  #: the event threshold, k_e
-    calm: float  #: the calm level, below the threshold: the mean of the observable, say
-    quiet: int  #: steps below the threshold that there must be before the excursion, and after it
-    longest: int  #: steps that may pass from t_1 to t_4
-    #: the nearer the largest observable of an event is to this, the better it is
-    wanted_peak: float
+    calm: float  #: the calm level, below the threshold, such as the mean of the observable
+    quiet: int  #: steps below the threshold that are required on each side of the excursion
+    longest: int  #: largest number of steps from t_1 to t_4
+    wanted_peak: float  #: largest observable of the best event; others rank by their distance to it
 
     def __post_init__(self) -> None:
         if not self.calm < self.threshold:
@@ -61,11 +60,10 @@ class ExampleEvent:
 def isolated_events(
     observable: FloatArray, criterion: EventCriterion, before: int = 0
 ) -> list[ExampleEvent]:
-    """All events that are fit to be shown, the best first.
+    """All events that meet a criterion, the best first; equally good ones in their order.
 
-    ``observable``: True observable of the test series, ``(series, time)``. ``criterion``: What is
-    fit, and what is good. Of equally good events the first one comes first. ``before``: Steps that
-    there must be in the series before t_1.
+    ``observable``: True observable of the test series, ``(series, time)``. ``before``: Steps that
+    the series must have before t_1.
     """
     events = []
     for row, values in enumerate(observable):
@@ -94,7 +92,7 @@ def isolated_events(
 def _timed(
     row: int, values: FloatArray, begin: int, end: int, criterion: EventCriterion
 ) -> ExampleEvent:
-    """Event with its four times, from the excursion that it is part of."""
+    """Event with its four times, from the first and last step of its excursion."""
     peak = begin + int(values[begin:end].argmax())
     height = float(values[peak])
     middle = begin + int((values[begin:end] >= 0.5 * (criterion.calm + height)).argmax())
@@ -115,9 +113,9 @@ def predicted_event(
     """Best event that a forecaster predicts from its build-up to its breakdown.
 
     The forecast starts ``lead`` steps before t_1 and must stay within the tolerance up to t_4: the
-    whole state, since an observable may well be right where the flow is not. Of the events that it
-    does so for, the first one is taken. If there is none, it is the one whose forecast stays within
-    the tolerance for the largest share of the way.
+    whole state, since an observable may well be right where the flow is not. The first such event
+    is taken; without any, the event whose forecast stays within the tolerance for the largest share
+    of the steps up to t_4; None without events.
 
     ``events``: Events of these series, the best first, with at least ``lead + washout - 1`` steps
     before t_1 (`isolated_events`). ``observed``, ``states``: Observed and true series, ``(series,
@@ -189,7 +187,7 @@ def forecast_event(
         time = (steps - start) / steps_per_lyapunov_time
         shown = states[event.series, steps]
         forecast = np.full_like(shown, np.nan)
-        # it starts from what was observed
+        # the forecast starts from the observed state
         forecast[washout - 1] = observed[event.series, start]
         memory = forecaster.start(observed[event.series, steps[:washout], :, np.newaxis])
         outputs, _ = forecaster.advance(memory, len(steps) - washout)

@@ -64,11 +64,11 @@ def joined(parts: list[WindowForecasts]) -> WindowForecasts:
 def member_forecasts(
     forecaster: Forecaster, washout: FloatArray, steps: int, parameters: FloatArray | None = None
 ) -> FloatArray:
-    """Forecast with every member of a forecaster's ensemble, overflows as in `window_forecasts`.
+    """Forecast states by every member of an ensemble, ``(steps, dimension, members, batch)``.
+
+    Overflows and ``parameters`` are as in `window_forecasts`.
 
     ``washout``: Observed states up to the starting points, ``(steps, dimension, batch)``.
-    ``parameters``: Schedule over washout and forecast, as of `window_forecasts`; None: the case's
-    own values. Returns states, ``(steps, dimension, members, batch)``.
     """
     past, ahead = schedules_of(parameters, len(washout))
     ensemble = forecaster.ensemble(washout, past)
@@ -78,7 +78,7 @@ def member_forecasts(
 
 
 def side_by_side(ensemble: FloatArray) -> FloatArray:
-    """Memories ``(..., members, batch)`` as one batch of members times batch, ``(..., both)``."""
+    """Memories ``(..., members, batch)`` as one batch, ``(..., members * batch)``."""
     return np.ascontiguousarray(ensemble.reshape(*ensemble.shape[:-2], -1))
 
 

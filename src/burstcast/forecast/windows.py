@@ -79,12 +79,10 @@ def summarise(observable: FloatArray, boundaries: tuple[int, ...]) -> WindowSumm
 def crosses(
     summaries: WindowSummaries, first_window: int, windows: int, threshold: float
 ) -> BoolArray:
-    """Whether the observable crosses the threshold in a prediction window.
+    """Whether the observable crosses the threshold in a prediction window, ``(points,)``.
 
     It does if it is below the threshold at the window's first step and at or above it later on. A
     forecast that does not stay finite in the window crosses nothing.
-
-    Shape ``(points,)``.
     """
     span = slice(first_window, first_window + windows)
     if first_window < 0 or first_window + windows > summaries.first.shape[1]:
@@ -95,10 +93,9 @@ def crosses(
 
 
 def crosses_in_window(observable: FloatArray, start: int, end: int, threshold: float) -> BoolArray:
-    """Whether the observable crosses the threshold in one window (see `crosses`).
+    """Whether the observable crosses the threshold in one window (see `crosses`), ``(batch,)``.
 
     ``observable``: ``(steps, batch)``; entry 0 is one step after the forecast was made. ``start``,
-    ``end``: Steps from the forecast to the first and to the last step of the window. Shape
-    ``(batch,)``.
+    ``end``: Steps from the forecast to the first and to the last step of the window.
     """
     return crosses(summarise(observable, (start, end)), 0, 1, threshold)

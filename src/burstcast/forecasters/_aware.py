@@ -1,4 +1,4 @@
-"""Parameter factors, shared by kinds that know the parameters: from series or a record."""
+"""Parameter factors of kinds that know the parameters, fitted to series or read from a record."""
 
 from burstcast.arrays import FloatArray
 from burstcast.data.parameter_factors import ParameterFactors
@@ -8,17 +8,16 @@ from burstcast.systems.parameters import Parameters
 
 
 def parameters_of(case: ForecastingCase) -> Parameters:
-    """Parameters of a case."""
+    """Parameters of a case, which must have some."""
     if case.parameters is None:
         raise ValueError("a forecaster that knows the parameters needs a case that has some")
     return case.parameters
 
 
 def fitted_factors(schedules: FloatArray | None, case: ForecastingCase) -> ParameterFactors:
-    """Factors scaled by the schedules of training series.
+    """Factors scaled by the schedules of training series; at least one parameter must vary.
 
-    ``schedules``: ``(series, time - 1, parameters)``. ``case``: With the options ``transform`` and
-    ``parameter_degree``, or the default ones.
+    ``schedules``: ``(series, time - 1, parameters)``; None: the case's own values throughout.
     """
     parameters, options = parameters_of(case), {**DEFAULTS["aware"], **case.options}
     names = parameters.names

@@ -27,9 +27,9 @@ DEFAULTS: Mapping[str, Mapping[str, Any]] = {
     },
     "aware": {"parameters": ["reynolds"], "transform": "inverse", "parameter_degree": 1},
 }
-"""Options by section. Those of ``aware`` say how what is learnt depends on which parameters
-(`burstcast.data.parameter_factors`). Those of ``classifiers`` say which points they learn from, and
-in how many folds of the training series their probabilities are calibrated."""
+"""Options by section. Those of ``aware`` set which parameters a forecaster knows, and the functions
+of them that it learns (`burstcast.data.parameter_factors`). Those of ``classifiers`` set the points
+that these learn from, and the folds of the training series that calibrate their probabilities."""
 
 _SECTIONS: Mapping[str, tuple[str, ...]] = {
     "equations_filtered": ("observation", "filter"),
@@ -41,18 +41,18 @@ _SECTIONS: Mapping[str, tuple[str, ...]] = {
     "esn_true_washout": ("esn",),
     "quadratic_aware_filtered": ("observation", "quadratic", "aware", "filter"),
 }
-"""Of the kinds whose options are not, or not only, the section of their own name."""
+"""Sections by kind; all other kinds have one section, of their own name."""
 
 
 def sections_of_kind(kind: str) -> tuple[str, ...]:
-    """Sections that the options of a kind of forecaster come from."""
+    """Sections with the options of a kind of forecaster."""
     return _SECTIONS.get(kind, (kind,))
 
 
 def options_of_kind(
     kind: str, sections: Mapping[str, Mapping[str, Any]] = DEFAULTS
 ) -> dict[str, Any]:
-    """Options that forecasters of a kind have, from all of its sections; empty if it has none."""
+    """Options of a kind of forecaster, from all of its sections; empty if it has none."""
     return {
         name: value
         for section in sections_of_kind(kind)

@@ -80,7 +80,7 @@ def factored_training(
 ) -> tuple[TrainingSeries, ParameterFactors]:
     """Training series of a network that knows the parameters, for its search and its training.
 
-    ``observed``: ``(series, time, dimension)``. ``input_range``: What the inputs are divided by,
+    ``observed``: ``(series, time, dimension)``. ``input_range``: Divisors of the inputs,
     ``(dimension,)``. ``schedules``: Values in force from each sample to the next, ``(series, time -
     1, parameters)``.
     """

@@ -21,9 +21,9 @@ class ObservedPart:
     Attributes
     ----------
     source
-        What the states are.
+        State space of the whole states.
     space
-        What is observed, as a state of its own.
+        State space of the observed part.
     quantities
         The components of `space`, from the components of `source` and ``observable``.
 
@@ -49,7 +49,7 @@ class ObservedPart:
         Parameters
         ----------
         source
-            What the states are.
+            State space of the whole states.
         declarations
             Names of components, or ``name = expression`` of components.
         observable

@@ -36,7 +36,7 @@ class VelocitySensors(Observation):
     Parameters
     ----------
     flow
-        The flow.
+        The flow, whose domain the grid covers.
     points
         Number of sensors along x and y, at equal distances.
     offset

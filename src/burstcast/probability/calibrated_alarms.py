@@ -31,7 +31,7 @@ def calibrated_alarms(
 def uncalibrated_alarms(
     alarm_thresholds: Mapping[str, float], prediction_times_lt: Sequence[float]
 ) -> dict[str, Any]:
-    """Rules of sources whose probabilities are taken as they are, by their alarm thresholds."""
+    """Records of `AlarmRule` of sources whose probabilities are not calibrated."""
     found = {}
     for identifier, threshold in alarm_thresholds.items():
         rule = AlarmRule(UNCALIBRATED, threshold).record()
@@ -46,7 +46,7 @@ def _rules(
 ) -> dict[str, Any]:
     """Records of the rules of one alarm at one prediction time."""
     outcomes = points.outcomes(alarm, time, threshold).total()
-    if not alarm.forecasters:  # what a baseline is raised by is no probability
+    if not alarm.forecasters:  # the values of a baseline are no probabilities
         return {CALIBRATED: AlarmRule.chosen(outcomes, isotonic(outcomes)).record()}
     shares = points.classifier(alarm) is None
     calibrated = isotonic(outcomes, prior) if shares else logistic(outcomes)

@@ -2,9 +2,9 @@
 
 Isotonic regression: the best non-decreasing map in the sense of least squares, found by pooling
 adjacent violators (Ayer et al., Annals of Mathematical Statistics 26, 1955; for forecasts Zadrozny
-& Elkan, KDD 2002), and linear between the values that it knows. Ten training series hold few
-events, so that frequencies of rare values are mostly chance: where the forecast is a probability
-already, it counts as a number of forecasts that came true as it said (a beta prior at each value).
+& Elkan, KDD 2002), and linear between the observed values. Ten training series hold few events, so
+that frequencies of rare values are mostly chance: where the forecast is a probability already, it
+counts like some forecasts that came true with this very frequency (a beta prior at each value).
 """
 
 from dataclasses import dataclass
@@ -19,10 +19,7 @@ from burstcast.probability.outcomes import Outcomes
 
 @dataclass(frozen=True)
 class Calibration:
-    """A map from forecast values to probabilities, linear between its knots, constant beyond.
-
-    Without knots, no probability is known.
-    """
+    """A map from forecast values to probabilities, linear between its knots, constant beyond."""
 
     values: FloatArray  #: knots, rising, ``(knots,)``
     #: probability of an event at each of them, never falling, ``(knots,)``
@@ -36,7 +33,7 @@ class Calibration:
 
 
 UNCALIBRATED = Calibration(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
-"""Takes a share of votes for a probability as it is."""
+"""The identity: a share of votes is the probability."""
 
 
 def pool_adjacent_violators(values: FloatArray, weights: FloatArray) -> FloatArray:
@@ -68,8 +65,9 @@ def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
     outcomes
         ``(levels,)``. Without any forecast the calibration has no knots.
     prior
-        As how many forecasts each value counts that came true as often as it says. The values must
-        be probabilities then. 0: the regression alone; infinitely many: the values as they are.
+        Number of forecasts, at each value, that the prior counts for: forecasts that came true with
+        this value as their frequency, so that values must be probabilities. 0: the regression
+        alone; towards the limit of many, the values as they are.
 
     Raises
     ------
@@ -92,7 +90,7 @@ def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
     if not outcomes.levels.size:
         return Calibration(np.empty(0), np.empty(0))
     fitted = pool_adjacent_violators(frequency, weights)
-    # the ends of each constant stretch tell the same
+    # the ends of each constant stretch suffice
     ends = np.concatenate([[True], np.diff(fitted) != 0, [True]])
     knots = ends[:-1] | ends[1:]
     return Calibration(outcomes.levels[knots], fitted[knots])
@@ -101,11 +99,11 @@ def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
 def logistic(outcomes: Outcomes) -> Calibration:
     """Calibrate probabilities by logistic regression of the outcomes on their log-odds.
 
-    A smooth map with two parameters, which keeps different probabilities apart: for a classifier,
-    whose probabilities are all different. Source: Platt, in Advances in Large Margin
-    Classifiers, MIT Press 1999, with his targets, which keep the regression finite where events
-    and quiet points are separated completely. Where events have no larger probabilities than quiet
-    points, all probabilities become the base rate.
+    A smooth map with two parameters, which does not join different probabilities as isotonic
+    regression does: for classifiers, whose probabilities are all different. Source: Platt, in
+    Advances in Large Margin Classifiers, MIT Press 1999, with his targets, which keep the
+    regression finite where events and quiet points are separated completely. Where events have no
+    larger probabilities than quiet points, all probabilities become the base rate.
 
     ``outcomes``: ``(levels,)``, the levels in [0, 1]. Without any forecast the calibration has no
     knots.

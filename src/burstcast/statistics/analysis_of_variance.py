@@ -41,8 +41,8 @@ def analysis_of_variance(values: FloatArray) -> AnalysisOfVariance:
     """Separate the main effects of crossed factors, with one value in each cell.
 
     ``values``: An axis for each factor, its levels along the axis. A factor of one level has no
-    effect. The residual takes what no main effect explains; without degrees of freedom for it (a
-    single factor of more than one level), it is unknown, and counts as none in the components.
+    effect. The residual is what no main effect explains; without degrees of freedom (a single
+    factor of more than one level) it is unknown, and taken as zero in the components.
 
     Examples
     --------

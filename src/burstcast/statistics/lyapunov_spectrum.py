@@ -1,7 +1,7 @@
 """Lyapunov exponents of a forecaster's own flow, along its long runs.
 
-The QR method of `burstcast.systems.lyapunov`, along trajectories of anything that can linearise its
-forecasts (`Forecaster.advance_tangent`): the equations, the closed loop of a network. Like the
+The QR method of `burstcast.systems.lyapunov`, along trajectories of any forecaster that linearises
+its forecasts (`Forecaster.advance_tangent`): the equations, the closed loop of a network. Like the
 flow's own exponents, they belong to the chaotic phase: the trajectories must not leave it.
 """
 
@@ -35,14 +35,13 @@ def forecaster_spectrum(
 ) -> LyapunovSpectrum:
     """Leading Lyapunov exponents of a forecaster along long runs.
 
-    The perturbations have the first quarter of a run to line up, as for the flow's own exponents
-    (`alignment_of`), and are followed over what is left.
+    The perturbations align over the first quarter of a run, as for the flow's own exponents
+    (`alignment_of`), and their growth over the rest is measured.
 
     ``washouts``: Observed states up to the start of each run, ``(runs, steps, dimension)``.
     ``orthonormalisation_steps``: Steps between two factorisations; an incomplete interval at the
-    end is left out. ``exponents``: How many are wanted; no more are there than the forecaster's
-    memory has components. Returns exponents ``(runs, exponents)``; NaN for missing exponents and
-    unresolved ones.
+    end is left out. ``exponents``: Number of exponents; a forecaster has no more than components of
+    its memory. Returns exponents ``(runs, exponents)``; NaN for missing and unresolved ones.
     """
     alignment = alignment_of(steps, orthonormalisation_steps)
     intervals = (steps - alignment) // orthonormalisation_steps
@@ -81,12 +80,12 @@ def forecaster_spectrum(
 class SpectrumSummary:
     """Lyapunov exponents averaged over independent runs, and their dimension, with intervals."""
 
-    #: mean, low, high: mean and interval of the exponents, ``(exponents,)``; NaN where one is not
-    #: known, and for intervals of a single run
+    #: mean, low, high: mean and interval of the exponents, ``(exponents,)``; NaN for exponents that
+    #: are not known, and for intervals of a single run
     mean: FloatArray
     low: FloatArray
     high: FloatArray
-    #: dimension, dimension_low, dimension_high: kaplan-Yorke dimension of the mean exponents
+    #: dimension, dimension_low, dimension_high: Kaplan-Yorke dimension of the mean exponents
     dimension: float
     dimension_low: float
     dimension_high: float

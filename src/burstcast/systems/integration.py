@@ -25,7 +25,7 @@ _MOST_COMPILED = 16
 
 @dataclass(frozen=True)
 class ObservedTrajectories:
-    """Trajectories that were watched at every step of the integration."""
+    """Trajectories, and their largest observable over every step of the integration."""
 
     #: kept states, ``(steps // stride + 1, dimension, batch)``; the first is the state at the end
     #: of the transient
@@ -70,7 +70,7 @@ def integrate(
     steps
         Number of steps; may be 0.
     stride
-        Distance of the kept states in steps. Steps after the last kept state are not taken.
+        Steps from one kept state to the next. Steps after the last kept state are not taken.
     may_diverge
         Whether trajectories may leave the range of floating-point numbers, as in a learnt system:
         they go on, infinite or not a number, and disturb no other trajectory.
@@ -296,8 +296,7 @@ def _check_steps(steps: int, stride: int) -> None:
 
 
 def _check_finite(state: FloatArray, time_step: float) -> None:
-    # Looking at the last state is enough: each step adds to the state, so what is once infinite
-    # or NaN stays so.
+    # The last state is enough: each step adds to the state, so that an infinity or NaN remains.
     finite = np.isfinite(state).all(axis=0)
     if not finite.all():
         raise LostTrajectoryError(int(np.argmin(finite)), time_step)

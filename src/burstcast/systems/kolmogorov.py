@@ -38,10 +38,10 @@ class KolmogorovFlow(SemilinearSystem):
     the squared length of the state, and the dissipation is (1/Re) sum_k |k|^2 (a_k^2 + b_k^2).
 
     Products are computed on a grid without aliasing (3/2 rule), so that the truncated equations
-    conserve energy and enstrophy but for the force and viscosity.
+    conserve energy and enstrophy except for the force and viscosity.
     """
 
-    reynolds: float = 40.0  #: reynolds number, the inverse of the viscosity. The flow bursts at 40.
+    reynolds: float = 40.0  #: Reynolds number, the inverse of the viscosity. The flow bursts at 40.
     forcing_wavenumber: float = 4  #: wavenumber n of the force, a whole number
     #: largest wavenumber K in each direction, a whole number: a state has (2 K + 1)^2 - 1
     #: components. Flows with 7 burst twice as often as those with 10 or 15.
@@ -131,7 +131,7 @@ class KolmogorovFlow(SemilinearSystem):
         return change.reshape(state.shape)
 
     def _saturation(self, mode: FloatArray) -> FloatArray:
-        """Share of the growth that the large-scale mode ``(2, ...)`` has lost, ``(...)``."""
+        """Share of the growth that the large-scale mode ``(2, ...)`` has lost; above 1, damping."""
         share: FloatArray = np.square(mode / self.large_scale_limit).sum(axis=0)
         return share
 
@@ -152,7 +152,7 @@ class KolmogorovFlow(SemilinearSystem):
         return _sum_of_components(square * np.square(state)) / self.reynolds
 
     def energy_budget(self, state: FloatArray) -> EnergyBudget:
-        """Work of the forces, the mean of u sin(n y) and more, and dissipation; ``(...)`` each."""
+        """Power of the forces, the mean of u sin(n y) and the large-scale force's; dissipation."""
         work = -math.sqrt(0.5) * state[self._forced]
         if self.large_scale_growth:
             mode = state[self._large_scale]
@@ -325,7 +325,7 @@ def _advection(state: FloatArray, modes: _Modes) -> FloatArray:
     """Change of amplitudes ``(dimension, batch)`` by advection.
 
     The vorticity changes by (d_yy - d_xx)(u v) + d_xy(u^2 - v^2). Both products are parts of
-    (u + i v)^2, so that one transform to the grid and one back do for all.
+    (u + i v)^2, so that one transform to the grid and one back suffice.
     """
     x, y = modes.vectors.T
     c = _paired(state)

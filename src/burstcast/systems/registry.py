@@ -63,7 +63,7 @@ def system_class(name: str) -> type[DynamicalSystem]:
     module = imported(f"burstcast.systems.{name}")
     classes = concrete_classes(burstcast.systems, name, DynamicalSystem)  # type: ignore[type-abstract]
     if not classes:
-        # a class that is not finished; the interface itself, and bases of systems, lie elsewhere
+        # an unfinished class; the interface itself, and bases of systems, are in other modules
         unfinished = [
             found
             for found in classes_in(module, DynamicalSystem)  # type: ignore[type-abstract]
@@ -87,7 +87,7 @@ def parameters_of(system: DynamicalSystem) -> dict[str, float]:
 
 
 def system_module(name: str) -> str:
-    """Full name of the module that the system ``name`` lies in."""
+    """Full name of the module of the system ``name``."""
     module, colon, _ = name.partition(":")
     return module if colon else f"burstcast.systems.{name}"
 

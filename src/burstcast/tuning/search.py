@@ -35,10 +35,10 @@ def bayesian_search(
     targets; gp_hedge chooses among expected improvement, lower confidence bound and probability of
     improvement.
 
-    ``evaluated``: Points of one leak rate that are known, with their objectives: the grid.
-    ``evaluate``: Objective at a point, to be minimised. The caller records what it needs of each
-    evaluation. ``seed``: Seed of the optimiser, unless the settings of the Gaussian process have
-    one. ``surrogate``: Settings of the Gaussian process. The fit of its variance starts from 1.
+    ``evaluated``: Points of the grid, at one leak rate, with their objectives. ``evaluate``:
+    Objective at a point, to be minimised; it also records the evaluation for the caller. ``seed``:
+    Seed of the optimiser, unless the settings of the Gaussian process have one. ``surrogate``:
+    Settings of the Gaussian process; the fit of its variance starts from 1, or the nearest bound.
     """
     seed = seed if surrogate.random_state is None else surrogate.random_state
     kernel = ConstantKernel(float(np.clip(1.0, *surrogate.variance)), surrogate.variance) * Matern(

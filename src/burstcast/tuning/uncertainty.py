@@ -1,8 +1,8 @@
 """Uncertainty of the objective of the search, and of differences between two points.
 
-All points are validated on the same intervals of the same data, so that what an interval does to
-all of them cancels in the difference of two: the standard error of a difference is far smaller than
-the errors of the objectives themselves, and still larger than many differences in a flat valley.
+All points are validated on the same intervals of the same data, so that effects of an interval on
+all points cancel in a difference: its standard error is far smaller than those of the objectives
+themselves, and still larger than many differences in a flat valley.
 """
 
 from dataclasses import dataclass
@@ -25,12 +25,11 @@ class ObjectiveUncertainty:
 def objective_uncertainty(log_errors: FloatArray) -> ObjectiveUncertainty:
     """Standard errors of objectives, and of their differences from the best one.
 
-    The intervals are taken for independent of each other: they are Lyapunov times long.
+    The intervals, which are Lyapunov times long, are assumed to be independent.
 
     ``log_errors``: log10 of the mean square error of each point (and Tikhonov parameter) in each
-    interval, ``(points, intervals)``; the objective is the mean over the intervals. Returns
-    standard errors; NaN, except for the best point's difference from itself, where there is a
-    single interval.
+    interval, ``(points, intervals)``; the objective is the mean over the intervals. With a single
+    interval, all standard errors but the best point's paired one are NaN.
     """
     points, intervals = log_errors.shape
     if points == 0:

@@ -5,10 +5,9 @@
     burstcast archive [--output FILE] [options of snakemake]
 
 It holds tables, figures, the config, ``versions.json`` (libraries, and the git revisions that the
-results were made by), ``why.txt`` (whether anything would run again, and why), the licence's
-citation, and a page that says what is what. Files are in one order and have no time: the same
-results make the same archive. Series and forecasters, which are large and follow from the config,
-are left out.
+results were made by), ``why.txt`` (whether anything would run again, and why), ``CITATION.cff``,
+and a README. Files are in a fixed order and without times: equal results make equal archives.
+Series and forecasters, which are large and follow from the config, are left out.
 """
 
 import json
@@ -38,7 +37,7 @@ LIBRARIES = (
 )
 """Libraries whose versions are recorded."""
 
-_TIME = (1980, 1, 1, 0, 0, 0)  # the first that a zip can tell
+_TIME = (1980, 1, 1, 0, 0, 0)  # the earliest time of a zip file
 _README = """\
 # {name}
 
@@ -60,7 +59,7 @@ class NothingToArchiveError(ValueError):
 def versions(results: Path) -> dict[str, Any]:
     """Versions of Python and of the libraries here; revisions and BLAS kernels that made results.
 
-    Each record says the revision of its job; a campaign that was edited while it grew has several.
+    A campaign that was edited while it grew has files of several revisions.
     """
     revisions: Counter[str] = Counter()
     kernels: set[str] = set()
@@ -113,7 +112,7 @@ def contents(results: Path, config: Mapping[str, Any], why: str) -> dict[str, by
             f"{results} has neither tables nor figures yet: run the campaign first"
         )
     told = versions(results)
-    # where it was does not matter to whoever runs it again
+    # a path that exists wherever the campaign is run again
     portable = {**config, "results": f"results/{results.name}"}
     found["config.yaml"] = yaml.safe_dump(portable, sort_keys=True).encode()
     found["versions.json"] = f"{json.dumps(told, indent=2)}\n".encode()

@@ -85,7 +85,7 @@ class Cause:
 
 
 def flat(settings: Mapping[str, Any]) -> dict[Leaf, Any]:
-    """Settings of a job by case (or "") and path in the config; ``cases`` has several cases'."""
+    """Settings of a job by case (or "") and path in the config; cases are those in ``cases``."""
     of_cases = {"": {path: settings[path] for path in settings if path != "cases"}}
     return {
         (case, path): value
@@ -139,7 +139,7 @@ def new_values(
 
 
 def _dimensions(identity: Identity) -> dict[str, Any]:
-    """An identity by what tells jobs apart: the parts of a forecaster's name one by one."""
+    """An identity by the names in `_DIMENSIONS`, with a forecaster's name in its parts."""
     found = {name: value for name, value in identity.items() if name in _DIMENSIONS}
     whose = (identity.get(name) for name in ("forecaster", "controller", "reservoir"))
     if name := next(filter(None, whose), None):
@@ -177,7 +177,7 @@ def changed_modules(old: Sequence[str], new: Sequence[str]) -> list[str]:
 
 
 def causes(jobs: Sequence[Job], known: Mapping[str, Sequence[Identity]]) -> list[Cause]:
-    """Why jobs would run, each cause with all jobs that it sets off, directly or further down.
+    """Causes of the jobs that would run, each with all jobs that it sets off, directly or not.
 
     ``known`` has the wildcards of the jobs that have results already, by rule.
     """
@@ -202,7 +202,7 @@ def causes(jobs: Sequence[Job], known: Mapping[str, Sequence[Identity]]) -> list
         unmade, *(cause.jobs for cause in found.values())
     )
     if unexplained:
-        # nothing of their own has changed, nor anything they come from: Snakemake knows why
+        # neither they nor their inputs' jobs have changed: only Snakemake knows the reason
         text = "other reasons (see snakemake -n)"
         found[text] = Cause(text, jobs=unexplained)
     first = [Cause(UNMADE, jobs=unmade)] if unmade else []

@@ -9,14 +9,13 @@ _DONE = " is done: "  # what `burstcast_workflow.harness.job.run_job` ends a log
 
 
 def failure_summary(rule_logs: Path, scheduler_logs: Path, since: float) -> str:
-    """Jobs that have failed since a time, with the last lines of their logs.
+    """Jobs that have failed since a time, with the last lines of their logs; empty without any.
 
     A job whose log does not end with its success has failed, or was killed: by a person, or for its
-    memory or time, which only the log of the scheduler's job tells.
+    memory or time, which only the log of the scheduler's job shows.
 
-    ``scheduler_logs``: Directory of the logs of the scheduler's jobs, where logs of failed jobs are
-    kept. It need not exist. ``since``: Logs that were last written before this are of other runs;
-    seconds since the epoch.
+    ``scheduler_logs``: Directory of the scheduler's logs of failed jobs; it need not exist.
+    ``since``: Seconds since the epoch; logs that were last written before are of other runs.
     """
     failed = [path for path in _written(rule_logs, since) if _DONE not in _end(path, 1)]
     parts = []
@@ -32,7 +31,7 @@ def failure_summary(rule_logs: Path, scheduler_logs: Path, since: float) -> str:
 
 
 def _written(directory: Path, since: float) -> list[Path]:
-    """Logs that were written since a time, in the order in which they were."""
+    """Logs that were written since a time, the oldest first."""
     times = {path: path.stat().st_mtime for path in directory.rglob("*.log")}
     return sorted((path for path in times if times[path] >= since), key=lambda path: times[path])
 

@@ -6,8 +6,8 @@ A script is one function with explicit arguments, at its end::
     def train(*, ensemble: str, forecaster: str, settings: Settings) -> None: ...
 
 The arguments are the rule's inputs and outputs by their names, and ``settings``, which the rule
-declares. What other jobs have found out of them, event thresholds and the unit of time, is there
-already.
+declares. Settings that other jobs determine, event thresholds and the unit of time, have their
+values already.
 """
 
 import atexit
@@ -67,14 +67,14 @@ __all__ = [
     "write_table",
     "write_text",
 ]
-"""What scripts use."""
+"""The names that scripts import."""
 
 logger = logging.getLogger(__name__)
 _told = logger.getChild("told")
 
 
 def job(function: Callable[..., None]) -> Callable[..., None]:
-    """Run a script's function as a job where Snakemake runs the script; imported, it stays so."""
+    """Run a script's function as a job if Snakemake runs the script; if not, only return it."""
     if snakemake := function.__globals__.get("snakemake"):
         run_job(snakemake, function)
     return function
@@ -84,9 +84,9 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
     """Run a script's function with everything that it prints in the rule's log.
 
     Floating-point errors keep NumPy's defaults, a warning in the log: a diverged forecast is a
-    result, and it is the library that knows when a number that is not finite is an error.
+    result, and the library raises an error where a number must be finite.
     """
-    # at its end, Python would look through all objects for garbage: a tenth of a second with SciPy
+    # at exit, Python would search all objects for garbage: a tenth of a second with SciPy
     atexit.register(gc.freeze)
     log = Path(snakemake.log[0])
     log.parent.mkdir(parents=True, exist_ok=True)
@@ -124,7 +124,7 @@ def tell(message: str) -> None:
 
 def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     """Compute a job's outputs, or take them from the cache, and record what made them."""
-    # of tables, many of which one script makes, the rule says which
+    # one script makes many tables: there, the rule names the table's maker
     name = snakemake.params.get("maker") or script_of(snakemake).stem
     identity = job_identity(name, snakemake.wildcards)
     declared = canonical(dict(snakemake.params.settings), "params.settings")

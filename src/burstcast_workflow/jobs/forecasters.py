@@ -1,4 +1,4 @@
-"""Forecasters as files: what fitting has found, and which kind it belongs to."""
+"""Forecasters in files: their kind, and their fitted arrays and attributes."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ Kind = TypeVar("Kind", bound=ForecasterKind)
 
 
 def forecasting_case(settings: Settings, ensemble: str | None = None) -> ForecastingCase:
-    """Knowledge of a job's forecasters beside the data; with an ensemble, of those to be fitted."""
+    """Knowledge of a job's forecasters beside the data; with ``ensemble``, to fit them."""
     options = settings["forecaster.options"]
     source = options.get("source")
     told: Mapping[str, Any] = settings.get("forecasters.aware") or options
@@ -50,13 +50,13 @@ def kind_of(identifier: str) -> type[Forecaster]:
 
 
 def write_forecaster(path: str, forecaster: ForecasterKind, provenance: Mapping[str, str]) -> None:
-    """Write what a forecaster is restored from."""
+    """Write a forecaster's record (`ForecasterKind.record`)."""
     record = forecaster.record()
     variables = {
         name: Variable(
             tuple(f"{name}_{axis}" for axis in range(array.ndim)),
             array,
-            None,  # coefficients of quantities of all kinds
+            None,  # the coefficients have no common unit
             name.replace("_", " "),
         )
         for name, array in record.arrays.items()
@@ -69,7 +69,7 @@ def read_forecaster(
 ) -> Forecaster:
     """Read a job's own forecaster of trajectories.
 
-    The bound is given where forecasts that diverge are to be recognised.
+    ``divergence_bound``: Given where diverged forecasts must be recognised.
     """
     return read_kind(kind_of(settings["forecaster"]), path, settings, divergence_bound)
 
@@ -92,9 +92,9 @@ def read_kind(
 def learnt_rows(
     forecaster: Forecaster | type[Forecaster], settings: Settings, ensemble: str
 ) -> FloatArray:
-    """Series that a forecaster learns from: with noise, except for the equations, which know all.
+    """Series that a forecaster learns from: with noise, or true ones for the exact equations.
 
-    Networks that are given true washouts are the networks of noisy ones.
+    Networks with true washouts learn from noisy series: they differ in their inputs alone.
     """
     states = training_states(settings, ensemble)
     if forecaster.sees_truth and not forecaster.has_search:
@@ -116,5 +116,5 @@ def seen_rows(
 
 
 def seen(forecaster: Forecaster, observed: FloatArray, true: FloatArray) -> FloatArray:
-    """Inputs of a forecaster: observed states, or true ones if it is a bound."""
+    """Inputs of a forecaster: observed states, or true ones if it sees the truth."""
     return true if forecaster.sees_truth else observed

@@ -1,7 +1,7 @@
-"""Gathering the files of many jobs: each is what it says it is, whatever its place and order.
+"""Gathering the files of many jobs, which are identified by their content.
 
-Every NetCDF and JSON file that a job writes carries its origin: the job's rule and wildcards, and
-its settings.
+Every NetCDF and JSON file of a job carries its origin: the job's rule and wildcards, and its
+settings. Neither the path of a file nor the order of files matters.
 """
 
 import json

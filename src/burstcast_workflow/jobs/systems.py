@@ -16,7 +16,7 @@ def system_of(settings: Settings) -> StateSpace:
 
 
 def parameters_of(settings: Settings, names: Sequence[str]) -> Parameters:
-    """Parameters of a job's case that forecasters are given, by their names: a record's columns."""
+    """Parameters that a case's forecasters know, by name; of a record, columns without values."""
     if settings["case.system"] == MEASURED:
         return Parameters(tuple(names), ())
     if list(names) == [SHARE]:
@@ -28,5 +28,5 @@ def parameters_of(settings: Settings, names: Sequence[str]) -> Parameters:
 
 
 def equations_of(settings: Settings) -> DynamicalSystem:
-    """The dynamical system of a case (a ValueError if it was measured: it has no equations)."""
+    """Dynamical system of a case; a `ValueError` if it was measured and has no equations."""
     return make_system(settings["case.system"], settings["case.parameters"])

@@ -1,4 +1,4 @@
-"""Settings in canonical form: settings that mean the same are the same, and so is their text.
+"""Settings in canonical form: settings of equal meaning have equal values and equal text.
 
 Snakemake compares the parameters of a job by their representation. In canonical form the order of
 keys, 1 or 1.0, a tuple or a list make no difference, and everything is plain JSON, which Snakemake

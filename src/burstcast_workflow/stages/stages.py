@@ -25,23 +25,23 @@ OfJob: TypeAlias = Callable[..., Any]
 
 
 InCase: TypeAlias = CaseForecaster | ControlRun
-"""What belongs to a case, and has files in a directory."""
+"""A forecaster or a run of control: an entry of a case with a directory of its own."""
 
 Chosen: TypeAlias = Sequence[InCase] | Callable[[Campaign, str], Iterable[InCase]]
 
 
 def of_job(function: OfJob) -> OfJob:
-    """Keep the signature of a function of a job.
+    """Store the signature of a function of wildcards in the function.
 
-    Snakemake asks for it several times for each job, and working it out takes longer than calling
-    the function: a tenth of the time of planning.
+    Snakemake inspects it several times for each job, which would take longer than calling the
+    function: a tenth of the time of planning.
     """
     function.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
     return function
 
 
 def _once(function: OfJob) -> OfJob:
-    """A function of a job that is called once for all networks that differ in size and seed.
+    """A function of wildcards, called once for all networks that differ in size and seed alone.
 
     Neither settings nor code depend on these, and a campaign has hundreds of such networks.
     """
@@ -87,15 +87,12 @@ class Stages:
         return [f"{self.results}/{path}" for path in paths]
 
     def of_cases(self, name: str, cases: Iterable[str] | None = None) -> Paths:
-        """The file called ``name`` of every case, of the whole campaign unless told otherwise."""
+        """The file called ``name`` of cases; default: all cases of the campaign."""
         cases = self.campaign.case_names if cases is None else cases
         return self.in_results(f"{case}/{name}" for case in cases)
 
     def of_forecasters(self, name: str, forecasters: Iterable[InCase] | None = None) -> Paths:
-        """The file called ``name`` of every forecaster, or of every run of control.
-
-        They are the forecasters of the whole campaign unless told otherwise.
-        """
+        """The file called ``name`` of forecasters or runs of control; default: all forecasters."""
         forecasters = self.campaign.forecasters if forecasters is None else forecasters
         return self.in_results(f"{one.directory}/{name}" for one in forecasters)
 
@@ -131,7 +128,7 @@ class Stages:
         return found
 
     def file_of_case(self, name: str, cases: Container[str]) -> OfJob:
-        """The file called ``name`` of a job's case; nothing if the case is none of ``cases``."""
+        """The file called ``name`` of a job's case; nothing if the case is not in ``cases``."""
         return of_job(
             lambda wildcards: (
                 self.in_results(f"{wildcards.case}/{name}") if wildcards.case in cases else []
@@ -150,7 +147,7 @@ class Stages:
         return of_job(lambda wildcards: function(self.campaign, wildcards.case))
 
     def scan_of_network(self, suffix: str) -> OfJob:
-        """A file of the scan that a network's search goes on from."""
+        """A file of the scan that a network's search continues."""
 
         @of_job
         def path(wildcards: Any) -> Paths:
@@ -166,7 +163,7 @@ class Stages:
         return self.in_results(f"{directory}/{self.campaign.hyperparameters_file}")
 
     def scheduled(self, wildcards: Any) -> Paths:
-        """Series with schedules that a kind that knows the parameters learns from; or nothing."""
+        """Scheduled series for a kind that learns from parameters; nothing for other kinds."""
         names = dict(wildcards.items())
         name = parsed(names.get("forecaster") or names["reservoir"])
         if not learns_parameters(name.kind):
@@ -174,7 +171,7 @@ class Stages:
         return self.of_cases("scheduled_series.nc", self.campaign.sources(names["case"]))
 
     def ensemble_of_source(self, wildcards: Any) -> Paths:
-        """The ensemble that a case of other training series takes its series from."""
+        """The ensemble that a case with its own draw of training series draws them from."""
         return self.in_results(f"{realisation_of(wildcards.case)[0]}/ensemble.nc")
 
     def sources_of_data(self, wildcards: Any) -> Any:
@@ -196,13 +193,13 @@ class Stages:
         return self.of_forecasters("forecaster.nc", asked)
 
     def matched_flows(self, wildcards: Any) -> Paths:
-        """Flows of the forecaster's own control, as often as which random alarms are raised."""
+        """Flows under the forecaster's own control, whose rate of alarms random control matches."""
         forecaster, _, role = wildcards.controller.rpartition("-")
         own = f"{wildcards.case}/control/{forecaster}/{wildcards.strategy}/flows.nc"
         return self.in_results(own if role == "random" else [])
 
     def encoder_of_observed(self, wildcards: Any) -> Paths:
-        """Encoder of the case that a run of control observes its flows as; nothing without one."""
+        """Encoder of the case through which a run of control observes; nothing without one."""
         part = self.campaign.plan(wildcards.strategy).observed
         encoded = part in self.campaign.encoded_cases
         return self.in_results(f"{part}/encoder.nc" if encoded else [])
@@ -211,18 +208,18 @@ class Stages:
 
     @cached_property
     def has_quantiles(self) -> bool:
-        """Whether a threshold is a quantile. Settings of all jobs are gone through only then."""
+        """Whether a threshold is a quantile; only then are the settings of all jobs searched."""
         of_case = self.campaign.event_quantile
         return any(of_case(case) is not None for case in self.campaign.cases)
 
     def thresholds_of(self, settings: Any) -> Paths:
-        """Files of the event thresholds that settings of a job only know as quantiles."""
+        """Files of the event thresholds that a job's settings have as quantiles."""
         return self.of_cases("event_threshold.json", cases_of_thresholds(settings))
 
     def with_unknowns(self, inputs: Mapping[str, Any], settings: OfJob) -> dict[str, Any]:
-        """Inputs of a stage, with thresholds and units of time that other jobs find out.
+        """Inputs of a stage, with files of thresholds and units of time that other jobs determine.
 
-        A function is asked for each job, which takes time: only where the config leaves any open.
+        These are functions of each job, which take time: they are left out if no case needs them.
         """
 
         @of_job
@@ -260,7 +257,7 @@ class Stages:
                 name: value(wildcards) if callable(value) else value
                 for name, value in values.items()
             }
-            # wildcards of Snakemake are a list: whether a name is among them, only a mapping tells
+            # Snakemake's wildcards are a list: only of a mapping can one ask whether it has a name
             return self.campaign.settings(names, dict(wildcards.items()), found)
 
         def code(wildcards: Any) -> list[str]:
@@ -270,9 +267,9 @@ class Stages:
         return {"settings": _once(settings), "code": _once(code)}
 
     def needs(self, stage: str, cost_class: str, cached: bool = False) -> dict[str, Any]:
-        """Resources of a stage: what a scheduler is asked for, and whether the cache has its files.
+        """Resources of a stage: memory and time for a scheduler, and whether its files are cached.
 
-        ``stage``: Its name, whatever the rule is called where this workflow is a module of another.
+        ``stage``: Name of the stage; the rule has another one where this workflow is a module.
         ``cost_class``: The class of its work (`burstcast_workflow.costs.model.CLASSES`).
         """
         self._costs.classes[stage] = cost_class
