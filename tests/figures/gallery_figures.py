@@ -498,7 +498,7 @@ ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
         **{"prediction_times_lt": [3.0], "neurons": 2000, "validation": "RV"},
     },
     "midplane_planes": lambda: {**FLOW, "event": EVENT, "threshold": THRESHOLD},
-    "vorticity_isosurfaces": lambda: {**FLOW, "event": EVENT, "isosurface_level": 0.5},
+    "vorticity_isosurfaces": lambda: {**FLOW, "event": EVENT},
     "midplane_mean_square": lambda: {**FLOW, **LONG_TERM},
     "profile_errors": lambda: {
         **LONG_TERM,

@@ -190,10 +190,9 @@ def test_the_observable_is_that_of_the_states(models):
 
 def test_a_series_left_out_takes_its_schedule_along(training):
     observed, schedules = training
-    case = replace(CASE, options={**OPTIONS, "significance": 0})
-    model = AwareQuadraticModel.fit(observed, case, schedules)
-    refitted = next(model.leave_one_out(observed, case, 20, schedules))
-    expected = AwareQuadraticModel.fit(observed[1:], case, schedules[1:])
+    model = AwareQuadraticModel.fit(observed, CASE, schedules)
+    refitted = next(model.leave_one_out(observed, CASE, 20, schedules))
+    expected = AwareQuadraticModel.fit(observed[1:], CASE, schedules[1:])
     np.testing.assert_allclose(refitted.coefficients, expected.coefficients, rtol=1e-4, atol=1e-6)
 
 
@@ -568,8 +567,6 @@ def test_classifiers_learn_from_what_is_known():
     for kind in ("precursor", "esn_direct"):
         options = {**options_of_kind(kind), "random_seed": 1, "lags_lt": [], "penalty": [1]}
         options |= {"classifier": "logistic", "neurons": 40, "connectivity": 3}
-        if kind == "precursor":
-            options |= {"penalty": 1, "degree": 1}
         case = replace(SIMULATED, options=options)
         scores = []
         for features in (None, known):

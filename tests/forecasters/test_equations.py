@@ -23,7 +23,7 @@ from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
-OPTIONS = {"noise": None, "degree": 2, "window_lt": 0.2, "significance": 4.0}
+OPTIONS = {"noise": None, "degree": 2, "window_lt": 0.2}
 LORENZ = ForecastingCase(Lorenz63(), 0.01, 1, 60, OPTIONS)
 FLOW = ForecastingCase(MoehlisFaisstEckhardt(reynolds=400.0), 0.25, 4, 61, OPTIONS)
 
@@ -81,7 +81,7 @@ def test_the_error_of_the_field_is_a_fraction_of_the_noise(noise, error, flow_se
     assert field_error(model, FLOW.system, flow_series[0]) < error
 
 
-def test_insignificant_terms_are_left_out_and_no_others(flow_series):
+def test_insignificant_terms_are_left_out_and_no_others(flow_series, monkeypatch):
     model = QuadraticModel.fit(noisy(flow_series, 0.01), FLOW)
     # each coefficient of the true equations, from their second differences at random states
     states = np.random.default_rng(4).normal(size=(9, 400))
@@ -92,10 +92,8 @@ def test_insignificant_terms_are_left_out_and_no_others(flow_series):
     superfluous = (np.abs(true) < 1e-9) & (model.coefficients != 0)
     assert not missing.any()
     assert superfluous.sum() <= 2
-    everything = QuadraticModel.fit(
-        noisy(flow_series, 0.01),
-        ForecastingCase(**{**vars(FLOW), "options": {**OPTIONS, "significance": 0.0}}),
-    )
+    monkeypatch.setattr("burstcast.forecasters.quadratic.SIGNIFICANCE", 0)
+    everything = QuadraticModel.fit(noisy(flow_series, 0.01), FLOW)
     assert (everything.coefficients != 0).all()
     errors = [field_error(one, FLOW.system, flow_series[1]) for one in (model, everything)]
     assert errors[0] < 0.6 * errors[1]
@@ -144,7 +142,6 @@ FILTER_OPTIONS = {
     "noise": None,
     "degree": 2,
     "window_lt": 0.2,
-    "significance": 4.0,
     "members": 40,
     "inflation": 1.0,
 }
@@ -226,7 +223,7 @@ def test_around_a_linear_model_it_is_the_kalman_filter(observed):
 # -- encoded states --------------------------------------------------------------------------------
 
 KOLMOGOROV = KolmogorovFlow(40.0, 4, 5)
-GRID = {"points": [6, 6], "offset": [0.31, 0.17]}
+GRID = {"points": [6, 6]}
 STRIDE = 10
 
 

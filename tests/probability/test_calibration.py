@@ -269,7 +269,7 @@ def test_a_single_series_leaves_nothing():
         list(MeanForecaster(0.0).leave_one_out(training, CASE, 5))
 
 
-OPTIONS = options_of_kind("precursor") | {"trees": 20, "lags_lt": [0.2]}
+OPTIONS = options_of_kind("precursor") | {"lags_lt": [0.2]}
 LABELLED_CASE = ForecastingCase(Lorenz63(), 0.01, 1, 10, OPTIONS)
 
 
@@ -297,7 +297,11 @@ def by_hand(points, washouts, left_out):
     columns = []
     for window in range(2):
         classifier = HistGradientBoostingClassifier(
-            max_iter=20, max_leaf_nodes=12, learning_rate=0.08, early_stopping=False, random_state=0
+            max_iter=150,
+            max_leaf_nodes=12,
+            learning_rate=0.08,
+            early_stopping=False,
+            random_state=0,
         ).fit(cut(points.washouts[learnt]), points.happened[learnt, window])
         columns.append(classifier.predict_proba(cut(washouts))[:, 1])
     return np.stack(columns, axis=1)

@@ -109,7 +109,7 @@ def test_network_that_has_learnt_lorenz_has_its_exponents():
 
 def test_equations_that_are_learnt_have_the_exponents_of_lorenz():
     series = lorenz_series(6, 2000)
-    options = {"window_lt": 0.1, "degree": 2, "noise": 0.0, "significance": 3.0}
+    options = {"window_lt": 0.1, "degree": 2, "noise": 0.0}
     model = QuadraticModel.fit(series, ForecastingCase(Lorenz63(), 0.01, 2, 50, options))
     found = spectrum(model, series[:, -10:], 2000).exponents.mean(axis=0)
     np.testing.assert_allclose(found, [0.906, 0.0, -14.57], rtol=0, atol=0.1)

@@ -99,7 +99,7 @@ def test_bounds_that_are_other_settings_exist():
     for place in Place(Configuration).settings():
         in_case = place.name.startswith("case_defaults.") and place.relations
         root = "case_defaults." if in_case else ""
-        for others in [*place.relations.values(), *filter(None, [place.when])]:
+        for others in place.relations.values():
             assert {f"{root}{other}" for other in others.split(" * ")} <= names
 
 
@@ -633,10 +633,7 @@ def test_all_mistakes_are_told_at_once(config):
             ["RV-seed10", "not part of the campaign", "(Re400 has esn-N500-SSV-seed0)"],
         ),
         ("figures.fixed_neurons", 700, ["figures.fixed_neurons is 700", "500, 1000, 1500"]),
-        ("figures.fixed_prediction_time_lt", 7, ["figures.fixed_prediction_time_lt is 7", "0.5"]),
-        ("figures.reynolds_prediction_times_lt", [2, 7], ["reynolds_prediction_times_lt has 7"]),
         ("figures.flow_event.peak", 0.05, ["figures.flow_event.peak is 0.05", "of Re400, 0.1"]),
-        ("figures.control_prediction_time_lt", 3, ["control_prediction_time_lt is 3", "control.p"]),
         ("campaign.1.cases", ["Re40O"], ["campaign[1].cases", "did you mean Re400?"]),
         (
             "forecasters.esn.connectivity",
@@ -815,12 +812,6 @@ def test_block_without_case(config):
     assert any("campaign[1] names no case" in problem for problem in problems(config))
 
 
-def test_bounds_of_control_do_not_matter_without_it(config):
-    put(config, "control.forecasters", {"esn": None, "equations": {}})
-    put(config, "figures.control_prediction_time_lt", 7)
-    load(config)
-
-
 def test_blocks_may_overlap(config):
     config["campaign"].append(config["campaign"][0])
     assert list(case_records(load(config))) == ["Re400", "Re600", "Re800", "Re1000"]
@@ -909,7 +900,6 @@ def test_least_length_of_a_series(config, changes, least):
     config["campaign"] = [{"reynolds": [400], "forecasters": networks(2000)}]
     put(config, "cases.Re400.recycle_validation", {"series": 3, "intervals_per_series": 1})
     put(config, "horizon.longest_lead_time_lt", 1)
-    put(config, "figures.reynolds_prediction_times_lt", [2])
     put(config, "statistics", {**config["statistics"], "duration": None})
     put(config, "statistics.fixed_point_interval_lt", 1)
     for name, value in changes.items():
@@ -932,7 +922,6 @@ def test_least_length_of_a_series(config, changes, least):
 )
 def test_durations_below_one_step(config, name):
     put(config, "campaign", [{"reynolds": [400], "forecasters": networks(2000)}])
-    put(config, "figures.reynolds_prediction_times_lt", [2])
     put(config, name, 0.01)
     assert only_problem(config) == (
         f"case Re400: {name} is 0.01 Lyapunov times, which is shorter than one step of the "
@@ -958,7 +947,6 @@ def test_series_are_counted_together():
 def test_too_few_starting_points_are_told_of_cases_that_the_campaign_uses(config):
     assert few_points(Configuration.model_validate(load(config))) == ""
     put(config, "campaign", [{"reynolds": [400, 600], "forecasters": networks(2000)}])
-    put(config, "figures.reynolds_prediction_times_lt", [2])
     put(config, "statistics.fixed_point_interval_lt", 1)
     put(config, "cases.Re400.ensemble", {"duration": 1500})
     put(config, "cases.Re400.recycle_validation", {"series": 1, "intervals_per_series": 1})

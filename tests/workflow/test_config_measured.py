@@ -44,7 +44,6 @@ def config(tmp_path, monkeypatch):
         },
     ]
     config["statistics"] |= {"duration": 100, "fixed_point_interval_lt": 1}
-    config["figures"]["reynolds_prediction_times_lt"] = [2]
     return config
 
 

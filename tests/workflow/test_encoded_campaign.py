@@ -56,10 +56,6 @@ def controlled(strategy, kind, observed="invariants", conditions=None, **setting
 @pytest.mark.parametrize(
     ("change", "parts"),
     [
-        (
-            case("sensors", sensors={"offset": [0.31, 1.2]}),
-            ["case sensors: sensors, encoder", "6 sensors along y from 1.2 on reach 6.436"],
-        ),
         (case("sensors_pod", encoder={"modes": 81}), ["case sensors_pod", "from 1 to 80"]),
         (
             case("invariants", encoder={"kind": "invariant"}),
@@ -108,11 +104,7 @@ def controlled(strategy, kind, observed="invariants", conditions=None, **setting
             ),
             ["control.strategies[0].settings.windows: classifiers have 3"],
         ),
-        (
-            case("sensors", sensors={"points": [8, 8], "offset": [0, 0]}),
-            ["case sensors: sensors, encoder: no sensor sees a_0_4,", "sensors.offset [0.0, 0.0]"],
-        ),
-        (case("sensors", sensors={"points": [8, 101]}), ["points[1] is 101", "not above 100"]),
+        (case("sensors", sensors={"points": [8, 21]}), ["points[1] is 21", "not above 20"]),
         (
             case("invariants", encoder={"modes": 5}),
             ["encoder.modes is no option of the encoder invariants"],

@@ -46,7 +46,6 @@ SETTINGS = {
         "inflation": 1.0,
         "window_lt": 0.2,
         "degree": 2,
-        "significance": 4.0,
         "neighbours": 5,
     },
 }

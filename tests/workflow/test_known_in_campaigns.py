@@ -48,7 +48,7 @@ CONFIG = {
         "filter": {"members": 8},
         "quadratic": {"degree": 1, "window_lt": 0.25},
         "classifiers": {"start_spacing_lt": 0.25},
-        "precursor": {"classifier": "logistic", "degree": 1, "lags_lt": [0.25]},
+        "precursor": {"classifier": "logistic", "lags_lt": [0.25]},
     },
     "search": {"grid": 2, "bayesian_points": 1, "interval_lt": 1},
     "classification": {

@@ -73,9 +73,6 @@ CAMPAIGN = {
         "example_case": "lorenz",
         "example_forecaster": "esn-N30-RV-seed0",
         "fixed_neurons": 30,
-        "example_prediction_time_lt": 1,
-        "fixed_prediction_time_lt": 1,
-        "reynolds_prediction_times_lt": [1],
     },
 }
 

@@ -291,7 +291,7 @@ SCORES = {
 @pytest.mark.parametrize(
     ("change", "first"),
     [
-        ({"forecasters": {"precursor": {"trees": 21}}}, {"event_probabilities"}),
+        ({"forecasters": {"precursor": {"lags_lt": [0.2]}}}, {"event_probabilities"}),
         ({"forecasters": {"classifiers": {"folds": 4}}}, {"event_probabilities"}),
         ({"forecasters": {"esn_direct": {"penalty": [2]}}}, {"event_probabilities"}),
         (

@@ -145,21 +145,12 @@ def test_no_caption_is_a_setting():
         ({"figures": {"published_overlay": True}}, set()),
         # the example event is chosen where the forecasts are made
         ({"figures": {"example_horizon_lt": 3}}, set()),
-        ({"figures": {"isosurface_level": 0.3}}, {"vorticity_isosurfaces"}),
         ({"horizon": {"tolerance": 0.1}}, {"horizon_schematic"}),
         ({"horizon": {"events": 100}}, set()),
         ({"search": {"interval_lt": 1}}, {"validation_strategies"}),
         (
             {"forecasters": {"esn": {"connectivity": 10}}},
             {"network_schematic"},
-        ),
-        (
-            {"figures": {"fixed_prediction_time_lt": 2}},
-            {"classification_scores"},
-        ),
-        (
-            {"figures": {"example_prediction_time_lt": 3}},
-            {"prediction_schematic", "prediction_examples"},
         ),
         (
             {"washout_lt": 0.6},

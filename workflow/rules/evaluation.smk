@@ -61,8 +61,9 @@ stage(
     inputs=files("ensemble summary evaluation_set events forecaster forecast horizon"),
     outputs={"examples": f"{FORECASTER}/examples.nc"},
     settings="FORECASTER HORIZON WINDOWS case.event_threshold case.training.series washout_lt "
-    "figures.example_prediction_time_lt figures.example_horizon_lt",
+    "figures.example_horizon_lt",
     cost="examples",
+    prediction_time_lt=campaign.prediction_time(2),
 )
 stage(
     "evaluation/flow_event",

@@ -153,8 +153,7 @@ def encoding_case(
 ) -> EncodingCase:
     """Information for the encoder of a case.
 
-    ``sensors``: Fields of the `VelocitySensors` beside the flow; None: the states are observed
-    themselves.
+    ``sensors``: ``points`` of the `VelocitySensors`; None: the states are observed themselves.
     """
     if sensors is None:
         return EncodingCase(space, options)
@@ -162,8 +161,7 @@ def encoding_case(
         raise ValueError(
             f"sensors measure the velocity in a plane, which {type(space).__name__} has not"
         )
-    points, offset = tuple(sensors["points"]), tuple(sensors["offset"])
-    return EncodingCase(space, options, VelocitySensors(space, points, offset))
+    return EncodingCase(space, options, VelocitySensors(space, tuple(sensors["points"])))
 
 
 def channel_names(kind: str, case: EncodingCase) -> tuple[str, ...]:
@@ -202,9 +200,8 @@ def _check_grid(space: StateSpace, sensors: VelocitySensors) -> None:
         names, (along_x, along_y) = component_names(space), sensors.points
         raise ValueError(
             f"no sensor sees {', '.join(names[number] for number in unseen)}: the velocity of "
-            f"these components vanishes at all {along_x} x {along_y} sensors with "
-            f"sensors.offset {list(sensors.offset)}; take an offset between their zeros, such as "
-            "the default"
+            f"these components vanishes at all {along_x} x {along_y} sensors from "
+            f"{sensors.offset} on; take other sensors.points"
         )
 
 

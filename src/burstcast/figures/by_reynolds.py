@@ -24,7 +24,7 @@ FIGURE = Declaration(
     },
     settings={
         "neurons": "figures.fixed_neurons",
-        "prediction_times_lt": "figures.reynolds_prediction_times_lt",
+        "prediction_times_lt": "shown.prediction_times_lt",
     },
     cases="several_reynolds",
     published=True,

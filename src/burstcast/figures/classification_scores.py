@@ -19,7 +19,7 @@ FIGURE = Declaration(
     inputs={"percentiles": "case/tables/classification_percentiles.csv"},
     settings={
         "fixed_neurons": "figures.fixed_neurons",
-        "fixed_prediction_time_lt": "figures.fixed_prediction_time_lt",
+        "fixed_prediction_time_lt": "shown.fixed_prediction_time_lt",
         "sizes_validation": "shown.validation",
     },
     cases="networks",

@@ -17,7 +17,7 @@ FIGURE = Declaration(
     inputs={"examples": "example/examples.nc"},
     settings={
         "threshold": "case.event_threshold",
-        "prediction_time_lt": "figures.example_prediction_time_lt",
+        "prediction_time_lt": "shown.example_prediction_time_lt",
         "washout_lt": "washout_lt",
         "window_lt": "classification.window_lt",
         "symbol": "shown.symbol",

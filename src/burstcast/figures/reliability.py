@@ -23,7 +23,7 @@ FIGURE = Declaration(
     position=20,
     inputs={"bins": "case/tables/reliability.csv"},
     settings={
-        "prediction_times_lt": "figures.reynolds_prediction_times_lt",
+        "prediction_times_lt": "shown.prediction_times_lt",
         "neurons": "figures.fixed_neurons",
         "validation": "shown.validation",
     },

@@ -27,7 +27,7 @@ FIGURE = Declaration(
     },
     settings={
         "parameter": "shown.parameter",
-        "prediction_times_lt": "figures.reynolds_prediction_times_lt",
+        "prediction_times_lt": "shown.prediction_times_lt",
         "neurons": "figures.fixed_neurons",
     },
     cases="several_parameters",

@@ -33,7 +33,6 @@ FIGURE = Declaration(
         "system": "case.system",
         "parameters": "case.parameters",
         "flow_points": "figures.flow_points",
-        "isosurface_level": "figures.isosurface_level",
     },
     only_flows=True,
 )
@@ -42,6 +41,7 @@ _COLOURS = {1: style.VERMILLION, -1: style.BLUE}
 _VELOCITY = "PRGn"
 _OPACITY = 0.75
 _ARROWS = 12
+_LEVEL = 0.5  # of the isosurfaces, as a share of the largest vorticity
 # of the event's four times: the peak, and when the laminar structure has broken down
 _SHOWN = {2: "before", 3: "after"}
 
@@ -53,7 +53,6 @@ def draw(
     system: str,
     parameters: Mapping[str, float],
     flow_points: Sequence[int],
-    isosurface_level: float,
 ) -> Figure:
     """Draw the true flow at the event's peak and after its breakdown.
 
@@ -69,7 +68,7 @@ def draw(
     states = [event["true_state"][time] for time in _SHOWN]
     velocities = [grid.modes.velocity(state, *points) for state in states]
     vorticities = [grid.modes.vorticity(state, *points)[0] for state in states]
-    level = isosurface_level * max(float(np.abs(one).max()) for one in vorticities)
+    level = _LEVEL * max(float(np.abs(one).max()) for one in vorticities)
     streamwise = planes.symmetric_norm([velocity[0] for velocity in velocities])
     largest = max(float(np.sqrt((one**2).sum(axis=0)).max()) for one in velocities)
     figure = style.new_figure(style.DOUBLE_COLUMN, 2.35, layout=None)

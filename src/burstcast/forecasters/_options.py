@@ -14,13 +14,10 @@ DEFAULTS: Mapping[str, Mapping[str, Any]] = {
     },
     "observation": {"noise": None},
     "filter": {"members": 40, "inflation": 1},
-    "quadratic": {"degree": 2, "window_lt": 0.2, "significance": 4},
+    "quadratic": {"degree": 2, "window_lt": 0.2},
     "analogues": {"neighbours": 10},
     "classifiers": {"start_spacing_lt": 0.1, "folds": 10},
-    "precursor": {
-        **{"classifier": "boosting", "lags_lt": [0.1, 0.2, 0.3, 0.4]},
-        **{"trees": 150, "leaves": 12, "learning_rate": 0.08, "degree": 2, "penalty": 1},
-    },
+    "precursor": {"classifier": "boosting", "lags_lt": [0.1, 0.2, 0.3, 0.4]},
     "esn_direct": {
         **{"neurons": 1000, "spectral_radius": [0.9], "input_scaling": [1, 10]},
         "penalty": [1, 30],

@@ -12,7 +12,7 @@ from burstcast.arrays import FloatArray
 from burstcast.data.observation_noise import observation_noise
 from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
-from burstcast.polynomials.regression import polynomial_coefficients
+from burstcast.polynomials.regression import SIGNIFICANCE, polynomial_coefficients
 from burstcast.polynomials.system import PolynomialSystem
 
 
@@ -51,7 +51,7 @@ class QuadraticModel(IntegratedForecaster):
             case.time_step * case.sampling_stride,
             options["degree"],
             window,
-            options["significance"],
+            SIGNIFICANCE,
         )
         return cls.restore(ForecasterRecord({"coefficients": coefficients}), case)
 

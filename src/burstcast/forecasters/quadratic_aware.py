@@ -23,7 +23,7 @@ from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
 from burstcast.forecasters.quadratic import window_steps
 from burstcast.polynomials.basis import monomials
-from burstcast.polynomials.regression import factored_coefficients
+from burstcast.polynomials.regression import SIGNIFICANCE, factored_coefficients
 from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.parameters import Parameters, stretches
 
@@ -64,7 +64,7 @@ class AwareQuadraticModel(IntegratedForecaster):
             case.time_step * case.sampling_stride,
             options["degree"],
             window_steps(options["window_lt"], case.steps_per_lyapunov_time, training.shape[1]),
-            options["significance"],
+            SIGNIFICANCE,
             factors(parameters),
         )
         return cls._of(coefficients, factors, case)

@@ -24,6 +24,9 @@ import numpy as np
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 from burstcast.polynomials.basis import denoised, monomials
 
+SIGNIFICANCE = 4
+"""Least size of a coefficient, in standard errors, without which its term is left out."""
+
 # Coefficients of Gregory's formula: corrections of the trapezoidal rule by differences at the ends.
 _GREGORY = (1 / 12, 1 / 24, 19 / 720, 3 / 160, 863 / 60480)
 # Stretches of the series whose scatter gives the standard errors: so many that the errors are

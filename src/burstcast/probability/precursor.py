@@ -18,27 +18,24 @@ from burstcast.arrays import BoolArray, FloatArray
 from burstcast.discovery import suggestion
 from burstcast.forecasters._options import DEFAULTS
 
-_DEFAULTS = DEFAULTS["precursor"]
 CLASSIFIERS = ("boosting", "logistic")
 """Gradient boosting of trees; logistic regression on features and their products."""
+
+TREES, LEAVES, LEARNING_RATE = 150, 12, 0.08
+"""Number of boosted trees, leaves of each, and weight of each."""
+
+DEGREE, PENALTY = 2, 1.0
+"""Of the logistic regression: degree of the products of features, and strength of the penalty on
+squared coefficients of features of unit variance."""
 
 
 @dataclass(frozen=True)
 class PrecursorOptions:
     """Options of a precursor's training."""
 
-    classifier: str = _DEFAULTS["classifier"]  #: one of `CLASSIFIERS`
+    classifier: str = DEFAULTS["precursor"]["classifier"]  #: one of `CLASSIFIERS`
     #: steps before the present whose components are features, beside the present components
     lags: Sequence[int] = ()
-    #: trees, leaves, learning_rate: number of trees, leaves of each, and weight of each in the
-    #: boosting
-    trees: int = _DEFAULTS["trees"]
-    leaves: int = _DEFAULTS["leaves"]
-    learning_rate: float = _DEFAULTS["learning_rate"]
-    #: degree, penalty: degree of the products of features, 1 or 2, in the logistic regression, and
-    #: strength of its penalty on squared coefficients of features of unit variance
-    degree: int = _DEFAULTS["degree"]
-    penalty: float = _DEFAULTS["penalty"]
 
     def __post_init__(self) -> None:
         if self.classifier not in CLASSIFIERS:
@@ -48,14 +45,6 @@ class PrecursorOptions:
             )
         if any(lag < 1 for lag in self.lags) or len(set(self.lags)) < len(self.lags):
             raise ValueError(f"lags must be different steps from 1 on, not {list(self.lags)}")
-        if self.degree not in (1, 2):
-            raise ValueError(f"degree must be 1 or 2, not {self.degree}")
-        for name, least in (("trees", 1), ("leaves", 2)):
-            if getattr(self, name) < least:
-                raise ValueError(f"{name} must be at least {least}, not {getattr(self, name)}")
-        for name in ("learning_rate", "penalty"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} must be positive, not {getattr(self, name)}")
 
 
 def precursor_features(washouts: FloatArray, lags: Sequence[int] = ()) -> FloatArray:
@@ -157,9 +146,9 @@ def _classifier(options: PrecursorOptions) -> Any:
         from sklearn.ensemble import HistGradientBoostingClassifier
 
         return HistGradientBoostingClassifier(
-            max_iter=options.trees,
-            max_leaf_nodes=options.leaves,
-            learning_rate=options.learning_rate,
+            max_iter=TREES,
+            max_leaf_nodes=LEAVES,
+            learning_rate=LEARNING_RATE,
             early_stopping=False,
             random_state=0,
         )
@@ -169,7 +158,7 @@ def _classifier(options: PrecursorOptions) -> Any:
 
     return make_pipeline(
         StandardScaler(),
-        PolynomialFeatures(options.degree, include_bias=False),
+        PolynomialFeatures(DEGREE, include_bias=False),
         StandardScaler(),
-        LogisticRegression(C=1.0 / options.penalty, max_iter=1000),
+        LogisticRegression(C=1.0 / PENALTY, max_iter=1000),
     )

@@ -394,6 +394,12 @@ class Campaign:
         """The plan of control that is called so (a KeyError if there is none)."""
         return self._plans[identifier]
 
+    def prediction_time(self, wanted: float) -> float:
+        """The classified prediction time nearest to a wanted one."""
+        time = nearest(self.config.classification.prediction_times_lt, wanted)
+        assert time is not None
+        return time
+
     def _control_times(self, one: CaseForecaster) -> list[float]:
         times, sweep = set(self.config.control.prediction_times_lt), self.config.control.sweep
         if one.case in sweep.cases and (one.name.seed or 0) < sweep.seeds:
@@ -692,6 +698,11 @@ class Campaign:
         name = parsed(identifier)
         reservoir = replace(name, validation=None).identifier
         return reservoir, "+".join(scanned_with(str(name.validation)))
+
+
+def nearest(values: Sequence[float], wanted: float) -> float | None:
+    """The value nearest to the wanted one, the smaller of two; None without any."""
+    return min(values, key=lambda value: (abs(value - wanted), value), default=None)
 
 
 WHOSE = ("forecaster", "controller", "reservoir")

@@ -30,8 +30,7 @@ def out_of_bounds(section: Section) -> Iterator[str]:
     settings = section.dump()
     for place in Place(type(section)).settings():
         # what bounds a setting of a case is in the same case
-        in_case = place.name.startswith("case_defaults.")
-        if in_case or (place.when and _at(settings, place.when) in (None, [])):
+        if place.name.startswith("case_defaults."):
             continue
         for relation, other in place.relations.items():
             factors = [_at(settings, factor) for factor in other.split(" * ")]
@@ -43,8 +42,7 @@ def out_of_bounds(section: Section) -> Iterator[str]:
                 if bound not in (None, []) and not _HOLDS[relation](item, bound):
                     verb = "has" if isinstance(value, list) else "is"
                     limit = ", ".join(map(str, bound if isinstance(bound, list) else [bound]))
-                    unless = f", unless {place.when} is empty" if place.when else ""
-                    must = f"{RELATIONS[relation]} {other}, {limit}{unless}"
+                    must = f"{RELATIONS[relation]} {other}, {limit}"
                     yield f"{place.name} {verb} {item}; it {must}"
 
 

@@ -1,7 +1,7 @@
-"""Settings that follow from the campaign where the config has null: examples, sizes, times."""
+"""Settings that follow from the campaign where the config has null: examples and sizes."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from burstcast.forecasters._names import ForecasterName, parsed
@@ -21,15 +21,7 @@ def completed(config: Configuration) -> Configuration:
     other cases last. Without networks, the first case is the example, and no network is.
     """
     figures = config.figures
-    classified = config.classification.prediction_times_lt
-    two, three = _nearest(classified, 2), _nearest(classified, 3)
-    shown = {
-        **_example(config),
-        "example_prediction_time_lt": two,
-        "fixed_prediction_time_lt": three,
-        "reynolds_prediction_times_lt": sorted({time for time in (two, three) if time is not None}),
-        "control_prediction_time_lt": _nearest(config.control.prediction_times_lt, 2),
-    }
+    shown = _example(config)
     said = {name: getattr(figures, name) for name in shown}
     shown |= {name: value for name, value in said.items() if value is not None}
     update: dict[str, Any] = {"figures": figures.model_copy(update=shown)}
@@ -87,8 +79,3 @@ def _followed(chosen: Any, shown: Mapping[str, Any]) -> dict[str, Any]:
         for axis, value in values.items()
         if getattr(chosen, axis) is None
     }
-
-
-def _nearest(values: Sequence[float], wanted: float) -> float | None:
-    """The value nearest to the wanted one, the smaller of two; None without any."""
-    return min(values, key=lambda value: (abs(value - wanted), value), default=None)

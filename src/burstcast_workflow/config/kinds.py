@@ -265,15 +265,15 @@ RELATIONS = {
 }
 
 
-def setting(meaning: str, unit: str = "", when: str = "", **bounds: Any) -> Any:
+def setting(meaning: str, unit: str = "", **bounds: Any) -> Any:
     """Describe a setting: its meaning, its unit, and bounds beyond the bounds of its type.
 
     A bound of `RELATIONS` names another setting (or a product of them, ``a * b``): from the root of
-    the configuration, and in a case from the root of the case. If ``when`` names one, too, these
-    bounds only hold where it is not empty. Names that end in ``_lt`` tell their unit.
+    the configuration, and in a case from the root of the case. Names that end in ``_lt``
+    tell their unit.
     """
     relations = {key: bounds.pop(key) for key in RELATIONS if key in bounds}
-    extra: dict[str, Any] = {"unit": unit, "when": when, "relations": relations}
+    extra: dict[str, Any] = {"unit": unit, "relations": relations}
     return Field(description=meaning, json_schema_extra=extra, **bounds)
 
 

@@ -54,8 +54,6 @@ OBSERVABLE = "units of the observable"
 RESOLUTION = "classification.resolution_lt"
 SIZES = "campaign.forecasters.esn.neurons"
 STRATEGIES = "campaign.forecasters.esn.validation"
-CONTROL = "control.forecasters.esn"
-TIMES = "classification.prediction_times_lt"
 
 
 class NoAxes(Section):
@@ -413,13 +411,8 @@ class DataOfCase(Data):
 class Sensors(Section):
     """Probes of the velocity at the points of a regular grid, in place of the whole state."""
 
-    points: Annotated[list[Annotated[Count, Field(le=100)]], Field(min_length=2, max_length=2)] = (
+    points: Annotated[list[Annotated[Count, Field(le=20)]], Field(min_length=2, max_length=2)] = (
         setting("number of probes along x and y", default=[8, 8])
-    )
-    offset: Annotated[list[float], Field(min_length=2, max_length=2)] = setting(
-        "coordinates of the first probe; from 0 to the distance of two probes",
-        "units of length",
-        default=[0.31, 0.17],
     )
 
 
@@ -577,11 +570,6 @@ class Quadratic(Section):
 
     degree: Whole = setting("highest degree of the polynomials", ge=1, le=3)
     window_lt: Positive = setting("time that the equations are integrated over, to learn them")
-    significance: float = setting(
-        "least size of a coefficient, without which its term is left out; 0 keeps all terms",
-        "standard errors",
-        ge=0,
-    )
 
 
 @with_defaults(DEFAULTS["analogues"])
@@ -613,13 +601,6 @@ class Precursor(Section):
     lags_lt: Distinct[Positive] = setting(
         "past values that are features beside the present ones, within the washout"
     )
-    trees: Count = setting("number of boosted trees")
-    leaves: Whole = setting("leaves of each tree", ge=2)
-    learning_rate: Positive = setting("weight of each tree")
-    degree: Whole = setting(
-        "degree of the products of features in the logistic regression", ge=1, le=2
-    )
-    penalty: Positive = setting("penalty on squared coefficients of the logistic regression")
 
 
 @with_defaults(DEFAULTS["esn_direct"])
@@ -868,8 +849,6 @@ class FlowEvent(Section):
 
     peak: float = setting("wanted peak of the observable", OBSERVABLE)
     quiet_lt: float = setting("time without another event before the event and after it", ge=0)
-    longest_lt: Positive = setting("longest time from the event's first rise to its breakdown")
-    lead_lt: float = setting("from the start of the forecast to the event's first rise", ge=0)
     tolerance: Positive = setting(
         "largest distance of the forecast from the true state through the event",
         "largest distance of a state from zero in the training series",
@@ -888,35 +867,17 @@ class Figures(Section):
         "network whose forecasts are shown as examples; null: of the fixed size, of Recycle "
         "Validation if there is any, seed 0"
     )
-    example_prediction_time_lt: PositiveOrNull = setting(
-        "prediction time of the examples; null: the nearest to 2", one_of=TIMES
-    )
     example_horizon_lt: Positive = setting("horizon of the example event; the nearest one is shown")
     fixed_neurons: Size | None = setting(
         "size of the reservoir where panels hold it fixed; null: the size that most cases have, "
         "the largest of those",
         one_of=SIZES,
     )
-    fixed_prediction_time_lt: PositiveOrNull = setting(
-        "prediction time that panels share; null: the nearest to 3", one_of=TIMES
-    )
-    reynolds_prediction_times_lt: SomeRising[Positive] | None = setting(
-        "prediction times of the figure over the Reynolds number; null: the nearest to 2 and 3",
-        one_of=TIMES,
-    )
     flow_event: FlowEvent
     flow_points: list[Annotated[Whole, Field(ge=5, le=1000)]] = setting(
         "points of the grid on which flow fields are drawn, along x, y and z",
         min_length=3,
         max_length=3,
-    )
-    isosurface_level: Positive = setting(
-        "vorticity of the isosurfaces", "largest vorticity shown", lt=1
-    )
-    control_prediction_time_lt: PositiveOrNull = setting(
-        "prediction time of the suppressed event that is shown; null: the nearest to 2",
-        one_of="control.prediction_times_lt",
-        when=CONTROL,
     )
 
 

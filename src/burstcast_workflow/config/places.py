@@ -33,7 +33,6 @@ class Place:
     bounds: tuple[Any, ...] = ()
     meaning: str = ""
     unit: str = ""
-    when: str = ""
     default: Any = PydanticUndefined
     relations: Mapping[str, str] = field(default_factory=dict)
 

@@ -47,8 +47,7 @@ def _lines(config: Mapping[str, Any]) -> Iterator[str]:
         for place in (section, *section.settings()):
             if not place.fields:
                 others = [f"{RELATIONS[key]} `{other}`" for key, other in place.relations.items()]
-                unless = [f"unless `{place.when}` is empty"] if place.when else []
-                allowed = "; ".join([place.allowed(), *others, *unless])
+                allowed = "; ".join([place.allowed(), *others])
                 default = _default(config, place)
                 yield _row([f"`{place.name}`", allowed, place.unit, default, place.meaning])
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from burstcast_workflow.config.model import Configuration
 
-_OF_MESSAGES = ("multiple_of", "relations", "required", "title", "unit", "when")
+_OF_MESSAGES = ("multiple_of", "relations", "required", "title", "unit")
 """What the model says about a setting for messages and the reference."""
 _BOUNDS = {"ge": "minimum", "le": "maximum", "gt": "exclusiveMinimum", "lt": "exclusiveMaximum"}
 """Bounds that pydantic leaves under its own names where a type has checks beside them."""

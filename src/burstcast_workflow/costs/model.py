@@ -16,6 +16,7 @@ from typing import Any
 from burstcast import durations
 from burstcast.forecasters._names import ForecasterName
 from burstcast.forecasters.registry import kind_class, learns_parameters
+from burstcast.probability.precursor import TREES
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast_workflow.campaign.campaign import WHOSE, Campaign, name_of
 from burstcast_workflow.config.measured_cases import data_files, space_of
@@ -109,7 +110,7 @@ class _Job:
         factors = math.comb(len(names) + degree, degree)
         self.features = self.neurons * factors
         # of each learnt equation, before terms that are not significant are removed one by one
-        highest = options["degree"] if "significance" in options else 0
+        highest = options.get("degree", 0)
         self.terms = factors * math.comb(int(self.dimension) + highest, highest)
         self.rows = (
             sources * self.training_series * max(0.0, self.samples - self.steps("washout_lt"))
@@ -298,7 +299,7 @@ def _classifiers(job: _Job) -> _Work:
     held = points * washout * job.dimension
     if "neurons" not in options:
         features = job.dimension * (1 + len(options["lags_lt"]))
-        units = {"tree feature": fits * options["trees"] * points * features}
+        units = {"tree feature": fits * TREES * points * features}
         return _Work(_SEARCHING, units, held + points * features)
     # a reservoir: its states after the washouts, and steps of Newton's method
     neurons = options["neurons"]

@@ -12,7 +12,7 @@ from burstcast.discovery import suggestion
 from burstcast.figures.registry import Declaration, available_figures, declaration
 from burstcast.forecasters.registry import learns_parameters
 from burstcast.observation.velocity_sensors import PlaneFlow
-from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
+from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun, nearest
 from burstcast_workflow.config.cases import is_flow
 from burstcast_workflow.config.measured_cases import undecoded
 from burstcast_workflow.tables.declarations import SECTIONS
@@ -71,7 +71,7 @@ def control_example(campaign: Campaign) -> ControlRun | None:
 
     The example's network, or else the first one that controls so far ahead.
     """
-    time = campaign.config.figures.control_prediction_time_lt
+    time = nearest(campaign.config.control.prediction_times_lt, 2)
     runs = [run for run in _network_runs(campaign) if run.prediction_time_lt == time]
     example = campaign.example
     own = [run for run in runs if (run.case, run.controller) == (example.case, example.name)]
@@ -215,6 +215,11 @@ _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
     "source": Campaign.source_system,
     "decoded_kind": lambda campaign, case: _decoded_example(campaign, case).name.kind,
     "strategies": _strategies,
+    "example_prediction_time_lt": lambda campaign, case: campaign.prediction_time(2),
+    "fixed_prediction_time_lt": lambda campaign, case: campaign.prediction_time(3),
+    "prediction_times_lt": lambda campaign, case: sorted(
+        {campaign.prediction_time(2), campaign.prediction_time(3)}
+    ),
     "control_prediction_time_lt": lambda campaign, case: getattr(
         control_example(campaign), "prediction_time_lt", None
     ),

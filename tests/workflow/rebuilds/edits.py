@@ -205,10 +205,6 @@ _VALUES: dict[str, Any] = {
     "figures.example_case": "Re400",  # the only one there is: the same again
     "figures.example_forecaster": "esn-N30-SSV-seed0",
     "figures.fixed_neurons": 30,
-    "figures.example_prediction_time_lt": 3,
-    "figures.fixed_prediction_time_lt": 2,
-    "figures.control_prediction_time_lt": 1,
-    "figures.reynolds_prediction_times_lt": [1],
 }
 _WITH: dict[str, dict[str, Any]] = {
     "campaign.0.reynolds": {

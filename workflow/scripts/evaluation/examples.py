@@ -33,7 +33,7 @@ def _outcomes(
     steps = lyapunov_time(settings)
     resolution = settings["classification.resolution_lt"]
     window_lt = settings["classification.window_lt"]
-    prediction_time_lt = settings["figures.example_prediction_time_lt"]
+    prediction_time_lt = settings["prediction_time_lt"]
     points = read_netcdf(evaluation_set)
     chosen = outcome_examples(
         WindowSummaries(**read_netcdf(forecast_file, "first", "largest")),

@@ -16,6 +16,9 @@ from burstcast_workflow.jobs.forecasters import read_forecaster, seen_rows
 from burstcast_workflow.jobs.systems import system_of
 from burstcast_workflow.jobs.time_unit import lyapunov_time
 
+LEAD_LT, LONGEST_LT = 0.25, 6.0
+"""From the start of the forecast to the event's first rise, and from there to its breakdown."""
+
 
 @job
 def find_flow_event(
@@ -30,7 +33,7 @@ def find_flow_event(
     trained = read_rows(ensemble, "state", 0, first)
     model = read_forecaster(forecaster, settings)
     observed = seen_rows(model, settings, ensemble, first, states)
-    lead = durations.steps(wanted["lead_lt"], unit)
+    lead = durations.steps(LEAD_LT, unit)
     washout = durations.steps(settings["washout_lt"], unit)
     quiet = durations.steps(wanted["quiet_lt"], unit)
     events = isolated_events(
@@ -39,7 +42,7 @@ def find_flow_event(
             threshold=settings["case.event_threshold"],
             calm=read_json(summary)["mean_observable"],
             quiet=quiet,
-            longest=durations.steps(wanted["longest_lt"], unit),
+            longest=durations.steps(LONGEST_LT, unit),
             wanted_peak=wanted["peak"],
         ),
         before=lead + washout - 1,
