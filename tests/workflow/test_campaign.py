@@ -23,7 +23,7 @@ from burstcast_workflow.figures.registry import (
     files_of,
     settings_of,
 )
-from burstcast_workflow.stages.canonical import canonical, canonical_json
+from burstcast_workflow.harness.canonical import canonical, canonical_json
 from burstcast_workflow.tables.registry import cases_of_tables, table_names
 
 ROOT = Path(__file__).parents[2]

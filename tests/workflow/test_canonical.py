@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast_workflow.stages.canonical import canonical, canonical_json
+from burstcast_workflow.harness.canonical import canonical, canonical_json
 
 PLAIN = st.recursive(
     st.none()

@@ -18,8 +18,8 @@ from burstcast_workflow.config.lengths import few_points
 from burstcast_workflow.config.loading import ConfigError, load, misread
 from burstcast_workflow.config.model import Block, Configuration
 from burstcast_workflow.config.places import Place
+from burstcast_workflow.harness.canonical import canonical, canonical_json
 from burstcast_workflow.jobs.data import check_kept_series
-from burstcast_workflow.stages.canonical import canonical, canonical_json
 
 ROOT = Path(__file__).parents[2]
 CHOICE = re.compile(r"(statistics|control)\.forecasters\.")

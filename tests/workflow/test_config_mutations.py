@@ -26,7 +26,7 @@ from burstcast_workflow.figures.registry import (
     files_of,
     settings_of,
 )
-from burstcast_workflow.stages.canonical import canonical_json
+from burstcast_workflow.harness.canonical import canonical_json
 from burstcast_workflow.tables.registry import latex_names, table_names
 
 NUMBER = int(os.environ.get("BURSTCAST_MUTATIONS", "500"))

@@ -13,8 +13,8 @@ from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.forecasters import _options as forecaster_options
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast_workflow.config.model import Forecasters
+from burstcast_workflow.harness.canonical import canonical
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.stages.canonical import canonical
 
 ROOT = Path(__file__).parents[2]
 CASE = "Re400"

@@ -19,12 +19,12 @@ from burstcast.systems.parameters import SHARE, SystemParameters
 from burstcast.systems.registry import make_system
 from burstcast.systems.state_space import StateSpace
 from burstcast.tuning.strategies.registry import scanned_with, strategy_module
-from burstcast_workflow.campaign.control_plans import (
+from burstcast_workflow.config.cases import block_cases, cases_of, event_shares_of
+from burstcast_workflow.config.control_plans import (
     ControlPlan,
     block_plans,
     paper_plan,
 )
-from burstcast_workflow.config.cases import block_cases, cases_of, event_shares_of
 from burstcast_workflow.config.external_files import external_forecasts
 from burstcast_workflow.config.kinds import Quantile, Section
 from burstcast_workflow.config.measured_cases import is_encoded, space_of
@@ -36,7 +36,7 @@ from burstcast_workflow.config.model import (
     Simulated,
     StrategyBlock,
 )
-from burstcast_workflow.stages.canonical import canonical
+from burstcast_workflow.harness.canonical import canonical
 
 GROUPS = {
     "KEYS": "case.parameters",

@@ -12,8 +12,8 @@ from burstcast.data.parameter_factors import ParameterFactors
 from burstcast.forecasters.registry import learns_parameters
 from burstcast.systems.parameters import SHARE, SystemParameters
 from burstcast.systems.registry import make_system
-from burstcast_workflow.campaign.control_plans import block_plans
 from burstcast_workflow.config.cases import blocks_of, campaign_cases, case_of, data_of
+from burstcast_workflow.config.control_plans import block_plans
 from burstcast_workflow.config.messages import suggestion
 from burstcast_workflow.config.model import Case, Configuration, Simulated
 

@@ -11,7 +11,7 @@ from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.registry import system_class, system_module
 from burstcast_workflow.config.measured_cases import measured_record, space_of
 from burstcast_workflow.config.model import Block, Case, Configuration, Data, Measured, Simulated
-from burstcast_workflow.stages.canonical import canonical
+from burstcast_workflow.harness.canonical import canonical
 
 Config = dict[str, Any]
 

@@ -21,7 +21,6 @@ from burstcast.forecasters.registry import (
     trajectory_kinds,
 )
 from burstcast.systems.registry import system_class
-from burstcast_workflow.campaign.control_plans import block_plans
 from burstcast_workflow.config.bounds import out_of_bounds
 from burstcast_workflow.config.case_checks import problems_of_case
 from burstcast_workflow.config.cases import (
@@ -35,6 +34,7 @@ from burstcast_workflow.config.cases import (
     said_by_class,
     sound_case,
 )
+from burstcast_workflow.config.control_plans import block_plans
 from burstcast_workflow.config.kinds import Quantile
 from burstcast_workflow.config.measured_cases import is_encoded
 from burstcast_workflow.config.messages import model_problems, suggestion

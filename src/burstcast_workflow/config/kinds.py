@@ -24,7 +24,7 @@ from burstcast.control.strategies.registry import available_strategies as contro
 from burstcast.data.times import time_step_of
 from burstcast.encoders.registry import available_encoders
 from burstcast.tuning.strategies.registry import available_strategies
-from burstcast_workflow.stages.canonical import canonical
+from burstcast_workflow.harness.canonical import canonical
 
 T = TypeVar("T")
 S = TypeVar("S", bound="Section")

@@ -16,8 +16,8 @@ from burstcast.data.starting_points import starting_points
 from burstcast.forecasters._options import sections_of_kind
 from burstcast.forecasters.precursor import lag_steps
 from burstcast.statistics.warning_signs import FEW_POSITIVES
-from burstcast_workflow.campaign.control_plans import block_plans
 from burstcast_workflow.config.cases import campaign_cases, case_of, sound_case
+from burstcast_workflow.config.control_plans import block_plans
 from burstcast_workflow.config.measured_cases import space_of
 from burstcast_workflow.config.model import Case, Configuration, Ensemble, Simulated
 from burstcast_workflow.harness.settings import CLASSIFICATION

@@ -47,7 +47,7 @@ from burstcast_workflow.config.kinds import (
     setting,
     with_defaults,
 )
-from burstcast_workflow.stages.canonical import canonical
+from burstcast_workflow.harness.canonical import canonical
 
 TIME = "time units"
 OBSERVABLE = "units of the observable"

@@ -28,6 +28,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NoReturn
 
+from burstcast_workflow.harness.canonical import canonical, canonical_json
 from burstcast_workflow.harness.environment import (
     LIBRARIES,
     blas_kernels,
@@ -51,7 +52,6 @@ from burstcast_workflow.harness.storage import (
     write_table,
     write_text,
 )
-from burstcast_workflow.stages.canonical import canonical, canonical_json
 from snaketrust import job as trust
 from snaketrust.fingerprint import script_of
 

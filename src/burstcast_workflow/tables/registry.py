@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.campaign.control_plans import CONDITIONS
+from burstcast_workflow.config.control_plans import CONDITIONS
 from burstcast_workflow.tables.declarations import (
     COLUMNS,
     ENSEMBLE,
