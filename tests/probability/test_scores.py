@@ -241,11 +241,11 @@ def test_clustered_events_widen_the_interval():
     assert width(clustered, 10) > 2 * width(np.arange(1000), 1000)
 
 
-def bars(probability, happened, series, seed=1, confidence=0.9):
+def bars(probability, happened, series, resamples=400):
     outcomes = count_by_series(probability, happened, series, 40)
-    generator = np.random.default_rng(seed)
-    weights = bootstrap_weights(40, 2000, generator)
-    return reliability_diagram(outcomes, 5, weights, confidence, generator)
+    generator = np.random.default_rng(1)
+    weights = bootstrap_weights(40, resamples, generator)
+    return reliability_diagram(outcomes, 5, weights, 0.9, generator)
 
 
 def test_the_bars_cover_a_reliable_forecaster_and_not_others():
@@ -265,7 +265,7 @@ def test_the_bars_cover_a_reliable_forecaster_and_not_others():
 def test_the_bars_have_the_width_of_a_binomial_distribution():
     # one probability, series of the same size: the count of events is binomial
     probability, series = np.full(4000, 0.3), np.repeat(np.arange(40), 100)
-    diagram = bars(probability, np.zeros(4000, dtype=bool), series)
+    diagram = bars(probability, np.zeros(4000, dtype=bool), series, 2000)
     deviation = np.sqrt(0.3 * 0.7 / 4000)
     assert diagram.low[1] == pytest.approx(0.3 - 1.645 * deviation, abs=0.1 * deviation)
     assert diagram.high[1] == pytest.approx(0.3 + 1.645 * deviation, abs=0.1 * deviation)
