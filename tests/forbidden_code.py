@@ -38,13 +38,7 @@ def words_read(path, allowed=frozenset()):
 
     These read a docstring or an error that was caught (other than to say it in another error or in
     the log, or its type), or do more with a logger than log.
-
-    Parameters
-    ----------
-    path
-        The file.
-    allowed
-        Functions of it that may read these, since they only pass words on to people.
+    ``allowed``: functions of it that may, since they only pass words on to people.
     """
     tree = ast.parse(path.read_bytes(), str(path))
     for node in [*ast.walk(tree)]:
@@ -109,12 +103,7 @@ def _first_name(node):
 def offered_late(path, package):
     """Places of a file that use what a package offers by a function ``__getattr__``, or offer it.
 
-    Parameters
-    ----------
-    path
-        The file.
-    package
-        Directory of the package.
+    ``package``: its directory.
     """
     tree = ast.parse(path.read_bytes(), str(path))
     found: list[ast.AST] = [

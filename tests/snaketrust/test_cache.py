@@ -99,29 +99,6 @@ def test_whatever_a_job_depends_on_makes_another_entry(place, changes):
     assert not run(place, "b", "another result", **changes)
 
 
-def damage(found, kind):
-    network, record = found / "network", found / "record.json"
-    if kind == "content":
-        network.write_text("resulT network")
-    elif kind == "length":
-        network.write_text("result")
-    elif kind == "missing":
-        (found / "notes").unlink()
-    elif kind == "a directory":
-        network.unlink()
-        network.mkdir()
-    elif kind == "no record":
-        record.unlink()
-    elif kind == "record is a directory":
-        record.unlink()
-        record.mkdir()
-    elif kind == "a stray file":
-        shutil.rmtree(found)
-        found.write_text("stray")
-    else:
-        record.write_text(RECORDS[kind])
-
-
 RECORDS = {
     "half a record": '{"files": ',
     "a list": "[]",
@@ -129,17 +106,28 @@ RECORDS = {
     "nested without end": '{"files":' * 100_000,
     "nested": '{"files": {"network": {"files": {}}}}',
 }
-DAMAGES = [
-    *("content", "length", "missing", "a directory"),
-    *("no record", "record is a directory", "a stray file"),
-    *RECORDS,
-]
+DAMAGES = {
+    "content": lambda found: (found / "network").write_text("resulT network"),
+    "length": lambda found: (found / "network").write_text("result"),
+    "missing": lambda found: (found / "notes").unlink(),
+    "a directory": lambda found: [(found / "network").unlink(), (found / "network").mkdir()],
+    "no record": lambda found: (found / "record.json").unlink(),
+    "a directory for a record": lambda found: [
+        (found / "record.json").unlink(),
+        (found / "record.json").mkdir(),
+    ],
+    "a stray file": lambda found: [shutil.rmtree(found), found.write_text("stray")],
+    **{
+        kind: lambda found, text=text: (found / "record.json").write_text(text)
+        for kind, text in RECORDS.items()
+    },
+}
 
 
 @pytest.mark.parametrize("kind", DAMAGES)
 def test_damaged_entries_are_not_used_but_made_anew(place, kind):
     run(place)
-    damage(entry(place), kind)
+    DAMAGES[kind](entry(place))
     assert not run(place, "b")
     assert run(place, "c")
 
