@@ -29,6 +29,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 FOUND = ROOT / "mutants"
 WHERE, TIMES, DRAWN = FOUND / "coverage", FOUND / "seconds.json", FOUND / "mutants.jsonl"
+QUIET = ("-p", "no:cacheprovider", "--tb=line", "--hypothesis-profile=mutants")
 LONGEST = 40.0  # seconds of tests that run the line; of the others as many as --longest says
 
 SWAPS: dict[type[ast.AST], str] = {
@@ -319,7 +320,7 @@ def passes(tests: Sequence[str], seconds: float) -> tuple[bool, str]:
 
         status = 70
         try:
-            status = int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "--tb=line", *tests]))
+            status = int(pytest.main(["-x", "-q", *QUIET, *tests]))
         finally:
             sys.stdout.flush()
             os._exit(status)

@@ -415,7 +415,7 @@ def same_or_refused(path, expected, names):
     assert np.isnan(found).any() or np.array_equal(found, expected)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(data=st.data())
 def test_damaged_tables(tmp_path_factory, data):
     draw, pick = data.draw, lambda *choices: data.draw(st.sampled_from(choices))
@@ -453,7 +453,7 @@ def test_damaged_tables(tmp_path_factory, data):
     assert message.startswith(str(path))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(data=st.data())
 def test_permuted_axes(tmp_path_factory, data):
     draw, pick = data.draw, lambda *choices: data.draw(st.sampled_from(choices))

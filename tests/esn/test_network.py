@@ -88,7 +88,7 @@ def test_distribution_of_the_weights():
 
 
 @given(count=st.integers(1, 3000), probability=st.floats(1e-3, 1.0), seed=st.integers(0, 2**32 - 1))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_positions_are_distinct_and_inside(count, probability, seed):
     position = _bernoulli_positions(count, probability, np.random.default_rng(seed))
     assert (np.diff(position) > 0).all()

@@ -66,7 +66,7 @@ def training(reservoir, signal):
     offset=st.floats(-1, 1),
     seed=st.integers(0, 1000),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_panels_of_any_size_give_the_same_moments(neurons, dimension, columns, cuts, offset, seed):
     generator = np.random.default_rng(seed)
     states = offset + generator.uniform(-1, 1, size=(neurons, columns))
@@ -76,7 +76,7 @@ def test_panels_of_any_size_give_the_same_moments(neurons, dimension, columns, c
 
 
 @given(first=st.integers(1, 30), second=st.integers(1, 30), seed=st.integers(0, 1000))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_moments_of_parts_merge_to_those_of_the_whole(first, second, seed):
     generator = np.random.default_rng(seed)
     states = generator.uniform(-1, 1, size=(5, first + second))
@@ -299,7 +299,7 @@ def test_moments_are_those_of_all_states_after_the_washout():
     assert collected.states == {}
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.data())
 def test_snapshots_last_steps_and_kept_states(data):
     washout = data.draw(st.integers(1, LENGTH - 3))

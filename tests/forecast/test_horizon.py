@@ -88,7 +88,7 @@ SPEEDS = st.one_of(
 )
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(
     st.data(),
     st.sampled_from([(4.0, 0.5), (2.0, 2.0), (2.0, 0.75), (0.5, 0.5), (1.0, 0.3)]),

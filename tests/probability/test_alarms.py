@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from helpers_probability import count_by_series, samples
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sklearn.metrics import (
     average_precision_score,
@@ -30,7 +30,6 @@ from burstcast.probability.calibration import isotonic
 from burstcast.probability.lead_times import lead_time_scores, lead_times
 
 
-@settings(deadline=None)
 @given(samples(), st.floats(0, 1))
 def test_alarms_are_those_of_the_points(sample, threshold):
     probability, happened, _ = sample
@@ -40,7 +39,6 @@ def test_alarms_are_those_of_the_points(sample, threshold):
     assert [counts.false_negative, counts.true_positive] == matrix[1].tolist()
 
 
-@settings(deadline=None)
 @given(samples())
 def test_areas_are_those_of_scikit_learn(sample):
     probability, happened, _ = sample
@@ -72,7 +70,6 @@ def test_curves_are_those_of_scikit_learn():
     np.testing.assert_allclose(counts.recall, recall[:-1][::-1], rtol=1e-13)
 
 
-@settings(deadline=None)
 @given(samples(values=st.integers(0, 10).map(lambda votes: votes / 10)))
 def test_after_plain_isotonic_regression_no_threshold_is_better(sample):
     probability, happened, _ = sample
@@ -88,7 +85,6 @@ def test_after_plain_isotonic_regression_no_threshold_is_better(sample):
     np.testing.assert_allclose(reached, best, rtol=1e-12)
 
 
-@settings(deadline=None)
 @given(samples())
 def test_the_best_threshold_maximises_what_probabilities_let_expect(sample):
     probability = sample[0]
@@ -147,7 +143,6 @@ def test_the_lead_time_of_alarms_that_stay():
     assert (found.stayed[0], found.first[0]) == (0, 45)
 
 
-@settings(deadline=None)
 @given(st.integers(0, 2**31))
 def test_lead_times_are_those_of_all_pairs(seed):
     generator = np.random.default_rng(seed)

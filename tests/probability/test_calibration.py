@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from helpers_probability import count_by_series, samples
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 from sklearn.calibration import _SigmoidCalibration
@@ -35,7 +35,6 @@ from burstcast.systems.lorenz63 import Lorenz63
 from helpers_forecasters import MadeUpForecaster
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(st.floats(-5, 5), st.floats(0.1, 10)), min_size=1, max_size=40))
 def test_pooling_is_that_of_scikit_learn(pairs):
     values, weights = np.array(pairs).T
@@ -43,7 +42,6 @@ def test_pooling_is_that_of_scikit_learn(pairs):
     np.testing.assert_allclose(pool_adjacent_violators(values, weights), expected, atol=1e-10)
 
 
-@settings(deadline=None)
 @given(samples(), st.lists(st.floats(-1, 2), min_size=1, max_size=20))
 def test_the_calibration_is_that_of_scikit_learn(sample, asked):
     probability, happened, _ = sample
@@ -52,7 +50,6 @@ def test_the_calibration_is_that_of_scikit_learn(sample, asked):
     np.testing.assert_allclose(found(np.array(asked)), oracle.predict(asked), atol=1e-10)
 
 
-@settings(deadline=None)
 @given(samples(), st.floats(0, 50))
 def test_a_prior_counts_as_forecasts_that_came_true(sample, prior):
     whole = count_by_series(*sample).total()
@@ -67,7 +64,6 @@ def test_a_prior_counts_as_forecasts_that_came_true(sample, prior):
     np.testing.assert_allclose(found(whole.levels), oracle.predict(whole.levels), atol=1e-10)
 
 
-@settings(deadline=None)
 @given(samples())
 def test_calibration_never_lowers_and_is_reliable_where_it_was_fitted(sample):
     whole = count_by_series(*sample).total()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from helpers_probability import SERIES, count_by_series, informative_sample, samples
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sklearn.calibration import calibration_curve
 from sklearn.metrics import brier_score_loss
@@ -26,7 +26,6 @@ from burstcast.probability.votes import share_of_votes
 from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 
 
-@settings(deadline=None)
 @given(samples(), st.integers(0, 2**31))
 def test_counts_are_those_of_the_points(sample, seed):
     probability, happened, series = sample
@@ -56,7 +55,6 @@ def test_a_resample_is_what_repeating_series_gives():
     np.testing.assert_array_equal(once.events[0], found.total().events)
 
 
-@settings(deadline=None)
 @given(samples())
 def test_other_values_for_the_levels_are_those_of_the_points(sample):
     probability, happened, series = sample
@@ -100,7 +98,6 @@ def test_votes_are_counted_one_by_one():
 BINS = st.integers(2, 20)
 
 
-@settings(deadline=None)
 @given(samples())
 def test_the_score_is_that_of_scikit_learn(sample):
     probability, happened, series = sample
@@ -110,7 +107,6 @@ def test_the_score_is_that_of_scikit_learn(sample):
     assert base_rate(whole) == pytest.approx(happened.mean())
 
 
-@settings(deadline=None)
 @given(samples(), BINS)
 def test_the_parts_add_up_to_the_score(sample, bins):
     whole = count_by_series(*sample).total()
@@ -120,7 +116,6 @@ def test_the_parts_add_up_to_the_score(sample, bins):
     assert parts.reliability >= 0
 
 
-@settings(deadline=None)
 @given(samples(values=st.integers(0, 10).map(lambda votes: votes / 10)))
 def test_with_one_value_in_each_bin_the_parts_are_those_of_murphy(sample):
     probability, happened, _ = sample
@@ -171,7 +166,6 @@ def test_bins_hold_their_lower_edge_and_shares_of_ten_have_one_each():
         bin_of(np.array([1.1]), 10)
 
 
-@settings(deadline=None)
 @given(samples(), BINS)
 def test_the_calibration_error_is_the_mean_gap(sample, bins):
     probability, happened, _ = sample

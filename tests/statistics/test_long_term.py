@@ -167,7 +167,7 @@ def run(script, threshold=0.48, fixed_point=FIXED_POINT, bound=10.0, chunk=100):
         ), forecaster
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.lists(st.sampled_from(KINDS), min_size=1, max_size=12),
     st.integers(FIXED_POINT.interval, 260),

@@ -68,7 +68,7 @@ def test_every_system_of_the_library_is_compiled(name):
     assert is_compiled(system, ForcedSystem(other, [0.1] * system.dimension))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     reynolds=st.floats(50.0, 3000.0),
     length=st.floats(2.0, 20.0),
@@ -92,7 +92,7 @@ def test_the_bits_are_those_of_numpy(reynolds, length, batch, stride, samples, t
         assert np.array_equal(observed.largest_observable, observable[transient:].max(axis=0))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     batch=st.integers(1, 19),
     stride=st.integers(1, 4),
@@ -134,7 +134,7 @@ OPERATIONS = (
 )
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     choices=st.lists(
         st.tuples(st.integers(0, len(OPERATIONS) - 1), st.integers(0, 20), st.integers(0, 20)),

@@ -99,7 +99,7 @@ def test_exact_on_polynomials_of_time_and_one_step_by_hand():
     assert stepped == pytest.approx(1.0 + 0.5 / 6.0 * (k1 + 2 * k2 + 2 * k3 + k4), rel=1e-15)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(count=st.integers(1, 12), tile=st.integers(1, 5), seed=st.integers(0, 1000))
 def test_grouping_changes_no_bit(count, tile, seed):
     state = initial_states(count, seed)
