@@ -19,6 +19,7 @@ from burstcast_workflow.costs.model import (
     SNAKEMAKE_MIB,
     Cost,
     CostModel,
+    beyond_memory,
 )
 from burstcast_workflow.costs.records import costs_of_jobs, costs_text, main, rule_costs
 from burstcast_workflow.start import names_of_rules
@@ -51,6 +52,22 @@ def model(**changes) -> CostModel:
             place = place.setdefault(parent, {})
         place[last] = value
     return CostModel(Campaign(load(config)))
+
+
+def test_a_network_whose_gram_matrix_does_not_fit_is_named():
+    campaign = Campaign(load(PAPER))
+    assert beyond_memory(campaign, 24 * 1024) == ""
+    matrix_mib = 3000**2 * 8 / 2**20
+    assert beyond_memory(campaign, matrix_mib) == ""
+    found = beyond_memory(campaign, 0.99 * matrix_mib)
+    assert found.startswith("Re400/esn-N3000-")
+    assert "takes 0.1 GiB" in found
+    assert "well below 2984" in found  # sqrt(0.99) * 3000 = 2984.96
+    no_networks = copy.deepcopy(PAPER)
+    no_networks["campaign"] = [{"reynolds": [400], "forecasters": {"equations": {}}}]
+    no_networks["control"]["forecasters"] = {"equations": {}}
+    no_networks["statistics"]["forecasters"] = {}
+    assert beyond_memory(Campaign(load(no_networks)), 1) == ""
 
 
 def predicted(cost_class, costs=None, **wildcards) -> Cost:

@@ -56,17 +56,6 @@ def test_files_of_cases_and_forecasters(paper):
     assert scan == "results/paper/Re600/scan/esn-N2000-seed3-RV+SSV.csv"
 
 
-def test_a_name_of_two_files_is_ambiguous(paper):
-    paper.made({"a": "one.nc", "b": "two.nc"})
-    paper.made({"a": "one.nc"})
-    assert paper.files("a b") == {"a": "one.nc", "b": "two.nc"}
-    paper.made({"b": "three.nc"})
-    with pytest.raises(ValueError, match=r"b is ambiguous: two\.nc and three\.nc; give the path"):
-        paper.files("a b")
-    with pytest.raises(ValueError, match="of_no_stage is no output so far"):
-        paper.files("of_no_stage")
-
-
 def test_tables_of_a_case_that_has_none(paper):
     tables = paper.tables_of_case("dataset training_realisations")
     assert tables["dataset"](JOB) == "results/paper/Re600/tables/dataset.csv"
@@ -74,20 +63,18 @@ def test_tables_of_a_case_that_has_none(paper):
 
 
 def test_thresholds_are_inputs_where_they_are_quantiles(paper):
-    inputs = {"ensemble": "ensemble.nc"}
-    of_paper = paper.reads("data/events.py", "case.event_threshold")["settings"]
-    assert paper.with_unknowns(inputs, of_paper) == inputs
+    assert paper.unknowns_of("events") == {}
     other = stages(QUANTILE)
-    settings = other.reads("data/events.py", "case.event_threshold")["settings"]
-    found = other.with_unknowns(inputs, settings)
-    assert found[THRESHOLDS](JOB) == ["results/paper/Re600/event_threshold.json"]
-    unread = other.reads("data/simulate.py", "case.ensemble")["settings"]
-    assert other.with_unknowns(inputs, unread)[THRESHOLDS](JOB) == []
+    other.settings_of("events", "case.event_threshold")
+    other.settings_of("simulate", "case.ensemble")
+    thresholds = other.unknowns_of("events")[THRESHOLDS]
+    assert thresholds(JOB) == ["results/paper/Re600/event_threshold.json"]
+    assert other.unknowns_of("simulate")[THRESHOLDS](JOB) == []
 
 
 def test_values_of_a_stage_are_given_or_asked_for(paper):
     values = {"given": 3, "asked": of_job(lambda wildcards: wildcards["case"])}
-    settings = paper.reads("data/events.py", "case.event_threshold", **values)["settings"](JOB)
+    settings = paper.settings_of("events", "case.event_threshold", **values)(JOB)
     assert dict(settings) == {"case.event_threshold": 0.1, "given": 3, "asked": "Re600"}
 
 

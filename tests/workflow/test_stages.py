@@ -24,26 +24,15 @@ ROOT = Path(__file__).parents[2]
 SCRIPTS = ROOT / "workflow" / "scripts"
 SOURCE = ROOT / "src"
 MAKERS = [path.stem for path in (SOURCE / "burstcast" / "tables" / "makers").glob("[!_]*_*.py")]
-
-
-def rules_of_stages():
-    """Names of the rules that stages make, read as text: pytest asks for them before any test.
-
-    A stage of tables makes a second rule, which joins those of all cases.
-    """
-    texts = [path.read_text() for path in sorted((ROOT / "workflow" / "rules").glob("*.smk"))]
-    found = [
-        match
-        for text in texts
-        for match in re.findall(r'^(\w*)stage\([^"]*"(?:\w+/)?(\w+)"', text, re.M)
-    ]
-    return [
-        *(name for _, name in found),
-        *(f"all_{name}" for kind, name in found if kind == "table_"),
-    ]
-
-
-STAGES = rules_of_stages()
+RULES = "".join(path.read_text() for path in sorted((ROOT / "workflow" / "rules").glob("*.smk")))
+# Rules with a script, read as text: pytest asks for them before any test. Those of tables are made
+# in loops: one for a case, one that joins all cases.
+WRITTEN = {
+    name: text
+    for name, text in re.findall(r"^rule (\w+):\n((?: .*\n|\n)*)", RULES, re.M)
+    if "script:" in text and name != "figure"
+}
+STAGES = [*WRITTEN, *MAKERS, *(f"all_{name}" for name in MAKERS)]
 JOINING = ("all_cases", "all_cases_latex")
 """Scripts that join the tables of all cases."""
 TABLES = SCRIPTS / "tables" / "table.py"
@@ -67,11 +56,16 @@ def wildcards_of(rule):
     return Wildcards({name: found[name] for name in names})
 
 
-def declared(rule):
+def settings(rule):
     """Settings of a rule's job."""
     made = workflow().rules[rule].params
-    (settings,) = (function for name, function in made.items() if name == "settings")
-    return set(settings(wildcards_of(rule)))
+    (found,) = (function for name, function in made.items() if name == "settings")
+    return found(wildcards_of(rule))
+
+
+def declared(rule):
+    """Names of the settings of a rule's job."""
+    return set(settings(rule))
 
 
 def test_the_rules_are_those_of_the_text():
@@ -80,9 +74,27 @@ def test_the_rules_are_those_of_the_text():
     assert len(STAGES) == len(set(STAGES)) > 20
 
 
+@pytest.mark.parametrize("rule", WRITTEN)
+def test_a_rule_says_its_name_wherever_it_is_asked_for(rule):
+    """Settings are found by it, and files of logs and costs are named by it."""
+    asked = r"(?:unknowns_of|needs|settings_of)\(\s*\"(\w+)\"|\{(?:LOGS|TIMES)\}/(\w+)"
+    found = [one or other for one, other in re.findall(asked, WRITTEN[rule])]
+    assert len(found) >= 4
+    assert {*found} == {rule}
+    script = script_of(rule).relative_to(SCRIPTS)
+    assert f'code_of("{script}")' in WRITTEN[rule]
+
+
+@pytest.mark.parametrize("rule", WRITTEN)
+def test_what_other_jobs_find_out_is_an_input_of_the_rules_that_read_it(rule):
+    # of drawn training series, which the paper's campaign has not, the threshold
+    read = re.search("event_threshold|lyapunov.time_unit|'drawn'", str(settings(rule)))
+    assert ("unknowns_of" in WRITTEN[rule]) == bool(read)
+
+
 @pytest.mark.parametrize("rule", STAGES)
 def test_a_rule_runs_the_script_of_its_name(rule):
-    # not that of the last stage, as in a loop
+    # of rules in a loop not that of the last one
     script = script_of(rule)
     if script == TABLES:
         assert dict(workflow().rules[rule].params.items())["maker"] == rule

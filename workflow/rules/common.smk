@@ -1,13 +1,12 @@
-"""What all rules share: the campaign, where files lie, and the one rule of all stages."""
+"""What all rules share: the campaign, where files lie, and functions of what rules need."""
 
 import os
-import re
 import sys
 import time
 from pathlib import Path
 
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.costs.model import CostModel
+from burstcast_workflow.costs.model import CostModel, beyond_memory
 from burstcast_workflow.costs.records import (
     RULE_COSTS,
     costs_of_jobs,
@@ -32,15 +31,7 @@ from burstcast_workflow.campaign.summary import (
     where_results_lie,
 )
 from burstcast_workflow.tables.declarations import SECTIONS
-from burstcast_workflow.tables.registry import (
-    cases_of,
-    joined,
-    made_by,
-    table_of,
-    typeset,
-    with_percentiles,
-    written,
-)
+from burstcast_workflow.tables.registry import table_of, typeset
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
 
 PROJECT = Path(str(workflow.current_basedir)).parents[1]
@@ -52,8 +43,13 @@ config, run, sources = started.config, started.run, started.sources
 campaign = Campaign(config)
 costs = CostModel(campaign)
 stages = Stages(campaign, sources, costs)
-# what rules say most
-files, files_in_case = stages.files, stages.files_in_case
+# Parameters of rules: settings by their paths in the config, or by names of groups of them (GROUPS
+# in burstcast_workflow/campaign/campaign.py), and hashes of the code that runs.
+settings_of, code_of = stages.settings_of, stages.code_of
+# Resources: memory and time of a class of work (burstcast_workflow/costs/model.py).
+needs = stages.needs
+# Inputs: thresholds and units of time that jobs compute; files of a case, or of the campaign.
+unknowns_of, files_in_case = stages.unknowns_of, stages.files_in_case
 of_case, of_cases = stages.of_case, stages.of_cases
 of_forecasters = stages.of_forecasters
 # The report reads captions from the config, where they are no setting of any job.
@@ -107,6 +103,10 @@ wildcard_constraints:
 
 
 onstart:
+    # memory of other machines is known to their scheduler alone
+    machine_mib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**20
+    if workflow.local_exec and (reason := beyond_memory(campaign, machine_mib)):
+        raise RefusedError(reason)
     found = costs_of_jobs(workflow.dag.needrun_jobs(), costs)
     expect({job.jobid: cost.seconds for job, cost in found})
 
@@ -133,118 +133,15 @@ onerror:
         )
 
 
-# -- stages ------------------------------------------------------------------------------------------
-
-# Slurm's groups of jobs (profiles/slurm), by the folder of the script.
-JOB_GROUPS = {
-    "data": "case",
-    "forecasters": "forecaster",
-    "evaluation": "forecaster",
-    "control": "forecaster",
-    "probabilities": "tables",
-    "tables": "tables",
-}
+# -- what all rules use ------------------------------------------------------------------------------
 
 
 def group_of(name):
-    """Group of a rule's submitted jobs; jobs that run locally are in none.
+    """Group of a rule's submitted jobs on Slurm (profiles/slurm); jobs that run locally are in none.
 
     Snakemake would plan by the groups all the same, at each job by all jobs of its group.
     """
     return of_job(lambda wildcards: None if workflow.local_exec else name)
-
-
-def stage(
-    name,
-    does,
-    outputs,
-    inputs={},
-    settings="",
-    cost="gather",
-    cached=False,
-    constraints={},
-    rule_name=None,
-    found_by_name={},
-    priority=0,
-    **values,
-):
-    """A stage of the workflow: the one rule of a script, and of its name.
-
-    Inputs by the names of the script's arguments, in the words that the rules use::
-
-        files("ensemble events")                 outputs of earlier stages, by their names there
-        {"scan": f"{CASE}/scan.csv"}             a path
-        {"forecasts": files_in_case("forecast.nc")}              of all forecasters of the case
-        {"flows": files_in_case("flows.nc", campaign.strategy_runs)}    of some, or of control
-        {"scores": of_cases("scores.csv")}                       of all cases
-        stages.tables_of_case("dataset horizon")     tables of the case, as far as it has them
-        stages.file_of_case("lyapunov.json", campaign.simulated_cases)  of some cases alone
-        {"sources": stages.sources_of_data}          whatever a function of the wildcards says
-
-    Values that are in no config, by name: ``quantile=of_case(Campaign.event_quantile)``, a
-    function of the campaign and the case.
-
-    Parameters
-    ----------
-    name
-        Name of the script below ``workflow/scripts``: "evaluation/horizon" makes the rule horizon.
-    does
-        Message while it runs, after the name of the job.
-    outputs, inputs
-        Files by the names of the script's arguments. Later stages find outputs by `files`.
-    settings, values
-        What its script reads, and further values by name (see `Stages.reads`).
-    cost, cached
-        The class of its cost, and whether the cache keeps its results (see `Stages.needs`).
-    constraints
-        Constraints of wildcards, beside the constraints of all rules.
-    priority
-        Jobs with a higher one run earlier.
-    rule_name, found_by_name
-        For a script that several rules run: the rule's name, and modules that it finds by name.
-    """
-    folder, _, script_name = name.partition("/")
-    rule_name = rule_name or script_name
-    wildcards = list(
-        dict.fromkeys(re.findall(r"\{(\w+)\}", str(next(iter(outputs.values())))))
-    )
-    # logs/horizon/Re400/esn-N2000-RV-seed3.log, logs/horizon_table.log
-    record = os.path.join(rule_name, *(f"{{{key}}}" for key in wildcards))
-    whose = ", ".join(f"{{wildcards.{key}}}" for key in wildcards)
-    stages.made(outputs)
-    parameters = stages.reads(f"{name}.py", settings, found_by_name, **values)
-    if found_by_name:
-        parameters["maker"] = rule_name
-
-    # A rule sees the arguments of its own call, also when its job runs; in a loop over stages, all
-    # jobs would run the script of the last one. (What Snakemake itself calls script and the like
-    # must keep its name here.)
-    rule:
-        name:
-            rule_name
-        input:
-            **stages.with_unknowns(inputs, parameters["settings"]),
-        output:
-            **outputs,
-        log:
-            f"{LOGS}/{record}.log",
-        benchmark:
-            f"{TIMES}/{record}.tsv"
-        wildcard_constraints:
-            **constraints,
-        priority: priority
-        group:
-            group_of(JOB_GROUPS[folder])
-        conda:
-            ENVIRONMENT
-        resources:
-            **stages.needs(rule_name, cost, cached),
-        params:
-            **parameters,
-        message:
-            f"{whose}: {does}" if whose else does
-        script:
-            f"../scripts/{name}.py"
 
 
 def in_report(table):
@@ -258,48 +155,6 @@ def in_report(table):
     )
 
 
-def table_stage(name, does, **arguments):
-    """A stage that makes tables of a case, and a stage ``all_<name>`` that joins all cases.
-
-    It has the arguments of `stage`, and the name of a module of `burstcast.tables.makers`.
-    Its tables are declared in workflow/tables.yaml.
-    """
-    names = made_by(name)
-    files = with_percentiles(names)
-    stage(
-        "tables/table",
-        does,
-        {"tables": [f"{TABLES_OF_CASE}/{file}.csv" for file in files]},
-        rule_name=name,
-        found_by_name={"burstcast.tables.makers": [name]},
-        tables=written(names, campaign.unused_columns),
-        **arguments,
-    )
-    cases = cases_of(campaign, names[0])
-    if not cases:
-        return
-    layouts = typeset(names)
-    outputs, values = {"tables": list(map(in_report, files))}, {}
-    if layouts:
-        outputs["latex"] = [f"{TABLES}/{paper}.tex" for paper in layouts]
-        values["latex"] = layouts
-    stage(
-        "tables/all_cases_latex" if layouts else "tables/all_cases",
-        f"{does}, of all cases",
-        outputs,
-        {
-            "of_cases": [
-                path for file in files for path in of_cases(f"tables/{file}.csv", cases)
-            ]
-        },
-        rule_name=f"all_{name}",
-        columns=joined(files, campaign.unused_columns),
-        **values,
-    )
-
-
-def parameter_stage(name, does, **arguments):
-    """A stage that writes a table of parameters, and typesets it: no case has one of its own."""
-    outputs = {"table": in_report(name), "latex": f"{TABLES}/{name}.tex"}
-    caption = typeset([name])[name]["caption"]
-    stage(f"tables/{name}", does, outputs, caption=caption, **arguments)
+def caption_of(table):
+    """Caption of a table of the whole campaign, in LaTeX."""
+    return typeset([table])[table]["caption"]

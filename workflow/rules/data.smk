@@ -2,177 +2,448 @@
 
 from burstcast.data.training_realisations import realisation_of
 
-stage(
-    "data/simulate",
-    "integrate the ensemble",
-    outputs={"ensemble": f"{CASE}/ensemble.nc", "summary": f"{CASE}/dataset.json"},
-    settings="SYSTEM random_seed case.ensemble case.laminarisation_threshold",
-    cost="integration",
-    cached=True,
-    constraints={"case": INTEGRATED},
-)
-stage(
-    "data/import_data",
-    "check and copy measured series",
-    inputs={"sources": stages.sources_of_data},
-    outputs={"ensemble": f"{CASE}/ensemble.nc", "summary": f"{CASE}/dataset.json"},
-    settings="SYSTEM STEPS case.data case.laminarisation_threshold case.training.series "
-    "case.test_series",
-    cost="data",
-    constraints={"case": IMPORTED},
-    noise=of_case(Campaign.noise_of_data),
-)
-stage(
+
+rule simulate:
+    output:
+        ensemble=f"{CASE}/ensemble.nc",
+        summary=f"{CASE}/dataset.json",
+    log:
+        f"{LOGS}/simulate/{{case}}.log",
+    benchmark:
+        f"{TIMES}/simulate/{{case}}.tsv"
+    wildcard_constraints:
+        case=INTEGRATED,
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("simulate", "integration", cached=True),
+    params:
+        settings=settings_of(
+            "simulate",
+            "SYSTEM random_seed case.ensemble case.laminarisation_threshold",
+        ),
+        code=code_of("data/simulate.py"),
+    message:
+        "{wildcards.case}: integrate the ensemble"
+    script:
+        "../scripts/data/simulate.py"
+
+
+rule import_data:
+    input:
+        sources=stages.sources_of_data,
+    output:
+        ensemble=f"{CASE}/ensemble.nc",
+        summary=f"{CASE}/dataset.json",
+    log:
+        f"{LOGS}/import_data/{{case}}.log",
+    benchmark:
+        f"{TIMES}/import_data/{{case}}.tsv"
+    wildcard_constraints:
+        case=IMPORTED,
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("import_data", "data"),
+    params:
+        settings=settings_of(
+            "import_data",
+            "SYSTEM STEPS case.data case.laminarisation_threshold case.training.series "
+            "case.test_series",
+            noise=of_case(Campaign.noise_of_data),
+        ),
+        code=code_of("data/import_data.py"),
+    message:
+        "{wildcards.case}: check and copy measured series"
+    script:
+        "../scripts/data/import_data.py"
+
+
+rule encode:
     # what sensors see of another case, or an encoder makes of it
-    "data/encode",
-    "observe and encode the series of another case",
-    inputs={
-        "source": of_case(
+    input:
+        source=of_case(
             lambda campaign, case: f"{RESULTS}/{campaign.source_case(case)}/ensemble.nc"
-        )
-    },
-    outputs={
-        "ensemble": f"{CASE}/ensemble.nc",
-        "summary": f"{CASE}/dataset.json",
-        "encoder": f"{CASE}/encoder.nc",
-    },
-    settings="SYSTEM STEPS random_seed case.training.series case.sensors case.encoder",
-    cost="data",
-    constraints={"case": one_of(campaign.encoded_cases)},
-    noise=of_case(Campaign.noise_of_data),
-    source=of_case(Campaign.source_system),
-)
-stage(
+        ),
+    output:
+        ensemble=f"{CASE}/ensemble.nc",
+        summary=f"{CASE}/dataset.json",
+        encoder=f"{CASE}/encoder.nc",
+    log:
+        f"{LOGS}/encode/{{case}}.log",
+    benchmark:
+        f"{TIMES}/encode/{{case}}.tsv"
+    wildcard_constraints:
+        case=one_of(campaign.encoded_cases),
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("encode", "data"),
+    params:
+        settings=settings_of(
+            "encode",
+            "SYSTEM STEPS random_seed case.training.series case.sensors case.encoder",
+            noise=of_case(Campaign.noise_of_data),
+            source=of_case(Campaign.source_system),
+        ),
+        code=code_of("data/encode.py"),
+    message:
+        "{wildcards.case}: observe and encode the series of another case"
+    script:
+        "../scripts/data/encode.py"
+
+
+rule training_realisation:
     # the series of another case with other training series
-    "data/training_realisation",
-    "choose other training series",
-    inputs={"source": stages.ensemble_of_source},
-    outputs={"ensemble": f"{CASE}/ensemble.nc", "summary": f"{CASE}/dataset.json"},
-    settings="SYSTEM STEPS random_seed case.training.series case.test_series "
-    "probability.calibration_series",
-    cost="data",
-    constraints={"case": REALISED},
-    realisation=of_case(lambda campaign, case: realisation_of(case)[1]),
-    drawn=of_case(Campaign.drawn_shares),
-)
-stage(
-    "data/event_threshold",
-    "the event threshold, a quantile of the training series",
-    inputs=files("ensemble"),
-    outputs={"event_threshold": f"{CASE}/event_threshold.json"},
-    settings="case.training.series",
-    cost="data",
-    quantile=of_case(Campaign.event_quantile),
-)
-stage(
+    input:
+        **unknowns_of("training_realisation"),
+        source=stages.ensemble_of_source,
+    output:
+        ensemble=f"{CASE}/ensemble.nc",
+        summary=f"{CASE}/dataset.json",
+    log:
+        f"{LOGS}/training_realisation/{{case}}.log",
+    benchmark:
+        f"{TIMES}/training_realisation/{{case}}.tsv"
+    wildcard_constraints:
+        case=REALISED,
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("training_realisation", "data"),
+    params:
+        settings=settings_of(
+            "training_realisation",
+            "SYSTEM STEPS random_seed case.training.series case.test_series "
+            "probability.calibration_series",
+            realisation=of_case(lambda campaign, case: realisation_of(case)[1]),
+            drawn=of_case(Campaign.drawn_shares),
+        ),
+        code=code_of("data/training_realisation.py"),
+    message:
+        "{wildcards.case}: choose other training series"
+    script:
+        "../scripts/data/training_realisation.py"
+
+
+rule event_threshold:
+    input:
+        ensemble=f"{CASE}/ensemble.nc",
+    output:
+        event_threshold=f"{CASE}/event_threshold.json",
+    log:
+        f"{LOGS}/event_threshold/{{case}}.log",
+    benchmark:
+        f"{TIMES}/event_threshold/{{case}}.tsv"
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("event_threshold", "data"),
+    params:
+        settings=settings_of(
+            "event_threshold",
+            "case.training.series",
+            quantile=of_case(Campaign.event_quantile),
+        ),
+        code=code_of("data/event_threshold.py"),
+    message:
+        "{wildcards.case}: the event threshold, a quantile of the training series"
+    script:
+        "../scripts/data/event_threshold.py"
+
+
+rule scheduled_series:
     # what kinds of forecasters learn from that know the parameters
-    "data/scheduled_series",
-    "series with the parameters in force",
-    inputs=files("ensemble"),
-    outputs={"scheduled_series": f"{CASE}/scheduled_series.nc"},
-    settings="SYSTEM TIME OBSERVED case.training.actuation case.actuation "
-    "case.laminarisation_threshold",
-    cost="data",
-    constraints={"case": one_of([*campaign.simulated_cases, *campaign.known_cases])},
-    parameters=campaign.config.forecasters.aware.parameters,
-)
-stage(
-    "data/lyapunov",
-    "Lyapunov exponents",
-    inputs=files("ensemble"),
-    outputs={
-        "exponents": f"{CASE}/lyapunov.json",
-        "spectrum": f"{CASE}/lyapunov_spectrum.nc",
-    },
-    settings="SYSTEM STEPS random_seed case.lyapunov.series case.lyapunov.perturbation "
-    "case.lyapunov.saturation case.lyapunov.orthonormalisation_interval",
-    cost="tangent",
-    cached=True,
-    constraints={"case": SIMULATED},
-)
-stage(
-    "data/neighbour_divergence",
-    "Lyapunov exponent, from how neighbours part",
-    inputs=files("ensemble"),
-    outputs={"exponents": f"{CASE}/lyapunov.json"},
-    settings="STEPS random_seed bootstrap case.training.series",
-    cost="data",
-    constraints={"case": MEASURED},
-    sets_time_unit=of_case(Campaign.estimates_time_unit),
-)
-stage(
+    input:
+        **unknowns_of("scheduled_series"),
+        ensemble=f"{CASE}/ensemble.nc",
+    output:
+        scheduled_series=f"{CASE}/scheduled_series.nc",
+    log:
+        f"{LOGS}/scheduled_series/{{case}}.log",
+    benchmark:
+        f"{TIMES}/scheduled_series/{{case}}.tsv"
+    wildcard_constraints:
+        case=one_of([*campaign.simulated_cases, *campaign.known_cases]),
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("scheduled_series", "data"),
+    params:
+        settings=settings_of(
+            "scheduled_series",
+            "SYSTEM TIME OBSERVED case.training.actuation case.actuation "
+            "case.laminarisation_threshold",
+            parameters=campaign.config.forecasters.aware.parameters,
+        ),
+        code=code_of("data/scheduled_series.py"),
+    message:
+        "{wildcards.case}: series with the parameters in force"
+    script:
+        "../scripts/data/scheduled_series.py"
+
+
+rule lyapunov:
+    input:
+        ensemble=f"{CASE}/ensemble.nc",
+    output:
+        exponents=f"{CASE}/lyapunov.json",
+        spectrum=f"{CASE}/lyapunov_spectrum.nc",
+    log:
+        f"{LOGS}/lyapunov/{{case}}.log",
+    benchmark:
+        f"{TIMES}/lyapunov/{{case}}.tsv"
+    wildcard_constraints:
+        case=SIMULATED,
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("lyapunov", "tangent", cached=True),
+    params:
+        settings=settings_of(
+            "lyapunov",
+            "SYSTEM STEPS random_seed case.lyapunov.series case.lyapunov.perturbation "
+            "case.lyapunov.saturation case.lyapunov.orthonormalisation_interval",
+        ),
+        code=code_of("data/lyapunov.py"),
+    message:
+        "{wildcards.case}: Lyapunov exponents"
+    script:
+        "../scripts/data/lyapunov.py"
+
+
+rule neighbour_divergence:
+    input:
+        ensemble=f"{CASE}/ensemble.nc",
+    output:
+        exponents=f"{CASE}/lyapunov.json",
+    log:
+        f"{LOGS}/neighbour_divergence/{{case}}.log",
+    benchmark:
+        f"{TIMES}/neighbour_divergence/{{case}}.tsv"
+    wildcard_constraints:
+        case=MEASURED,
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("neighbour_divergence", "data"),
+    params:
+        settings=settings_of(
+            "neighbour_divergence",
+            "STEPS random_seed bootstrap case.training.series",
+            sets_time_unit=of_case(Campaign.estimates_time_unit),
+        ),
+        code=code_of("data/neighbour_divergence.py"),
+    message:
+        "{wildcards.case}: Lyapunov exponent, from how neighbours part"
+    script:
+        "../scripts/data/neighbour_divergence.py"
+
+
+rule lengths:
     # what does not fit fails here at once, with one list
-    "data/lengths",
-    "compare what the config needs with the lengths of the series",
-    inputs=files("ensemble"),
-    outputs={"lengths": f"{CASE}/lengths.json"},
-    settings="TIME washout_lt search.interval_lt search.single_shot_lead_steps WINDOWS "
-    "classification.start_spacing_lt probability.start_spacing_lt "
-    "horizon.longest_lead_time_lt horizon.lead_time_step_lt case.training.series "
-    "case.recycle_validation statistics.fixed_point_interval_lt statistics.duration "
-    "forecasters.quadratic.window_lt",
-    cost="data",
-    constraints={"case": one_of(campaign.computed_times)},
-    priority=1,
-    asked=of_case(Campaign.asked_of_series),
-)
-EVALUATION_SET = {"evaluation_set": f"{CASE}/evaluation_set.nc"}
+    input:
+        **unknowns_of("lengths"),
+        ensemble=f"{CASE}/ensemble.nc",
+    output:
+        lengths=f"{CASE}/lengths.json",
+    log:
+        f"{LOGS}/lengths/{{case}}.log",
+    benchmark:
+        f"{TIMES}/lengths/{{case}}.tsv"
+    wildcard_constraints:
+        case=one_of(campaign.computed_times),
+    priority: 1
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("lengths", "data"),
+    params:
+        settings=settings_of(
+            "lengths",
+            "TIME washout_lt search.interval_lt search.single_shot_lead_steps WINDOWS "
+            "classification.start_spacing_lt probability.start_spacing_lt "
+            "horizon.longest_lead_time_lt horizon.lead_time_step_lt case.training.series "
+            "case.recycle_validation statistics.fixed_point_interval_lt statistics.duration "
+            "forecasters.quadratic.window_lt",
+            asked=of_case(Campaign.asked_of_series),
+        ),
+        code=code_of("data/lengths.py"),
+    message:
+        "{wildcards.case}: compare what the config needs with the lengths of the series"
+    script:
+        "../scripts/data/lengths.py"
+
+
 EVALUATED = (
     "SYSTEM TIME OBSERVED WINDOWS case.test_series washout_lt "
     "classification.start_spacing_lt"
 )
-stage(
-    "data/evaluation_set",
-    "starting points of the forecasts",
-    inputs=files("ensemble"),
-    outputs=EVALUATION_SET,
-    settings=EVALUATED,
-    cost="data",
-    constraints={"case": one_of({*campaign.cases} - {*campaign.switched_cases})},
-)
-stage(
-    "data/switched_evaluation_set",
-    "starting points of forecasts under actuation",
-    inputs=files("ensemble"),
-    outputs=EVALUATION_SET,
-    settings=f"{EVALUATED} case.training.actuation case.actuation "
-    "case.laminarisation_threshold",
-    cost="data",
-    constraints={"case": one_of(campaign.switched_cases)},
-    parameters=campaign.config.forecasters.aware.parameters,
-)
-stage(
-    "data/events",
-    "extreme events",
-    inputs=files("ensemble"),
-    outputs={"events": f"{CASE}/events.nc", "events_summary": f"{CASE}/events.json"},
-    settings="TIME OBSERVED case.event_threshold washout_lt horizon.events "
-    "horizon.longest_lead_time_lt",
-    cost="data",
-)
-stage(
+
+
+rule evaluation_set:
+    input:
+        **unknowns_of("evaluation_set"),
+        ensemble=f"{CASE}/ensemble.nc",
+    output:
+        evaluation_set=f"{CASE}/evaluation_set.nc",
+    log:
+        f"{LOGS}/evaluation_set/{{case}}.log",
+    benchmark:
+        f"{TIMES}/evaluation_set/{{case}}.tsv"
+    wildcard_constraints:
+        case=one_of({*campaign.cases} - {*campaign.switched_cases}),
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("evaluation_set", "data"),
+    params:
+        settings=settings_of("evaluation_set", EVALUATED),
+        code=code_of("data/evaluation_set.py"),
+    message:
+        "{wildcards.case}: starting points of the forecasts"
+    script:
+        "../scripts/data/evaluation_set.py"
+
+
+rule switched_evaluation_set:
+    input:
+        **unknowns_of("switched_evaluation_set"),
+        ensemble=f"{CASE}/ensemble.nc",
+    output:
+        evaluation_set=f"{CASE}/evaluation_set.nc",
+    log:
+        f"{LOGS}/switched_evaluation_set/{{case}}.log",
+    benchmark:
+        f"{TIMES}/switched_evaluation_set/{{case}}.tsv"
+    wildcard_constraints:
+        case=one_of(campaign.switched_cases),
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("switched_evaluation_set", "data"),
+    params:
+        settings=settings_of(
+            "switched_evaluation_set",
+            f"{EVALUATED} case.training.actuation case.actuation "
+            "case.laminarisation_threshold",
+            parameters=campaign.config.forecasters.aware.parameters,
+        ),
+        code=code_of("data/switched_evaluation_set.py"),
+    message:
+        "{wildcards.case}: starting points of forecasts under actuation"
+    script:
+        "../scripts/data/switched_evaluation_set.py"
+
+
+rule events:
+    input:
+        **unknowns_of("events"),
+        ensemble=f"{CASE}/ensemble.nc",
+    output:
+        events=f"{CASE}/events.nc",
+        events_summary=f"{CASE}/events.json",
+    log:
+        f"{LOGS}/events/{{case}}.log",
+    benchmark:
+        f"{TIMES}/events/{{case}}.tsv"
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("events", "data"),
+    params:
+        settings=settings_of(
+            "events",
+            "TIME OBSERVED case.event_threshold washout_lt horizon.events "
+            "horizon.longest_lead_time_lt",
+        ),
+        code=code_of("data/events.py"),
+    message:
+        "{wildcards.case}: extreme events"
+    script:
+        "../scripts/data/events.py"
+
+
+rule forecast_task:
     # a target for people whose programs forecast the case
-    "data/forecast_task",
-    "export the washouts for other programs",
-    inputs=files("ensemble evaluation_set events summary"),
-    outputs={
-        "forecast_task": f"{CASE}/forecast_task.nc",
-        "page_of_task": f"{CASE}/forecast_task.md",
-    },
-    settings="TASK",
-    cost="data",
-    noise=of_case(Campaign.noise),
-)
-stage(
-    "data/reference_statistics",
-    "long-term statistics of the data",
-    inputs=files("ensemble summary"),
-    outputs={
-        "data": f"{CASE}/statistics_data.nc",
-        "training": f"{CASE}/statistics_training.nc",
-        "floor": f"{CASE}/statistics_floor.nc",
-    },
-    settings="SYSTEM random_seed case.density case.training.series "
-    "statistics.profile_points statistics.floor_splits",
-    cost="data",
-)
+    input:
+        **unknowns_of("forecast_task"),
+        ensemble=f"{CASE}/ensemble.nc",
+        evaluation_set=f"{CASE}/evaluation_set.nc",
+        events=f"{CASE}/events.nc",
+        summary=f"{CASE}/dataset.json",
+    output:
+        forecast_task=f"{CASE}/forecast_task.nc",
+        page_of_task=f"{CASE}/forecast_task.md",
+    log:
+        f"{LOGS}/forecast_task/{{case}}.log",
+    benchmark:
+        f"{TIMES}/forecast_task/{{case}}.tsv"
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("forecast_task", "data"),
+    params:
+        settings=settings_of("forecast_task", "TASK", noise=of_case(Campaign.noise)),
+        code=code_of("data/forecast_task.py"),
+    message:
+        "{wildcards.case}: export the washouts for other programs"
+    script:
+        "../scripts/data/forecast_task.py"
+
+
+rule reference_statistics:
+    input:
+        ensemble=f"{CASE}/ensemble.nc",
+        summary=f"{CASE}/dataset.json",
+    output:
+        data=f"{CASE}/statistics_data.nc",
+        training=f"{CASE}/statistics_training.nc",
+        floor=f"{CASE}/statistics_floor.nc",
+    log:
+        f"{LOGS}/reference_statistics/{{case}}.log",
+    benchmark:
+        f"{TIMES}/reference_statistics/{{case}}.tsv"
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("reference_statistics", "data"),
+    params:
+        settings=settings_of(
+            "reference_statistics",
+            "SYSTEM random_seed case.density case.training.series "
+            "statistics.profile_points statistics.floor_splits",
+        ),
+        code=code_of("data/reference_statistics.py"),
+    message:
+        "{wildcards.case}: long-term statistics of the data"
+    script:
+        "../scripts/data/reference_statistics.py"

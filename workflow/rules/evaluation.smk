@@ -1,76 +1,221 @@
 """Time-accurate prediction: forecasts of the evaluation set, prediction horizons of events."""
 
-stage(
-    "evaluation/forecast",
-    "forecast the evaluation set",
-    inputs=files("forecaster evaluation_set"),
-    outputs={"forecast": f"{FORECASTER}/forecast.nc"},
-    settings="FORECASTER forecaster.divergence_bound forecasters.aware WINDOWS",
-    cost="forecast",
-    cached=True,
-    constraints={"forecaster": f"{NO_CLASSIFIER}[^/]+"},
-)
-stage(
-    "evaluation/external_forecasts",
-    "read forecasts of another program",
-    inputs={
-        "files": stages.external_files,
-        **files("ensemble evaluation_set events summary"),
-    },
-    outputs={
-        "forecast": f"{FORECASTER}/forecast.nc",
-        "horizon": f"{FORECASTER}/horizon.nc",
-    },
-    settings="TASK",
-    cost="data",
-    constraints={"forecaster": EXTERNAL},
-    noise=of_case(Campaign.noise),
-)
-stage(
-    "evaluation/horizon",
-    "prediction horizons",
-    inputs=files("forecaster events summary"),
-    outputs={"horizon": f"{FORECASTER}/horizon.nc"},
-    settings="FORECASTER HORIZON case.event_threshold washout_lt",
-    cost="horizon",
-    cached=True,
-    constraints={"forecaster": f"{NO_CLASSIFIER}[^/]+"},
-)
-stage(
-    "evaluation/long_term",
-    "long-term runs",
-    inputs=files("ensemble forecaster"),
-    outputs={"long_term": f"{FORECASTER}/long_term.nc"},
-    settings="LONG_TERM",
-    cost="long_term",
-    cached=True,
-)
-stage(
-    "evaluation/lyapunov_spectrum",
-    "Lyapunov exponents of its own flow",
-    inputs=files("ensemble forecaster long_term"),
-    outputs={"spectrum": f"{FORECASTER}/lyapunov_spectrum.nc"},
-    settings="LONG_RUNS case.lyapunov.orthonormalisation_interval "
-    "statistics.lyapunov_exponents statistics.lyapunov_runs",
-    cost="spectrum",
-    cached=True,
-)
-stage(
-    "evaluation/examples",
-    "example forecasts",
-    inputs=files("ensemble summary evaluation_set events forecaster forecast horizon"),
-    outputs={"examples": f"{FORECASTER}/examples.nc"},
-    settings="FORECASTER HORIZON WINDOWS case.event_threshold case.training.series washout_lt "
-    "figures.example_horizon_lt",
-    cost="examples",
-    prediction_time_lt=campaign.prediction_time(2),
-)
-stage(
-    "evaluation/flow_event",
-    "an event whose flow is worth seeing",
-    inputs=files("ensemble summary forecaster"),
-    outputs={"event": f"{FORECASTER}/flow_event.nc"},
-    settings="FORECASTER OBSERVED case.test_series "
-    "case.event_threshold washout_lt figures.flow_event",
-    cost="examples",
-)
+
+rule forecast:
+    input:
+        **unknowns_of("forecast"),
+        forecaster=f"{FORECASTER}/forecaster.nc",
+        evaluation_set=f"{CASE}/evaluation_set.nc",
+    output:
+        forecast=f"{FORECASTER}/forecast.nc",
+    log:
+        f"{LOGS}/forecast/{{case}}/{{forecaster}}.log",
+    benchmark:
+        f"{TIMES}/forecast/{{case}}/{{forecaster}}.tsv"
+    wildcard_constraints:
+        forecaster=f"{NO_CLASSIFIER}[^/]+",
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("forecast", "forecast", cached=True),
+    params:
+        settings=settings_of(
+            "forecast",
+            "FORECASTER forecaster.divergence_bound forecasters.aware WINDOWS",
+        ),
+        code=code_of("evaluation/forecast.py"),
+    message:
+        "{wildcards.case}, {wildcards.forecaster}: forecast the evaluation set"
+    script:
+        "../scripts/evaluation/forecast.py"
+
+
+rule external_forecasts:
+    input:
+        **unknowns_of("external_forecasts"),
+        files=stages.external_files,
+        ensemble=f"{CASE}/ensemble.nc",
+        evaluation_set=f"{CASE}/evaluation_set.nc",
+        events=f"{CASE}/events.nc",
+        summary=f"{CASE}/dataset.json",
+    output:
+        forecast=f"{FORECASTER}/forecast.nc",
+        horizon=f"{FORECASTER}/horizon.nc",
+    log:
+        f"{LOGS}/external_forecasts/{{case}}/{{forecaster}}.log",
+    benchmark:
+        f"{TIMES}/external_forecasts/{{case}}/{{forecaster}}.tsv"
+    wildcard_constraints:
+        forecaster=EXTERNAL,
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("external_forecasts", "data"),
+    params:
+        settings=settings_of(
+            "external_forecasts", "TASK", noise=of_case(Campaign.noise)
+        ),
+        code=code_of("evaluation/external_forecasts.py"),
+    message:
+        "{wildcards.case}, {wildcards.forecaster}: read forecasts of another program"
+    script:
+        "../scripts/evaluation/external_forecasts.py"
+
+
+rule horizon:
+    input:
+        **unknowns_of("horizon"),
+        forecaster=f"{FORECASTER}/forecaster.nc",
+        events=f"{CASE}/events.nc",
+        summary=f"{CASE}/dataset.json",
+    output:
+        horizon=f"{FORECASTER}/horizon.nc",
+    log:
+        f"{LOGS}/horizon/{{case}}/{{forecaster}}.log",
+    benchmark:
+        f"{TIMES}/horizon/{{case}}/{{forecaster}}.tsv"
+    wildcard_constraints:
+        forecaster=f"{NO_CLASSIFIER}[^/]+",
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("horizon", "horizon", cached=True),
+    params:
+        settings=settings_of(
+            "horizon", "FORECASTER HORIZON case.event_threshold washout_lt"
+        ),
+        code=code_of("evaluation/horizon.py"),
+    message:
+        "{wildcards.case}, {wildcards.forecaster}: prediction horizons"
+    script:
+        "../scripts/evaluation/horizon.py"
+
+
+rule long_term:
+    input:
+        **unknowns_of("long_term"),
+        ensemble=f"{CASE}/ensemble.nc",
+        forecaster=f"{FORECASTER}/forecaster.nc",
+    output:
+        long_term=f"{FORECASTER}/long_term.nc",
+    log:
+        f"{LOGS}/long_term/{{case}}/{{forecaster}}.log",
+    benchmark:
+        f"{TIMES}/long_term/{{case}}/{{forecaster}}.tsv"
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("long_term", "long_term", cached=True),
+    params:
+        settings=settings_of("long_term", "LONG_TERM"),
+        code=code_of("evaluation/long_term.py"),
+    message:
+        "{wildcards.case}, {wildcards.forecaster}: long-term runs"
+    script:
+        "../scripts/evaluation/long_term.py"
+
+
+rule lyapunov_spectrum:
+    input:
+        **unknowns_of("lyapunov_spectrum"),
+        ensemble=f"{CASE}/ensemble.nc",
+        forecaster=f"{FORECASTER}/forecaster.nc",
+        long_term=f"{FORECASTER}/long_term.nc",
+    output:
+        spectrum=f"{FORECASTER}/lyapunov_spectrum.nc",
+    log:
+        f"{LOGS}/lyapunov_spectrum/{{case}}/{{forecaster}}.log",
+    benchmark:
+        f"{TIMES}/lyapunov_spectrum/{{case}}/{{forecaster}}.tsv"
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("lyapunov_spectrum", "spectrum", cached=True),
+    params:
+        settings=settings_of(
+            "lyapunov_spectrum",
+            "LONG_RUNS case.lyapunov.orthonormalisation_interval "
+            "statistics.lyapunov_exponents statistics.lyapunov_runs",
+        ),
+        code=code_of("evaluation/lyapunov_spectrum.py"),
+    message:
+        "{wildcards.case}, {wildcards.forecaster}: Lyapunov exponents of its own flow"
+    script:
+        "../scripts/evaluation/lyapunov_spectrum.py"
+
+
+rule examples:
+    input:
+        **unknowns_of("examples"),
+        ensemble=f"{CASE}/ensemble.nc",
+        summary=f"{CASE}/dataset.json",
+        evaluation_set=f"{CASE}/evaluation_set.nc",
+        events=f"{CASE}/events.nc",
+        forecaster=f"{FORECASTER}/forecaster.nc",
+        forecast=f"{FORECASTER}/forecast.nc",
+        horizon=f"{FORECASTER}/horizon.nc",
+    output:
+        examples=f"{FORECASTER}/examples.nc",
+    log:
+        f"{LOGS}/examples/{{case}}/{{forecaster}}.log",
+    benchmark:
+        f"{TIMES}/examples/{{case}}/{{forecaster}}.tsv"
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("examples", "examples"),
+    params:
+        settings=settings_of(
+            "examples",
+            "FORECASTER HORIZON WINDOWS case.event_threshold case.training.series washout_lt "
+            "figures.example_horizon_lt",
+            prediction_time_lt=campaign.prediction_time(2),
+        ),
+        code=code_of("evaluation/examples.py"),
+    message:
+        "{wildcards.case}, {wildcards.forecaster}: example forecasts"
+    script:
+        "../scripts/evaluation/examples.py"
+
+
+rule flow_event:
+    input:
+        **unknowns_of("flow_event"),
+        ensemble=f"{CASE}/ensemble.nc",
+        summary=f"{CASE}/dataset.json",
+        forecaster=f"{FORECASTER}/forecaster.nc",
+    output:
+        event=f"{FORECASTER}/flow_event.nc",
+    log:
+        f"{LOGS}/flow_event/{{case}}/{{forecaster}}.log",
+    benchmark:
+        f"{TIMES}/flow_event/{{case}}/{{forecaster}}.tsv"
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("flow_event", "examples"),
+    params:
+        settings=settings_of(
+            "flow_event",
+            "FORECASTER OBSERVED case.test_series "
+            "case.event_threshold washout_lt figures.flow_event",
+        ),
+        code=code_of("evaluation/flow_event.py"),
+    message:
+        "{wildcards.case}, {wildcards.forecaster}: an event whose flow is worth seeing"
+    script:
+        "../scripts/evaluation/flow_event.py"

@@ -32,7 +32,7 @@ rule figure:
     conda:
         ENVIRONMENT
     resources:
-        **stages.needs("figure", "figure"),
+        **needs("figure", "figure"),
     params:
         settings=drawn.settings,
         code=drawn.code,

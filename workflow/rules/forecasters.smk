@@ -1,69 +1,149 @@
 """From the data to forecasters: the search for a network's hyperparameters, training, fitting."""
 
-stage(
+
+rule scan:
     # one job for all strategies that share their sums over the training data
-    "forecasters/scan",
-    "objectives on the grid",
-    inputs=files("ensemble scheduled"),
-    outputs={
-        "scan": f"{CASE}/scan/{{reservoir}}-{{strategies}}.csv",
-        "scan_errors": f"{CASE}/scan/{{reservoir}}-{{strategies}}.nc",
-    },
-    settings="SEARCH search.grid",
-    cost="search_grid",
-    cached=True,
-)
-stage(
-    "forecasters/search",
-    "Bayesian search",
-    inputs={
-        **files("ensemble scheduled"),
-        "scan": stages.scan_of_network("csv"),
-        "scan_errors": stages.scan_of_network("nc"),
-    },
-    outputs={
-        "hyperparameters": f"{FORECASTER}/hyperparameters.json",
-        "trace": f"{FORECASTER}/search.csv",
-    },
-    settings="SEARCH search.bayesian_points search.surrogate",
-    cost="search_points",
-    cached=True,
-)
-stage(
+    input:
+        **unknowns_of("scan"),
+        ensemble=f"{CASE}/ensemble.nc",
+        scheduled=stages.scheduled,
+    output:
+        scan=f"{CASE}/scan/{{reservoir}}-{{strategies}}.csv",
+        scan_errors=f"{CASE}/scan/{{reservoir}}-{{strategies}}.nc",
+    log:
+        f"{LOGS}/scan/{{case}}/{{reservoir}}/{{strategies}}.log",
+    benchmark:
+        f"{TIMES}/scan/{{case}}/{{reservoir}}/{{strategies}}.tsv"
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("scan", "search_grid", cached=True),
+    params:
+        settings=settings_of("scan", "SEARCH search.grid"),
+        code=code_of("forecasters/scan.py"),
+    message:
+        "{wildcards.case}, {wildcards.reservoir}, {wildcards.strategies}: objectives on the grid"
+    script:
+        "../scripts/forecasters/scan.py"
+
+
+rule search:
+    input:
+        **unknowns_of("search"),
+        ensemble=f"{CASE}/ensemble.nc",
+        scheduled=stages.scheduled,
+        scan=stages.scan_of_network("csv"),
+        scan_errors=stages.scan_of_network("nc"),
+    output:
+        hyperparameters=f"{FORECASTER}/hyperparameters.json",
+        trace=f"{FORECASTER}/search.csv",
+    log:
+        f"{LOGS}/search/{{case}}/{{forecaster}}.log",
+    benchmark:
+        f"{TIMES}/search/{{case}}/{{forecaster}}.tsv"
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("search", "search_points", cached=True),
+    params:
+        settings=settings_of("search", "SEARCH search.bayesian_points search.surrogate"),
+        code=code_of("forecasters/search.py"),
+    message:
+        "{wildcards.case}, {wildcards.forecaster}: Bayesian search"
+    script:
+        "../scripts/forecasters/search.py"
+
+
+rule survival_choice:
     # of equally good points: requested only by search.choice
-    "forecasters/survival_choice",
-    "choose hyperparameters by survival",
-    inputs=files("ensemble trace scheduled"),
-    outputs={
-        "chosen": f"{FORECASTER}/survival_choice.json",
-        "candidates": f"{FORECASTER}/survival_choice.csv",
-    },
-    settings="LONG_TERM RESERVOIR bootstrap.confidence",
-    cost="choice",
-    cached=True,
-    constraints={"forecaster": NETWORKS},
-)
-stage(
-    "forecasters/train",
-    "train",
-    inputs={
-        **files("ensemble scheduled"),
-        "hyperparameters": stages.hyperparameters,
-    },
-    outputs={"forecaster": f"{FORECASTER}/forecaster.nc"},
-    settings="TIME OBSERVED RESERVOIR washout_lt",
-    cost="training",
-    cached=True,
-    constraints={"forecaster": NETWORKS},
-)
-stage(
+    input:
+        **unknowns_of("survival_choice"),
+        ensemble=f"{CASE}/ensemble.nc",
+        trace=f"{FORECASTER}/search.csv",
+        scheduled=stages.scheduled,
+    output:
+        chosen=f"{FORECASTER}/survival_choice.json",
+        candidates=f"{FORECASTER}/survival_choice.csv",
+    log:
+        f"{LOGS}/survival_choice/{{case}}/{{forecaster}}.log",
+    benchmark:
+        f"{TIMES}/survival_choice/{{case}}/{{forecaster}}.tsv"
+    wildcard_constraints:
+        forecaster=NETWORKS,
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("survival_choice", "choice", cached=True),
+    params:
+        settings=settings_of(
+            "survival_choice", "LONG_TERM RESERVOIR bootstrap.confidence"
+        ),
+        code=code_of("forecasters/survival_choice.py"),
+    message:
+        "{wildcards.case}, {wildcards.forecaster}: choose hyperparameters by survival"
+    script:
+        "../scripts/forecasters/survival_choice.py"
+
+
+rule train:
+    input:
+        **unknowns_of("train"),
+        ensemble=f"{CASE}/ensemble.nc",
+        scheduled=stages.scheduled,
+        hyperparameters=stages.hyperparameters,
+    output:
+        forecaster=f"{FORECASTER}/forecaster.nc",
+    log:
+        f"{LOGS}/train/{{case}}/{{forecaster}}.log",
+    benchmark:
+        f"{TIMES}/train/{{case}}/{{forecaster}}.tsv"
+    wildcard_constraints:
+        forecaster=NETWORKS,
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("train", "training", cached=True),
+    params:
+        settings=settings_of("train", "TIME OBSERVED RESERVOIR washout_lt"),
+        code=code_of("forecasters/train.py"),
+    message:
+        "{wildcards.case}, {wildcards.forecaster}: train"
+    script:
+        "../scripts/forecasters/train.py"
+
+
+rule fit:
     # forecasters of all other kinds, which need no search
-    "forecasters/fit",
-    "fit",
-    inputs=files("ensemble scheduled"),
-    outputs={"forecaster": f"{FORECASTER}/forecaster.nc"},
-    settings="FORECASTER OBSERVED",
-    cost="training",
-    cached=True,
-    constraints={"forecaster": NO_CLASSIFIER + OTHERS},
-)
+    input:
+        **unknowns_of("fit"),
+        ensemble=f"{CASE}/ensemble.nc",
+        scheduled=stages.scheduled,
+    output:
+        forecaster=f"{FORECASTER}/forecaster.nc",
+    log:
+        f"{LOGS}/fit/{{case}}/{{forecaster}}.log",
+    benchmark:
+        f"{TIMES}/fit/{{case}}/{{forecaster}}.tsv"
+    wildcard_constraints:
+        forecaster=NO_CLASSIFIER + OTHERS,
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("fit", "training", cached=True),
+    params:
+        settings=settings_of("fit", "FORECASTER OBSERVED"),
+        code=code_of("forecasters/fit.py"),
+    message:
+        "{wildcards.case}, {wildcards.forecaster}: fit"
+    script:
+        "../scripts/forecasters/fit.py"

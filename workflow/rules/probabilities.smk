@@ -1,96 +1,162 @@
 """Probabilities of events: calibrated and scored, with alarms chosen without the test series."""
 
-stage(
-    "data/calibration_set",
-    "starting points of the calibration",
-    inputs=files("ensemble"),
-    outputs={"calibration_set": f"{CASE}/calibration_set.nc"},
-    settings="SYSTEM TIME OBSERVED WINDOWS washout_lt case.test_series "
-    "probability.calibration_series probability.start_spacing_lt",
-    cost="data",
-)
-stage(
-    "evaluation/calibration_forecast",
-    "forecast the calibration set out of sample",
-    inputs=files("ensemble forecaster calibration_set scheduled"),
-    outputs={"calibration_forecast": f"{FORECASTER}/calibration_forecast.nc"},
-    settings="FORECASTER forecaster.divergence_bound OBSERVED WINDOWS washout_lt "
-    "probability.calibration_series",
-    cost="leave_one_out",
-    cached=True,
-    constraints={"forecaster": f"{NO_CLASSIFIER}[^/]+"},
-)
-stage(
-    "data/training_set",
-    "starting points that classifiers learn from",
-    inputs=files("ensemble"),
-    outputs={"training_set": f"{CASE}/training_set.nc"},
-    settings="SYSTEM TIME OBSERVED WINDOWS washout_lt forecasters.classifiers.start_spacing_lt",
-    cost="data",
-)
-stage(
-    "evaluation/event_probabilities",
-    "train a classifier, probabilities of events",
-    inputs=files("training_set evaluation_set calibration_set"),
-    outputs={
-        "forecaster": f"{FORECASTER}/forecaster.nc",
-        "forecast": f"{FORECASTER}/forecast.nc",
-        "calibration_forecast": f"{FORECASTER}/calibration_forecast.nc",
-    },
-    settings="FORECASTER random_seed case.event_threshold classification.prediction_times_lt "
-    "classification.window_lt classification.resolution_lt probability.calibration_series "
-    "forecasters.classifiers.folds",
-    cost="classifiers",
-    cached=True,
-    constraints={"forecaster": CLASSIFIERS},
-)
-stage(
-    "probabilities/calibrate",
-    "calibrate the probabilities, choose the thresholds of alarms",
-    inputs={
-        "calibration_forecasts": files_in_case(
+
+rule calibration_set:
+    input:
+        **unknowns_of("calibration_set"),
+        ensemble=f"{CASE}/ensemble.nc",
+    output:
+        calibration_set=f"{CASE}/calibration_set.nc",
+    log:
+        f"{LOGS}/calibration_set/{{case}}.log",
+    benchmark:
+        f"{TIMES}/calibration_set/{{case}}.tsv"
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("calibration_set", "data"),
+    params:
+        settings=settings_of(
+            "calibration_set",
+            "SYSTEM TIME OBSERVED WINDOWS washout_lt case.test_series "
+            "probability.calibration_series probability.start_spacing_lt",
+        ),
+        code=code_of("data/calibration_set.py"),
+    message:
+        "{wildcards.case}: starting points of the calibration"
+    script:
+        "../scripts/data/calibration_set.py"
+
+
+rule calibration_forecast:
+    input:
+        **unknowns_of("calibration_forecast"),
+        ensemble=f"{CASE}/ensemble.nc",
+        forecaster=f"{FORECASTER}/forecaster.nc",
+        calibration_set=f"{CASE}/calibration_set.nc",
+        scheduled=stages.scheduled,
+    output:
+        calibration_forecast=f"{FORECASTER}/calibration_forecast.nc",
+    log:
+        f"{LOGS}/calibration_forecast/{{case}}/{{forecaster}}.log",
+    benchmark:
+        f"{TIMES}/calibration_forecast/{{case}}/{{forecaster}}.tsv"
+    wildcard_constraints:
+        forecaster=f"{NO_CLASSIFIER}[^/]+",
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("calibration_forecast", "leave_one_out", cached=True),
+    params:
+        settings=settings_of(
+            "calibration_forecast",
+            "FORECASTER forecaster.divergence_bound OBSERVED WINDOWS washout_lt "
+            "probability.calibration_series",
+        ),
+        code=code_of("evaluation/calibration_forecast.py"),
+    message:
+        "{wildcards.case}, {wildcards.forecaster}: forecast the calibration set out of sample"
+    script:
+        "../scripts/evaluation/calibration_forecast.py"
+
+
+rule training_set:
+    input:
+        **unknowns_of("training_set"),
+        ensemble=f"{CASE}/ensemble.nc",
+    output:
+        training_set=f"{CASE}/training_set.nc",
+    log:
+        f"{LOGS}/training_set/{{case}}.log",
+    benchmark:
+        f"{TIMES}/training_set/{{case}}.tsv"
+    group:
+        group_of("case")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("training_set", "data"),
+    params:
+        settings=settings_of(
+            "training_set",
+            "SYSTEM TIME OBSERVED WINDOWS washout_lt forecasters.classifiers.start_spacing_lt",
+        ),
+        code=code_of("data/training_set.py"),
+    message:
+        "{wildcards.case}: starting points that classifiers learn from"
+    script:
+        "../scripts/data/training_set.py"
+
+
+rule event_probabilities:
+    input:
+        **unknowns_of("event_probabilities"),
+        training_set=f"{CASE}/training_set.nc",
+        evaluation_set=f"{CASE}/evaluation_set.nc",
+        calibration_set=f"{CASE}/calibration_set.nc",
+    output:
+        forecaster=f"{FORECASTER}/forecaster.nc",
+        forecast=f"{FORECASTER}/forecast.nc",
+        calibration_forecast=f"{FORECASTER}/calibration_forecast.nc",
+    log:
+        f"{LOGS}/event_probabilities/{{case}}/{{forecaster}}.log",
+    benchmark:
+        f"{TIMES}/event_probabilities/{{case}}/{{forecaster}}.tsv"
+    wildcard_constraints:
+        forecaster=CLASSIFIERS,
+    group:
+        group_of("forecaster")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("event_probabilities", "classifiers", cached=True),
+    params:
+        settings=settings_of(
+            "event_probabilities",
+            "FORECASTER random_seed case.event_threshold classification.prediction_times_lt "
+            "classification.window_lt classification.resolution_lt probability.calibration_series "
+            "forecasters.classifiers.folds",
+        ),
+        code=code_of("evaluation/event_probabilities.py"),
+    message:
+        "{wildcards.case}, {wildcards.forecaster}: train a classifier, probabilities of events"
+    script:
+        "../scripts/evaluation/event_probabilities.py"
+
+
+rule calibrate:
+    input:
+        **unknowns_of("calibrate"),
+        calibration_forecasts=files_in_case(
             "calibration_forecast.nc", campaign.fitted_forecasters
         ),
-        **files("calibration_set"),
-    },
-    outputs={"calibration": f"{CASE}/calibration.json"},
-    settings="TIME case.event_threshold classification.prediction_times_lt "
-    "classification.window_lt classification.resolution_lt "
-    "probability.prior_forecasts",
-    uncalibrated=of_case(Campaign.alarm_thresholds),
-)
-# What tables of probabilities are made from.
-PROBABILITIES = {
-    "forecasts": files_in_case("forecast.nc"),
-    **files("evaluation_set calibration"),
-}
-
-table_stage(
-    "probability_scores",
-    "score the probabilities",
-    inputs=PROBABILITIES,
-    settings="KEYS SCORED case.event_threshold probability.bins",
-    cost="bootstrap",
-)
-table_stage(
-    "probability_diagrams",
-    "reliability, curves over all thresholds",
-    inputs=PROBABILITIES,
-    settings="KEYS SCORED case.event_threshold probability.bins",
-    cost="bootstrap",
-)
-table_stage(
-    "ranking_table",
-    "rank the starting points of flows that are encoded",
-    inputs=PROBABILITIES,
-    settings="KEYS SCORED SYSTEM case.event_threshold",
-    cost="bootstrap",
-)
-table_stage(
-    "lead_times",
-    "how early events were warned of",
-    inputs={**files("ensemble"), **PROBABILITIES},
-    settings="KEYS SCORED case.event_threshold case.training.series "
-    "classification.start_spacing_lt",
-    cost="bootstrap",
-)
+        calibration_set=f"{CASE}/calibration_set.nc",
+    output:
+        calibration=f"{CASE}/calibration.json",
+    log:
+        f"{LOGS}/calibrate/{{case}}.log",
+    benchmark:
+        f"{TIMES}/calibrate/{{case}}.tsv"
+    group:
+        group_of("tables")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("calibrate", "gather"),
+    params:
+        settings=settings_of(
+            "calibrate",
+            "TIME case.event_threshold classification.prediction_times_lt "
+            "classification.window_lt classification.resolution_lt "
+            "probability.prior_forecasts",
+            uncalibrated=of_case(Campaign.alarm_thresholds),
+        ),
+        code=code_of("probabilities/calibrate.py"),
+    message:
+        "{wildcards.case}: calibrate the probabilities, choose the thresholds of alarms"
+    script:
+        "../scripts/probabilities/calibrate.py"

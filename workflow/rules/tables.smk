@@ -1,155 +1,388 @@
 """Tables: each case's, gathered from the files of many jobs; then of all cases, and LaTeX."""
 
-from burstcast_workflow.tables.registry import cases_of_tables, latex_names, table_names
+from burstcast_workflow.tables.registry import (
+    cases_of,
+    cases_of_tables,
+    joined,
+    latex_names,
+    made_by,
+    table_names,
+    typeset,
+    with_percentiles,
+    written,
+)
 
-table_stage(
-    "dataset_table",
-    "table of the dataset",
-    inputs={
-        **files("summary events_summary"),
-        # a case that is a part of another one has that one's
-        "exponents": of_case(
-            lambda campaign, case: f"{RESULTS}/{campaign.source_case(case)}/lyapunov.json"
+# What tables of probabilities are made from.
+PROBABILITIES = {
+    "forecasts": files_in_case("forecast.nc"),
+    "evaluation_set": f"{CASE}/evaluation_set.nc",
+    "calibration": f"{CASE}/calibration.json",
+}
+# Rules that make tables of a case, by the name of their module in burstcast.tables.makers:
+# what the rule does, its inputs, the settings that it reads, and the class of its work.
+TABLE_RULES = {
+    "dataset_table": {
+        "does": "table of the dataset",
+        "inputs": {
+            "summary": f"{CASE}/dataset.json",
+            "events_summary": f"{CASE}/events.json",
+            # a case that is a part of another one has that one's
+            "exponents": of_case(
+                lambda campaign, case: f"{RESULTS}/{campaign.source_case(case)}/lyapunov.json"
+            ),
+        },
+        "settings": "KEYS TIME",
+    },
+    "hyperparameters_table": {
+        "does": "table of the hyperparameters",
+        "inputs": {
+            "hyperparameters": files_in_case(
+                campaign.hyperparameters_file, campaign.searched_networks
+            )
+        },
+        "settings": "KEYS",
+    },
+    "classification_table": {
+        "does": "score the forecasts",
+        "inputs": {
+            "forecasts": files_in_case("forecast.nc"),
+            "evaluation_set": f"{CASE}/evaluation_set.nc",
+            # the alarm thresholds of forecasters that give probabilities
+            "calibration": stages.file_of_case(
+                "calibration.json",
+                {
+                    one.case
+                    for one in campaign.forecasters
+                    if not one.kind.has_trajectories
+                },
+            ),
+        },
+        "settings": "KEYS SCORED case.event_threshold",
+        "cost": "bootstrap",
+    },
+    "probability_scores": {
+        "does": "score the probabilities",
+        "inputs": PROBABILITIES,
+        "settings": "KEYS SCORED case.event_threshold probability.bins",
+        "cost": "bootstrap",
+    },
+    "probability_diagrams": {
+        "does": "reliability, curves over all thresholds",
+        "inputs": PROBABILITIES,
+        "settings": "KEYS SCORED case.event_threshold probability.bins",
+        "cost": "bootstrap",
+    },
+    "ranking_table": {
+        "does": "rank the starting points of flows that are encoded",
+        "inputs": PROBABILITIES,
+        "settings": "KEYS SCORED SYSTEM case.event_threshold",
+        "cost": "bootstrap",
+    },
+    "lead_times": {
+        "does": "how early events were warned of",
+        "inputs": {"ensemble": f"{CASE}/ensemble.nc", **PROBABILITIES},
+        "settings": "KEYS SCORED case.event_threshold case.training.series "
+        "classification.start_spacing_lt",
+        "cost": "bootstrap",
+    },
+    "horizon_table": {
+        "does": "table of the prediction horizons",
+        "inputs": {
+            "horizons": files_in_case("horizon.nc", campaign.horizon_forecasters)
+        },
+        "settings": "KEYS random_seed bootstrap",
+    },
+    "statistics_table": {
+        "does": "table of the long-term statistics",
+        "inputs": {
+            "data": f"{CASE}/statistics_data.nc",
+            "training": f"{CASE}/statistics_training.nc",
+            "floor": f"{CASE}/statistics_floor.nc",
+            "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
+        },
+        "settings": "SYSTEM random_seed bootstrap statistics.profile_points",
+        "cost": "bootstrap_runs",
+    },
+    "survival_table": {
+        "does": "table of escapes from the chaotic phase",
+        "inputs": {
+            "ensemble": f"{CASE}/ensemble.nc",
+            "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
+        },
+        "settings": "KEYS STEPS statistics.duration bootstrap.confidence",
+    },
+    "lyapunov_spectrum_table": {
+        "does": "table of the Lyapunov exponents",
+        "inputs": {
+            "spectrum": stages.file_of_case(
+                "lyapunov_spectrum.nc", campaign.simulated_cases
+            ),
+            "forecasters": files_in_case(
+                "lyapunov_spectrum.nc", campaign.spectrum_forecasters
+            ),
+        },
+        "settings": "KEYS random_seed bootstrap",
+    },
+    "control_table": {
+        "does": "table of control",
+        "inputs": {"flows": files_in_case("flows.nc", campaign.control_runs)},
+        "settings": "KEYS",
+    },
+    "control_density_table": {
+        "does": "densities with and without control",
+        "inputs": {"flows": files_in_case("flows.nc", campaign.control_runs)},
+        "settings": "KEYS random_seed bootstrap",
+    },
+    "control_strategies_table": {
+        "does": "costs and gains of control",
+        "inputs": {"flows": files_in_case("flows.nc", campaign.strategy_runs)},
+        "settings": "KEYS case.training.noise random_seed bootstrap",
+    },
+    "control_choice_table": {
+        "does": "strategies at their best",
+        "inputs": {"flows": files_in_case("flows.nc", campaign.chosen_runs)},
+        "settings": "KEYS case.training.noise control.tolerated_exceedance random_seed bootstrap",
+    },
+    "warnings_table": {
+        "does": "look for warning signs",
+        "inputs": {
+            "ensemble": f"{CASE}/ensemble.nc",
+            "data": f"{CASE}/statistics_data.nc",
+            "events_summary": f"{CASE}/events.json",
+            "calibration_set": f"{CASE}/calibration_set.nc",
+            **stages.tables_of_case(
+                "dataset classification hyperparameters statistics"
+            ),
+            # where the unit of time is an estimate that it may contradict
+            "lyapunov_spectrum": stages.file_of_case(
+                "tables/lyapunov_spectrum.csv",
+                set(cases_of(campaign, "lyapunov_spectrum"))
+                & set(filter(campaign.estimates_time_unit, campaign.case_names)),
+            ),
+        },
+        "settings": "KEYS SYSTEM case.event_threshold case.training.series case.training.noise "
+        "horizon.events search.spectral_radius search.input_scaling search.tikhonov",
+    },
+}
+# Tables that each rule makes (workflow/tables.yaml declares them), percentiles beside them.
+FILES = {name: with_percentiles(made_by(name)) for name in TABLE_RULES}
+LAYOUTS = {name: typeset(made_by(name)) for name in TABLE_RULES}
+# Files of all cases that they are joined from; none in campaigns without such tables.
+OF_CASES = {
+    name: [
+        path
+        for file in FILES[name]
+        for path in of_cases(f"tables/{file}.csv", cases_of(campaign, made_by(name)[0]))
+    ]
+    for name in TABLE_RULES
+}
+
+# -- tables of a case --------------------------------------------------------------------------------
+
+for name, made in TABLE_RULES.items():
+
+    rule:
+        name:
+            name
+        input:
+            **made["inputs"],
+            **unknowns_of(name),
+        output:
+            tables=[f"{TABLES_OF_CASE}/{file}.csv" for file in FILES[name]],
+        log:
+            f"{LOGS}/{name}/{{case}}.log",
+        benchmark:
+            f"{TIMES}/{name}/{{case}}.tsv"
+        group:
+            group_of("tables")
+        conda:
+            ENVIRONMENT
+        resources:
+            **needs(name, made.get("cost", "gather")),
+        params:
+            settings=settings_of(
+                name,
+                made["settings"],
+                tables=written(made_by(name), campaign.unused_columns),
+            ),
+            code=code_of("tables/table.py", {"burstcast.tables.makers": [name]}),
+            maker=name,
+        message:
+            f"{{wildcards.case}}: {made['does']}"
+        script:
+            "../scripts/tables/table.py"
+
+
+# -- tables of all cases -----------------------------------------------------------------------------
+
+for name in [name for name in OF_CASES if OF_CASES[name] and not LAYOUTS[name]]:
+
+    rule:
+        name:
+            f"all_{name}"
+        input:
+            of_cases=OF_CASES[name],
+        output:
+            tables=[in_report(file) for file in FILES[name]],
+        log:
+            f"{LOGS}/all_{name}.log",
+        benchmark:
+            f"{TIMES}/all_{name}.tsv"
+        group:
+            group_of("tables")
+        conda:
+            ENVIRONMENT
+        resources:
+            **needs(f"all_{name}", "gather"),
+        params:
+            settings=settings_of(
+                f"all_{name}", columns=joined(FILES[name], campaign.unused_columns)
+            ),
+            code=code_of("tables/all_cases.py"),
+        message:
+            f"{TABLE_RULES[name]['does']}, of all cases"
+        script:
+            "../scripts/tables/all_cases.py"
+
+
+for name in [name for name in OF_CASES if OF_CASES[name] and LAYOUTS[name]]:
+
+    # the same, and LaTeX for papers
+    rule:
+        name:
+            f"all_{name}"
+        input:
+            of_cases=OF_CASES[name],
+        output:
+            tables=[in_report(file) for file in FILES[name]],
+            latex=[f"{TABLES}/{paper}.tex" for paper in LAYOUTS[name]],
+        log:
+            f"{LOGS}/all_{name}.log",
+        benchmark:
+            f"{TIMES}/all_{name}.tsv"
+        group:
+            group_of("tables")
+        conda:
+            ENVIRONMENT
+        resources:
+            **needs(f"all_{name}", "gather"),
+        params:
+            settings=settings_of(
+                f"all_{name}",
+                columns=joined(FILES[name], campaign.unused_columns),
+                latex=LAYOUTS[name],
+            ),
+            code=code_of("tables/all_cases_latex.py"),
+        message:
+            f"{TABLE_RULES[name]['does']}, of all cases"
+        script:
+            "../scripts/tables/all_cases_latex.py"
+
+
+# -- tables of the whole campaign --------------------------------------------------------------------
+
+
+rule data_generation_parameters:
+    input:
+        **unknowns_of("data_generation_parameters"),
+        summaries=of_cases("dataset.json", campaign.simulated_cases),
+    output:
+        table=in_report("data_generation_parameters"),
+        latex=f"{TABLES}/data_generation_parameters.tex",
+    log:
+        f"{LOGS}/data_generation_parameters.log",
+    benchmark:
+        f"{TIMES}/data_generation_parameters.tsv"
+    group:
+        group_of("tables")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("data_generation_parameters", "gather"),
+    params:
+        settings=settings_of(
+            "data_generation_parameters",
+            caption=caption_of("data_generation_parameters"),
+            cases=campaign.settings_of_cases(
+                *("SYSTEM", "case.ensemble.time_step", "case.ensemble.duration"),
+                *("case.training.series", "case.laminarisation_threshold"),
+                "case.event_threshold",
+                cases=campaign.simulated_cases,
+            ),
         ),
-    },
-    settings="KEYS TIME",
-)
-table_stage(
-    "hyperparameters_table",
-    "table of the hyperparameters",
-    inputs={
-        "hyperparameters": files_in_case(
-            campaign.hyperparameters_file, campaign.searched_networks
-        )
-    },
-    settings="KEYS",
-)
-table_stage(
-    "classification_table",
-    "score the forecasts",
-    inputs={
-        "forecasts": files_in_case("forecast.nc"),
-        **files("evaluation_set"),
-        # the alarm thresholds of forecasters that give probabilities
-        "calibration": stages.file_of_case(
-            "calibration.json",
-            {one.case for one in campaign.forecasters if not one.kind.has_trajectories},
+        code=code_of("tables/data_generation_parameters.py"),
+    message:
+        "table of the parameters of the data"
+    script:
+        "../scripts/tables/data_generation_parameters.py"
+
+
+rule network_hyperparameters:
+    output:
+        table=in_report("network_hyperparameters"),
+        latex=f"{TABLES}/network_hyperparameters.tex",
+    log:
+        f"{LOGS}/network_hyperparameters.log",
+    benchmark:
+        f"{TIMES}/network_hyperparameters.tsv"
+    group:
+        group_of("tables")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("network_hyperparameters", "gather"),
+    params:
+        settings=settings_of(
+            "network_hyperparameters",
+            "forecasters.esn.connectivity forecasters.esn.input_bias "
+            "search.spectral_radius search.input_scaling search.tikhonov",
+            caption=caption_of("network_hyperparameters"),
+            cases=campaign.settings_of_cases("case.training.noise"),
         ),
-    },
-    settings="KEYS SCORED case.event_threshold",
-    cost="bootstrap",
-)
-table_stage(
-    "horizon_table",
-    "table of the prediction horizons",
-    inputs={"horizons": files_in_case("horizon.nc", campaign.horizon_forecasters)},
-    settings="KEYS random_seed bootstrap",
-)
-table_stage(
-    "statistics_table",
-    "table of the long-term statistics",
-    inputs={
-        **files("data training floor"),
-        "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
-    },
-    settings="SYSTEM random_seed bootstrap statistics.profile_points",
-    cost="bootstrap_runs",
-)
-table_stage(
-    "survival_table",
-    "table of escapes from the chaotic phase",
-    inputs={
-        **files("ensemble"),
-        "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
-    },
-    settings="KEYS STEPS statistics.duration bootstrap.confidence",
-)
-table_stage(
-    "lyapunov_spectrum_table",
-    "table of the Lyapunov exponents",
-    inputs={
-        "spectrum": stages.file_of_case(
-            "lyapunov_spectrum.nc", campaign.simulated_cases
-        ),
-        "forecasters": files_in_case(
-            "lyapunov_spectrum.nc", campaign.spectrum_forecasters
-        ),
-    },
-    settings="KEYS random_seed bootstrap",
-)
-table_stage(
-    "control_table",
-    "table of control",
-    inputs={"flows": files_in_case("flows.nc", campaign.control_runs)},
-    settings="KEYS",
-)
-table_stage(
-    "control_density_table",
-    "densities with and without control",
-    inputs={"flows": files_in_case("flows.nc", campaign.control_runs)},
-    settings="KEYS random_seed bootstrap",
-)
-table_stage(
-    "control_strategies_table",
-    "costs and gains of control",
-    inputs={"flows": files_in_case("flows.nc", campaign.strategy_runs)},
-    settings="KEYS case.training.noise random_seed bootstrap",
-)
-table_stage(
-    "control_choice_table",
-    "strategies at their best",
-    inputs={"flows": files_in_case("flows.nc", campaign.chosen_runs)},
-    settings="KEYS case.training.noise control.tolerated_exceedance random_seed bootstrap",
-)
-table_stage(
-    "warnings_table",
-    "look for warning signs",
-    inputs={
-        **files("ensemble data events_summary calibration_set"),
-        **stages.tables_of_case("dataset classification hyperparameters statistics"),
-        # where the unit of time is an estimate that it may contradict
-        "lyapunov_spectrum": stages.file_of_case(
-            "tables/lyapunov_spectrum.csv",
-            set(cases_of(campaign, "lyapunov_spectrum"))
-            & set(filter(campaign.estimates_time_unit, campaign.case_names)),
-        ),
-    },
-    settings="KEYS SYSTEM case.event_threshold case.training.series case.training.noise "
-    "horizon.events search.spectral_radius search.input_scaling search.tikhonov",
-)
-parameter_stage(
-    "data_generation_parameters",
-    "table of the parameters of the data",
-    inputs={"summaries": of_cases("dataset.json", campaign.simulated_cases)},
-    cases=campaign.settings_of_cases(
-        *("SYSTEM", "case.ensemble.time_step", "case.ensemble.duration"),
-        *("case.training.series", "case.laminarisation_threshold"),
-        "case.event_threshold",
-        cases=campaign.simulated_cases,
-    ),
-)
-parameter_stage(
-    "network_hyperparameters",
-    "table of the networks' hyperparameters",
-    settings="forecasters.esn.connectivity forecasters.esn.input_bias "
-    "search.spectral_radius search.input_scaling search.tikhonov",
-    cases=campaign.settings_of_cases("case.training.noise"),
-)
+        code=code_of("tables/network_hyperparameters.py"),
+    message:
+        "table of the networks' hyperparameters"
+    script:
+        "../scripts/tables/network_hyperparameters.py"
+
+
 # tables whose scatter over seeds is separated from the scatter over training sets
-scattered = [
+SCATTERED = [
     name
     for name in ("classification", "horizon", "statistics", "survival")
     if name in cases_of_tables(campaign)
 ]
-stage(
-    "tables/training_realisations",
-    "scatter over training sets and over seeds",
-    inputs={"scores": [f"{TABLES}/{name}.csv" for name in scattered]},
-    outputs={"tables": [in_report("training_realisations")]},
-    tables=written(["training_realisations"]),
-    scattered=written(scattered),
-    kinds=sorted({one.name.keys["forecaster"] for one in campaign.forecasters}),
-)
+
+
+rule training_realisations:
+    input:
+        scores=[f"{TABLES}/{name}.csv" for name in SCATTERED],
+    output:
+        tables=[in_report("training_realisations")],
+    log:
+        f"{LOGS}/training_realisations.log",
+    benchmark:
+        f"{TIMES}/training_realisations.tsv"
+    group:
+        group_of("tables")
+    conda:
+        ENVIRONMENT
+    resources:
+        **needs("training_realisations", "gather"),
+    params:
+        settings=settings_of(
+            "training_realisations",
+            tables=written(["training_realisations"]),
+            scattered=written(SCATTERED),
+            kinds=sorted(
+                {one.name.keys["forecaster"] for one in campaign.forecasters}
+            ),
+        ),
+        code=code_of("tables/training_realisations.py"),
+    message:
+        "scatter over training sets and over seeds"
+    script:
+        "../scripts/tables/training_realisations.py"
 
 
 rule tables:

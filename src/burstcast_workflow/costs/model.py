@@ -393,6 +393,25 @@ CLASSES: Mapping[str, Callable[[_Job], _Work]] = {
 """Classes of work by the names that rules use."""
 
 
+def beyond_memory(campaign: Campaign, machine_mib: float) -> str:
+    """The largest network that cannot be trained on a machine, in words; empty if all can be.
+
+    A bound, no prediction: the Gram matrix alone does not fit.
+    """
+    sizes = {one: _Job(campaign, one.identity, one.name).features for one in campaign.networks}
+    one = max(sizes, key=sizes.__getitem__, default=None)
+    if one is None or sizes[one] ** 2 * _MIB_PER_NUMBER <= machine_mib:
+        return ""
+    factors = sizes[one] / int(one.name.neurons or 1)
+    most = math.isqrt(int(machine_mib / _MIB_PER_NUMBER)) / factors
+    gib = sizes[one] ** 2 * _MIB_PER_NUMBER / 1024
+    return (
+        f"{one.directory} cannot be trained on this machine: the Gram matrix of its states takes "
+        f"{gib:.1f} GiB, and there are {machine_mib / 1024:.1f} GiB of memory. Take fewer neurons "
+        f"(campaign.forecasters.esn.neurons; well below {most:.0f}), or a cluster (docs/cluster.md)"
+    )
+
+
 class CostModel:
     """Predicts what the jobs of a campaign take: estimates, not bounds.
 

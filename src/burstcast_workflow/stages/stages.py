@@ -75,8 +75,7 @@ class Stages:
     def __init__(self, campaign: Campaign, sources: Sources, costs: CostModel) -> None:
         self.campaign, self._sources, self._costs = campaign, sources, costs
         self.results: str = campaign.config.results
-        # Outputs of stages by the name of the script's argument; several make a name ambiguous.
-        self._files: dict[str, list[Any]] = {"scheduled": [self.scheduled]}
+        self._settings: dict[str, OfJob] = {}  # of each stage
 
     # -- files -------------------------------------------------------------------------------------
 
@@ -95,24 +94,6 @@ class Stages:
         """The file called ``name`` of forecasters or runs of control; default: all forecasters."""
         forecasters = self.campaign.forecasters if forecasters is None else forecasters
         return self.in_results(f"{one.directory}/{name}" for one in forecasters)
-
-    def made(self, outputs: Mapping[str, str]) -> None:
-        """Register a stage's outputs by name. A name of two different files is ambiguous."""
-        for name, path in outputs.items():
-            paths = self._files.setdefault(name, [])
-            if path not in paths:
-                paths.append(path)
-
-    def files(self, names: str) -> dict[str, Any]:
-        """Outputs of earlier stages by name: inputs of a stage."""
-        return {name: self._file(name) for name in names.split()}
-
-    def _file(self, name: str) -> Any:
-        paths = self._files.get(name, [])
-        if len(paths) != 1:
-            found = f"is ambiguous: {' and '.join(paths)}" if paths else "is no output so far"
-            raise ValueError(f"files: {name} {found}; give the path of the file instead")
-        return paths[0]
 
     def files_in_case(self, name: str, chosen: Chosen | None = None) -> OfJob:
         """The file called ``name`` of forecasters, or runs of control, of a job's case."""
@@ -216,39 +197,34 @@ class Stages:
         """Files of the event thresholds that a job's settings have as quantiles."""
         return self.of_cases("event_threshold.json", cases_of_thresholds(settings))
 
-    def with_unknowns(self, inputs: Mapping[str, Any], settings: OfJob) -> dict[str, Any]:
-        """Inputs of a stage, with files of thresholds and units of time that other jobs determine.
+    def unknowns_of(self, stage: str) -> dict[str, OfJob]:
+        """Inputs of a stage: files of thresholds and units of time that other jobs determine.
 
         These are functions of each job, which take time: they are left out if no case needs them.
         """
 
         @of_job
+        def thresholds(wildcards: Any) -> Paths:
+            return self.thresholds_of(self._settings[stage](wildcards))
+
+        @of_job
         def time_unit(wildcards: Any) -> Paths:
-            measures_time = "case.lyapunov.time_unit" in settings(wildcards)
+            measures_time = "case.lyapunov.time_unit" in self._settings[stage](wildcards)
             return self.in_results(self.campaign.time_unit(wildcards.case) if measures_time else [])
 
-        found = dict(inputs)
-        if self.has_quantiles:
-            found[THRESHOLDS] = of_job(lambda wildcards: self.thresholds_of(settings(wildcards)))
+        found = {THRESHOLDS: thresholds} if self.has_quantiles else {}
         if any(map(self.campaign.time_unit, self.campaign.cases)):
             found[TIME_UNIT] = time_unit
         return found
 
     # -- settings, code and resources --------------------------------------------------------------
 
-    def reads(
-        self,
-        script: str,
-        paths: str = "",
-        found_by_name: Mapping[str, Sequence[str]] | None = None,
-        **values: Any,
-    ) -> dict[str, OfJob]:
-        """Parameters of a stage: the settings that its script reads, and the code that it runs.
+    def settings_of(self, stage: str, paths: str = "", **values: Any) -> OfJob:
+        """Settings of a stage's jobs, which its script reads.
 
         ``paths``: Paths of settings in the config, and names of groups of them
-        (`Campaign.settings`). ``found_by_name``: Modules that all its jobs find by name, by
-        package, beside `Campaign.modules`. ``values``: Given as they are, or by functions of the
-        job's wildcards, without sizes and seeds.
+        (`Campaign.settings`). ``values``: Given as they are, or by functions of the job's
+        wildcards, without sizes and seeds.
         """
         names = paths.split()
 
@@ -260,11 +236,23 @@ class Stages:
             # Snakemake's wildcards are a list: only of a mapping can one ask whether it has a name
             return self.campaign.settings(names, dict(wildcards.items()), found)
 
+        self._settings[stage] = _once(settings)
+        return self._settings[stage]
+
+    def code_of(
+        self, script: str, found_by_name: Mapping[str, Sequence[str]] | None = None
+    ) -> OfJob:
+        """Hashes of the code that a job runs: its script and all modules that this reaches.
+
+        ``found_by_name``: Modules that all its jobs find by name, by package, beside
+        `Campaign.modules`.
+        """
+
         def code(wildcards: Any) -> list[str]:
             modules = {**self.campaign.modules(wildcards), **(found_by_name or {})}
             return self._sources.fingerprint(script, modules)
 
-        return {"settings": _once(settings), "code": _once(code)}
+        return _once(code)
 
     def needs(self, stage: str, cost_class: str, cached: bool = False) -> dict[str, Any]:
         """Resources of a stage: memory and time for a scheduler, and whether its files are cached.
