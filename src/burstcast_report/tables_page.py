@@ -15,8 +15,8 @@ Every table of `<results>/tables`, and every column. Each case has tables of the
 full, an empty cell where something is undefined or does not apply. Columns without a unit are
 counts, shares or names; "observable" is the case's (the kinetic energy of the shear flow).
 A column with an asterisk is left out where no row has a value: only some systems, or strategies of
-control, have it. Tables for papers (`*.tex`, LaTeX with `booktabs`) show part of them: medians and
-quartiles, or intervals.
+control, have it. Tables for papers (`*.tex`, LaTeX with `booktabs` and `graphicx`) show part of
+them: medians and quartiles, or intervals.
 
 This page is made by `make pages` from `workflow/tables.yaml`.
 """

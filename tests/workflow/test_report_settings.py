@@ -9,7 +9,7 @@ from snakemake.utils import update_config
 
 from burstcast.figures.registry import caption
 from burstcast.systems.registry import make_system, parameters_of
-from burstcast.tables.latex import described_parameters
+from burstcast.tables.parameters import described_parameters
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.figures.registry import (

@@ -1,27 +1,23 @@
-"""The paper's tables of parameters, and numbers and text in LaTeX."""
+r"""LaTeX: numbers, text, and booktabs tables that are shrunk where the page is narrower."""
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import pandas as pd
 
 _ESCAPES = str.maketrans(
     {
         "\\": r"\textbackslash{}",
-        "&": r"\&",
-        "%": r"\%",
-        "$": r"\$",
-        "#": r"\#",
-        "_": r"\_",
-        "{": r"\{",
-        "}": r"\}",
         "~": r"\textasciitilde{}",
         "^": r"\textasciicircum{}",
         "<": r"\textless{}",
         ">": r"\textgreater{}",
+        **{letter: rf"\{letter}" for letter in "&%$#_{}"},
     }
 )
+_COLUMNS = 4
+"""Columns of values side by side."""
+_SHRINK = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}"
 
 
 def escape(text: str) -> str:
@@ -50,118 +46,38 @@ def latex_number(value: float, digits: int = 4) -> str:
     return f"${power}$" if mantissa == "1" else rf"${mantissa}\times{power}$"
 
 
-def data_parameters(
+def to_latex(
+    cells: pd.DataFrame,
+    caption: str,
+    label: str,
     *,
-    system: Sequence[Sequence[Any]],
-    time_step: float,
-    laminarisation_threshold: float | None,
-    event_threshold: float,
-    series_kept: int,
-    series_duration: float,
-    training_series: int,
-    symbol: str = "k",
-) -> pd.DataFrame:
-    """Parameters used for data generation (the paper's first table).
+    heads: Mapping[str, str] | None = None,
+    keys: int = 1,
+) -> str:
+    """Write a table as a LaTeX ``table`` environment (packages ``booktabs`` and ``graphicx``).
 
-    ``system``: Parameters of the equations: symbol (LaTeX in math mode), explanation, value.
-    ``laminarisation_threshold``, ``event_threshold``: Both in units of the observable. Without a
-    laminarisation threshold there is no row for it. Returns columns ``Parameter``, ``Explanation``,
-    ``Value``; the first and the last are LaTeX.
+    ``heads``: LaTeX heads of columns; a column without one shows its escaped name. ``keys``: How
+    many columns, the first ones, tell rows apart; four of the others stand side by side.
     """
-    rows = [(f"${name}$", explanation, latex_number(value)) for name, explanation, value in system]
-    rows.append(("$dt$", "Integration time step", latex_number(time_step)))
-    if laminarisation_threshold is not None:
-        limit = latex_number(laminarisation_threshold)
-        rows.append((f"${symbol}_l$", "Laminarisation threshold", limit))
-    rows += [
-        (f"${symbol}_e$", "Extreme event threshold", latex_number(event_threshold)),
-        ("", "Number of time series", latex_number(series_kept)),
-        ("", "Length of each time series", latex_number(series_duration)),
-        ("", "Number of time series in the training set", latex_number(training_series)),
-    ]
-    return pd.DataFrame(rows, columns=["Parameter", "Explanation", "Value"])
-
-
-def network_parameters(
-    *,
-    spectral_radius: tuple[float, float],
-    input_scaling: tuple[float, float],
-    tikhonov: Sequence[float],
-    connectivity: float,
-    input_bias: float,
-    noise: float,
-) -> pd.DataFrame:
-    """Hyperparameters of the echo state networks (the paper's second table).
-
-    ``connectivity``, ``input_bias``: Mean number of connections of a neuron; the constant input.
-    ``noise``: Standard deviation of the training noise, in standard deviations of the data. Returns
-    columns ``Parameter``, ``Explanation``, ``Value``; the first and the last are LaTeX.
-    """
-
-    def several(values: Sequence[float]) -> str:
-        return "$[" + ", ".join(latex_number(value).strip("$") for value in values) + "]$"
-
-    rows = [
-        (r"$\rho$", "Spectral radius", several(spectral_radius)),
-        (r"$\sigma_{\mathrm{in}}$", "Input scaling", several(input_scaling)),
-        (r"$\beta$", "Tikhonov parameter", several(tikhonov)),
-        ("$d$", "Connectivity", latex_number(connectivity)),
-        (r"$b_{\mathrm{in}}$", "Input bias", latex_number(input_bias)),
-        (
-            r"$\sigma_n$",
-            "Standard deviation of the noise in the training inputs",
-            latex_number(noise)[:-1] + r"\,\sigma_u$",
-        ),
-    ]
-    return pd.DataFrame(rows, columns=["Parameter", "Explanation", "Value"])
-
-
-def side_by_side(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Join parameter tables of several cases: one column of values for each.
-
-    ``tables``: By case: ``Parameter``, ``Explanation``, ``Value``, each pair of the first two once.
-    Returns ``Parameter``, ``Explanation`` and a column per case, empty where a case has no such
-    parameter; the table itself if there is one only.
-    """
-    if len(tables) == 1:
-        return next(iter(tables.values()))
-    rows: dict[tuple[str, str], dict[str, str]] = {}
-    for case, table in tables.items():
-        for parameter, explanation, value in table.itertuples(index=False, name=None):
-            rows.setdefault((parameter, explanation), {})[case] = value
-    return pd.DataFrame(
-        [
-            {
-                "Parameter": parameter,
-                "Explanation": explanation,
-                **{case: values.get(case) for case in tables},
-            }
-            for (parameter, explanation), values in rows.items()
+    heads = {name: escape(str(name)) for name in cells.columns} | dict(heads or {})
+    first, others = list(cells.columns[:keys]), list(cells.columns[keys:])
+    lines = [r"\begin{table}", r"  \centering", rf"  \caption{{{caption}}}"]
+    lines += [rf"  \label{{{label}}}", r"  \footnotesize"]
+    for start in range(0, max(len(others), 1), _COLUMNS):
+        names = [*first, *others[start : start + _COLUMNS]]
+        alignment = "l" * keys + "r" * (len(names) - keys)
+        lines += ["", r"  \medskip"] if start else []
+        lines += [
+            rf"  {_SHRINK}{{\begin{{tabular}}{{@{{}}{alignment}@{{}}}}",
+            r"    \toprule",
+            _line([heads[name] for name in names]),
+            r"    \midrule",
+            *(_line(row) for row in cells[names].astype(str).itertuples(index=False, name=None)),
+            r"    \bottomrule",
+            r"  \end{tabular}}",
         ]
-    )
+    return "\n".join([*lines, r"\end{table}", ""])
 
 
-_FLOW_PARAMETERS: tuple[tuple[str, str, str | float], ...] = (
-    ("L_x", "Length of the domain in the $x$-direction", "length_x"),
-    # the walls are at y = -1 and y = 1: the unit of length
-    ("L_y", "Length of the domain in the $y$-direction", 2.0),
-    ("L_z", "Length of the domain in the $z$-direction", "length_z"),
-    (r"\mathrm{Re}", "Reynolds number", "reynolds"),
-)
-
-
-def described_parameters(name: str, values: Mapping[str, float]) -> list[list[Any]]:
-    """Symbol in LaTeX, explanation and value of each parameter of a system's equations.
-
-    ``name``: Name of the system: the shear flow ``mfe`` has the paper's symbols, others their own
-    names.
-    """
-    if name == "mfe":
-        return [
-            [symbol, explanation, values[value] if isinstance(value, str) else value]
-            for symbol, explanation, value in _FLOW_PARAMETERS
-        ]
-    return [
-        [rf"\mathrm{{{escape(parameter)}}}", "Parameter of the equations", value]
-        for parameter, value in values.items()
-    ]
+def _line(cells: Sequence[str]) -> str:
+    return "    " + " & ".join(cells) + r" \\"

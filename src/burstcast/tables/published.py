@@ -42,16 +42,13 @@ _PERCENTILES = ["p25", "p50", "p75"]
 
 
 def published_percentiles(published: pd.DataFrame, table: str) -> pd.DataFrame:
-    """Select the published percentiles that belong to one of the percentile tables.
+    """Published percentiles that belong to one of our percentile tables, in our definitions.
 
     ``published``: Columns ``kind``, ``reynolds``, ``neurons``, ``validation``, ``prediction_time``,
-    ``metric``, ``p25``, ``p50``, ``p75``. Rows with the validation ``TRAIN`` are the training set's
+    ``metric``, ``p25``, ``p50``, ``p75``; rows with the validation ``TRAIN`` are the training set's
     own. ``table``: "classification", "horizon", "hyperparameters", "statistics" or "control".
-    Returns columns ``reynolds``, ``forecaster``, ``neurons``, ``validation``,
-    ``prediction_time_lt``, ``metric``, ``p25``, ``p50``, ``p75``, with the names of our metrics and
-    in our definitions: the error of the mean velocity is normalised by its range from wall to wall,
-    exceedances count steps. Input scalings are left out. Classification is as it was published:
-    with the paper's washout in place of the authors' the F-score would be lower by 0.002 to 0.008.
+    Input scalings are left out. Classification is as it was published: with the paper's washout in
+    place of the authors' the F-score would be lower by 0.002 to 0.008.
     """
     rows = published[published["kind"].map(_TABLES) == table]
     if rows.empty:
@@ -89,13 +86,8 @@ def published_beside(
 def published_reductions(exceedances: pd.DataFrame, ours: pd.DataFrame) -> pd.DataFrame:
     """Published exceedances with control as reductions, of ours without control.
 
-    How much of the exceedance there was without control is not published.
-
-    ``exceedances``: Of "control", as `published_percentiles` gives them. ``ours``: Our percentile
-    table of control, of one case: ``forecaster``, ``neurons``, ``validation``,
-    ``prediction_time_lt``, ``metric`` (``exceedance_uncontrolled``), ``p50``. Returns rows of
-    ``exceedances`` that we have as well, with the metric ``reduction``: one minus the published
-    exceedance over the median of ours without control.
+    How much of the exceedance there was without control is not published. Returns the rows that we
+    have as well: one minus the published exceedance over the median of ours without control.
     """
     keys = ["forecaster", "neurons", "validation", "prediction_time_lt"]
     without = ours[(ours["metric"] == "exceedance_uncontrolled") & (ours["p50"] > 0)]
@@ -115,25 +107,19 @@ def compare(
 ) -> pd.DataFrame:
     """Our value beside each published value, and whether they agree.
 
-    ``percentiles``: Our percentile tables by name ("classification", "horizon", "hyperparameters",
-    "statistics", "control"; others are ignored): ``case``, ``reynolds``, ``forecaster``,
-    ``neurons``, ``validation``, ``prediction_time_lt`` where there are several, ``metric``,
-    ``p25``, ``p50``, ``p75``, ``networks``. ``intervals``: Bootstrap intervals of single networks
-    under the same names, where there are any: the same keys, ``seed``, ``low``, ``high``. Those of
-    control are found by `intervals_of_control`. Returns one row for each published value and each
-    of our cases with the same Reynolds number: ``kind`` (the name of our table), ``case``,
-    ``reynolds``, ``forecaster`` ("esn", or "training" for the training set's own errors),
-    ``neurons``, ``validation``, ``prediction_time_lt``, ``metric``; ``published_p25``,
-    ``published_p50``, ``published_p75`` in our definitions; our ``p25``, ``p50``, ``p75`` over
-    ``networks``; ``low`` and ``high``, the bootstrap interval of one network over test series,
-    events, closed loops or flows, each end the median over the networks; ``inside``. ``inside``
-    says that the published median lies in our bootstrap interval, or between our quartiles where
-    these are of two networks or more: it is no farther from ours than another test set, or other
-    seeds, would move ours. Missing where there is neither (the training set's own errors). It knows
-    nothing of the paper's own sampling error, which is as large as ours, nor of another choice of
-    training series: were there no difference but these, a sixth or so of all published values would
-    still lie outside, many of them together, since all networks and prediction times share one test
-    set.
+    ``percentiles``: Our percentile tables by name; others than the published are ignored.
+    ``intervals``: Bootstrap intervals of single networks under the same names, where there are any:
+    the same keys, ``seed``, ``low``, ``high``. Returns a row for each published value and each of
+    our cases with the same Reynolds number: its keys, ``published_p25``, ``published_p50``,
+    ``published_p75``, our ``p25``, ``p50``, ``p75`` over ``networks``, and ``low`` and ``high``,
+    each end the median over the networks of the bootstrap interval of one network.
+
+    ``inside`` says that the published median lies in our bootstrap interval, or between our
+    quartiles where these are of two networks or more: it is no farther from ours than another test
+    set, or other seeds, would move ours. Missing where there is neither. It knows nothing of the
+    paper's own sampling error, which is as large as ours, nor of another choice of training series:
+    were there no difference but these, a sixth or so of all published values would still lie
+    outside, many of them together, since all networks and prediction times share one test set.
     """
     parts = [
         _compared(name, published_percentiles(published, name), percentiles[name], intervals)
@@ -172,16 +158,11 @@ def _with_keys(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def intervals_of_control(strategies: pd.DataFrame, control: pd.DataFrame) -> pd.DataFrame:
-    """Bootstrap intervals of the paper's own control, from the table of all strategies.
+    """Bootstrap intervals of the exceedance under the paper's control.
 
-    The paper's strategy may have been run under other conditions, too: of its runs, those are
-    meant that the table of the paper's control has, with the same value.
-
-    ``strategies``: A row for each run and metric: ``case``, ``reynolds``, ``forecaster``,
-    ``neurons``, ``validation``, ``seed``, ``strategy``, ``prediction_time_lt``, ``metric``,
-    ``value``, ``low``, ``high`` (``control_strategies.csv``). ``control``: A row for each network
-    and prediction time: the same keys, and metrics as columns (``control.csv``). Returns rows of
-    the exceedance with control: the keys, ``prediction_time_lt``, ``metric``, ``low``, ``high``.
+    The paper's strategy may have been run under other conditions, too: of its runs in
+    ``strategies`` (``control_strategies.csv``), those are meant that ``control`` (``control.csv``)
+    has with the same value.
     """
     metric = "exceedance_controlled"
     ours = strategies[

@@ -1,17 +1,17 @@
 """Tables for papers in LaTeX: forecasters as rows, metrics or values of a key as columns.
 
 A layout says what is shown of a table, and how: its caption, metrics, columns, more_rows, where,
-conditions, heads and formats.
+conditions, heads and formats. Cells are values with intervals: "0.818 (0.815 to 0.824)".
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from burstcast.forecasters._labels import forecaster_label
-from burstcast.tables.latex import escape
-from burstcast.tables.typesetting import to_latex, wide_table
+from burstcast.tables.latex import escape, latex_number, to_latex
 
 Layout = Mapping[str, Any]
 
@@ -29,16 +29,14 @@ def typeset(name: str, rows: pd.DataFrame, layout: Layout, keys: Sequence[str]) 
             cells,
             f"{case}: {layout['caption']}" if case else layout["caption"],
             f"tab:{name}:{case}" if case else f"tab:{name}",
-            heads={column: _head(column, layout) for column in cells.columns},
+            heads={
+                column: layout["heads"].get(column, escape(column.replace("_", " ")))
+                for column in cells.columns
+            },
             keys=count,
         )
         for case, cells, count in wide_tables(rows, layout, keys)
     )
-
-
-def _head(column: str, layout: Layout) -> str:
-    head: str = layout["heads"].get(column, escape(column.replace("_", " ")))
-    return head
 
 
 def wide_tables(
@@ -77,6 +75,48 @@ def wide_tables(
         cells[row_keys] = cells[row_keys].map(escape)
         cells = cells.rename(columns={name: _shown(name) for name in cells.columns})
         yield str(case), cells, len(row_keys)
+
+
+def wide_table(
+    table: pd.DataFrame,
+    rows: Sequence[str],
+    columns: str,
+    *,
+    interval: tuple[str, str, str] = INTERVAL,
+    specs: Mapping[str, str],
+) -> pd.DataFrame:
+    """One row for each of several keys, one column for each value of another one.
+
+    Rows and columns are in their order of appearance; a cell is LaTeX, a dash where nothing is.
+    ``interval``: Columns of the value and the ends of its interval. ``specs``: Formats by metric;
+    three significant digits without one.
+    """
+    if table.duplicated([*rows, columns]).any():
+        raise ValueError(f"two rows have the same {', '.join([*rows, columns])}")
+    found: dict[tuple[object, ...], dict[str, object]] = {}
+    for record in table.to_dict("records"):
+        key = tuple(record[name] for name in rows)
+        row = found.setdefault(key, dict(zip(rows, key, strict=True)))
+        value, low, high = (float(record[name]) for name in interval)
+        row[record[columns]] = cell(value, low, high, specs.get(str(record["metric"])))
+    names = list(dict.fromkeys(table[columns]))
+    result = pd.DataFrame(list(found.values()), columns=[*rows, *names])
+    return result.fillna(dict.fromkeys(names, "--"))
+
+
+def cell(value: float, low: float, high: float, spec: str | None) -> str:
+    """A value with its interval in LaTeX: "0.818 (0.815 to 0.824)".
+
+    A value without an interval, or with one of no width, stands alone; no value is a dash.
+    """
+    if not np.isfinite(value):
+        return "--"
+    texts = [
+        latex_number(one, digits=3) if spec is None else f"${one:{spec}}$"
+        for one in (value, low, high)
+        if np.isfinite(one)
+    ]
+    return texts[0] if len(texts) < 3 or low == high else "{} ({} to {})".format(*texts)
 
 
 def _long_form(rows: pd.DataFrame, metrics: Sequence[str], keys: Sequence[str]) -> pd.DataFrame:

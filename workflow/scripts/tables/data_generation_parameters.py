@@ -1,8 +1,8 @@
 """Make the paper's table of the parameters of the data, for all cases."""
 
 from burstcast.systems.registry import parameters_of
-from burstcast.tables.latex import data_parameters, described_parameters, side_by_side
-from burstcast.tables.typesetting import to_latex
+from burstcast.tables.latex import to_latex
+from burstcast.tables.parameters import data_parameters, described_parameters, side_by_side
 from burstcast_workflow.harness.job import Settings, job, read_json, write_table, write_text
 from burstcast_workflow.jobs.gather import origins
 from burstcast_workflow.jobs.systems import equations_of

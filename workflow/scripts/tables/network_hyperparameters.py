@@ -1,8 +1,8 @@
 """Make the paper's table of the hyperparameters of the networks."""
 
 from burstcast.natural_order import natural_order
-from burstcast.tables.latex import network_parameters, side_by_side
-from burstcast.tables.typesetting import to_latex
+from burstcast.tables.latex import to_latex
+from burstcast.tables.parameters import network_parameters, side_by_side
 from burstcast_workflow.harness.job import Settings, job, write_table, write_text
 
 
