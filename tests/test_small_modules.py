@@ -59,6 +59,9 @@ def test_durations_are_rounded_down_as_the_readings_say():
     assert durations.steps(2, 61) == 122
     assert durations.steps(9.5, 61) == 579
     assert durations.steps(0, 61) == 0
+    assert durations.positive_steps(0.1, 10, "washout_lt") == 1
+    with pytest.raises(ValueError, match=r"washout_lt is 0\.05 Lyapunov times, .* has 10"):
+        durations.positive_steps(0.05, 10, "washout_lt")
 
 
 @given(st.integers(1, 400), st.integers(1, 300), st.integers(1, 1000))
@@ -66,12 +69,6 @@ def test_multiples_of_a_resolution_lose_no_step(multiple, parts, steps):
     # a duration that floating-point numbers know as a sum of parts
     total = sum([1 / parts] * multiple)
     assert durations.steps(total, steps) == multiple * steps // parts
-
-
-def test_durations_that_must_have_a_step():
-    assert durations.positive_steps(0.1, 10, "washout_lt") == 1
-    with pytest.raises(ValueError, match=r"washout_lt is 0\.05 Lyapunov times, .* has 10"):
-        durations.positive_steps(0.05, 10, "washout_lt")
 
 
 # -- events ----------------------------------------------------------------------------------------
@@ -167,17 +164,14 @@ def test_names_that_look_alike(left, right):
     assert first_numbers(*left) != first_numbers(*right)
 
 
-def test_root_seeds_make_other_streams():
-    assert first_numbers("noise", 1, root_seed=1) != first_numbers("noise", 1, root_seed=2)
-
-
-def test_numpy_integers_are_integers():
-    assert first_numbers("noise", np.int64(3)) == first_numbers("noise", 3)
-
-
-def test_streams_stay_what_they_are():
+def test_streams_stay_what_they_are_by_root_seed_and_name():
     # results of finished campaigns hang on these numbers
     assert random_streams.stream(2022, "noise", "Re400", 3).integers(0, 10**9, 3).tolist() == STORED
+    assert first_numbers("noise", 1, root_seed=1) != first_numbers("noise", 1, root_seed=2)
+    assert first_numbers("noise", np.int64(3)) == first_numbers("noise", 3)
+    sequence = random_streams.seed_sequence(5, "optimiser", 1)
+    expected = np.random.Generator(np.random.PCG64(sequence)).random()
+    assert random_streams.stream(5, "optimiser", 1).random() == expected
 
 
 STORED = [810069763, 687754866, 766571384]
@@ -188,12 +182,6 @@ def test_streams_are_uncorrelated():
     correlation = np.corrcoef(draws)
     for one, other in itertools.combinations(range(8), 2):
         assert abs(correlation[one, other]) < 5 / np.sqrt(4000)
-
-
-def test_the_seed_of_a_stream_is_its_generators():
-    sequence = random_streams.seed_sequence(5, "optimiser", 1)
-    expected = np.random.Generator(np.random.PCG64(sequence)).random()
-    assert random_streams.stream(5, "optimiser", 1).random() == expected
 
 
 def test_what_is_no_name_is_refused():

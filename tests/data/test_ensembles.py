@@ -77,7 +77,7 @@ def test_a_longer_ensemble_begins_with_the_shorter_one():
     np.testing.assert_array_equal(states[0], states[1][:, :3])
 
 
-def test_an_observable_that_is_not_a_number_is_an_error():
+def test_what_has_no_ensemble_and_no_scale():
     class Undefined(type(SYSTEM)):
         def observable(self, state):
             return state[0] * np.nan
@@ -86,6 +86,12 @@ def test_an_observable_that_is_not_a_number_is_an_error():
     made = dataset.generate_ensemble(Undefined(), STARTS, **arguments, laminarisation_threshold=1.0)
     with pytest.raises(FloatingPointError, match=r"observable of 12 series is not a number"):
         list(made)
+    with pytest.raises(FloatingPointError, match="time step"):
+        ensemble(time_step=1.0)
+    states = np.random.default_rng(1).normal(size=(3, 50, 4))
+    states[:, :, 2] = 0.5
+    with pytest.raises(ValueError, match="component 2 is constant"):
+        dataset.component_scales(states)
 
 
 def test_kept_series_are_those_of_single_trajectories_that_do_not_laminarise():
@@ -132,11 +138,12 @@ def test_a_burst_in_the_transient_is_not_seen():
     assert len(kept.index) > 0
 
 
-def test_the_threshold_itself_is_not_exceeded():
+def test_the_threshold_itself_is_not_exceeded_and_without_one_every_series_is_kept():
     (fine,) = ensemble(laminarisation_threshold=None, sampling_stride=1)
     largest = fine.states[:, :, 2].max(axis=1)
     (kept,) = ensemble(laminarisation_threshold=float(np.sort(largest)[5]))
     assert len(kept.index) == 6
+    assert ensemble(laminarisation_threshold=None)[0].index.tolist() == [*range(12)]
 
 
 def test_lifetimes_are_those_of_all_series():
@@ -160,15 +167,6 @@ def test_batches_change_nothing(monkeypatch):
     np.testing.assert_array_equal(lifetimes, whole.lifetimes)
 
 
-def test_without_threshold_every_series_is_kept():
-    assert ensemble(laminarisation_threshold=None)[0].index.tolist() == [*range(12)]
-
-
-def test_a_system_that_leaves_the_numbers_stops():
-    with pytest.raises(FloatingPointError, match="time step"):
-        ensemble(time_step=1.0)
-
-
 # -- scales and noise ------------------------------------------------------------------------------
 def test_scales_are_componentwise_over_all_series():
     states = np.random.default_rng(1).normal(size=(3, 50, 4)) * [1, 2, 3, 4] + 7
@@ -179,13 +177,6 @@ def test_scales_are_componentwise_over_all_series():
         mean = sum(values) / len(values)
         variance = sum((value - mean) ** 2 for value in values) / len(values)
         np.testing.assert_allclose(scales.standard_deviation[component], np.sqrt(variance))
-
-
-def test_a_constant_component_is_named():
-    states = np.random.default_rng(1).normal(size=(3, 50, 4))
-    states[:, :, 2] = 0.5
-    with pytest.raises(ValueError, match="component 2 is constant"):
-        dataset.component_scales(states)
 
 
 def observed(states, first, noise=0.01, root_seed=2022, name="Re400"):
@@ -251,18 +242,12 @@ def test_the_noise_of_a_chaotic_system_is_found(noise, series):
     np.testing.assert_allclose(estimate_noise(observed), added, rtol=0.05)
 
 
-def test_polynomials_have_no_noise():
+def test_what_needs_no_estimate_of_noise_and_what_has_none(series):
     time = np.linspace(-1, 1, 60)[:, np.newaxis]
     smooth = np.concatenate([time**7 - time, 2 - time**4], axis=1)[np.newaxis]
     assert (estimate_noise(smooth) < 1e-14).all()
-
-
-def test_known_noise_is_not_estimated(series):
     np.testing.assert_allclose(observation_noise(series, 0.25), 0.25 * series.std(axis=(0, 1)))
     np.testing.assert_array_equal(observation_noise(series, None), estimate_noise(series))
-
-
-def test_series_that_are_too_short_are_refused():
     with pytest.raises(ValueError, match="series of 8 samples"):
         estimate_noise(np.zeros((3, 8, 2)))
 
@@ -289,12 +274,15 @@ def test_starting_points_are_as_many_as_leave_room(series, length, spacing, wash
     assert len(points) == len(pairs)
 
 
-def test_starting_points_of_the_paper():
+def test_starting_points_of_the_paper_and_steps_before_events():
     points = starting_points(150, 4001, 61, 30, 366)
     assert points.step[0] == 29  # the washout: inputs 0 to 29
     assert (np.diff(points.step[:60]) == 61).all()
     assert points.step.max() + 366 <= 4000
     assert points.step.max() + 61 + 366 > 4000
+    assert steps_before_events(45, 40, 5) == 44
+    with pytest.raises(ValueError, match="44 samples leave no room for a washout of 5 steps and a"):
+        steps_before_events(44, 40, 5)
 
 
 @given(npst.arrays(np.float64, (3, 12), elements=st.sampled_from([0.0, 0.09, 0.1, 0.2])))
@@ -340,12 +328,6 @@ def test_segments_beyond_the_series_are_refused(step, before, after):
     points = SeriesPoints(np.array([0, 0]), np.array([5, step]))
     with pytest.raises(IndexError, match="beyond its series"):
         segments(np.zeros((1, 10)), points, before, after)
-
-
-def test_steps_before_events_fit_into_a_series():
-    assert steps_before_events(45, 40, 5) == 44
-    with pytest.raises(ValueError, match="44 samples leave no room for a washout of 5 steps and a"):
-        steps_before_events(44, 40, 5)
 
 
 # -- thresholds as quantiles -----------------------------------------------------------------------

@@ -296,20 +296,18 @@ def series(runs, components, observable, blocks=None):
     return series_of_runs(runs, space, quantities, blocks)
 
 
-def test_columns_expressions_and_names():
+def test_columns_expressions_and_an_observable_that_is_none_of_the_components():
     runs = [run("a"), run("b")]
     found = series(runs, ["v", "u2 = u**2", "q = flow rate [l/s]", "u - v"], "v")
     for states, one in zip(found, runs, strict=True):
         u, v, q = one.columns.values()
         np.testing.assert_array_equal(states, np.stack([v, u * u, q, u - v], axis=1))
-
-
-def test_an_observable_that_is_none_of_the_components_comes_last():
     one = run()
     found = series([one], ["u"], "u * v")
     np.testing.assert_array_equal(found[0, :, 1], one.columns["u"] * one.columns["v"])
     # an expression of components is none of its own
     assert series([one], ["u", "v"], "u * v").shape == (1, 20, 2)
+    assert series([run(v=np.full(20, np.nan))], ["u"], "u").shape == (1, 20, 1)
 
 
 @given(length=st.integers(5, 200), samples=st.integers(2, 60), gap=st.integers(1, 30))
@@ -329,14 +327,11 @@ def test_blocks_lie_end_to_end_with_gaps(length, samples, gap):
     assert len(set(found.flat)) == found.size  # no sample twice
 
 
-def test_runs_of_unequal_length_are_cut():
+def test_runs_are_cut_into_blocks_of_a_duration():
     runs = [run("a", 11), run("b", 30)]
     assert series(runs, ["u"], "u", Blocks(5, 2)).shape == (2 + 5, 5, 1)
     with pytest.raises(ValueError, match=r"a has 11 rows, b 30; .*data\.blocks"):
         series(runs, ["u"], "u")
-
-
-def test_blocks_in_time_units():
     assert Blocks.of(10.0, 2.0, 0.5) == Blocks(21, 4)
     assert Blocks.of(0.3, 0.0, 0.1) == Blocks(4, 1)
     assert Blocks.of(1.0, 0.25, 0.1) == Blocks(11, 3)  # at least the gap
@@ -424,10 +419,6 @@ def test_codes_for_missing_numbers(code, times, found):
 def test_no_codes_among_few_values():
     assert code_of_gaps(np.array([0.0, 99, 0, 99])) is None  # two states of a switch
     assert code_of_gaps(np.full(3, np.nan)) is None
-
-
-def test_gaps_in_columns_that_nobody_asks_for():
-    assert series([run(v=np.full(20, np.nan))], ["u"], "u").shape == (1, 20, 1)
 
 
 def test_series_beyond_the_laminarisation_threshold():

@@ -44,9 +44,11 @@ def test_choices_share_no_series_and_leave_the_others_where_they_are(training, c
         np.testing.assert_array_equal(rows[middle], np.arange(kept)[middle])
 
 
-def test_an_ensemble_that_is_too_small_is_refused():
+def test_too_few_series_are_refused():
     with pytest.raises(ValueError, match="29 series are too few for 3 choices of 10"):
         rows_of_realisation(29, 10, 2)
+    with pytest.raises(ValueError, match="29 series are too few for 3 choices of 10"):
+        drawn(np.zeros(29), np.arange(29), 10, [0.1] * 3)
 
 
 @given(st.data())
@@ -103,11 +105,6 @@ def test_the_nearest_set_is_found_by_hand():
 
 def drawn_by(shares, wanted, seed):
     return draw_training_series(shares, np.arange(4), 2, [wanted], [np.random.default_rng(seed)])
-
-
-def test_too_few_series_to_draw_from_are_refused():
-    with pytest.raises(ValueError, match="29 series are too few for 3 choices of 10"):
-        drawn(np.zeros(29), np.arange(29), 10, [0.1] * 3)
 
 
 @given(st.integers(0, 1000), st.integers(2, 6), st.integers(2, 5))

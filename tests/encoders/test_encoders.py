@@ -112,14 +112,11 @@ def test_invariants_do_not_change_with_shifts_and_are_named(training):
     assert np.ptp(values[channels.index("triad_real")]) > 0
 
 
-def test_the_default_flow_has_sixty_invariants():
+def test_sixty_invariants_and_triads_by_hand():
     names = KolmogorovFlow().invariant_names
     assert len(names) == 60
     assert {"modulus_0_4", "modulus_1_m5", "triad_m_imaginary"} <= set(names)
-
-
-def test_triads_by_hand():
-    """A wave (1, 0), a mean flow (0, 2) and a wave (1, 2): their phases add up as the triad's."""
+    # a wave (1, 0), a mean flow (0, 2) and a wave (1, 2): their phases add up as the triad's
     state = np.zeros(FLOW.dimension)
     places = [tuple(vector) for vector in FLOW.wave_vectors]
     half = len(places)
@@ -308,14 +305,11 @@ def test_what_cannot_be_encoded(space, kind, sensors, options, message):
         check_encoding(kind, encoding_case(space, sensors, options), 0.01, 180)
 
 
-def test_sensors_must_see_all_components():
+def test_sensors_must_see_all_components_and_take_noise():
     # sin(2 y) vanishes at multiples of pi / 2, and 4 sensors see 4 y as they see 0
     case = EncodingCase(FLOW, {}, VelocitySensors(FLOW, (4, 4), (0.1, 0.0)))
     with pytest.raises(ValueError, match="no sensor sees a_0_2, a_0_4: the velocity"):
         check_encoding("identity", case, 0.01, 180)
-
-
-def test_sensors_take_noise():
     with pytest.raises(ValueError, match=r"training.noise is 0, but an estimate of the state"):
         check_encoding("identity", encoding_case(FLOW, GRID, {}), 0.0, 180)
     check_encoding("identity", encoding_case(FLOW, None, {}), 0.0, 180)

@@ -25,13 +25,7 @@ def test_recurrent_weights_have_spectral_radius_one(neurons, connectivity):
         assert dense_radius(reservoir.recurrent) == pytest.approx(1, rel=1e-11)
 
 
-def test_every_neuron_may_be_connected_with_all_others():
-    reservoir = make_reservoir(5, 2, 4, 0.1, np.random.default_rng(0))
-    # each weight is drawn with the probability d / (neurons - 1), which is one
-    assert reservoir.recurrent.nnz == 5 * 5
-
-
-def test_spectral_radius_of_known_matrices():
+def test_the_spectral_radius_of_known_matrices_depends_on_no_global_random_state():
     # A rotation scaled by 1.5 has a complex pair of that modulus; the rest is smaller.
     matrix = scipy.sparse.lil_array((300, 300))
     matrix.setdiag(np.linspace(-1.2, 1.2, 300))
@@ -40,9 +34,6 @@ def test_spectral_radius_of_known_matrices():
     # A negative eigenvalue counts by its modulus, small matrices are solved densely.
     small = scipy.sparse.csr_array(np.diag([0.5, -3.0, 1.0]))
     assert spectral_radius(small) == pytest.approx(3.0)
-
-
-def test_spectral_radius_does_not_depend_on_global_random_state():
     matrix = make_reservoir(400, 3, 20, 0.1, np.random.default_rng(0)).recurrent
     np.random.seed(1)  # noqa: NPY002 - the state that must not matter
     first = spectral_radius(matrix)
@@ -50,13 +41,16 @@ def test_spectral_radius_does_not_depend_on_global_random_state():
     assert spectral_radius(matrix) == first
 
 
-def test_same_generator_same_reservoir():
+def test_a_seed_makes_one_reservoir_and_every_neuron_may_be_connected_with_all_others():
     one, two = (make_reservoir(250, 9, 20, 0.1, np.random.default_rng(5)) for _ in range(2))
     assert (one.input_column == two.input_column).all()
     assert (one.input_weight == two.input_weight).all()
     assert (one.recurrent != two.recurrent).nnz == 0
     other = make_reservoir(250, 9, 20, 0.1, np.random.default_rng(6))
     assert (one.recurrent != other.recurrent).nnz > 0
+    reservoir = make_reservoir(5, 2, 4, 0.1, np.random.default_rng(0))
+    # each weight is drawn with the probability d / (neurons - 1), which is one
+    assert reservoir.recurrent.nnz == 5 * 5
 
 
 def test_distribution_of_the_weights():

@@ -100,12 +100,22 @@ def test_snapshot_is_not_changed_by_later_rows(training):
     assert_moments_close(accumulator.moments(), states, targets)
 
 
-def test_states_are_not_changed(training):
+def test_nothing_that_is_given_is_changed(training):
     states, targets = training
     kept, kept_targets = states.copy(), targets.copy()
     accumulate(states, targets, [500])
     np.testing.assert_array_equal(states, kept)
     np.testing.assert_array_equal(targets, kept_targets)
+    moments = accumulate(*training)
+    kept = moments.gram.copy()
+    once = solve_ridge(moments, 1e-9)
+    solve_ridge(moments, 1e-2)
+    again = solve_ridge(moments, 1e-9)
+    np.testing.assert_array_equal(once.weights, again.weights)
+    np.testing.assert_array_equal(moments.gram, kept)
+    observed = OBSERVED[:1].copy()
+    collect(DYNAMICS, TrainingSeries(observed, RANGE), washout=WASHOUT)
+    np.testing.assert_array_equal(observed, OBSERVED[:1])
 
 
 def test_weights_equal_those_of_qr(training):
@@ -164,31 +174,18 @@ def test_indefinite_matrix_is_solved_by_ldl():
     assert 0.5 / condition < readout.reciprocal_condition < 20 / condition
 
 
-def test_reciprocal_condition_of_a_known_matrix():
+def test_reciprocal_condition_is_known_and_has_no_digits_that_depend_on_where_memory_lies():
     moments = Moments(
         10, np.zeros(3), np.zeros(1), np.asfortranarray(np.diag([4.0, 2.0, 1.0])), np.ones((3, 1))
     )
     readout = solve_ridge(moments, 0.0)
     assert readout.reciprocal_condition == pytest.approx(0.25)
     np.testing.assert_allclose(readout.weights[:, 0], [0.25, 0.5, 1.0, 0.0])
-
-
-def test_reciprocal_condition_has_no_digits_that_depend_on_where_memory_lies():
     states = np.random.default_rng(3).normal(size=(30, 40))
     gram = np.asfortranarray(states @ states.T)
     moments = Moments(40, np.zeros(30), np.zeros(1), gram, np.ones((30, 1)))
     found = solve_ridge(moments, 1e-6).reciprocal_condition
     assert found == float(f"{found:.3g}")
-
-
-def test_several_regularisations_from_the_same_moments(training):
-    moments = accumulate(*training)
-    kept = moments.gram.copy()
-    once = solve_ridge(moments, 1e-9)
-    solve_ridge(moments, 1e-2)
-    again = solve_ridge(moments, 1e-9)
-    np.testing.assert_array_equal(once.weights, again.weights)
-    np.testing.assert_array_equal(moments.gram, kept)
 
 
 @pytest.mark.parametrize("neurons", [1, 5, 300, 700])
@@ -326,12 +323,6 @@ def test_the_snapshot_is_bit_for_bit_a_run_that_ends_there():
             getattr(long.snapshots[60], name), getattr(short.snapshots[60], name)
         )
     np.testing.assert_array_equal(long.states[60], short.states[60])
-
-
-def test_the_series_are_not_changed_by_training_on_one_of_them():
-    observed = OBSERVED[:1].copy()
-    collect(DYNAMICS, TrainingSeries(observed, RANGE), washout=WASHOUT)
-    np.testing.assert_array_equal(observed, OBSERVED[:1])
 
 
 def test_many_panels():

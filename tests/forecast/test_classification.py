@@ -147,13 +147,16 @@ def test_intervals_cover_the_true_score_as_often_as_they_say():
     assert 0.83 < covered / 300 < 0.95
 
 
-def test_intervals_grow_with_the_confidence_and_hold_the_score():
+def test_intervals_are_those_of_the_generator_grow_with_the_confidence_and_hold_the_score():
     counts = draw_counts(np.random.default_rng(3))
     narrow, wide = intervals(counts, confidence=0.5), intervals(counts, confidence=0.99)
     whole = total(counts)
     for name in ("precision", "recall", "f_score"):
         score = getattr(whole, name)
         assert wide[name][0] < narrow[name][0] < score < narrow[name][1] < wide[name][1]
+    counts = draw_counts(np.random.default_rng(3))
+    assert intervals(counts, seed=7) == intervals(counts, seed=7)
+    assert intervals(counts, seed=7) != intervals(counts, seed=8)
 
 
 def test_series_are_resampled_as_a_whole():
@@ -162,12 +165,6 @@ def test_series_are_resampled_as_a_whole():
     low, high = intervals(counts, 4000, 0.8)["recall"]
     # shares of good series among four: 0, 1/4, ..., 1, and nothing between them
     assert (low, high) == (0.5, 1.0)
-
-
-def test_intervals_are_those_of_the_generator():
-    counts = draw_counts(np.random.default_rng(3))
-    assert intervals(counts, seed=7) == intervals(counts, seed=7)
-    assert intervals(counts, seed=7) != intervals(counts, seed=8)
 
 
 def test_undefined_resamples_are_left_out_and_nothing_but_them_is_undefined():

@@ -49,12 +49,12 @@ def test_times_of_one_event_by_hand():
     # 0.4 + 0.08 * 1 is the last value not above 0.5; 0.4 + 0.08 * 11 the first not below 1.25;
     # 2 - 0.16 * 7 the first below 1
     assert event.times == (21, 31, 40, 47)
-
-
-def test_an_event_lasts_as_long_as_the_threshold_is_reached():
     # from 2 by 0.1 a step, exactly: 1 in step 50
     (event,) = isolated_events(bump(100, (20, 20, 16, 2.0))[np.newaxis], CRITERION)
     assert event.times == (21, 31, 40, 51)
+    values = bump(100, (20, 20, 10, 2.0))[np.newaxis]
+    assert len(isolated_events(values, CRITERION, before=21)) == 1
+    assert isolated_events(values, CRITERION, before=22) == []
 
 
 def test_the_event_with_the_wanted_peak_comes_first():
@@ -96,12 +96,6 @@ def test_quiet_stretches_may_fill_the_series(first, after, count):
     values = bump(first + 30 + 10 + 1 + after, (first, 20, 10, 2.0))
     assert values[first + 30] <= CRITERION.calm < values[first + 29]
     assert len(isolated_events(values[np.newaxis], CRITERION)) == count
-
-
-def test_room_before_the_event_is_asked_for():
-    values = bump(100, (20, 20, 10, 2.0))[np.newaxis]
-    assert len(isolated_events(values, CRITERION, before=21)) == 1
-    assert isolated_events(values, CRITERION, before=22) == []
 
 
 def test_all_events_satisfy_their_definition():
@@ -190,13 +184,7 @@ def test_the_best_predicted_event_is_chosen():
     assert choose([breakdowns[0], never, never])[0] == 1
     assert choose([breakdowns[0] + 1, never, never])[0] == 0
     assert choose([0, 0, never])[0] == 2
-
-
-def test_an_error_within_the_tolerance_is_no_failure():
     assert choose([0, 1000, 1000], error=0.1)[0] == 0
-
-
-def test_a_forecast_that_is_not_finite_is_lost():
     assert choose([40, 1000, 1000], error=np.nan)[0] == 1
 
 
@@ -218,12 +206,11 @@ def test_the_whole_state_must_be_right():
     assert predicted_event(events, forecaster, states, wrong, **settings).series == 1
 
 
-def test_without_a_predicted_event_the_longest_prediction_is_chosen():
+def test_without_a_predicted_event_the_longest_prediction_is_chosen_whatever_the_batches(
+    monkeypatch,
+):
     assert choose([40, 50, 45])[0] == 1
     assert choose([0, 0, 0])[0] == 0
-
-
-def test_batches_change_no_choice(monkeypatch):
     monkeypatch.setattr("burstcast.forecast.example_events.CANDIDATES_PER_BATCH", 1)
     assert choose([40, 50, 45])[0] == 1
     assert choose([0, 1000, 1000])[0] == 1

@@ -106,11 +106,17 @@ def test_kinds_that_need_schedules_are_found_by_name_but_not_offered():
     assert forecaster_class("quadratic_aware") is AwareQuadraticModel
 
 
-def test_the_term_with_the_parameter_is_found(models):
+def test_the_term_with_the_parameter_is_found_and_told(models):
     model = models[AwareQuadraticModel]
     basis = monomials(3, 2)
     assert np.argwhere(model.coefficients[1]).tolist() == [[basis.index((0,)), 1]]
     assert model.coefficients[1, basis.index((0,)), 1] == pytest.approx(3.5, rel=0.01)
+    model = models[AwareQuadraticModel]
+    state = np.random.default_rng(1).normal(size=(4, 5))
+    assert np.array_equal(model.system.observable(state), CASE.system.observable(state[:3]))
+    assert repr(models[AwareQuadraticModel]) == (
+        "AwareQuadraticModel(7 + 1 terms of 3 components, by rho)"
+    )
 
 
 @pytest.mark.parametrize("kind", [AwareQuadraticModel, FilteredAwareQuadraticModel])
@@ -182,12 +188,6 @@ def test_perturbations_grow_as_differences_do(kind, models, network, switched):
         np.testing.assert_allclose(grown[:, number], (ahead - behind) / 2e-6, rtol=1e-3, atol=1e-5)
 
 
-def test_the_observable_is_that_of_the_states(models):
-    model = models[AwareQuadraticModel]
-    state = np.random.default_rng(1).normal(size=(4, 5))
-    assert np.array_equal(model.system.observable(state), CASE.system.observable(state[:3]))
-
-
 def test_a_series_left_out_takes_its_schedule_along(training):
     observed, schedules = training
     model = AwareQuadraticModel.fit(observed, CASE, schedules)
@@ -204,12 +204,6 @@ def test_the_degree_in_the_parameter_is_an_option(training, switched):
     assert not model.coefficients[2].any()
     schedule, _, now = switched
     assert np.isfinite(forecast(model, now[:WASHOUT], None, schedule[WASHOUT - 1 :])).all()
-
-
-def test_what_it_looks_like(models):
-    assert repr(models[AwareQuadraticModel]) == (
-        "AwareQuadraticModel(7 + 1 terms of 3 components, by rho)"
-    )
 
 
 @pytest.mark.parametrize("kind", [AwareQuadraticModel, FilteredAwareQuadraticModel])

@@ -83,10 +83,16 @@ def test_a_strong_prior_believes_the_votes():
     np.testing.assert_array_equal(UNCALIBRATED(whole.levels), whole.levels)
 
 
-def test_what_cannot_be_calibrated():
+def test_what_cannot_be_learnt_from():
     whole = count_by_series(np.array([0.5]), np.array([True]), np.array([0])).total()
     with pytest.raises(ValueError, match="0 forecasts or more"):
         isotonic(whole, -1)
+    training = np.zeros((1, 30, 3))
+    with pytest.raises(ValueError, match="two training series"):
+        list(MeanForecaster(0.0).leave_one_out(training, CASE, 5))
+    points = labelled(series=1)
+    with pytest.raises(ValueError, match="two training series and two folds at least, not 1 and 9"):
+        out_of_sample_probabilities(LearntPrecursor, points, LABELLED_CASE, 9, *asked(points))
 
 
 def test_without_any_forecast_no_probability_is_known():
@@ -259,12 +265,6 @@ def test_a_fitted_kind_is_fitted_anew():
     assert (again.first[[0, 1, 4, 5]] != found.first[[0, 1, 4, 5]]).all()
 
 
-def test_a_single_series_leaves_nothing():
-    training = np.zeros((1, 30, 3))
-    with pytest.raises(ValueError, match="two training series"):
-        list(MeanForecaster(0.0).leave_one_out(training, CASE, 5))
-
-
 OPTIONS = options_of_kind("precursor") | {"lags_lt": [0.2]}
 LABELLED_CASE = ForecastingCase(Lorenz63(), 0.01, 1, 10, OPTIONS)
 
@@ -339,9 +339,3 @@ def test_without_an_event_in_the_other_series_none_is_forecast():
     assert (found[series == 2, 1] == 0).all()
     assert (found[series != 2, 1] > 0).all()
     assert (found[:, 0] > 0).all()
-
-
-def test_one_series_is_too_few():
-    points = labelled(series=1)
-    with pytest.raises(ValueError, match="two training series and two folds at least, not 1 and 9"):
-        out_of_sample_probabilities(LearntPrecursor, points, LABELLED_CASE, 9, *asked(points))

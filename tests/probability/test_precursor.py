@@ -104,24 +104,18 @@ def forecasts(first, largest, members=0):
     return WindowForecasts(first, largest, np.zeros(len(first), dtype=bool), none, none.copy())
 
 
-def test_a_forecast_under_way_says_nothing_about_an_onset():
+def test_onsets_are_no_events_under_way_and_members_are_averaged():
+    truth = WindowSummaries(np.array([[0.0], [3.0], [0.0]]), np.array([[4.0], [5.0], [1.0]]))
+    window = Window(0, 1, 2.5)
+    assert window.happened(truth, ONSET).tolist() == [True, False, False]
+    assert window.happened(truth, ANY).tolist() == [True, True, False]
     one = forecasts([[0, 0], [3, 0], [1, 0]], [[1, 4], [5, 5], [2, 1]])
     window = Window(0, 2, 2.5)
     # the second is above the threshold when the window begins: the mean of 4 and 2
     assert window.strength(one, ONSET).tolist() == [4, 3, 2]
     assert window.strength(one, ANY).tolist() == [4, 5, 2]
     assert Window(1, 1, 2.5).strength(one, ONSET).tolist() == [4, 5, 1]
-
-
-def test_members_are_averaged_and_overflows_are_left_out():
     one = forecasts([[0], [0]], [[9], [9]], members=2)
     one.member_first[:] = 0
     one.member_largest[:] = np.array([[1, 3], [np.inf, 5]])[:, :, np.newaxis]
     assert Window(0, 1, 2).strength(one, ONSET).tolist() == [2, 3]
-
-
-def test_an_onset_is_no_event_under_way():
-    truth = WindowSummaries(np.array([[0.0], [3.0], [0.0]]), np.array([[4.0], [5.0], [1.0]]))
-    window = Window(0, 1, 2.5)
-    assert window.happened(truth, ONSET).tolist() == [True, False, False]
-    assert window.happened(truth, ANY).tolist() == [True, True, False]

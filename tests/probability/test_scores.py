@@ -65,14 +65,11 @@ def test_other_values_for_the_levels_are_those_of_the_points(sample):
         np.testing.assert_array_equal(getattr(other, name), getattr(expected, name))
 
 
-def test_no_point_that_counts():
+def test_no_point_that_counts_and_what_cannot_be_counted():
     nothing = np.zeros(3, dtype=bool)
     found = outcomes_by_series(np.full(3, np.nan), nothing, nothing, np.arange(3), 3)
     assert found.points.shape == (3, 0)
     assert found.at(found.levels).total().points.shape == (0,)
-
-
-def test_what_cannot_be_counted():
     with pytest.raises(ValueError, match="not finite"):
         count_by_series(np.array([np.nan]), np.array([True]), np.array([0]))
     found = count_by_series(np.array([0.1, 0.2]), np.array([True, False]), np.array([0, 1]))

@@ -46,8 +46,14 @@ def taken(tmp_path):
     return dict(entry.split("@") for entry in sources_of(tmp_path).fingerprint("train.py"))
 
 
-def test_closure_follows_imports_and_nothing_else(tmp_path, project):
-    assert list(taken(tmp_path)) == ["pack.deep", "pack.middle", "pack", "train.py"]
+def test_closure_follows_imports_and_ends(tmp_path, project):
+    closure = ["pack.deep", "pack.middle", "pack", "train.py"]
+    assert list(taken(tmp_path)) == closure
+    project("src/pack/deep.py", "import pack.middle\nVALUE = 1\n")  # a cycle
+    assert sorted(taken(tmp_path)) == sorted(closure)
+    project("src/pack/sub/__init__.py", "from .leaf import LEAF\n")  # of a package itself
+    project("scripts/train.py", "import pack.sub\n")
+    assert "pack.sub.leaf" in taken(tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -91,17 +97,6 @@ def test_relative_imports(tmp_path, project, statement):
     assert target in taken(tmp_path)
 
 
-def test_relative_import_in_a_package_itself(tmp_path, project):
-    project("src/pack/sub/__init__.py", "from .leaf import LEAF\n")
-    project("scripts/train.py", "import pack.sub\n")
-    assert "pack.sub.leaf" in taken(tmp_path)
-
-
-def test_import_cycles_end(tmp_path, project):
-    project("src/pack/deep.py", "import pack.middle\nVALUE = 1\n")
-    assert "pack.deep" in taken(tmp_path)
-
-
 def test_edit_changes_just_the_edited_module(tmp_path, project):
     before = taken(tmp_path)
     project("src/pack/deep.py", "VALUE = 2\n")
@@ -111,13 +106,10 @@ def test_edit_changes_just_the_edited_module(tmp_path, project):
     assert taken(tmp_path) == after
 
 
-def test_callers_cannot_spoil_the_cache(tmp_path, project):
+def test_files_are_read_once_and_callers_cannot_spoil_what_is_kept(tmp_path, project, monkeypatch):
     sources = sources_of(tmp_path)
     sources.fingerprint("train.py").clear()
     assert sources.fingerprint("train.py")
-
-
-def test_files_are_read_once(tmp_path, project, monkeypatch):
     sources = sources_of(tmp_path)
     found = sources.fingerprint("train.py")
     monkeypatch.setattr(Path, "read_bytes", lambda path: pytest.fail(f"{path} is read again"))

@@ -50,13 +50,10 @@ def test_snakemake_has_the_functions_that_are_replaced(hook):
     assert hook.fits()
 
 
-def test_what_was_recorded_is_asked_of_the_metadata():
-    """All that reruns rest on goes through the function that is replaced."""
+def test_snakemake_asks_the_metadata_and_makes_its_scheduler_between_planning_and_the_first_job():
+    # all that reruns rest on goes through the function that is replaced
     for name in ("params", "input", "rule", "code", "software_stack_hash", "has_metadata"):
         assert "self.metadata(" in inspect.getsource(getattr(PersistenceBase, name)), name
-
-
-def test_the_scheduler_is_made_between_planning_and_the_first_job():
     source = inspect.getsource(Workflow.execute)
     steps = ["self._build_dag()", "postprocess(", "JobScheduler(", "self.scheduler.schedule()"]
     places = [source.index(step) for step in steps]
@@ -253,16 +250,10 @@ def default():
     return MaxJobsPerTimespan.parse_choice(text)
 
 
-def test_jobs_of_this_machine_start_at_once(monkeypatch, default):
+def test_jobs_of_this_machine_start_at_once_and_other_limits_are_kept(monkeypatch, default):
     assert limit_left(monkeypatch, default) is None
     assert limit_left(monkeypatch, None) is None
-
-
-def test_a_cluster_is_not_flooded(monkeypatch, default):
     assert limit_left(monkeypatch, default, local=False).max_jobs == default.max_jobs
-
-
-def test_a_limit_that_was_set_is_kept(monkeypatch):
     limit = MaxJobsPerTimespan.parse_choice("60/1m")
     assert limit_left(monkeypatch, limit).max_jobs == 60
 
@@ -293,12 +284,9 @@ def interrupted(first_line, patience=20.0, disposition=signal.SIG_DFL):
     return status, process.communicate()[1]
 
 
-def test_a_process_ends_at_once_and_says_nothing():
+def test_a_process_ends_at_once_and_says_nothing_unless_it_ignores_interruptions():
     assert interrupted(FIRST_LINE.decode()) == (-signal.SIGINT, "")
     assert "KeyboardInterrupt" in interrupted("")[1]
-
-
-def test_an_interruption_that_is_ignored_stays_so():
     assert interrupted(FIRST_LINE.decode(), 0.5, signal.SIG_IGN) == (None, "")
 
 
@@ -346,12 +334,9 @@ def test_what_cannot_be_compared_is_refused_by_its_place(value, words):
         plain(value, "params")
 
 
-def test_parameters_without_names_are_told_by_their_places():
+def test_parameters_and_files_are_told_by_names_and_places():
     assert named(listed(1, ("low", 2))) == {"0": 1, "low": 2}
-
-
-def test_files_are_told_by_names_and_places():
-    """Outputs ``a=[x, y], a1=z`` are none of ``a=[x], a1=[y, z]``."""
+    # outputs ``a=[x, y], a1=z`` are none of ``a=[x], a1=[y, z]``
     x, y, z = "xyz"
     assert groups(listed(("a", [x, y]), ("a1", z)), [x, y, z]) == {"a": [0, 1], "a1": 2}
     assert groups(listed(("a", [x]), ("a1", [y, z])), [x, y, z]) == {"a": [0], "a1": [1, 2]}

@@ -232,12 +232,9 @@ def claimed(**config):
     return run
 
 
-def test_outside_of_the_workflow_nobody_owns_anything():
+def test_jobs_of_the_newest_run_write_and_outside_of_the_workflow_nobody_owns_anything():
     assert Run.current() is None
     write_json("a.json", {})
-
-
-def test_the_jobs_of_the_newest_run_write():
     claimed()
     write_json("results/of mine/a.json", {"seed": 1})
     assert json.loads(Path("results/of mine/a.json").read_text()) == {"seed": 1}
@@ -259,16 +256,13 @@ def test_the_jobs_of_older_runs_do_not():
     assert second.plan()["config"] == {"seed": 2}
 
 
-def test_a_job_that_starts_late_belongs_to_the_run_that_asked_for_it():
+def test_a_job_belongs_to_the_run_that_asked_for_it_and_must_be_told_which():
+    with pytest.raises(OvertakenError, match=f"variable {VARIABLE} does not reach jobs"):
+        Run.of_job()
     first = claimed()
     claimed()
     with pytest.raises(OvertakenError):
         Run(first.token, first.results).plan()
-
-
-def test_a_job_must_be_told_which_run_it_belongs_to():
-    with pytest.raises(OvertakenError, match=f"variable {VARIABLE} does not reach jobs"):
-        Run.of_job()
 
 
 def test_what_was_planned_is_there_for_all_jobs():

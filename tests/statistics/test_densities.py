@@ -61,10 +61,15 @@ def test_counts_are_numpys(values):
     assert found.below + found.inside + found.above == len(values)
 
 
-def test_density_is_normalised_over_the_values_inside():
+def test_density_is_normalised_over_the_values_inside_and_of_nothing_undefined():
     found = Histogram(np.array([0.0, 1.0, 3.0]), np.array([1, 3]), below=7, above=2)
     np.testing.assert_allclose(found.density, [0.25, 0.375])
     np.testing.assert_allclose(found.cumulative, [0, 0.25, 1])
+    empty = filled([0, 0, 0, 0], above=3)
+    assert np.isnan(empty.density).all()
+    assert np.isnan(kantorovich_metric(empty, filled([1, 0, 0, 0])))
+    assert np.isnan(mean_logarithmic_error(filled([1, 0, 0, 0]), empty))
+    np.testing.assert_allclose(bin_edges(0.0, 0.5, 5), [0, 0.1, 0.2, 0.3, 0.4, 0.5])
 
 
 @given(bin_counts)
@@ -75,13 +80,6 @@ def test_cumulative_is_the_integral_of_the_density(counts):
     )
     assert found.cumulative[0] == 0
     assert found.cumulative[-1] == 1
-
-
-def test_density_of_nothing_is_undefined():
-    empty = filled([0, 0, 0, 0], above=3)
-    assert np.isnan(empty.density).all()
-    assert np.isnan(kantorovich_metric(empty, filled([1, 0, 0, 0])))
-    assert np.isnan(mean_logarithmic_error(filled([1, 0, 0, 0]), empty))
 
 
 @given(bin_counts, bin_counts)
@@ -198,10 +196,6 @@ def test_interval_of_no_values_is_none():
     assert with_an_empty_one == pytest.approx(interval([np.ones((2, 4))], [[0, 1]]))
 
 
-def test_bins_are_equal_and_their_edges_include_both_ends():
-    np.testing.assert_allclose(bin_edges(0.0, 0.5, 5), [0, 0.1, 0.2, 0.3, 0.4, 0.5])
-
-
 # -- reductions of series --------------------------------------------------------------------------
 
 ENERGIES = np.linspace(0.5, 8.0, 21)
@@ -306,13 +300,10 @@ def test_profiles_and_midplane_are_the_averages_of_the_fields():
     np.testing.assert_allclose(midplane_mean_square(modes, moments, x, z), plane, atol=1e-12)
 
 
-def test_the_grid_of_a_flow_is_its_whole_domain():
+def test_a_system_without_velocities_has_no_modes_and_a_grid_is_the_whole_domain():
     grid = make_flow_grid(MoehlisFaisstEckhardt(400.0, length_x=5.0, length_z=3.0), (3, 5, 7))
     for found, ends, count in ((grid.x, (0, 5), 3), (grid.y, (-1, 1), 5), (grid.z, (0, 3), 7)):
         np.testing.assert_array_equal(found, np.linspace(*ends, count))
-
-
-def test_a_system_without_velocities_has_no_modes():
     assert flow_modes(Lorenz63()) is None
     assert equally_spaced_profiles(Lorenz63(), 9) is None
     with pytest.raises(ValueError, match="the system Lorenz63 has no velocity field"):

@@ -123,12 +123,9 @@ def test_runs_do_not_depend_on_how_many_run_side_by_side(monkeypatch):
     np.testing.assert_array_equal(spectrum(equations, washouts, 60).exponents, together)
 
 
-def test_no_run_has_no_exponents():
+def test_no_run_has_no_exponents_and_too_short_runs_are_refused():
     found = spectrum(EquationsFromTruth(Lorenz63(), 0.01, 2), np.zeros((0, 4, 3)), 60)
     assert found.exponents.shape == (0, 3)
-
-
-def test_too_short_runs_are_refused():
     with pytest.raises(ValueError, match="too few"):
         spectrum(EquationsFromTruth(Lorenz63(), 0.01, 2), np.ones((1, 4, 3)), 4)
 
@@ -249,14 +246,11 @@ def bursting_neuron():
     return runge_kutta(rates, start, 0.05, 4500, 10)[:, 500:], 0.5
 
 
-def test_lorenz():
+def test_lorenz_is_found_in_series_also_with_noise_and_of_one_component():
     found = estimate(lorenz(), 0.02)
     assert found.exponent == pytest.approx(0.906, rel=0.15)
     assert found.low < 0.906 < found.high
     assert found.high - found.low < 0.5 * found.exponent
-
-
-def test_lorenz_with_noise_and_of_one_component():
     series = lorenz()
     noise = 0.01 * series.std(axis=(0, 1)) * np.random.default_rng(2).normal(size=series.shape)
     assert estimate(series + noise, 0.02).exponent == pytest.approx(0.906, rel=0.12)

@@ -191,13 +191,10 @@ def test_fates_and_statistics_are_those_of_the_whole_series(kinds, steps, chunk,
         )
 
 
-def test_nothing_is_discarded_without_criteria():
+def test_nothing_is_discarded_without_criteria_and_only_a_value_beyond_the_threshold_is_laminar():
     script = script_of(["chaotic", "laminar", "settling"], 120)
     found, _ = run(script, threshold=None, fixed_point=None)
     assert (found.fates == Fate.KEPT).all()
-
-
-def test_only_a_value_beyond_the_threshold_is_laminar():
     script = script_of(["chaotic", "chaotic"], 60)
     script[7, 0, 0] = 0.48
     script[59, 0, 1] = np.nextafter(0.48, 1)
@@ -259,13 +256,10 @@ def test_a_variation_as_large_as_the_criterion_says_is_no_fixed_point(chunk, sma
         assert set(found.fates) == {fate}
 
 
-def test_what_rests_from_the_beginning_has_rested_since_its_first_step():
+def test_what_rests_is_a_fixed_point_from_its_first_step_but_not_the_observable_alone():
     found, _ = run(copies(np.full((400, 2), 0.3)))
     assert set(found.fates) == {Fate.FIXED_POINT}
     assert set(found.lifetimes) == {1}
-
-
-def test_quiet_of_the_observable_alone_is_no_fixed_point():
     # the first component, the observable, rests; the second moves, and moves the first one later
     time = np.arange(1000)
     values = np.where(time < 900, 0.2, 0.2 + 0.1 * np.sin(time))
@@ -322,13 +316,10 @@ def test_equations_have_the_statistics_of_their_own_trajectories():
     assert mean_product[0, 1] == pytest.approx(8 / 3 * found.statistics.moments.mean[2], rel=0.05)
 
 
-def test_starting_points_are_shared_out_evenly():
+def test_starting_points_are_shared_out_evenly_as_many_as_there_is_room_for():
     points = long_term_starting_points(3, 100, spacing=10, washout=5, count=8)
     assert points.series.tolist() == [0, 0, 0, 1, 1, 1, 2, 2]
     assert points.step.tolist() == [4, 14, 24, 4, 14, 24, 4, 14]
-
-
-def test_starting_points_are_as_many_as_there_is_room_for():
     points = long_term_starting_points(2, 30, spacing=10, washout=5, count=500)
     assert points.series.tolist() == [0, 0, 0, 1, 1, 1]
 
@@ -382,11 +373,15 @@ def test_rate_is_the_maximum_of_the_likelihood():
     assert found.escapes == lifetimes.escaped.sum()
 
 
-def test_units_are_those_of_time():
+def test_units_are_those_of_time_and_nothing_at_risk_has_no_rate():
     lifetimes = exponential(1e-2, 50, 100)
     steps, times = (escape_rate(lifetimes, interval, 0.9) for interval in (1.0, 0.25))
     assert times.rate == pytest.approx(4 * steps.rate)
     assert times.time_at_risk == pytest.approx(steps.time_at_risk / 4)
+    gone = Lifetimes(np.array([3, 4]), np.array([True, True]), 100)
+    found = escape_rate(gone, 1.0, 0.95)
+    assert (found.escapes, found.time_at_risk) == (0, 0)
+    assert np.isnan([found.rate, found.low, found.high]).all()
 
 
 @given(st.integers(0, 30), st.floats(0.5, 0.99))
@@ -428,13 +423,6 @@ def test_the_beginning_is_left_out():
     assert escape_rate(early, 1.0, 0.95).time_at_risk == 1501
 
 
-def test_nothing_at_risk_has_no_rate():
-    gone = Lifetimes(np.array([3, 4]), np.array([True, True]), 100)
-    found = escape_rate(gone, 1.0, 0.95)
-    assert (found.escapes, found.time_at_risk) == (0, 0)
-    assert np.isnan([found.rate, found.low, found.high]).all()
-
-
 # -- lifetimes of an ensemble ----------------------------------------------------------------------
 
 KEPT = np.array([1, 2, 5, 6, 9])
@@ -445,21 +433,15 @@ def of_training(kept, training, steps=LIFETIMES):
     return Lifetimes.of_ensemble(steps, kept, 50).of_training(kept, training)
 
 
-def test_those_of_training_end_with_its_last_series():
+def test_lifetimes_of_training_are_those_of_its_series():
     found = of_training(KEPT, 3)
     assert found.steps.tolist() == [3, 50, 50, 7, 9, 50]
     assert found.escaped.tolist() == [True, False, False, True, True, False]
     assert found.length == 50
-
-
-def test_nothing_of_later_series_enters():
     later = np.where(np.arange(11) > 5, 1, LIFETIMES)
     np.testing.assert_array_equal(
         of_training(KEPT, 3).steps, of_training(KEPT, 3, steps=later).steps
     )
-
-
-def test_other_series_of_the_ensemble_may_be_the_first():
     # trained on the fourth and the fifth
     found = of_training(KEPT[[3, 4, 2, 0, 1]], 2)
     assert found.steps.tolist() == [50, 20, 30, 50]

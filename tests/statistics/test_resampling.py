@@ -107,7 +107,7 @@ def test_a_factor_beside_one_without_effect_is_that_of_a_one_way_analysis():
     assert columns.standard_deviation == 0.0
 
 
-def test_known_components_are_found():
+def test_known_components_are_found_and_a_single_factor_has_all_the_scatter():
     generator = np.random.default_rng(0)
     shape = (300, 200)
     values = (
@@ -120,9 +120,6 @@ def test_known_components_are_found():
     deviations = [one.standard_deviation for one in (*found.factors, found.residual)]
     np.testing.assert_allclose(deviations, [3.0, 1.0, 0.5], rtol=0.12)
     assert found.mean == pytest.approx(values.mean())
-
-
-def test_a_single_factor_has_all_the_scatter():
     found = analysis_of_variance(np.array([[1.0], [3.0]]))
     assert found.factors[0].standard_deviation == pytest.approx(np.sqrt(2.0))
     assert np.isnan(found.residual.standard_deviation)
@@ -134,15 +131,12 @@ def test_a_design_with_holes_is_refused(values):
         analysis_of_variance(values)
 
 
-def test_an_interval_of_a_mean_is_that_of_students_test():
+def test_an_interval_of_a_mean_is_that_of_students_test_and_a_slope_that_of_scipy():
     values = [0.1, 0.4, 0.2, 0.7]
     expected = scipy.stats.ttest_1samp(values, 0.0).confidence_interval(0.95)
     mean, margin = mean_and_margin(values, 0.95)
     assert (mean - margin, mean + margin) == pytest.approx((expected.low, expected.high))
     assert np.isnan(mean_and_margin([0.5], 0.95)[1])
-
-
-def test_a_slope_is_that_of_scipy():
     generator = np.random.default_rng(1)
     x, y = generator.normal(size=7), generator.normal(size=7)
     expected = scipy.stats.linregress(x, y)

@@ -119,7 +119,7 @@ def test_grouping_changes_no_bit(count, tile, seed):
         assert controlled_together.largest_observable[index] == alone.largest_observable[0]
 
 
-def test_stride_keeps_every_so_manieth_state():
+def test_stride_and_layout_change_nothing():
     state = initial_states(3)
     every = integrate(MFE, state, 0.25, 11)
     assert every.shape == (12, 9, 3)
@@ -127,9 +127,6 @@ def test_stride_keeps_every_so_manieth_state():
     assert np.array_equal(every[1], step(MFE, state, 0.25))
     assert np.array_equal(integrate(MFE, state, 0.25, 11, 4), every[:9:4])
     assert np.array_equal(integrate(MFE, state, 0.25, 0), state[np.newaxis])
-
-
-def test_input_is_left_alone_and_may_have_any_layout():
     state = initial_states(4)
     before = state.copy()
     result = integrate(MFE, state, 0.25, 3)
@@ -406,14 +403,11 @@ def errors_of(system, steps):
     ]
 
 
-def test_the_exponential_scheme_is_of_fourth_order():
+def test_the_exponential_scheme_is_of_fourth_order_and_bears_stiffness():
     coarse, fine = errors_of(DampedTriad(damping=2.0), (40, 80))
     assert coarse < 1e-6
     assert coarse / fine == pytest.approx(16, rel=0.2)
-
-
-def test_the_exponential_scheme_bears_stiffness():
-    """Steps twenty times as long as those at which the Runge-Kutta scheme explodes."""
+    # steps twenty times as long as those at which the Runge-Kutta scheme explodes
     coarse, fine = errors_of(DampedTriad(damping=400.0), (20, 160))
     assert coarse < 1e-2
     assert fine < coarse / 20

@@ -191,17 +191,17 @@ def test_interval_is_students():
     np.testing.assert_allclose(estimate.standard_error, error)
     np.testing.assert_allclose(estimate.low, low)
     np.testing.assert_allclose(estimate.high, high)
-
-
-def test_interval_of_one_number_per_series():
     estimate = mean_with_interval(np.array([1.0, 3.0]))
     assert float(estimate.mean) == 2.0
     assert estimate.low.shape == ()
 
 
-def test_attractor_size():
+def test_attractor_size_and_alignment():
     states = np.array([[3.0, -3.0, 3.0, -3.0], [4.0, -4.0, 4.0, -4.0]]) + 7.0
     assert attractor_size(states) == pytest.approx(5.0)
+    assert alignment_of(4000, 10) == 1000
+    assert alignment_of(4039, 30) == 990
+    assert alignment_of(30, 10) == 0
 
 
 def spectrum_of(state=1.0, time_step=0.01, steps=20, orthonormalisation_steps=10, **others):
@@ -293,12 +293,6 @@ def test_shear_flow_has_the_published_exponents(reynolds, published, expected):
     by_qr = spectrum.exponents.mean(axis=0)
     assert by_qr[0] == pytest.approx(growth.exponents[:100].mean(), abs=5e-5)
     assert abs(by_qr[2]) < 5e-4  # the direction of the flow itself
-
-
-def test_alignment_takes_a_quarter_in_whole_intervals():
-    assert alignment_of(4000, 10) == 1000
-    assert alignment_of(4039, 30) == 990
-    assert alignment_of(30, 10) == 0
 
 
 # -- of classical systems, from right-hand sides alone ---------------------------------------------

@@ -122,18 +122,15 @@ def test_each_trajectory_may_have_its_own_reynolds_number():
         assert np.array_equal(both[..., 0, :], together(a)[..., :6])
 
 
-def test_observable_is_half_the_sum_of_squares():
-    a = states(6, 10)
-    energy = MoehlisFaisstEckhardt(400.0).observable(a)
-    np.testing.assert_allclose(energy, 0.5 * (a**2).sum(axis=0), rtol=1e-15)
-
-
-def test_replace_recomputes_the_coefficients():
+def test_a_replaced_parameter_recomputes_the_coefficients():
     a = states(8, 4)
     replaced = dataclasses.replace(MoehlisFaisstEckhardt(400.0), reynolds=2000.0, length_x=5.0)
     direct = MoehlisFaisstEckhardt(2000.0, length_x=5.0)
     assert replaced == direct
     assert np.array_equal(replaced.right_hand_side(a), direct.right_hand_side(a))
+    a = states(6, 10)
+    energy = MoehlisFaisstEckhardt(400.0).observable(a)
+    np.testing.assert_allclose(energy, 0.5 * (a**2).sum(axis=0), rtol=1e-15)
 
 
 @pytest.mark.parametrize("bad", [0.0, -1.0, math.nan, math.inf])
@@ -143,11 +140,15 @@ def test_bad_parameters_raise(name, bad):
         MoehlisFaisstEckhardt(**({"reynolds": 400.0} | {name: bad}))
 
 
-def test_bad_arrays_of_parameters_raise():
+def test_bad_arrays_and_boxes_raise():
     with pytest.raises(ValueError, match="reynolds must be positive"):
         MoehlisFaisstEckhardt(np.array([400.0, 0.0]))
     with pytest.raises(ValueError, match="length_x must be one number"):
         MoehlisFaisstEckhardt(400.0, length_x=np.array([1.0, 2.0]))
+    with pytest.raises(ValueError, match="length_z must be positive"):
+        MoehlisFaisstEckhardtModes(length_z=0.0)
+    with pytest.raises(ValueError, match="9 amplitudes, not 3"):
+        MoehlisFaisstEckhardtModes().velocity(np.zeros(3), np.zeros(1), np.zeros(1), np.zeros(1))
 
 
 # -- modes and fields ------------------------------------------------------------------------------
@@ -326,10 +327,3 @@ def test_the_box_is_that_of_the_equations_unless_it_is_said():
     assert (
         (modes.length_x, modes.length_z) == (equations.length_x, equations.length_z) == DOMAINS[0]
     )
-
-
-def test_bad_arguments_raise():
-    with pytest.raises(ValueError, match="length_z must be positive"):
-        MoehlisFaisstEckhardtModes(length_z=0.0)
-    with pytest.raises(ValueError, match="9 amplitudes, not 3"):
-        MoehlisFaisstEckhardtModes().velocity(np.zeros(3), np.zeros(1), np.zeros(1), np.zeros(1))

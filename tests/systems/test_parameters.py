@@ -117,14 +117,11 @@ def test_many_values_by_numpy_are_few_values_compiled_bit_for_bit():
     assert np.array_equal(integrate_scheduled(REYNOLDS, many, start, 0.25, 4)[..., :4], compiled)
 
 
-def test_stretches_end_where_any_trajectory_changes():
+def test_values_and_stretches_put_a_schedule_together_again():
     schedule = np.array([[[1, 1]], [[1, 1]], [[2, 1]], [[2, 3]], [[2, 3]]], dtype=float)
     found = [(part.start, part.stop, values.tolist()) for part, values in stretches(schedule)]
     assert found == [(0, 2, [[1, 1]]), (2, 3, [[2, 1]]), (3, 5, [[2, 3]])]
     assert list(stretches(schedule[:0])) == []
-
-
-def test_values_of_a_schedule_put_it_together_again():
     schedule = telegraph(12, 6, (400.0, 600.0, 2000.0))
     different, which = values_in(schedule)
     assert different[:, 0].tolist() == [400.0, 600.0, 2000.0]
@@ -171,24 +168,18 @@ def test_what_does_not_fit_is_refused(made, message):
 STATES = np.random.default_rng(1).normal(size=(3, 4, 5))
 
 
-def test_the_observable_is_a_component():
+def test_the_observable_is_a_component_or_an_expression_of_components_or_one_of_its_own():
     series = MeasuredSeries(["x", "flow rate [l/s]", "z"], "flow rate [l/s]")
     assert (series.dimension, series.appended) == (3, False)
     found = series.observable(STATES)
     assert np.array_equal(found, STATES[1])
     found[:] = 0.0
     assert STATES[1].any()
-
-
-def test_the_observable_is_an_expression_of_components():
     series = MeasuredSeries(["x", "y", "z"], "x**2 + y * z")
     assert (series.dimension, series.appended) == (3, False)
     x, y, z = STATES
     assert np.array_equal(series.observable(STATES), x * x + y * z)
     assert np.array_equal(series.observable(STATES[:, 0, 0]), (x * x + y * z)[0, 0])
-
-
-def test_anything_else_is_a_component_of_its_own():
     series = MeasuredSeries(["x", "y"], "x + dissipation")
     assert (series.dimension, series.appended) == (3, True)
     assert series.component_names == ("x", "y", "x + dissipation")
@@ -262,18 +253,16 @@ def test_each_index_by_itself(text):
         np.testing.assert_array_equal(alone, whole[part])
 
 
-def test_names_in_the_order_of_their_first_use():
+def test_names_are_in_the_order_of_their_first_use_and_results_arrays_of_their_own():
     assert Expression("b * (a + b) - sqrt(c)").names == ("b", "a", "c")
+    assert np.isnan(Expression("sqrt(u)")({"u": np.array([-1.0])})).all()
+    values = {"u": np.ones(3)}
+    found = Expression("u")(values)
+    found[:] = 0.0
+    assert values["u"].all()
 
 
-def test_kinetic_energy_to_the_last_bit():
-    states = np.random.default_rng(5).normal(size=(9, 40, 3))
-    text = "0.5 * (" + " + ".join(f"a{i}**2" for i in range(1, 10)) + ")"
-    found = Expression(text)({f"a{i}": states[i - 1] for i in range(1, 10)})
-    assert np.array_equal(found, MoehlisFaisstEckhardt(400.0).observable(states))
-
-
-def test_whole_powers_are_products_to_the_last_bit():
+def test_whole_powers_are_products_and_kinetic_energies_sums_to_the_last_bit():
     u = np.random.default_rng(6).normal(size=3000)
     product = u.copy()
     for exponent in range(2, 16):
@@ -282,17 +271,10 @@ def test_whole_powers_are_products_to_the_last_bit():
     for exponent in (0, 0.5, 16):
         found = Expression(f"abs(u)**{exponent}")({"u": u})
         np.testing.assert_allclose(found, np.abs(u) ** exponent, rtol=1e-14)
-
-
-def test_no_value_is_nan():
-    assert np.isnan(Expression("sqrt(u)")({"u": np.array([-1.0])})).all()
-
-
-def test_the_result_is_an_array_of_its_own():
-    values = {"u": np.ones(3)}
-    found = Expression("u")(values)
-    found[:] = 0.0
-    assert values["u"].all()
+    states = np.random.default_rng(5).normal(size=(9, 40, 3))
+    text = "0.5 * (" + " + ".join(f"a{i}**2" for i in range(1, 10)) + ")"
+    found = Expression(text)({f"a{i}": states[i - 1] for i in range(1, 10)})
+    assert np.array_equal(found, MoehlisFaisstEckhardt(400.0).observable(states))
 
 
 @pytest.mark.parametrize(

@@ -31,11 +31,8 @@ from burstcast.systems.registry import available_systems, make_system, system_mo
 from burstcast_workflow.commands.command_line import main
 
 
-def test_available_systems_are_the_modules_that_define_one():
+def test_systems_are_made_by_name_with_defaults_and_integers():
     assert available_systems() == ["fitzhugh_nagumo", "kolmogorov", "lorenz63", "mfe"]
-
-
-def test_make_system_with_defaults_and_integers():
     assert make_system("mfe", {"reynolds": 400}) == MoehlisFaisstEckhardt(400.0)
     assert make_system("lorenz63", {}) == Lorenz63()
     system = make_system("mfe", {"reynolds": 600.0, "length_x": 5.0})
@@ -260,13 +257,10 @@ def test_the_jacobian_is_the_complex_step_derivative(name):
 # -- the Lorenz equations --------------------------------------------------------------------------
 
 
-def test_textbook_values():
+def test_textbook_values_and_fixed_points():
     state = np.array([1.0, 2.0, 3.0])
     derivative = Lorenz63(sigma=10.0, rho=28.0, beta=2.0).right_hand_side(state)
     assert np.array_equal(derivative, [10.0, 23.0, -4.0])
-
-
-def test_fixed_points():
     system = Lorenz63()
     distance = math.sqrt(system.beta * (system.rho - 1.0))
     points = np.array([[0, distance, -distance], [0, distance, -distance], [0, 27.0, 27.0]])

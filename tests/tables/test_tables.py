@@ -42,28 +42,25 @@ def test_percentiles_interpolate_between_order_statistics(values):
     assert row["networks"] == len(values)
 
 
-def test_undefined_values_are_ignored_and_not_counted():
+def test_undefined_values_are_ignored_and_percentiles_of_nothing_empty():
     row = percentiles(networks([0.1, math.nan, 0.3, math.nan]), KEYS, ["score"]).iloc[0]
     assert row["p50"] == pytest.approx(0.2)
     assert row["networks"] == 2
-
-
-def test_percentiles_of_nothing_are_empty():
     row = percentiles(networks([math.nan, math.nan]), KEYS, ["score"]).iloc[0]
     assert np.isnan(row["p25"])
     assert np.isnan(row["p50"])
     assert row["networks"] == 0
+    result = percentiles(networks([1.0]).iloc[:0], KEYS, ["score"])
+    assert result.empty
+    assert "p50" in result.columns
 
 
-def test_groups_stay_apart_also_when_row_labels_repeat():
+def test_groups_stay_apart_also_without_a_reynolds_number():
     table = pd.concat([networks([1.0, 1.0]), networks([5.0], case="Re600", reynolds=600.0)])
     result = percentiles(table, KEYS, ["score"])
     assert list(result["case"]) == ["Re400", "Re600"]
     assert list(result["p50"]) == [1.0, 5.0]
     assert list(result["networks"]) == [2, 1]
-
-
-def test_a_case_without_reynolds_number_is_a_group():
     table = networks([1.0, 3.0], case="lorenz", reynolds=math.nan)
     result = percentiles(table, KEYS, ["score"])
     assert len(result) == 1
@@ -75,12 +72,6 @@ def test_columns_are_keys_then_metric_then_percentiles():
     result = percentiles(networks([1.0]).assign(other=2.0), KEYS, ["score", "other"])
     assert list(result.columns) == [*KEYS, "metric", "p25", "p50", "p75", "networks"]
     assert list(result["metric"]) == ["score", "other"]
-
-
-def test_percentiles_of_an_empty_table_have_its_columns():
-    result = percentiles(networks([1.0]).iloc[:0], KEYS, ["score"])
-    assert result.empty
-    assert "p50" in result.columns
 
 
 def test_infinite_values_and_missing_columns_are_refused():
@@ -108,14 +99,11 @@ def test_latex_number(value, expected):
     assert latex_number(value) == expected
 
 
-def test_latex_number_refuses_what_is_no_number():
-    with pytest.raises(ValueError, match="nan"):
-        latex_number(math.nan)
-
-
 def test_escape_makes_every_special_character_literal():
     assert escape("a_b & 5% {x} #1 $y") == r"a\_b \& 5\% \{x\} \#1 \$y"
     assert escape("~^\\") == r"\textasciitilde{}\textasciicircum{}\textbackslash{}"
+    with pytest.raises(ValueError, match="nan"):
+        latex_number(math.nan)
 
 
 def test_the_papers_parameter_tables():
@@ -174,11 +162,6 @@ def parameters(**values):
     )
 
 
-def test_one_parameter_table_stays_as_it_is():
-    table = parameters(a="$1$")
-    assert side_by_side({"Re400": table}) is table
-
-
 def test_parameter_tables_side_by_side_keep_the_order_and_show_what_is_missing():
     joined = side_by_side(
         {"first": parameters(a="$1$", b="$2$"), "second": parameters(a="$3$", c="$4$")}
@@ -189,6 +172,8 @@ def test_parameter_tables_side_by_side_keep_the_order_and_show_what_is_missing()
     assert joined["second"].tolist()[::2] == ["$3$", "$4$"]
     assert joined["first"].isna().tolist() == [False, False, True]
     assert joined["second"].isna().tolist() == [False, True, False]
+    table = parameters(a="$1$")
+    assert side_by_side({"Re400": table}) is table
 
 
 # -- LaTeX -----------------------------------------------------------------------------------------

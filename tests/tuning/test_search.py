@@ -104,13 +104,11 @@ def test_the_search_finds_what_the_grid_misses(nine):
         assert 0.1 <= point.input_scaling <= 10
 
 
-def test_the_same_seed_finds_the_same_points(nine):
+def test_points_depend_on_seed_and_objective_and_later_ones_change_no_earlier(nine):
     # what comes later does not change what came before
     assert search(points=3) == nine[:3]
-
-
-def test_points_depend_on_the_objective(nine):
     assert search(points=2, objective=lambda point: -bowl(point)) != nine[:2]
+    assert search(points=0) == []
 
 
 def test_bounds_of_any_size_are_respected():
@@ -171,10 +169,6 @@ def test_the_search_takes_the_leak_rate_of_the_best_point_of_the_grid():
         assert Evaluation.restore(row, one.validation.log_errors) == one
 
 
-def test_no_points_are_no_search():
-    assert search(points=0) == []
-
-
 def test_the_surrogate_has_the_settings_that_it_is_given(monkeypatch):
     made = []
 
@@ -214,9 +208,14 @@ OWN = 0.1 * np.random.default_rng(2).normal(size=(3, 40))
 LOG_ERRORS = np.array([[0.2], [0.0], [1.0]]) + SHARED + OWN
 
 
-def test_standard_errors_are_those_of_scipy():
+def test_standard_errors_are_those_of_scipy_and_the_best_has_no_excess():
     found = objective_uncertainty(LOG_ERRORS)
     np.testing.assert_allclose(found.standard_error, stats.sem(LOG_ERRORS, axis=1), rtol=1e-12)
+    found = objective_uncertainty(LOG_ERRORS)
+    assert int(np.argmin(LOG_ERRORS.mean(axis=1))) == 1
+    assert (found.excess[1], found.paired_standard_error[1]) == (0, 0)
+    assert np.all(found.excess >= 0)
+    assert np.all(found.paired_standard_error < 0.3 * found.standard_error)
 
 
 @pytest.mark.parametrize("point", [0, 2])
@@ -228,23 +227,15 @@ def test_differences_are_those_of_a_paired_test(point):
     )
 
 
-def test_the_best_has_no_excess_and_what_is_shared_cancels():
-    found = objective_uncertainty(LOG_ERRORS)
-    assert int(np.argmin(LOG_ERRORS.mean(axis=1))) == 1
-    assert (found.excess[1], found.paired_standard_error[1]) == (0, 0)
-    assert np.all(found.excess >= 0)
-    assert np.all(found.paired_standard_error < 0.3 * found.standard_error)
-
-
 def test_one_interval_says_nothing_about_its_error():
     found = objective_uncertainty(LOG_ERRORS[:, :1])
     best = int(np.argmin(LOG_ERRORS[:, 0]))
     for point in range(3):
         assert math.isnan(found.standard_error[point])
         assert math.isnan(found.paired_standard_error[point]) == (point != best)
-
-
-def test_a_search_without_points_is_refused():
+    found = objective_uncertainty(np.array([[-5.0], [-5.1], [-5.1]]))
+    good = as_good_as_the_best(found.excess, found.paired_standard_error)
+    assert good.tolist() == [False, True, False]
     with pytest.raises(ValueError, match="no point"):
         objective_uncertainty(np.empty((0, 5)))
 
@@ -269,12 +260,6 @@ def test_the_best_is_as_good_as_itself_and_far_points_are_not(seed, points, inte
             difference = log_errors[row] - log_errors[best]
             error = difference.std(ddof=1) / np.sqrt(intervals)
             assert good[row] == (difference.mean() <= error)
-
-
-def test_with_a_single_interval_only_the_best_is_left():
-    found = objective_uncertainty(np.array([[-5.0], [-5.1], [-5.1]]))
-    good = as_good_as_the_best(found.excess, found.paired_standard_error)
-    assert good.tolist() == [False, True, False]
 
 
 def test_the_nearest_rate_is_taken_the_first_of_equals():

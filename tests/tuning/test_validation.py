@@ -254,18 +254,13 @@ def test_the_best_is_the_first_of_the_smallest():
 SMALL = ValidationPlan(washout=5, interval=10, series=2, intervals=3)
 
 
-def test_strategies_are_found_by_their_names():
+def test_strategies_are_found_by_their_names(monkeypatch):
     assert available_strategies() == ["RV", "SSV"]
     assert isinstance(make_strategy("RV"), RecycleValidation)
     assert strategy_module("RV") == "burstcast.tuning.strategies.recycle"
-
-
-def test_unknown_strategies_are_refused():
     with pytest.raises(ValueError, match=r"unknown validation strategy 'SV' .*mean 'SSV'.* RV, SS"):
         make_strategy("SV")
-
-
-def test_a_name_belongs_to_one_strategy(monkeypatch):
+    assert base.ValidationStrategy not in registry._classes().values()
     monkeypatch.setattr(SingleShotValidation, "name", "RV")
     with pytest.raises(TypeError, match="both define 'RV'"):
         available_strategies()
@@ -289,10 +284,6 @@ def test_use_of_a_series():
     assert use_of_series(make_strategy("SSV").folds(SMALL, 4, 40), 1) == (30, [])
     assert use_of_series(make_strategy("RV").folds(SMALL, 4, 40), 1) == (40, [5, 15, 25])
     assert use_of_series([], 1) == (0, [])  # neither trained on nor validated
-
-
-def test_the_interface_is_no_strategy():
-    assert base.ValidationStrategy not in registry._classes().values()
 
 
 def test_the_single_shot_may_start_within_the_training_data():
