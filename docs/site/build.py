@@ -199,7 +199,7 @@ def pictures() -> dict[str, tuple[str, bytes]]:
             if not inputs or any(content is None for content in inputs.values()):
                 continue
             values = settings_of(campaign, figure, cases[0])
-            arguments = {key: values[path] for key, path in figure.settings.items()}
+            arguments = {key: values[path] for key, path in figure.paths.items()}
             if figure.published:
                 inputs["published"] = read_table(ROOT / "resources" / "published_percentiles.csv")
             found[name] = preset, render(figure_module(name).draw(**inputs, **arguments), "png")

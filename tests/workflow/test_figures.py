@@ -115,7 +115,7 @@ def asked(campaign, figure):
     ("said", "message"),
     [
         ({"inputs": {"x": "exampel/x.nc"}}, "place 'exampel' .did you mean 'example'"),
-        ({"settings": {"x": "shown.symbols"}}, "setting to show 'symbols' .did you mean 'symbol'"),
+        ({"settings": "x=shown.symbols"}, "setting to show 'symbols' .did you mean 'symbol'"),
         ({"cases": "all"}, "choice of cases 'all'.*known are example, every"),
     ],
 )

@@ -178,8 +178,8 @@ def test_a_figure_is_drawn_of_all_that_it_declares_and_of_nothing_else(name):
     assert figure == module.FIGURE  # as it was read from the text
     arguments = inspect.signature(module.draw).parameters
     published = {"published"} if figure.published else set()
-    assert set(arguments) == {*figure.inputs, *figure.settings, *published}
-    assert len(arguments) == len(figure.inputs) + len(figure.settings) + len(published)
+    assert set(arguments) == {*figure.inputs, *figure.paths, *published}
+    assert len(arguments) == len(figure.inputs) + len(figure.paths) + len(published)
     # published values are an input only where they are wanted
     assert all(arguments[name].default is None for name in published)
     function = functions(Path(module.__file__))["draw"]
@@ -208,7 +208,7 @@ def test_the_code_of_a_figure_is_its_own_module_and_what_that_reaches(name):
 def test_settings_of_figures_are_those_of_the_config_and_of_the_campaign():
     for name, figure in FIGURES.items():
         found = settings_of(workflow().campaign, figure, "Re400")
-        assert set(found) == set(figure.settings.values()), name
+        assert set(found) == set(figure.paths.values()), name
 
 
 # -- settings --------------------------------------------------------------------------------------

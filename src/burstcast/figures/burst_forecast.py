@@ -27,13 +27,8 @@ FIGURE = Declaration(
         "constant": "case/ensemble.nc:constant",
         "states": "source/ensemble.nc:state",
     },
-    settings={
-        "source": "shown.source",
-        "forecaster": "shown.decoded_kind",
-        "threshold": "case.event_threshold",
-        "symbol": "shown.symbol",
-        "observable_name": "shown.observable_name",
-    },
+    settings="shown.source forecaster=shown.decoded_kind threshold=case.event_threshold "
+    "shown.symbol shown.observable_name",
     cases="decoded_planes",
 )
 

@@ -23,17 +23,9 @@ FIGURE = Declaration(
         "observable": "case/ensemble.nc:observable",
         "exponents": "time_unit",
     },
-    settings={
-        "system": "case.system",
-        "parameters": "case.parameters",
-        "training_series": "case.training.series",
-        "time_step": "case.ensemble.time_step",
-        "sampling_stride": "case.ensemble.sampling_stride",
-        "published_exponent": "case.lyapunov.published_exponent",
-        "threshold": "case.event_threshold",
-        "symbol": "shown.symbol",
-        "observable_name": "shown.observable_name",
-    },
+    settings="case.system case.parameters training_series=case.training.series "
+    "case.ensemble.time_step case.ensemble.sampling_stride case.lyapunov.published_exponent "
+    "threshold=case.event_threshold shown.symbol shown.observable_name",
     cases="plane_flows",
 )
 

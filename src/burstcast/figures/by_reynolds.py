@@ -22,10 +22,7 @@ FIGURE = Declaration(
         "horizons": "reynolds_cases/tables/horizon_percentiles.csv",
         "scores": "reynolds_cases/tables/classification_percentiles.csv",
     },
-    settings={
-        "neurons": "figures.fixed_neurons",
-        "prediction_times_lt": "shown.prediction_times_lt",
-    },
+    settings="neurons=figures.fixed_neurons shown.prediction_times_lt",
     cases="several_reynolds",
     published=True,
 )

@@ -17,11 +17,8 @@ FIGURE = Declaration(
     section="forecasts",
     position=30,
     inputs={"percentiles": "case/tables/classification_percentiles.csv"},
-    settings={
-        "fixed_neurons": "figures.fixed_neurons",
-        "fixed_prediction_time_lt": "shown.fixed_prediction_time_lt",
-        "sizes_validation": "shown.validation",
-    },
+    settings="figures.fixed_neurons shown.fixed_prediction_time_lt "
+    "sizes_validation=shown.validation",
     cases="networks",
     published=True,
 )

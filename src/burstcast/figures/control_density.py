@@ -18,12 +18,7 @@ FIGURE = Declaration(
     section="control",
     position=40,
     inputs={"densities": "controlled_cases/tables/control_density.csv"},
-    settings={
-        "panels": "shown.panels",
-        "prediction_times_lt": "control.prediction_times_lt",
-        "symbol": "shown.symbol",
-        "observable_name": "shown.observable_name",
-    },
+    settings="shown.panels control.prediction_times_lt shown.symbol shown.observable_name",
     cases="controlled_systems",
 )
 

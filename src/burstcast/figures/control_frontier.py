@@ -22,7 +22,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 
-from burstcast.figures.parts import control_runs, frame, looks, medians, style
+from burstcast.figures.parts import control_runs, looks, medians, style
 from burstcast.figures.parts.control_runs import ACTING, CONDITIONS, LEFT
 from burstcast.figures.registry import Declaration
 from burstcast.forecasters._labels import forecaster_label
@@ -31,12 +31,7 @@ FIGURE = Declaration(
     section="control",
     position=50,
     inputs={"scores": "case/tables/control_strategies.csv"},
-    settings={
-        "network": "shown.frontier_network",
-        "span_lt": "control.span_lt",
-        "noise": "case.training.noise",
-        "symbol": "shown.symbol",
-    },
+    settings="network=shown.frontier_network control.span_lt case.training.noise shown.symbol",
     cases="other_control",
 )
 
@@ -211,7 +206,9 @@ def _draw_conditions(panels: Sequence[Axes], tried: Mapping[str, pd.DataFrame]) 
 def _finish(panels: Sequence[Axes], runs: pd.DataFrame, symbol: str) -> None:
     """Make the vertical axes logarithmic down to the least share that is left, linear below it."""
     shares = runs[f"value_{LEFT}"]
-    end = frame.linear_below(shares, -5)
+    # a power of ten, not above the least share but for tiny ones
+    end = 10.0 ** np.clip(np.floor(np.log10(shares[shares > 0].min())), -5, -1)
+    end = 0.1 if np.isnan(end) else end
     highest = max(1.0, float(shares.max()), float(runs[f"high_{LEFT}"].max()))
     for axes in panels:
         axes.set_yscale("symlog", linthresh=end, linscale=0.6)

@@ -16,14 +16,8 @@ FIGURE = Declaration(
     section="control",
     position=10,
     inputs={"event": "suppressed_event"},
-    settings={
-        "threshold": "case.event_threshold",
-        "prediction_time_lt": "shown.control_prediction_time_lt",
-        "window_lt": "control.window_lt",
-        "parameters": "case.actuation.parameters",
-        "force": "case.actuation.force",
-        "symbol": "shown.symbol",
-    },
+    settings="threshold=case.event_threshold prediction_time_lt=shown.control_prediction_time_lt "
+    "control.window_lt case.actuation.parameters case.actuation.force shown.symbol",
     cases="control_example",
 )
 

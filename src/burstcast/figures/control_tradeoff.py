@@ -25,7 +25,7 @@ FIGURE = Declaration(
         "percentiles": "case/tables/control_percentiles.csv",
         "strategies": "case/tables/control_strategies.csv",
     },
-    settings={"networks": "shown.control_networks", "symbol": "shown.symbol"},
+    settings="networks=shown.control_networks shown.symbol",
     cases="controlled",
     published=True,
 )

@@ -24,12 +24,7 @@ FIGURE = Declaration(
     section="data",
     position=21,
     inputs={"states": "case/ensemble.nc:state"},
-    settings={
-        "system": "case.system",
-        "parameters": "case.parameters",
-        "training_series": "case.training.series",
-        "symbol": "shown.symbol",
-    },
+    settings="case.system case.parameters training_series=case.training.series shown.symbol",
     cases="plane_flows",
 )
 

@@ -15,7 +15,7 @@ FIGURE = Declaration(
     section="probabilities",
     position=10,
     inputs={"scores": "case/tables/probability_scores.csv"},
-    settings={"neurons": "figures.fixed_neurons", "validation": "shown.validation"},
+    settings="neurons=figures.fixed_neurons shown.validation",
     cases="every",
 )
 

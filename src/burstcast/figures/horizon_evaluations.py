@@ -14,11 +14,7 @@ FIGURE = Declaration(
     section="horizon",
     position=20,
     inputs={"examples": "example/examples.nc"},
-    settings={
-        "threshold": "case.event_threshold",
-        "washout_lt": "washout_lt",
-        "symbol": "shown.symbol",
-    },
+    settings="threshold=case.event_threshold washout_lt shown.symbol",
 )
 
 

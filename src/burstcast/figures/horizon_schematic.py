@@ -10,12 +10,8 @@ from burstcast.figures.registry import Declaration
 FIGURE = Declaration(
     section="horizon",
     position=10,
-    settings={
-        "longest_lead_time_lt": "horizon.longest_lead_time_lt",
-        "lead_time_step_lt": "horizon.lead_time_step_lt",
-        "tolerance": "horizon.tolerance",
-        "symbol": "shown.symbol",
-    },
+    settings="horizon.longest_lead_time_lt horizon.lead_time_step_lt horizon.tolerance "
+    "shown.symbol",
 )
 
 

@@ -28,11 +28,7 @@ FIGURE = Declaration(
         "percentiles": "case/tables/statistics_percentiles.csv",
         "intervals": "case/tables/statistics_intervals.csv",
     },
-    settings={
-        "threshold": "case.event_threshold",
-        "symbol": "shown.symbol",
-        "observable_name": "shown.observable_name",
-    },
+    settings="threshold=case.event_threshold shown.symbol shown.observable_name",
     cases="long_term",
     published=True,
 )

@@ -28,11 +28,7 @@ FIGURE = Declaration(
         "training": "case/statistics_training.nc",
         "long_term": "long_term_networks/long_term.nc",
     },
-    settings={
-        "system": "case.system",
-        "parameters": "case.parameters",
-        "flow_points": "figures.flow_points",
-    },
+    settings="case.system case.parameters figures.flow_points",
     cases="long_term",
     only_flows=True,
 )

@@ -21,12 +21,7 @@ FIGURE = Declaration(
     section="forecasts",
     position=50,
     inputs={"event": "example/flow_event.nc"},
-    settings={
-        "system": "case.system",
-        "parameters": "case.parameters",
-        "flow_points": "figures.flow_points",
-        "threshold": "case.event_threshold",
-    },
+    settings="case.system case.parameters figures.flow_points threshold=case.event_threshold",
     only_flows=True,
 )
 

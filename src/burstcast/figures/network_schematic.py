@@ -17,12 +17,8 @@ FIGURE = Declaration(
     section="networks",
     position=10,
     inputs={"hyperparameters": "example_hyperparameters"},
-    settings={
-        "inputs": "shown.dimension",
-        "neurons": "shown.neurons",
-        "connectivity": "forecasters.esn.connectivity",
-        "input_bias": "forecasters.esn.input_bias",
-    },
+    settings="inputs=shown.dimension shown.neurons forecasters.esn.connectivity "
+    "forecasters.esn.input_bias",
 )
 
 

@@ -17,15 +17,9 @@ FIGURE = Declaration(
     section="data",
     position=10,
     inputs={"observable": "case/ensemble.nc:observable", "exponents": "time_unit"},
-    settings={
-        "time_step": "case.ensemble.time_step",
-        "sampling_stride": "case.ensemble.sampling_stride",
-        "published_exponent": "case.lyapunov.published_exponent",
-        "threshold": "case.event_threshold",
-        "density": "case.density",
-        "symbol": "shown.symbol",
-        "observable_name": "shown.observable_name",
-    },
+    settings="case.ensemble.time_step case.ensemble.sampling_stride "
+    "case.lyapunov.published_exponent threshold=case.event_threshold case.density shown.symbol "
+    "shown.observable_name",
     cases="every",
 )
 

@@ -33,7 +33,7 @@ FIGURE = Declaration(
         "dimensions": "spectrum_case/tables/kaplan_yorke.csv",
         "dimension_percentiles": "spectrum_case/tables/kaplan_yorke_percentiles.csv",
     },
-    settings={"neurons": "figures.fixed_neurons"},
+    settings="neurons=figures.fixed_neurons",
     cases="long_term",
 )
 

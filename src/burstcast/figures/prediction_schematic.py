@@ -15,13 +15,8 @@ FIGURE = Declaration(
     section="forecasts",
     position=10,
     inputs={"examples": "example/examples.nc"},
-    settings={
-        "threshold": "case.event_threshold",
-        "prediction_time_lt": "shown.example_prediction_time_lt",
-        "washout_lt": "washout_lt",
-        "window_lt": "classification.window_lt",
-        "symbol": "shown.symbol",
-    },
+    settings="threshold=case.event_threshold prediction_time_lt=shown.example_prediction_time_lt "
+    "washout_lt classification.window_lt shown.symbol",
 )
 
 

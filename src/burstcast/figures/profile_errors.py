@@ -33,11 +33,7 @@ FIGURE = Declaration(
         "percentiles": "case/tables/statistics_percentiles.csv",
         "intervals": "case/tables/statistics_intervals.csv",
     },
-    settings={
-        "points": "statistics.profile_points",
-        "system": "case.system",
-        "parameters": "case.parameters",
-    },
+    settings="points=statistics.profile_points case.system case.parameters",
     cases="long_term",
     only_flows=True,
     published=True,

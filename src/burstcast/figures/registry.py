@@ -35,9 +35,10 @@ class Declaration:
     #: JSON file as a mapping. A place with several directories gives a list.
     #: ``<file>.nc:<variable>`` is one variable.
     inputs: Mapping[str, str] = field(default_factory=dict)
-    #: path of each setting in the config. ``case.`` stands for the figure's case; ``shown.`` for
-    #: what the campaign chooses to show.
-    settings: Mapping[str, str] = field(default_factory=dict)
+    #: paths of settings in the config: ``name=path``, or the path alone where the argument has the
+    #: name of its last part. ``case.`` stands for the figure's case; ``shown.`` for what the
+    #: campaign chooses to show.
+    settings: str = ""
     #: name of the choice of cases that the figure is made for. The first case has the plain name,
     #: the figures of the others end in ``_<case>``.
     cases: str = "example"
@@ -45,6 +46,12 @@ class Declaration:
     #: whether the figure shows the paper's published values, if these are wanted: as a table in the
     #: argument ``published``, or None
     published: bool = False
+
+    @property
+    def paths(self) -> dict[str, str]:
+        """Path of each setting by the name of its argument."""
+        parts = (one.rpartition("=") for one in self.settings.split())
+        return {name or path.rpartition(".")[2]: path for name, _, path in parts}
 
 
 def available_figures() -> list[str]:

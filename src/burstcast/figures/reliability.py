@@ -22,11 +22,7 @@ FIGURE = Declaration(
     section="probabilities",
     position=20,
     inputs={"bins": "case/tables/reliability.csv"},
-    settings={
-        "prediction_times_lt": "shown.prediction_times_lt",
-        "neurons": "figures.fixed_neurons",
-        "validation": "shown.validation",
-    },
+    settings="shown.prediction_times_lt neurons=figures.fixed_neurons shown.validation",
 )
 
 FEW_FORECASTS = 10

@@ -25,11 +25,7 @@ FIGURE = Declaration(
         "intervals": "aware_cases/tables/classification_intervals.csv",
         "survivals": "aware_cases/tables/survival.csv",
     },
-    settings={
-        "parameter": "shown.parameter",
-        "prediction_times_lt": "shown.prediction_times_lt",
-        "neurons": "figures.fixed_neurons",
-    },
+    settings="shown.parameter shown.prediction_times_lt neurons=figures.fixed_neurons",
     cases="several_parameters",
 )
 

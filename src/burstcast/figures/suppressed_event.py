@@ -20,12 +20,7 @@ FIGURE = Declaration(
     section="control",
     position=20,
     inputs={"event": "suppressed_event"},
-    settings={
-        "system": "case.system",
-        "parameters": "case.parameters",
-        "flow_points": "figures.flow_points",
-        "threshold": "case.event_threshold",
-    },
+    settings="case.system case.parameters figures.flow_points threshold=case.event_threshold",
     cases="control_example",
     only_flows=True,
 )

@@ -20,17 +20,9 @@ FIGURE = Declaration(
     section="networks",
     position=20,
     inputs={"observable": "case/ensemble.nc:observable", "exponents": "time_unit"},
-    settings={
-        "time_step": "case.ensemble.time_step",
-        "sampling_stride": "case.ensemble.sampling_stride",
-        "published_exponent": "case.lyapunov.published_exponent",
-        "threshold": "case.event_threshold",
-        "strategies": "shown.strategies",
-        "recycle": "case.recycle_validation",
-        "washout_lt": "washout_lt",
-        "interval_lt": "search.interval_lt",
-        "symbol": "shown.symbol",
-    },
+    settings="case.ensemble.time_step case.ensemble.sampling_stride "
+    "case.lyapunov.published_exponent threshold=case.event_threshold shown.strategies "
+    "recycle=case.recycle_validation washout_lt search.interval_lt shown.symbol",
 )
 
 

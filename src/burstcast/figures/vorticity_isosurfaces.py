@@ -29,11 +29,7 @@ FIGURE = Declaration(
     section="forecasts",
     position=60,
     inputs={"event": "example/flow_event.nc"},
-    settings={
-        "system": "case.system",
-        "parameters": "case.parameters",
-        "flow_points": "figures.flow_points",
-    },
+    settings="case.system case.parameters figures.flow_points",
     only_flows=True,
 )
 

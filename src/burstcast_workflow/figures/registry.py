@@ -347,7 +347,7 @@ def cases_of(campaign: Campaign, figure: Declaration) -> list[str]:
 
 def _shows_networks(figure: Declaration) -> bool:
     """Whether there is nothing to draw without networks."""
-    shown = [*figure.inputs.values(), *figure.settings.values()]
+    shown = [*figure.inputs.values(), *figure.paths.values()]
     return figure.cases == "several_sizes" or any(
         place.startswith(("example", "shown.strategies")) or "/classification_percentiles" in place
         for place in shown
@@ -361,7 +361,7 @@ def files_of(campaign: Campaign, figure: Declaration, case: str) -> dict[str, st
 
 def settings_of(campaign: Campaign, figure: Declaration, case: str) -> dict[str, Any]:
     """Settings of a figure by path."""
-    paths = set(figure.settings.values())
+    paths = set(figure.paths.values())
     shown = {path: path.removeprefix("shown.") for path in paths if path.startswith("shown.")}
     values = {
         path: _named(_SHOWN, name, "setting to show")(campaign, case)

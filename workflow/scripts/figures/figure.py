@@ -41,7 +41,7 @@ def figure(*, pdf: str, png: str, settings: Settings, **files: str | list[str]) 
         name: _content(file, module.FIGURE.inputs.get(name, "").partition(":")[2])
         for name, file in files.items()
     }
-    values = {name: settings[path] for name, path in module.FIGURE.settings.items()}
+    values = {name: settings[path] for name, path in module.FIGURE.paths.items()}
     drawn = module.draw(**inputs, **values)
     # both in memory first: a figure that cannot be drawn leaves no file
     for path, content in ((pdf, render(drawn, "pdf")), (png, render(drawn, "png"))):

@@ -10,16 +10,13 @@ from burstcast.figures.parts import looks
 from burstcast.figures.parts.medians import nearest_value
 
 _NETWORKS = ("esn", "esn_committee")
-_BOLD = 1.4  # lines of networks; the others are thinner
 
 
 def alarms_shown(table: pd.DataFrame, neurons: float, validation: str) -> pd.DataFrame:
     """Rows of networks of one size and strategy, and of all other sources of alarms.
 
-    ``table``: Table of one case: forecaster, neurons, validation, ... ``neurons``, ``validation``:
-    Which networks. Where the table has no such size, the nearest one; where it has no such
-    strategy, all strategies of that size. Where it has no network, as a table of committees has
-    none if there is but one seed, all are shown.
+    Where the table has no such size, the nearest one; where it has no such strategy, all strategies
+    of that size. A table of committees has no network if there is but one seed.
     """
     networks = table["forecaster"].isin(_NETWORKS)
     if not networks.any():
@@ -28,10 +25,6 @@ def alarms_shown(table: pd.DataFrame, neurons: float, validation: str) -> pd.Dat
     if (chosen & (table["validation"] == validation)).any():
         chosen &= table["validation"] == validation
     return table[~networks | chosen]
-
-
-OVER_SERIES = "interval over test series"
-"""What the bands of `draw_alarms` are."""
 
 
 def calibrated(table: pd.DataFrame) -> pd.DataFrame:
@@ -49,8 +42,6 @@ def median_network(table: pd.DataFrame, x: str) -> pd.DataFrame:
     """Replace single networks by medians over them, for each value of x: of scores and of ends.
 
     The band is then an interval over test series, like all other bands.
-
-    ``table``: Rows of one metric: forecaster, value, low, high, and the column ``x``.
     """
     single = table["forecaster"] == "esn"
     median = table[single].groupby(x)[["value", "low", "high"]].median()
@@ -59,33 +50,19 @@ def median_network(table: pd.DataFrame, x: str) -> pd.DataFrame:
 
 
 def draw_alarms(axes: Axes, table: pd.DataFrame, x: str) -> None:
-    """Draw a curve for each kind of forecaster, with a band from ``low`` to ``high``.
-
-    ``table``: Rows of one metric: forecaster, value, low, high, and the column ``x``; rows of
-    single networks are drawn as `median_network`.
-    """
+    """Draw a curve of one metric for each kind of forecaster, with a band from low to high."""
     table = median_network(table, x)
     for kind in looks.ordered_forecasters(set(table["forecaster"])):
         rows = table[(table["forecaster"] == kind) & table["value"].notna()].sort_values(x)
         if rows.empty:
             continue
-        style = looks.forecaster_line(kind)
+        look = looks.forecaster_line(kind)
         if kind == "esn":
-            style["label"] = "median network"
+            look["label"] = "median network"
         network = kind in _NETWORKS
         position, value = (rows[name].to_numpy(dtype=np.float64) for name in (x, "value"))
-        axes.fill_between(
-            position,
-            rows["low"],
-            rows["high"],
-            color=style["color"],
-            alpha=0.2 if network else 0.12,
-            linewidth=0,
-        )
-        axes.plot(
-            position,
-            value,
-            linewidth=_BOLD if network else 1.0,
-            zorder=2.5 if network else 2.0,
-            **style,
-        )
+        band = {"color": look["color"], "alpha": 0.2 if network else 0.12, "linewidth": 0}
+        axes.fill_between(position, rows["low"], rows["high"], **band)
+        # networks are bold, and in front
+        width, front = (1.4, 2.5) if network else (1.0, 2.0)
+        axes.plot(position, value, linewidth=width, zorder=front, **look)

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
@@ -36,15 +35,6 @@ def axis_limits(threshold: float, *curves: FloatArray) -> tuple[float, float]:
     high = max(float(np.nanmax(curve)) for curve in curves)
     top = max(high + _MARGIN * (high - floor), threshold + _NAME * (max(high, threshold) - floor))
     return floor, top
-
-
-def linear_below(values: "pd.Series[Any]", smallest: float) -> float:
-    """Limit of the linear part of a logarithmic axis: a power of ten, at most 0.1.
-
-    It is not above the least positive value, unless its exponent would be below ``smallest``.
-    """
-    least = float(values[values > 0].min()) if (values > 0).any() else 0.1
-    return float(10.0 ** np.clip(np.floor(np.log10(least)), smallest, -1))
 
 
 def samples_per_lyapunov_time(

@@ -137,10 +137,10 @@ def nothing_to_show(reason: str) -> Figure:
     return figure
 
 
-def letter_panels(axes: Sequence[Axes], *, inside: bool = False, start: int = 0) -> None:
+def letter_panels(axes: Sequence[Axes], *, inside: bool = False) -> None:
     """Write (a), (b), ... at the upper left of the panels: above the frame, or inside it."""
     for index, panel in enumerate(axes):
-        letter = f"({chr(ord('a') + start + index)})"
+        letter = f"({chr(ord('a') + index)})"
         if inside:
             panel.annotate(
                 letter, (0, 1), (4, -4), "axes fraction", "offset points", ha="left", va="top"
