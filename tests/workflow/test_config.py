@@ -146,6 +146,32 @@ def test_choices_of_forecasters_may_leave_kinds_and_axes_out(config):
     load(config)
 
 
+def test_kinds_are_a_list_or_a_mapping(config):
+    expected = load(config)
+    for index, block in enumerate(config["campaign"]):
+        mapping = block["forecasters"]
+        listed = [kind if not axes else {kind: axes} for kind, axes in mapping.items()]
+        listed[listed.index("equations")] = {"equations": None}  # - equations:
+        put(config, f"campaign.{index}.forecasters", listed)
+    put(
+        config,
+        "control.forecasters",
+        [{"esn": config["control"]["forecasters"]["esn"]}, "equations"],
+    )
+    assert load(config) == expected
+    for wrong, words in [
+        (["equations", "equatoins"], "campaign[0].forecasters.equatoins; did you mean equations"),
+        (["equations", {"equations": {}}], "campaign[0].forecasters has equations twice"),
+        ([["equations"]], "campaign[0].forecasters has ['equations']; each kind is a name"),
+        (["esn"], "campaign[0].forecasters.esn.neurons is missing"),
+        ("esn", "campaign[0].forecasters is the text 'esn'; it must be a list of kinds, or a map"),
+    ]:
+        put(config, "campaign.0.forecasters", wrong)
+        with pytest.raises(ConfigError) as error:
+            load(config)
+        assert words in str(error.value)
+
+
 def test_the_reference_tells_what_holds_where_config_yaml_says_nothing(config):
     defaults = {
         "statistics.forecasters.esn.neurons": "`[]`",

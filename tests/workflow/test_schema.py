@@ -42,6 +42,17 @@ def test_mistakes_are_found(overlay):
     assert not VALIDATOR.is_valid(overlay)
 
 
+def test_kinds_are_a_list_or_a_mapping():
+    axes = {"esn": {"neurons": [500], "validation": ["RV"], "seeds": 3}}
+    for kinds, valid in [
+        (["equations", axes], True),
+        ({"equations": {}, **axes}, True),
+        (["equatoins"], False),
+        ([{"esn": {"seeds": 0}}], False),
+    ]:
+        assert VALIDATOR.is_valid({"campaign": [{"forecasters": kinds}]}) == valid
+
+
 def test_meanings_have_units():
     search = schema()["$defs"]["Search"]["properties"]
     assert search["interval_lt"]["description"].endswith("[Lyapunov times]")

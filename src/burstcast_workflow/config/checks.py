@@ -128,7 +128,7 @@ def _campaign(config: Configuration) -> Iterator[str]:
             (min(axes.neurons), f"{place}.forecasters.esn.neurons")
             for axes in block.forecasters.networks
         ]
-        if block.forecasters.esn_direct is not None:
+        if "esn_direct" in block.forecasters.kinds:
             sizes.append((config.forecasters.esn_direct.neurons, "forecasters.esn_direct.neurons"))
         smallest, where = min(sizes, default=(math.inf, ""))
         if connectivity > smallest - 1:

@@ -6,12 +6,19 @@ Messages about mistakes are made from it, and docs/settings.md. A bound may be a
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import (
+    AfterValidator,
+    Field,
+    create_model,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
 
 from burstcast import durations
 from burstcast.compiled.backends import usable_backend
 from burstcast.esn.readout import ReadoutKind
 from burstcast.forecasters._options import DEFAULTS
+from burstcast.forecasters.registry import all_kinds
 from burstcast.tuning.hyperparameters import SurrogateSettings
 from burstcast_workflow.config.kinds import (
     CaseName,
@@ -60,11 +67,30 @@ class NoAxes(Section):
     """There is one forecaster of this kind: {}."""
 
 
+KINDS = Words("a list of kinds, or a mapping of kinds to their axes, {} where there are none")
 Alone = Annotated[NoAxes | None, Words("{}, or null for none")]
 
 
 class Chosen(Section):
     """Kinds of forecasters, with the axes of each kind."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _mapping(cls, said: Any) -> Any:
+        """A list of kinds, names or mappings of names to axes, as one mapping."""
+        if not isinstance(said, list):
+            return said
+        kinds: dict[Any, Any] = {}
+        for one in said:
+            if not isinstance(one, str | dict):
+                text = f"has {one}; each kind is a name, or a name with its axes"
+                raise PydanticCustomError("between", text)
+            found = one if isinstance(one, dict) else {one: {}}
+            for kind in found.keys() & kinds.keys():
+                raise PydanticCustomError("between", f"has {kind} twice")
+            # what YAML reads in `- equations:`
+            kinds |= {kind: {} if axes is None else axes for kind, axes in found.items()}
+        return kinds
 
     @property
     def kinds(self) -> dict[str, Any]:
@@ -85,32 +111,11 @@ class NetworkAxes(Section):
     )
 
 
-class SingleKinds(Chosen):
-    """Kinds with one forecaster for each case; null for none of a kind."""
-
-    equations: Alone = optional("the equations, started from the true state")
-    equations_noisy: Alone = optional("the equations, from the last observation")
-    linear_inverse: Alone = optional("linear inverse model, from the last observation")
-    equations_filtered: Alone = optional(
-        "the equations, started from a filter's estimate of the state"
-    )
-    quadratic: Alone = optional("learnt polynomials, from the last observation")
-    quadratic_filtered: Alone = optional(
-        "learnt polynomial equations, started from a filter's estimate of the state"
-    )
-    analogues: Alone = optional("continuations of the most similar states of the past")
-    persistence: Alone = optional("the last observed state for ever")
-    precursor: Alone = optional(
-        "probabilities by a classifier of the present and the past, without a trajectory"
-    )
-    esn_direct: Alone = optional(
-        "probabilities read out of a reservoir after the washout, without a trajectory"
-    )
-    quadratic_aware: Alone = optional(
-        "learnt equations with the parameters in force, from the last observation"
-    )
-    quadratic_aware_filtered: Alone = optional(
-        "learnt equations that know the parameters in force, started from a filter's estimate"
+if TYPE_CHECKING:
+    AllKinds = Chosen
+else:  # a new module of burstcast.forecasters is one kind more
+    AllKinds = create_model(
+        "AllKinds", __base__=Chosen, **dict.fromkeys(all_kinds(), (Alone, None))
     )
 
 
@@ -127,7 +132,7 @@ class ExternalFiles(Section):
     )
 
 
-class BlockForecasters(SingleKinds):
+class BlockForecasters(AllKinds):
     """Forecasters of a block, by kind; null for none of a kind."""
 
     external: Annotated[
@@ -168,7 +173,7 @@ class NetworkChoice(Section):
     )
 
 
-class Choice(SingleKinds):
+class Choice(AllKinds):
     """Selection of the campaign's forecasters by kind; null for none of a kind."""
 
     external: Alone = optional("forecasts from files, which start from no other state: always null")
@@ -200,7 +205,7 @@ class Block(Section):
         "near the k-th of these; all: the share of all the data",
         default=[],
     )
-    forecasters: BlockForecasters
+    forecasters: Annotated[BlockForecasters, KINDS]
 
 
 class Steps(Section):
@@ -721,7 +726,7 @@ class Horizon(Section):
 class Statistics(Section):
     """Long-term statistics of the flow that forecasters make by themselves."""
 
-    forecasters: Choice = setting("forecasters that are run freely")
+    forecasters: Annotated[Choice, KINDS] = setting("forecasters that are run freely")
     starting_points: Count = setting("long runs of each forecaster, started in the training series")
     start_spacing_lt: Positive = setting("time between two starting points")
     duration: PositiveOrNull = setting(
@@ -756,7 +761,7 @@ class StrategyBlock(Section):
     cases: Distinct[CaseName] = setting(
         "cases that are controlled so; all if left out or empty", default=[]
     )
-    forecasters: Choice | None = optional(
+    forecasters: Annotated[Choice | None, KINDS] = optional(
         "forecasters that control so; none for a strategy that asks none"
     )
     seeds: CountOrNull = optional("networks of the first seeds; null for all")
@@ -799,7 +804,7 @@ class StrategyBlock(Section):
 class Control(Section):
     """Prediction-triggered control, and strategies beyond the paper's."""
 
-    forecasters: Choice = setting("forecasters that control")
+    forecasters: Annotated[Choice, KINDS] = setting("forecasters that control")
     prediction_times_lt: Rising[Positive] = setting("prediction times")
     window_lt: Positive = setting("length of the window that a forecast is judged in")
     flows: Count = setting("series that each forecaster controls, taken after the training series")

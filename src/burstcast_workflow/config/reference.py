@@ -4,14 +4,17 @@
 """
 
 import json
+import re
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import yaml
 from pydantic_core import PydanticUndefined
 
+from burstcast.forecasters.registry import all_kinds
 from burstcast_workflow.config.kinds import RELATIONS
-from burstcast_workflow.config.model import Configuration
+from burstcast_workflow.config.model import KINDS, Configuration
 from burstcast_workflow.config.places import Place
 from burstcast_workflow.project import project_root
 
@@ -22,20 +25,28 @@ Every setting of a configuration with its default, from [config.yaml](../config.
 model of the section. `campaign` is a list of blocks. An entry of `cases` may have any setting of
 `case_defaults`, which it overrides. A case of another system than the shear flow starts from the
 defaults of its class, and takes only settings without units from `case_defaults`
-([tutorial.md](tutorial.md)). Kinds of forecasters are modules of `burstcast.forecasters`; a kind
-that is left out or null is not used. Mappings of an overlay are merged with config.yaml, and all
-other values, lists included, replace its values; null removes a kind that config.yaml has.
+([tutorial.md](tutorial.md)). Mappings of an overlay are merged with config.yaml, and all other
+values, lists included, replace its values.
+
+Kinds of forecasters ([method.md](method.md)) are given as a list,
+`[equations, esn: {neurons: [500], validation: [RV], seeds: 3}]`, or as a mapping,
+`{equations: {}, esn: ...}`. In a mapping, null removes a kind that config.yaml has. The networks
+`esn_true_washout` and `esn_aware` have the axes of `esn`.
+{kinds}
 
 Editors complete settings and show their meaning by the JSON Schema
 `workflow/schemas/config.schema.json`, named in the first line of config.yaml. `make pages`
 generates the schema and this page.
 """
+# kinds of forecasters that are chosen as others are: those without axes, and networks beside esn
+_ALIKE = re.compile(r"\.forecasters\.(?!esn\.)(?<!campaign\[]\.forecasters\.(?=external))")
 _COLUMNS = ("Setting", "Allowed", "Unit", "Default", "Meaning")
 
 
 def text(config: Mapping[str, Any]) -> str:
     """Text of the reference, with the defaults of a configuration."""
-    return _HEAD + "".join(f"{line}\n" for line in _lines(config))
+    kinds = textwrap.fill(f"The kinds are {', '.join(all_kinds())}.", 100)
+    return _HEAD.replace("{kinds}", kinds) + "".join(f"{line}\n" for line in _lines(config))
 
 
 def _lines(config: Mapping[str, Any]) -> Iterator[str]:
@@ -45,7 +56,8 @@ def _lines(config: Mapping[str, Any]) -> Iterator[str]:
         yield f"\n## {name}\n\n{meaning}.\n"
         yield from (_row(_COLUMNS), _row(["---"] * len(_COLUMNS)))
         for place in (section, *section.settings()):
-            if not place.fields:
+            has_row = not place.fields or KINDS in place.bounds
+            if has_row and not _ALIKE.search(place.name):
                 others = [f"{RELATIONS[key]} `{other}`" for key, other in place.relations.items()]
                 allowed = "; ".join([place.allowed(), *others])
                 default = _default(config, place)

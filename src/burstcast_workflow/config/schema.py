@@ -8,7 +8,7 @@ by the workflow alone.
 import json
 from typing import Any
 
-from burstcast_workflow.config.model import Configuration
+from burstcast_workflow.config.model import BlockForecasters, Choice, Configuration
 
 _OF_MESSAGES = ("multiple_of", "relations", "required", "title", "unit")
 """What the model says about a setting for messages and the reference."""
@@ -19,6 +19,10 @@ _BOUNDS = {"ge": "minimum", "le": "maximum", "gt": "exclusiveMinimum", "lt": "ex
 def schema() -> dict[str, Any]:
     """The schema, with units in the descriptions."""
     made: dict[str, Any] = _plain(Configuration.model_json_schema(), "")
+    for name in (BlockForecasters.__name__, Choice.__name__):
+        mapping = made["$defs"][name]
+        kinds = {"anyOf": [{"enum": [*mapping["properties"]]}, {"$ref": f"#/$defs/{name}"}]}
+        made["$defs"][name] = {"anyOf": [mapping, {"type": "array", "items": kinds}]}
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **made}
 
 
