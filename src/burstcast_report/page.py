@@ -51,7 +51,7 @@ _SPELT = {
     "reynolds": "Reynolds number",
 }
 # What differs from config.yaml in every campaign, and is shown elsewhere on the page.
-_TOLD_ELSEWHERE = ("campaign", "results", "figures", "captions")
+_SHOWN_ELSEWHERE = ("campaign", "results", "figures", "captions")
 
 
 @dataclass(frozen=True)
@@ -201,13 +201,13 @@ def other_settings(config: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     paper = load(yaml.safe_load(path.read_text(encoding="utf-8")))
     here, there = (dict(leaves(one)) for one in (config, paper))
 
-    def told(settings: Mapping[str, Any], name: str) -> str:
+    def cell(settings: Mapping[str, Any], name: str) -> str:
         return json.dumps(settings[name]) if name in settings else ""
 
     return [
-        (name, told(here, name), told(there, name))
+        (name, cell(here, name), cell(there, name))
         for name in dict.fromkeys([*here, *there])
-        if name.partition(".")[0] not in _TOLD_ELSEWHERE
+        if name.partition(".")[0] not in _SHOWN_ELSEWHERE
         and (name not in here or name not in there or here[name] != there[name])
     ]
 

@@ -1,4 +1,4 @@
-"""A workflow as Snakemake has planned it: to be looked at, not run."""
+"""Plans of a workflow by Snakemake, for commands that inspect it without running it."""
 
 import io
 import sys
@@ -20,7 +20,7 @@ _CHANGING = (
 
 
 def planned(arguments: Sequence[str]) -> Any:
-    """Let Snakemake plan by its options, and return its workflow; `SystemExit` where it cannot."""
+    """Snakemake's workflow, planned under its own options; `SystemExit` if that fails."""
     global started
     started, said = None, io.StringIO()
     with redirect_stdout(said), redirect_stderr(said):

@@ -16,7 +16,7 @@ from snaketrust.project import Project
 from snaketrust.run import OvertakenError, Run
 
 MEMORY = Path(".snakemake") / "snaketrust.json"
-"""What sources do, as the last plan has found out, in Snakemake's own directory (`Codes`)."""
+"""Cache of the code hashes of sources (`Codes`), in Snakemake's own directory."""
 
 OwnModules = Mapping[str, Sequence[str] | None]
 """Modules of a user's own that are found by name, with the files that they read (`Sources`)."""
@@ -26,7 +26,7 @@ OwnModules = Mapping[str, Sequence[str] | None]
 class Started:
     """Config and sources for rules."""
 
-    config: dict[str, Any]  # of the run, whatever its files say by now
+    config: dict[str, Any]  # of the run; its files may have changed since
     run: Run  # with the results directory
     sources: Sources  # the code of jobs: `Sources.fingerprint` makes their parameter ``code``
 
@@ -43,24 +43,24 @@ def start(
     Parameters
     ----------
     workflow
-        Snakemake's.
+        Snakemake's workflow.
     project
         The workflow's code.
     results
-        Gives the results directory from the config.
+        Function from the config to the results directory.
     load
-        Gives the config, plain data. It is not called for a job of a cluster, which takes the
-        config from the run's claim.
+        Function that returns the config, plain data. It is not called for a job of a cluster, which
+        takes the config from the run's claim.
     own_modules
-        Gives modules of the user's own from the config.
+        Function from the config to the user's own modules.
 
     Raises
     ------
     UnlikeCodeError
         If Python imports other packages than those beside the workflow, or runs an old version.
     RefusedError
-        If the Snakefile starts a second workflow with other results or another config, or a rule
-        (at the end of planning) is one whose results cannot be trusted.
+        If the Snakefile starts a second workflow with other results or another config, or (at the
+        end of planning) the results of a rule cannot be trusted.
     OvertakenError
         If another run has overtaken the one that this job belongs to.
     """
@@ -79,7 +79,7 @@ def start(
     make_importable(directories)
     config = load()
     planned = _told(config)  # the workflow may add to the config what is no setting
-    # where another workflow's prefix puts it, if it has this one as a module
+    # with the prefix of a workflow that uses this one as a module
     place = workflow.modifier.path_modifier.replace_prefix(results(config))
     if plan.started is workflow:
         return _once_more(project, place, planned)
@@ -111,7 +111,7 @@ def start(
     return started
 
 
-_first: list[Any] = []  # root, results, config of the last workflow, and what it was given
+_first: list[Any] = []  # root, results and config of the last workflow, and its `Started`
 
 
 def _told(config: dict[str, Any]) -> Any:
@@ -126,7 +126,7 @@ def _told(config: dict[str, Any]) -> Any:
 
 
 def _once_more(project: Project, results: str, planned: Any) -> Started:
-    """Repeat what the same module was given when `use rule` read it before."""
+    """Return what the same module received when `use rule` first read it."""
     if [project.root, results, repr(planned)] != _first[:3]:
         raise RefusedError(
             f"this Snakefile starts snaketrust for {_first[1]} and for {results}: one run owns one "
@@ -137,10 +137,10 @@ def _once_more(project: Project, results: str, planned: Any) -> Started:
 
 
 def _refuse_what_nothing_makes(workflow: Any, known: KnownResults) -> None:
-    """Make it an error if a result is needed and there, but no job makes it.
+    """Refuse a workflow that needs an existing result that none of its jobs makes.
 
-    Snakemake takes such a file for a source, whether its name matches no rule or something is
-    missing that it was made from, and has nothing to do.
+    Snakemake takes such a file for a source, and has nothing to do, although its name matches no
+    rule, or a file that it was made from is missing.
     """
     options = workflow.dag_settings
     if options.until or options.omit_from or options.batch or options.allowed_rules:

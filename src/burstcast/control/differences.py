@@ -20,11 +20,11 @@ COMPARED = ("relative_exceedance", "control_fraction")
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """Flows and identity of a run that is compared."""
+    """Flows, identity and scores of a run that is compared."""
 
     forecaster: str | None  #: None for strategies without forecasts
-    strategy: str  #: how, with all settings and conditions
-    rows: IntArray  #: which flows it had
+    strategy: str  #: strategy, with all settings and conditions
+    rows: IntArray  #: rows of its flows, ``(flows,)``
     span: Span
     #: scores of `burstcast.control.records.score_flows`; `COMPARED` at least
     scores: Mapping[str, ResampledScore]

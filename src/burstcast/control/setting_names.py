@@ -1,4 +1,4 @@
-"""Settings of strategies in words: as parts of names, and as columns of tables."""
+"""Settings of strategies as parts of names, as columns of tables and as words."""
 
 import re
 from collections.abc import Mapping
@@ -6,12 +6,12 @@ from typing import Any
 
 
 def is_option(value: Any) -> bool:
-    """Whether a value of a setting is no number: truth, text or a list of numbers."""
+    """Whether a value of a setting is a truth value, text or a list rather than a number."""
     return isinstance(value, bool | str | list | tuple)
 
 
 def named(value: Any) -> str:
-    """Value as a part of a name; characters that paths must not have are replaced by their numbers.
+    """Value as a part of a name; other characters than A-Z, a-z, 0-9, . + - become their codes.
 
     Examples
     --------

@@ -1,10 +1,9 @@
 """Dynamics of the reservoir, driven by data (open loop) or by its own predictions (closed loop).
 
 One step is r <- tanh(W_in [u; b_in] + W r), a prediction [r; 1]^T W_out (section "Echo state
-networks" of the paper). Leaking neurons go only a part of the way, the leak rate, from r to that;
-a quadratic readout squares every second entry of r (`burstcast.esn.readout`). Everything works on a
-batch of trajectories at once; each of them is bit for bit the same whatever the batch that it is
-part of.
+networks" of the paper). Leaking neurons take only a share of this step, the leak rate; a quadratic
+readout squares every second entry of r (`burstcast.esn.readout`). All methods work on a batch of
+trajectories at once; each trajectory is bit for bit the same whatever batch it is part of.
 """
 
 from collections.abc import Iterator, Sequence
@@ -38,10 +37,10 @@ class DynamicsBackend(Protocol):
 
 @dataclass(frozen=True)
 class StatePanel:
-    """Reservoir states of a stretch of steps."""
+    """Reservoir states of consecutive steps."""
 
-    #: start, stop: the stretch: the states after the inputs ``start`` to ``stop - 1``. The state
-    #: after input i predicts the data at step i + 1.
+    #: start, stop: the states are those after the inputs ``start`` to ``stop - 1``; the state after
+    #: input i predicts the data at step i + 1
     start: int
     stop: int
     states: FloatArray  #: shape ``(neurons, stop - start, batch)``, C-contiguous
@@ -194,7 +193,7 @@ class Dynamics:
         weights
             Readout weights W_out, the bias last, shape ``(neurons + 1, dimension)``.
         input_range
-            What the inputs are divided by, shape ``(dimension,)``.
+            Divisors of the inputs, shape ``(dimension,)``.
         states
             Initial states, shape ``(neurons, batch)``. They are not changed.
         steps

@@ -21,8 +21,8 @@ class FactoredStates:
     """Features of a readout that is linear in factors."""
 
     neurons: int  #: size of the reservoir
-    #: neurons that the input reaches. The others settle at constants, whose products with a factor
-    #: are copies of the factor: they have no such products.
+    #: neurons that the input reaches; other neurons settle at constants, whose products with a
+    #: factor would be copies of the factor, and are left out
     driven: IntArray
     factors: int  #: number of factors; 0: the features are the states
 
@@ -37,20 +37,19 @@ class FactoredStates:
         return self.neurons + self.factors * (len(self.driven) + 1)
 
     def features(self, states: FloatArray, factors: FloatArray) -> FloatArray:
-        """Features of states.
+        """Features ``(size, columns)``: the states, the driven states times each factor, factors.
 
-        ``states``: ``(neurons, columns)``. ``factors``: In force from each column's step to the
-        next, ``(factors, columns)``. Shape ``(size, columns)``: the states, the driven states times
-        each factor, the factors.
+        ``states``: ``(neurons, columns)``. ``factors``: Factors in force from each column's step to
+        the next, ``(factors, columns)``.
         """
         driven = states[self.driven]
         return np.concatenate([states, *(factor * driven for factor in factors), factors])
 
     def weights_at(self, weights: FloatArray, factors: FloatArray) -> FloatArray:
-        """Readout of the states alone under given factors.
+        """Readout of the states alone under given factors, ``(neurons + 1, dimension)``.
 
-        ``weights``: Weights of the features, the bias last, ``(size + 1, dimension)``. ``factors``:
-        ``(factors,)``. Shape ``(neurons + 1, dimension)``, the bias last.
+        ``weights``: Weights of the features, ``(size + 1, dimension)``. ``factors``:
+        ``(factors,)``. The bias is last in both.
         """
         if len(weights) != self.size + 1:
             raise ValueError(f"a readout of {self.size} features has no {len(weights)} weights")
@@ -87,9 +86,9 @@ def factored_closed_loop(
 
     ``dynamics``, ``input_range``, ``states``: As in `burstcast.esn.dynamics.Dynamics.closed_loop`.
     ``weights``: Weights of the features (`FactoredStates`), ``(size + 1, dimension)``. ``factors``:
-    In force during each step, ``(steps, factors, batch)``. Returns outputs ``(steps, dimension,
-    batch)`` and states ``(neurons, batch)``, as of `burstcast.esn.dynamics.Dynamics.closed_loop`. A
-    forecast that has left the finite numbers when its factors change is not a number from there on.
+    Factors in force during each step, ``(steps, factors, batch)``. Returns outputs ``(steps,
+    dimension, batch)`` and states ``(neurons, batch)``, as `Dynamics.closed_loop` does. A forecast
+    that has overflowed when its factors change is NaN from there on.
     """
     layout = FactoredStates.of(dynamics.reservoir, factors.shape[1])
     outputs = np.full((len(factors), len(input_range), states.shape[1]), np.nan)

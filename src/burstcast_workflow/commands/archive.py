@@ -111,13 +111,13 @@ def contents(results: Path, config: Mapping[str, Any], why: str) -> dict[str, by
         raise NothingToArchiveError(
             f"{results} has neither tables nor figures yet: run the campaign first"
         )
-    told = versions(results)
+    made_by = versions(results)
     # a path that exists wherever the campaign is run again
     portable = {**config, "results": f"results/{results.name}"}
     found["config.yaml"] = yaml.safe_dump(portable, sort_keys=True).encode()
-    found["versions.json"] = f"{json.dumps(told, indent=2)}\n".encode()
+    found["versions.json"] = f"{json.dumps(made_by, indent=2)}\n".encode()
     found["why.txt"] = f"{why}\n".encode()
-    readme = _README.format(name=results.name, revision=f"revision {told['revision']}")
+    readme = _README.format(name=results.name, revision=f"revision {made_by['revision']}")
     found["README.md"] = readme.encode()
     found["CITATION.cff"] = (project_root() / "CITATION.cff").read_bytes()
     return {f"{results.name}/{name}": content for name, content in found.items()}

@@ -68,9 +68,9 @@ def write_points(
 ) -> None:
     """Write starting points, observed washouts, and the true window summaries.
 
-    ``series``: What the points lie in: states, what is observed of them, both ``(series, time,
-    dimension)``, and the true observable, ``(series, time)``. ``spacing``: Setting of the distance
-    of two points, and its value in Lyapunov times. ``schedules``: Parameters in force in each step,
+    ``series``: True states and observed ones, ``(series, time, dimension)`` each, and the true
+    observable, ``(series, time)``. ``spacing``: Name of the setting with the distance of two
+    points, and its value in Lyapunov times. ``schedules``: Parameters in force in each step,
     ``(series, time - 1, parameters)``; None: the parameters of the case.
     """
     system, steps = system_of(settings), lyapunov_time(settings)

@@ -12,7 +12,7 @@ def sampling_interval(settings: Settings) -> float:
 
 
 def long_run_steps(settings: Settings, ensemble: str) -> int:
-    """Steps of each long run: as many as a series has where no duration is known."""
+    """Steps of each long run; without ``statistics.duration``, as many as a series has."""
     duration: float | None = settings["statistics.duration"]
     if duration is None:
         return len(read_netcdf(ensemble, "time")["time"]) - 1

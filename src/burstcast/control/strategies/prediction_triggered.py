@@ -2,10 +2,10 @@
 
 Source: section "Control of extreme events" of the paper. A forecast made at step t covers the
 window from t + prediction time to t + prediction time + window. Without an alarm the next forecast
-is made one window later, so that windows follow on one another without a gap; after an alarm it is
-made at the end of the alarm's window. The stretch of one prediction time between that and the next
-window is covered by no forecast. An alarm sets off the case's actuation, which starts and lasts as
-the case says; where it is still on at the next alarm, it stays on until the later of the two ends.
+is made one window later, so that windows follow each other without a gap; after an alarm it is made
+at the end of the alarm's window, and the prediction time up to the next window is covered by no
+forecast. An alarm sets off the case's actuation, with the start and duration of the case; if it is
+still on at the next alarm, it stays on until the later of the two ends.
 
 Steps count from the end of the first window: flows are chosen to be free of events up to there.
 """
@@ -26,7 +26,7 @@ from burstcast.forecast.windows import crosses_in_window
 
 @dataclass(frozen=True)
 class PredictionTriggered(ControlStrategy):
-    """Acts for a while on each alarm."""
+    """Actuates for a fixed duration after each alarm."""
 
     forecasts = True
 
@@ -65,7 +65,7 @@ class PredictionTriggered(ControlStrategy):
         return Timing(schedule, (end - start, end), (first, first + length), settling=end)
 
     def policy(self, experiment: ControlExperiment, forecaster: Any) -> Policy:
-        """Act where the forecast crosses the threshold in the window."""
+        """Policy that acts if the forecast crosses the threshold in the window."""
         start, end = self.window(experiment.schedule)
         observable = experiment.observed_space.observable
 
@@ -76,7 +76,7 @@ class PredictionTriggered(ControlStrategy):
         return decide
 
     def judge(self, flows: RunningFlows, looks: Looks) -> Mapping[str, BoolArray]:
-        """What would have come without each alarm, and what came with it."""
+        """Outcomes of each alarm, and outcomes without it (`judge_alarms`)."""
         return judge_alarms(flows, looks)
 
     def categories(self, flows: ControlledFlows) -> WindowCounts:

@@ -13,7 +13,7 @@ from typing import ClassVar
 
 @dataclass(frozen=True)
 class ValidationPlan:
-    """Parameters of a validation, the same for all strategies; each uses what it needs.
+    """Parameters of a validation, common to all strategies; a strategy uses some of them.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class Block:
     series
         Rows of neighbouring series.
     stop
-        The first step that is no target any more.
+        First step that is no longer a target.
     """
 
     series: range
@@ -90,9 +90,9 @@ class Fold:
     Attributes
     ----------
     trained
-        What it is trained on: no series is in two blocks. The moments of the blocks are added up.
+        Training data, with no series in two blocks. The moments of the blocks are added up.
     series
-        Rows of neighbouring series that validate it.
+        Rows of neighbouring series that validate the readout.
     starts
         First steps of the intervals, in each of these series. The closed loop starts from the
         state that has seen all the data of its series before that step.
@@ -106,7 +106,7 @@ class Fold:
 class ValidationStrategy(abc.ABC):
     """Validation of hyperparameters from the training series alone.
 
-    A subclass is found by its `name`, in whatever module of this package it lies.
+    A subclass is found by its `name`, in any module of this package.
     """
 
     name: ClassVar[str]
@@ -137,7 +137,7 @@ class ValidationStrategy(abc.ABC):
 
 
 def use_of_series(folds: Sequence[Fold], row: int) -> tuple[int, list[int]]:
-    """Return the use of one series by each fold.
+    """Return the use of one series by all folds together.
 
     Parameters
     ----------
