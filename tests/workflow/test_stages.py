@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from helpers_rules import Wildcards, workflow
 
+from burstcast.declared_settings import paths_by_argument
 from burstcast.figures.registry import figure_module
 from burstcast.forecasters.registry import all_kinds, available_kinds, kind_class
 from burstcast.tables.makers._probabilities import SETTINGS as SCORED
@@ -147,11 +148,11 @@ def test_a_script_takes_the_files_of_its_rule(rule):
 @pytest.mark.parametrize("name", MAKERS)
 def test_tables_are_made_of_all_that_they_declare_and_of_nothing_else(name):
     declared = maker(name).TABLES
-    what = [*declared.inputs, *declared.gathered, *declared.settings]
+    what = [*declared.inputs, *declared.gathered, *declared.paths]
     assert len(what) == len(set(what))
     taken = inspect.signature(maker(name).make).parameters
     # what all tables of probabilities are scored with is handed on
-    shared = SCORED if "scored" in taken else {}
+    shared = paths_by_argument(SCORED) if "scored" in taken else {}
     if "searched" in taken:
         shared = {"spectral_radius", "input_scaling", "tikhonov"}
     assert {*taken} - {"scored", "searched"} == {*what} - ({*shared} - {*taken})
@@ -275,7 +276,7 @@ def reads_of(rule):
         return settings_read(path, main_of(path))
     shared = (definition(path, name) for name in ("of_case", "write_tables"))
     of_all = set().union(*(settings_read(*place) for place in shared))
-    return of_all | {*maker(rule).TABLES.settings.values()}
+    return of_all | {*maker(rule).TABLES.paths.values()}
 
 
 def covered(path, paths):

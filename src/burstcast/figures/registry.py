@@ -15,6 +15,7 @@ from pathlib import Path
 from types import ModuleType
 
 import burstcast.figures
+from burstcast.declared_settings import paths_by_argument
 from burstcast.discovery import imported, module_names
 
 _OTHERS = ("parts", "registry")
@@ -35,9 +36,8 @@ class Declaration:
     #: JSON file as a mapping. A place with several directories gives a list.
     #: ``<file>.nc:<variable>`` is one variable.
     inputs: Mapping[str, str] = field(default_factory=dict)
-    #: paths of settings in the config: ``name=path``, or the path alone where the argument has the
-    #: name of its last part. ``case.`` stands for the figure's case; ``shown.`` for what the
-    #: campaign chooses to show.
+    #: paths of settings in the config (`burstcast.declared_settings`). ``case.`` stands for the
+    #: figure's case; ``shown.`` for what the campaign chooses to show.
     settings: str = ""
     #: name of the choice of cases that the figure is made for. The first case has the plain name,
     #: the figures of the others end in ``_<case>``.
@@ -50,8 +50,7 @@ class Declaration:
     @property
     def paths(self) -> dict[str, str]:
         """Path of each setting by the name of its argument."""
-        parts = (one.rpartition("=") for one in self.settings.split())
-        return {name or path.rpartition(".")[2]: path for name, _, path in parts}
+        return paths_by_argument(self.settings)
 
 
 def available_figures() -> list[str]:

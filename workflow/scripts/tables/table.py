@@ -23,6 +23,6 @@ def make_tables(*, tables: list[str], settings: Settings, **files: str | list[st
     of_each = {
         name: gathered(settings, files[name], names) for name, names in made_of.gathered.items()
     }
-    values = {name: settings[path] for name, path in made_of.settings.items()}
+    values = {name: settings[path] for name, path in made_of.paths.items()}
     rows = of_case(settings, module.make(**inputs, **of_each, **values))
     write_tables(tables, settings, **rows)

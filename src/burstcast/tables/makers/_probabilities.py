@@ -23,16 +23,11 @@ INPUTS = {
 GATHERED = {"forecasts": ""}
 """Inputs of all these tables."""
 
-SETTINGS = {
-    "case": "case",
-    "root_seed": "random_seed",
-    "event_threshold": "case.event_threshold",
-    "times": "classification.prediction_times_lt",
-    "window_lt": "classification.window_lt",
-    "resolution_lt": "classification.resolution_lt",
-    "resamples": "bootstrap.resamples",
-    "confidence": "bootstrap.confidence",
-}
+SETTINGS = (
+    "case root_seed=random_seed case.event_threshold times=classification.prediction_times_lt "
+    "classification.window_lt classification.resolution_lt bootstrap.resamples "
+    "bootstrap.confidence"
+)
 """Settings of all these tables."""
 
 

@@ -21,16 +21,9 @@ from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 TABLES = Declaration(
     inputs={"evaluation_set": "series washout_maximum first largest", "calibration": ""},
     gathered={"forecasts": ""},
-    settings={
-        "case": "case",
-        "root_seed": "random_seed",
-        "event_threshold": "case.event_threshold",
-        "prediction_times_lt": "classification.prediction_times_lt",
-        "window_lt": "classification.window_lt",
-        "resolution_lt": "classification.resolution_lt",
-        "resamples": "bootstrap.resamples",
-        "confidence": "bootstrap.confidence",
-    },
+    settings="case root_seed=random_seed case.event_threshold classification.prediction_times_lt "
+    "classification.window_lt classification.resolution_lt bootstrap.resamples "
+    "bootstrap.confidence",
 )
 
 

@@ -15,12 +15,7 @@ TABLES = Declaration(
         "flows": "edge histogram_uncontrolled histogram_controlled histogram_free row "
         "laminar_step_uncontrolled laminar_step_controlled"
     },
-    settings={
-        "case": "case",
-        "root_seed": "random_seed",
-        "resamples": "bootstrap.resamples",
-        "confidence": "bootstrap.confidence",
-    },
+    settings="case root_seed=random_seed bootstrap.resamples bootstrap.confidence",
 )
 
 SAMPLES = ("uncontrolled", "controlled", "free")

@@ -13,13 +13,8 @@ from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
 TABLES = Declaration(
     gathered={"flows": FLOWS},
-    settings={
-        "case": "case",
-        "root_seed": "random_seed",
-        "noise": "case.training.noise",
-        "resamples": "bootstrap.resamples",
-        "confidence": "bootstrap.confidence",
-    },
+    settings="case root_seed=random_seed case.training.noise bootstrap.resamples "
+    "bootstrap.confidence",
 )
 
 

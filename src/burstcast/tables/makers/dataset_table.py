@@ -9,12 +9,8 @@ from burstcast.tables.makers.registry import Declaration, Rows
 
 TABLES = Declaration(
     inputs={"summary": "", "events_summary": "", "exponents": ""},
-    settings={
-        "time_step": "case.ensemble.time_step",
-        "sampling_stride": "case.ensemble.sampling_stride",
-        "time_unit": "case.lyapunov.time_unit",
-        "published_exponent": "case.lyapunov.published_exponent",
-    },
+    settings="case.ensemble.time_step case.ensemble.sampling_stride case.lyapunov.time_unit "
+    "case.lyapunov.published_exponent",
 )
 
 ENDS = ("mean", "low", "high")

@@ -16,12 +16,7 @@ from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
 TABLES = Declaration(
     gathered={"horizons": "prediction_horizon_lt"},
-    settings={
-        "case": "case",
-        "root_seed": "random_seed",
-        "resamples": "bootstrap.resamples",
-        "confidence": "bootstrap.confidence",
-    },
+    settings="case root_seed=random_seed bootstrap.resamples bootstrap.confidence",
 )
 
 METRICS = ("mean_horizon_lt", "median_horizon_lt")

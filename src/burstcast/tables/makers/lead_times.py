@@ -23,11 +23,7 @@ from burstcast.tables.makers.registry import PATH, Declaration, Gathered, Rows
 TABLES = Declaration(
     inputs={"ensemble": PATH, **INPUTS},
     gathered=GATHERED,
-    settings={
-        **SETTINGS,
-        "training_series": "case.training.series",
-        "start_spacing_lt": "classification.start_spacing_lt",
-    },
+    settings=f"{SETTINGS} training_series=case.training.series classification.start_spacing_lt",
 )
 
 

@@ -12,12 +12,7 @@ from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 TABLES = Declaration(
     inputs={"spectrum": "exponents"},
     gathered={"forecasters": "exponents"},
-    settings={
-        "case": "case",
-        "root_seed": "random_seed",
-        "resamples": "bootstrap.resamples",
-        "confidence": "bootstrap.confidence",
-    },
+    settings="case root_seed=random_seed bootstrap.resamples bootstrap.confidence",
 )
 
 

@@ -16,7 +16,7 @@ from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 TABLES = Declaration(
     inputs=INPUTS,
     gathered=GATHERED,
-    settings={**SETTINGS, "bins": "probability.bins"},
+    settings=f"{SETTINGS} probability.bins",
 )
 
 

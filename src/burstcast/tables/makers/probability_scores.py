@@ -16,9 +16,7 @@ from burstcast.tables.makers._probabilities import (
 )
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
-TABLES = Declaration(
-    inputs=INPUTS, gathered=GATHERED, settings={**SETTINGS, "bins": "probability.bins"}
-)
+TABLES = Declaration(inputs=INPUTS, gathered=GATHERED, settings=f"{SETTINGS} probability.bins")
 
 COMPARED_METRICS = ("brier_skill", "average_precision", "f_score")
 

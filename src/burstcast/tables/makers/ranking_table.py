@@ -19,7 +19,7 @@ from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 TABLES = Declaration(
     inputs={**INPUTS, "evaluation_set": f"{INPUTS['evaluation_set']} washout"},
     gathered=GATHERED,
-    settings={**SETTINGS, "system": "case.system", "parameters": "case.parameters"},
+    settings=f"{SETTINGS} case.system case.parameters",
 )
 
 

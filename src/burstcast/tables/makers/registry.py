@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
 
+from burstcast.declared_settings import paths_by_argument
 from burstcast.discovery import imported
 from burstcast.forecasters._names import ForecasterName
 
@@ -30,8 +31,14 @@ class Declaration:
     #: likewise of inputs that are files of all forecasters, or of all runs of control: each is a
     #: list of `Gathered`
     gathered: Mapping[str, str] = field(default_factory=dict)
-    #: path of each setting in the config. ``case.`` stands for the case; ``case`` is its name.
-    settings: Mapping[str, str] = field(default_factory=dict)
+    #: paths of settings in the config (`burstcast.declared_settings`). ``case.`` stands for the
+    #: case; ``case`` is its name.
+    settings: str = ""
+
+    @property
+    def paths(self) -> dict[str, str]:
+        """Path of each setting by the name of its argument."""
+        return paths_by_argument(self.settings)
 
 
 @dataclass(frozen=True)

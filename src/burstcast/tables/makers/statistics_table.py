@@ -19,15 +19,8 @@ from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 TABLES = Declaration(
     inputs={"data": "", "training": "", "floor": ""},
     gathered={"long_term": ""},
-    settings={
-        "case": "case",
-        "root_seed": "random_seed",
-        "system": "case.system",
-        "parameters": "case.parameters",
-        "profile_points": "statistics.profile_points",
-        "resamples": "bootstrap.resamples",
-        "confidence": "bootstrap.confidence",
-    },
+    settings="case root_seed=random_seed case.system case.parameters statistics.profile_points "
+    "bootstrap.resamples bootstrap.confidence",
 )
 
 SHARES = {

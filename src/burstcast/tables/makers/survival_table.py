@@ -14,12 +14,8 @@ from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 TABLES = Declaration(
     inputs={"ensemble": "series lifetime time"},
     gathered={"long_term": "fate lifetime"},
-    settings={
-        "time_step": "case.ensemble.time_step",
-        "sampling_stride": "case.ensemble.sampling_stride",
-        "duration": "statistics.duration",
-        "confidence": "bootstrap.confidence",
-    },
+    settings="case.ensemble.time_step case.ensemble.sampling_stride statistics.duration "
+    "bootstrap.confidence",
 )
 
 POINTS = 101

@@ -26,17 +26,9 @@ TABLES = Declaration(
         **dict.fromkeys(("data", "events_summary", "dataset", "classification"), ""),
         **dict.fromkeys(("hyperparameters", "statistics", "lyapunov_spectrum"), ""),
     },
-    settings={
-        "event_threshold": "case.event_threshold",
-        "training_series": "case.training.series",
-        "noise": "case.training.noise",
-        "system": "case.system",
-        "parameters": "case.parameters",
-        "wanted_events": "horizon.events",
-        "spectral_radius": "search.spectral_radius",
-        "input_scaling": "search.input_scaling",
-        "tikhonov": "search.tikhonov",
-    },
+    settings="case.event_threshold training_series=case.training.series case.training.noise "
+    "case.system case.parameters wanted_events=horizon.events search.spectral_radius "
+    "search.input_scaling search.tikhonov",
 )
 
 ENSEMBLE = ["forecaster", "neurons", "validation"]
