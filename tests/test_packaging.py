@@ -191,7 +191,7 @@ OTHERS = ["snakemake", "pydantic", "matplotlib", "skimage", "burstcast_workflow"
 
 
 def test_dataclasses_are_frozen():
-    """What has been checked when it was made stays so, and can be a key."""
+    """What has been checked when it was made stays so, and can be a key; an estimator is fitted."""
     thawed = [
         f"{path.stem}.{node.name}"
         for path in (SOURCE / "burstcast").rglob("*.py")
@@ -200,7 +200,7 @@ def test_dataclasses_are_frozen():
         for decorator in map(ast.unparse, node.decorator_list)
         if decorator.startswith("dataclass") and "frozen=True" not in decorator
     ]
-    assert thawed == []
+    assert thawed == ["forecaster.EventForecaster"]
 
 
 IMPORT_ALL = """

@@ -142,7 +142,8 @@ def test_tables_of_nullable_types():
     ("data", "message"),
     [
         (np.zeros((5, 3)), r"not \(5, 3\): a single series is series\[np.newaxis\]"),
-        (np.zeros(5), r"must be \(series, time, component\), not \(5,\)"),
+        (np.zeros(5), r"not \(5,\): a single series is series\[np.newaxis, :, np.newaxis\]"),
+        (pd.DataFrame(np.zeros((5, 3))), r"not \(5, 3\): a single table is \[table\]"),
         (np.zeros((0, 5, 3)), "empty"),
         (np.array([[[0.0], [np.nan]]]), "series 0 is nan at step 1, component 0"),
         (FakeArray(np.zeros((1, 2, 3)), ("run", "time", "component")), "not run, time, component"),
@@ -443,7 +444,7 @@ def test_another_file_is_no_forecaster(attributes, message, tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"lyapunov_time": None}, "is 0.5, which is 0 samples; .* unless lyapunov_time"),
+        ({"lyapunov_time": None}, "is 0.25, which is 0 samples; .* unless lyapunov_time"),
         ({"lyapunov_time": -1.0}, "lyapunov_time must be positive"),
         ({"prediction_times": ()}, "one entry at least"),
         ({"prediction_times": (0.001,)}, "a prediction time is 0.001, which is 0 samples"),

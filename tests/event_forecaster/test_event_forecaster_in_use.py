@@ -29,7 +29,7 @@ from burstcast.systems.mfe import MoehlisFaisstEckhardt
 DOCS = Path(__file__).parents[2] / "docs"
 TINY = {**SMALL, "members": 2, "neurons": 30}
 # networks of 30 neurons of a few hundred samples are as bad as they are told to be
-pytestmark = pytest.mark.filterwarnings("ignore:the search ended", "ignore:prediction time")
+pytestmark = pytest.mark.filterwarnings("ignore:signs of a weak forecaster")
 
 
 @pytest.fixture(scope="module")
@@ -148,14 +148,14 @@ def test_the_version():
 
 
 # -- warnings --------------------------------------------------------------------------------------
-@pytest.mark.filterwarnings("default:the search ended", "default:prediction time")
+@pytest.mark.filterwarnings("default:signs of a weak")
 def test_a_search_that_ended_on_its_edge_warns(series):
     narrow = {**TINY, "calibrate": False, "input_scaling": (9.0, 10.0)}
     with pytest.warns(UserWarning, match=r"input_scaling at its (lower|upper) bound .* beyond it"):
         burstcast.EventForecaster(**narrow).fit(series)
 
 
-@pytest.mark.filterwarnings("default:prediction time")
+@pytest.mark.filterwarnings("default:signs of a weak")
 def test_votes_that_tell_nothing_warn(series):
     noise = np.random.default_rng(0).standard_normal((6, 500, 1))
     with pytest.warns(UserWarning, match="votes do not tell the .* no better than chance"):
@@ -465,7 +465,7 @@ def test_a_network_forecasts_as_one_of_the_library_with_the_same_search(network)
 
 
 def test_series_under_different_parameters_take_turns():
-    from burstcast.event_forecaster.networks import in_turns
+    from burstcast.event_forecaster.committee import in_turns
 
     schedules = np.repeat(np.repeat(REYNOLDS, 2), 4).reshape(6, 4, 1)
     assert in_turns(schedules).tolist() == [0, 2, 4, 1, 3, 5]

@@ -1,73 +1,141 @@
-"""A committee: the members of the ensembles of one or several forecasters."""
+"""A committee of networks: for each of them a search for its hyperparameters, then its training.
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+Loaded when networks are made: other kinds of forecasters need not wait for it.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
-from burstcast.forecast.observed_points import ObservedPoints
-from burstcast.forecast.window_forecasts import member_forecasts, window_forecasts
-from burstcast.forecast.windows import WindowSummaries
-from burstcast.forecasters.base import Forecaster, ForecastingCase
-from burstcast.probability.out_of_sample import out_of_sample_forecasts
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.data.dataset import network_input_range
+from burstcast.esn.reservoir import ReservoirSeed
+from burstcast.esn.training import TrainingSeries
+from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
+from burstcast.forecasters.esn_aware import factored_training
+from burstcast.statistics.warning_signs import optimum_on_edge
+from burstcast.tuning.hyperparameters import SearchSpace
+from burstcast.tuning.negligible_ridge import negligible_ridge
+from burstcast.tuning.network_search import best, optimiser_seed, search
+from burstcast.tuning.scan import scan
+from burstcast.tuning.strategies.base import ValidationPlan
+from burstcast.tuning.strategies.registry import make_strategy, scanned_with
+from burstcast.tuning.trained_networks import trained_networks
+from burstcast.tuning.validation import PointValidator
+
+# Reported results of the search for each network.
+_FOUND = ("spectral_radius", "input_scaling", "leak_rate", "tikhonov", "objective")
+# Validation intervals in more series take longer, and the paper has no more.
+_MOST_VALIDATION_SERIES = 4
 
 
-@dataclass(frozen=True)
-class Committee:
-    """Forecasts of all members of a committee.
+def trained_committee(
+    kind: type[ForecasterKind],
+    training: TrainingSeries,
+    knowledge: Mapping[str, Any],
+    case: ForecastingCase,
+    said: Mapping[str, Any],
+    washout: int,
+    interval: int,
+) -> tuple[list[Forecaster], list[dict[str, Any]]]:
+    """Search and train all networks of a committee; networks, and what each search found.
 
-    Forecasts that overflow raise no warning; they predict no event.
+    ``training``, ``knowledge``: As of `training_of`. ``said``: Parameters of an `EventForecaster`.
+    ``washout``, ``interval``: Steps of the washout, and of a validation interval.
     """
+    if said["members"] < 1:
+        raise ValueError(f"members must be 1 at least, not {said['members']}")
+    strategy, options = make_strategy(said["validation"]), case.options
+    together = [make_strategy(name) for name in scanned_with(strategy.name)]
+    series, _, dimension = training.observed.shape
+    plan = ValidationPlan(
+        washout=washout,
+        interval=interval,
+        series=said["validation_series"] or min(_MOST_VALIDATION_SERIES, series),
+        intervals=said["intervals_per_series"],
+    )
+    (low, high), (weakest, strongest) = said["spectral_radius"], said["input_scaling"]
+    space = SearchSpace(
+        (float(low), float(high)),
+        (float(weakest), float(strongest)),
+        tuple(map(float, options["leak_rate"])),
+    )
+    members: list[Forecaster] = []
+    found = []
+    for number in range(said["members"]):
+        drawn = float(options["connectivity"]), float(options["input_bias"])
+        seed = ReservoirSeed(said["random_seed"], said["neurons"], number, *drawn)
+        validator = PointValidator(
+            seed.reservoir(dimension),
+            training,
+            case.system.observable,
+            plan,
+            list(said["tikhonov"]),
+            options["backend"],
+            options["readout"],
+        )
+        scanned = scan(validator, space, together, said["grid"])
+        optimiser = optimiser_seed(seed, said["case"], strategy.name)
+        points = search(validator, space, strategy, scanned, said["bayesian_points"], optimiser)
+        record = best(points).record()
+        members += trained_networks(
+            kind,
+            seed,
+            validator.reservoir,
+            training,
+            [record],
+            washout=washout,
+            backend=options["backend"],
+            readout=options["readout"],
+            divergence_bound=options["divergence_bound"],
+            knowledge=knowledge,
+        )
+        found.append({name: record[name] for name in _FOUND if name in record})
+    return members, found
 
-    #: the forecasters, all members of whose ensembles vote: a network is a single member
-    forecasters: Sequence[Forecaster]
 
-    def forecasts(self, washouts: FloatArray, steps: int) -> FloatArray:
-        """States after washouts ``(series, steps, component)``, by member.
+def training_of(
+    states: FloatArray, observed: FloatArray, schedules: FloatArray | None, case: ForecastingCase
+) -> tuple[TrainingSeries, dict[str, Any]]:
+    """Training series, and what networks that know the parameters are given beside them.
 
-        Shape ``(member, series, steps, component)``.
-        """
-        batch = np.ascontiguousarray(washouts.transpose(1, 2, 0))
-        states = [member_forecasts(one, batch, steps) for one in self.forecasters]
-        return np.concatenate(states, axis=2).transpose(2, 3, 0, 1)
+    ``states``, ``observed``: Series, and what is observed of them, ``(series, time, component)``.
+    ``schedules``: Parameters in force, ``(series, time - 1, parameters)``; None for other networks.
+    """
+    scale = network_input_range(states, case.options["input_range"])
+    if schedules is None:
+        return TrainingSeries(observed, scale), {}
+    turns = in_turns(schedules)
+    training, factors = factored_training(observed[turns], scale, schedules[turns], case)
+    return training, {"factors": factors, "parameters": case.parameters}
 
-    def summaries(
-        self,
-        case: ForecastingCase,
-        washouts: FloatArray,
-        boundaries: tuple[int, ...],
-        schedules: FloatArray | None = None,
-    ) -> list[WindowSummaries]:
-        """Window summaries of the forecasts after washouts ``(points, steps, component)``.
 
-        Schedules are as in `burstcast.forecast.window_forecasts.window_forecasts`.
-        """
-        asked = case.system.observable, washouts, boundaries, schedules
-        found = [window_forecasts(one, *asked) for one in self.forecasters]
-        return [member for one in found for member in one.members]
+def in_turns(schedules: FloatArray) -> IntArray:
+    """Order of series in which those under different parameters take turns.
 
-    def out_of_sample(
-        self,
-        case: ForecastingCase,
-        training: FloatArray,
-        points: ObservedPoints,
-        boundaries: tuple[int, ...],
-        parameters: FloatArray | None = None,
-    ) -> list[WindowSummaries]:
-        """Window summaries of forecasts of each training series, refitted without that series.
+    Validation intervals lie in the first series, which are then of all parameters.
 
-        ``parameters`` are the schedules of the training series, ``(series, time - 1, parameters)``.
-        """
-        known = training, case, points.washouts.shape[1], case.system.observable
-        of_points = None
-        if parameters is not None:
-            steps = np.arange(1 - points.washouts.shape[1], boundaries[-1])
-            around = points.points.step[:, np.newaxis] + steps
-            of_points = parameters[points.points.series[:, np.newaxis], around]
-        asked = points.washouts, points.points.series, boundaries
-        found = [
-            out_of_sample_forecasts(one, *known, *asked, parameters=parameters, schedules=of_points)
-            for one in self.forecasters
-        ]
-        return [member for one in found for member in one.members]
+    Examples
+    --------
+    >>> in_turns(np.repeat([400.0, 400.0, 600.0], 5).reshape(3, 5, 1))
+    array([0, 2, 1])
+    """
+    _, group = np.unique(schedules.mean(axis=1), axis=0, return_inverse=True)
+    turn = [int((group[:number] == one).sum()) for number, one in enumerate(group.ravel())]
+    return np.argsort(turn, kind="stable")
+
+
+def search_edges(
+    found: Sequence[Mapping[str, Any]], said: Mapping[str, Any], samples: int
+) -> Iterator[str]:
+    """Sentences about hyperparameters that most networks have on the edge of their search.
+
+    ``found``, ``said``: As of `trained_committee`. ``samples``: Of all training series.
+    """
+    least = negligible_ridge(said["neurons"], samples)
+    for name in ("spectral_radius", "input_scaling", "tikhonov"):
+        values, searched = [one[name] for one in found], said[name]
+        lost = least if name == "tikhonov" else 0.0
+        for finding in optimum_on_edge(name, values, min(searched), max(searched), lost):
+            yield f"the search ended on its edge, {finding.text}: search beyond it ({name})"

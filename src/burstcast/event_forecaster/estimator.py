@@ -1,48 +1,52 @@
 """Habits of scikit-learn's estimators, without scikit-learn.
 
-The constructor stores its arguments under their names and does nothing else; ``fit`` leaves what it
-finds under names that end in an underscore. `sklearn.base.clone` and whatever else only sets
-parameters then works, and so does model selection, which takes series as samples
+An estimator is a dataclass: its fields are its parameters, stored under their names, and ``fit``
+leaves what it finds under names that end in an underscore. `sklearn.base.clone` and whatever else
+only sets parameters then works, and so does model selection, which takes series as samples
 (`sklearn.model_selection.cross_val_score`, ``GridSearchCV``).
 """
 
-import inspect
+import dataclasses
+import warnings
+from collections.abc import Sequence
 from typing import Any, Self
 
 from burstcast.discovery import suggestion
 
+_TOLD: set[str] = set()
+"""Estimators that have warned: a cross-validation fits equal ones again and again."""
+
 
 class Estimator:
-    """Parameters by name, and a short ``repr``."""
+    """Parameters by name, a short ``repr``, and one warning."""
 
     @classmethod
-    def _defaults(cls) -> dict[str, Any]:
-        parameters = inspect.signature(cls.__init__).parameters
-        return {name: one.default for name, one in parameters.items() if name != "self"}
+    def _parameters(cls) -> list["dataclasses.Field[Any]"]:
+        return [one for one in dataclasses.fields(cls) if one.init]  # type: ignore[arg-type]
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
         """Parameters as they were given, by name."""
-        return {name: getattr(self, name) for name in self._defaults()}
+        return {one.name: getattr(self, one.name) for one in self._parameters()}
 
     def set_params(self, **parameters: Any) -> Self:
         """Change parameters; the fitted state remains until the next ``fit``."""
-        known = list(self._defaults())
+        known = list(self.get_params())
         for name in parameters:
             if name not in known:
                 raise ValueError(
                     f"{type(self).__name__} has no parameter {name!r}{suggestion(name, known)}; "
                     f"its parameters are {', '.join(known)}"
                 )
-        for name, value in parameters.items():
-            setattr(self, name, value)
+        vars(self).update(parameters)
         return self
 
     def __sklearn_tags__(self) -> Any:
-        """Tags for scikit-learn's model selection: samples are series, and there is no target."""
-        from sklearn.utils import InputTags, Tags, TargetTags
+        """Tags for scikit-learn: a classifier whose samples are series, and needs no target."""
+        from sklearn.utils import ClassifierTags, InputTags, Tags, TargetTags
 
         return Tags(
-            estimator_type=None,
+            estimator_type="classifier",
+            classifier_tags=ClassifierTags(multi_class=False),
             target_tags=TargetTags(required=False),
             input_tags=InputTags(two_d_array=False, three_d_array=True),
         )
@@ -51,11 +55,19 @@ class Estimator:
         """Whether `fit` was called."""
         return hasattr(self, "members_")
 
+    def _warn_once(self, findings: Sequence[str]) -> None:
+        """One warning of all findings, to the caller of `fit`; none again with equal parameters."""
+        if findings and repr(self) not in _TOLD:
+            _TOLD.add(repr(self))
+            warnings.warn(
+                f"signs of a weak forecaster (warnings_): {'; '.join(findings)}", stacklevel=3
+            )
+
     def __repr__(self) -> str:
-        defaults = self._defaults()
-        given = {
-            name: value
-            for name, value in self.get_params().items()
-            if value is not defaults[name] and repr(value) != repr(defaults[name])
-        }
-        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in given.items())})"
+        given = []
+        for one in self._parameters():
+            factory, value = one.default_factory, getattr(self, one.name)
+            default = one.default if factory is dataclasses.MISSING else factory()
+            if repr(value) != repr(default):
+                given.append(f"{one.name}={value!r}")
+        return f"{type(self).__name__}({', '.join(given)})"

@@ -1,11 +1,15 @@
-"""Event forecasters in NetCDF files, nothing pickled.
+"""Event forecasters in NetCDF files: nothing is pickled, imported or allocated on a file's word.
 
-A file holds a digest of its content, which is verified when the file is read.
+A file holds a digest of its content, which tells damage; whoever writes a file can make one, so
+that all that is read is checked: arrays lie in the file in full, kinds and systems are those of
+this package, and what a forecaster allocates is no larger than what it has learnt.
 """
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,12 +18,19 @@ import numpy as np
 import numpy.typing as npt
 
 from burstcast.event_forecaster.observed_states import Observable
-from burstcast.forecasters.base import ForecasterRecord
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
+from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system, parameters_of
 
 _FORMAT = 2
 _TUPLES = ("prediction_times", "spectral_radius", "input_scaling", "tikhonov")
+_CONNECTIONS = 1000
+"""Most connections of a reservoir, for each number that is in the file."""
+_WRONG = (
+    *(ArithmeticError, AttributeError, LookupError, MemoryError, NotImplementedError),
+    *(RecursionError, TypeError, ValueError),
+)
 
 
 @dataclass(frozen=True)
@@ -46,10 +57,8 @@ def write_saved(path: str | Path, saved: SavedForecaster) -> None:
             axes = tuple(f"{label}_{axis}" for axis in range(array.ndim))
             meaning = f"{name.replace('_', ' ')} of member {number}"
             variables[label] = Variable(axes, array, None, meaning)
-    parameters = {
-        **saved.parameters,
-        "observable": _observable_record(saved.parameters["observable"]),
-    }
+    observable = _observable_record(saved.parameters["observable"])
+    parameters = {**saved.parameters, "observable": observable}
     fitted = {**saved.fitted, "members": [dict(member.attributes) for member in saved.members]}
     attributes: dict[str, str | int] = {
         "event_forecaster": _FORMAT,
@@ -69,6 +78,7 @@ def read_saved(path: str | Path, observable: Observable | None) -> SavedForecast
     from burstcast.files.netcdf import read_attributes, read_netcdf
 
     try:
+        _check_stored(path)
         attributes, arrays = read_attributes(path), read_netcdf(path)
     except (FileNotFoundError, PermissionError):
         raise
@@ -81,7 +91,14 @@ def read_saved(path: str | Path, observable: Observable | None) -> SavedForecast
         raise ValueError(f"{path} is not what was saved: it is damaged; save the forecaster again")
     parameters, fitted = (json.loads(str(attributes[name])) for name in ("parameters", "fitted"))
     parameters |= {name: tuple(parameters[name]) for name in _TUPLES}
-    parameters["observable"] = _observable_of(parameters["observable"], observable, path)
+    components = len(fitted["reference_states"][0])
+    if fitted["components"] != components:
+        raise ValueError(
+            f"{path} has other reference states than {fitted['components']} components"
+        )
+    parameters["observable"] = _observable_of(
+        parameters["observable"], components, observable, path
+    )
     members = []
     for number, found in enumerate(fitted["members"]):
         prefix = f"member{number}_"
@@ -92,6 +109,69 @@ def read_saved(path: str | Path, observable: Observable | None) -> SavedForecast
         }
         members.append(ForecasterRecord(own, found))
     return SavedForecaster(parameters, fitted, members)
+
+
+@contextmanager
+def as_one_error(path: str | Path) -> Iterator[None]:
+    """Whatever is wrong with a file as one `ValueError` that names it."""
+    try:
+        yield
+    except _WRONG as error:
+        if isinstance(error, ValueError) and str(path) in str(error):
+            raise
+        raise ValueError(
+            f"{path} holds no event forecaster that this version can read: "
+            f"{type(error).__name__}: {error}"
+        ) from error
+
+
+def check_sizes(record: ForecasterRecord, case: ForecastingCase) -> None:
+    """Check that a forecaster restored from a record is no larger than its arrays.
+
+    They have a number for each neuron, and for each monomial of a state or of parameters.
+    """
+    stored, said = sum(array.size for array in record.arrays.values()), record.attributes
+    neurons, dimension = int(said.get("neurons", 0)), case.system.dimension
+    if not all(np.isfinite(array).all() for array in record.arrays.values()):
+        raise ValueError("a stored number is not finite")
+    if neurons:
+        rows, ranges = (record.arrays[name].shape[0] for name in ("weights", "input_range"))
+        few = float(said["connectivity"]) * neurons <= _CONNECTIONS * stored
+        if rows % (neurons + 1) or ranges != dimension or not few:
+            raise ValueError(f"{stored} stored numbers are no network of {neurons} neurons")
+    of_parameters = 0 if case.parameters is None else len(case.parameters.names)
+    counted = [(int(case.options.get("degree", 0)), dimension)] if record.arrays else []
+    counted.append((int(said.get("parameter_degree", 0)), of_parameters))
+    for degree, of in counted:
+        # the smaller number first: neither the binomial coefficient nor its computing is long
+        if degree > stored or math.comb(of + degree, min(of, degree)) > stored + 1:
+            raise ValueError(f"{stored} stored numbers are no polynomial of degree {degree}")
+
+
+def restored_rule(record: Mapping[str, Any]) -> AlarmRule:
+    """Alarm rule from its record: rising knots, probabilities, and a number as the threshold."""
+    rule = AlarmRule.restore(record)
+    knots, chances = rule.calibration.values, rule.calibration.probabilities
+    sound = knots.shape == chances.shape and bool((np.diff(knots) > 0).all())
+    if not sound or not ((chances >= 0) & (chances <= 1)).all() or np.isnan(rule.threshold):
+        raise ValueError("the rule of an alarm is none")
+    return rule
+
+
+def _check_stored(path: str | Path) -> None:
+    """Check that all arrays that a file declares lie in it, one number after the other."""
+    import netCDF4
+
+    with netCDF4.Dataset(path, "r") as file:
+        claimed = 0
+        for name, variable in file.variables.items():
+            size = math.prod(variable.shape)
+            plain = isinstance(variable.dtype, np.dtype) and variable.dtype.kind in "biuf"
+            if not plain or (size and variable.chunking() != "contiguous"):
+                raise ValueError(f"{path} holds no event forecaster: {name} is no plain array")
+            claimed += size * variable.dtype.itemsize
+        if file.groups or claimed > Path(path).stat().st_size:
+            raise ValueError(f"{path} is damaged: it declares more than it holds")
 
 
 def _digest(attributes: Mapping[str, Any], arrays: Mapping[str, npt.NDArray[Any]]) -> str:
@@ -120,7 +200,9 @@ def _observable_record(observable: Observable) -> Any:
     return "given" if callable(observable) else int(observable)
 
 
-def _observable_of(record: Any, given: Observable | None, path: str | Path) -> Observable:
+def _observable_of(
+    record: Any, components: int, given: Observable | None, path: str | Path
+) -> Observable:
     if given is not None:
         return given
     if record == "given":
@@ -128,6 +210,11 @@ def _observable_of(record: Any, given: Observable | None, path: str | Path) -> O
             f"the observable of {path} is a function or a system of one's own, which the file has "
             f"not: give it as load(path, observable=...)"
         )
-    if isinstance(record, Mapping):
-        return make_system(record["system"], record["parameters"])
-    return int(record)
+    if not isinstance(record, Mapping):
+        return int(record)
+    name = str(record["system"])
+    if ":" in name:  # a module of one's own, which would run
+        raise ValueError(f"{path} names the system {name}, which is not one of burstcast's")
+    if (2 * record["parameters"].get("largest_wavenumber", 0) + 1) ** 2 > components + 1:
+        raise ValueError(f"{path} has a system of more than {components} components")
+    return make_system(name, record["parameters"])

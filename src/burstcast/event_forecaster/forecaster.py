@@ -7,10 +7,10 @@ forecasts an event by leave-one-out forecasts of the training series. It has no 
 
 from __future__ import annotations  # help() then shows Observable and FloatArray, not their parts
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, cast
 
 import numpy as np
 
@@ -20,36 +20,36 @@ from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
 from burstcast.discovery import suggestion
 from burstcast.event_forecaster import files
-from burstcast.event_forecaster.committee import Committee
 from burstcast.event_forecaster.estimator import Estimator
+from burstcast.event_forecaster.events import ByTime, Events, EventTiming
 from burstcast.event_forecaster.observed_states import Observable, state_space
 from burstcast.event_forecaster.parameters import checked_parameters
 from burstcast.event_forecaster.schedules import as_schedules
-from burstcast.event_forecaster.search_edges import search_edges
 from burstcast.event_forecaster.series_layout import as_series
 from burstcast.event_forecaster.stream import ObservationStream
-from burstcast.event_forecaster.timing import EventTiming
 from burstcast.forecast.observed_points import ObservedPoints, observed_points
-from burstcast.forecast.windows import WindowSummaries, crosses
-from burstcast.forecasters._options import options_of_kind
-from burstcast.forecasters.base import ForecastingCase
-from burstcast.forecasters.registry import forecaster_class, learns_parameters
+from burstcast.forecast.window_forecasts import member_forecasts, window_forecasts
+from burstcast.forecast.windows import WindowSummaries
+from burstcast.forecasters._event_classifier import EventClassifier
+from burstcast.forecasters._options import DEFAULTS, options_of_kind
+from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
+from burstcast.forecasters.registry import forecaster_class, kind_class, learns_parameters
 from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.alarms import useless_votes
-from burstcast.probability.calibration import UNCALIBRATED, isotonic
-from burstcast.probability.outcomes import Outcomes, outcomes_by_series
+from burstcast.probability.calibration import UNCALIBRATED, isotonic, logistic
+from burstcast.probability.out_of_sample import out_of_sample_forecasts
+from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
 from burstcast.probability.scores import probability_scores
-from burstcast.probability.votes import share_of_votes
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters
 
-_TOP_TWENTIETH: Mapping[str, float] = {"quantile": 0.95}
 _REFERENCE_STATES = 8
 
 BINS = 11
 """Of the probability, for those scores that need them."""
 
 
+@dataclass(eq=False, repr=False)
 class EventForecaster(Estimator):
     """Forecasts extreme events of chaotic series, with probabilities.
 
@@ -59,79 +59,11 @@ class EventForecaster(Estimator):
     it later on. Durations are in Lyapunov times where ``lyapunov_time`` is given, and in samples
     otherwise; they are rounded down to whole samples.
 
-    Parameters
-    ----------
-    observable
-        Observable that has events: the index of a component, a function from states
-        ``(..., component)`` to ``(...)``, or a system, which has an observable.
-    event_threshold
-        A number in units of the observable, or ``{"quantile": q}`` of the observable of the
-        training series.
-    prediction_times
-        One or several prediction times: from the present to the beginning of the window. The first
-        is the default of all methods.
-    window
-        Length of the prediction window.
-    lyapunov_time
-        Lyapunov time in the unit of ``sampling_interval``; None: all durations are in samples.
-    sampling_interval
-        Time between two samples.
-    washout
-        Length of the observations that a forecast starts from.
-    kind
-        Kind of forecaster, a module of `burstcast.forecasters`: "esn", "quadratic", ...
-    members
-        Number of networks in the committee. Other kinds ignore it: the members of their ensemble
-        vote (filters, analogues), or the single forecaster votes 0 or 1.
-    neurons
-        Size of each network.
-    validation
-        Validation strategy: "RV", "SSV" (`burstcast.tuning.strategies`).
-    validation_interval
-        Length of a validation interval.
-    validation_series, intervals_per_series
-        Number of training series with validation intervals, and of intervals in each; None: four
-        series, or all if there are fewer, and as many intervals as fit.
-    spectral_radius, input_scaling
-        Bounds of the search, which is logarithmic.
-    tikhonov
-        Tikhonov parameters to choose from.
-    grid, bayesian_points
-        Points of the search: grid points in each direction, then points of Bayesian optimisation.
-    calibrate
-        Whether probabilities are calibrated by forecasts of each training series by readouts that
-        have not seen it, which takes two series. Otherwise they are shares of votes.
-    prior_forecasts
-        Weight of the prior of the calibration: number of forecasts that verified as stated, for
-        each share of votes.
-    calibration_spacing, start_spacing
-        Distance of the starting points for calibration, and for scores.
-    noise
-        Observation noise that is added to the training series, in standard deviations of each
-        component; 0 for measured series.
-    sampling_stride
-        Integration steps in a sample, for kinds that integrate equations.
-    options
-        Options of the kind that differ from its defaults (`burstcast.forecasters._options`).
-    random_seed, case
-        Root of all random numbers, and the name of the case in their streams: a case of the
-        workflow with the same settings has the same networks, bit for bit.
-
-    Attributes
-    ----------
-    members_
-        Fitted forecasters; a single one if the members of its ensemble vote.
-    hyperparameters_
-        Hyperparameters found by the search, for each network.
-    event_threshold_
-        Event threshold in units of the observable.
-    reference_states_, reference_observable_
-        Some states of the training series, ``(state, component)``, and the observable of each:
-        `load` compares its observable with them.
-    alarms_
-        Calibrations and thresholds (`burstcast.probability.alarm_rule`) by prediction time.
-    classes_
-        False and True, the columns of `predict_proba`.
+    After `fit`, ``members_`` are the fitted forecasters (a single one if the members of its
+    ensemble vote, or if it is a classifier), ``hyperparameters_`` what the search found for each
+    network, ``event_threshold_`` the threshold in units of the observable, ``alarms_`` the
+    calibrations and thresholds (`burstcast.probability.alarm_rule`) by prediction time,
+    ``warnings_`` signs of weakness, in sentences, and ``classes_`` the columns of `predict_proba`.
 
     Examples
     --------
@@ -154,185 +86,173 @@ class EventForecaster(Estimator):
     True
     """
 
-    _stream: ObservationStream | None = None
-
-    def __init__(
-        self,
-        observable: Observable = 0,
-        event_threshold: float | Mapping[str, float] = _TOP_TWENTIETH,
-        *,
-        prediction_times: float | Sequence[float] = (1.0,),
-        window: float = 1.0,
-        lyapunov_time: float | None = None,
-        sampling_interval: float = 1.0,
-        washout: float = 0.5,
-        kind: str = "esn",
-        members: int = 10,
-        neurons: int = 500,
-        validation: str = "RV",
-        validation_interval: float = 2.0,
-        validation_series: int | None = None,
-        intervals_per_series: int | None = None,
-        spectral_radius: tuple[float, float] = (0.1, 1.0),
-        input_scaling: tuple[float, float] = (0.1, 10.0),
-        tikhonov: Sequence[float] = (1e-6, 1e-9, 1e-12),
-        grid: int = 4,
-        bayesian_points: int = 9,
-        calibrate: bool = True,
-        prior_forecasts: float = 30.0,
-        calibration_spacing: float = 0.25,
-        start_spacing: float = 1.0,
-        noise: float = 0.0,
-        sampling_stride: int = 1,
-        options: Mapping[str, Any] | None = None,
-        random_seed: int = 0,
-        case: str = "series",
-    ) -> None:
-        self.observable = observable
-        self.event_threshold = event_threshold
-        self.prediction_times = prediction_times
-        self.window = window
-        self.lyapunov_time = lyapunov_time
-        self.sampling_interval = sampling_interval
-        self.washout = washout
-        self.kind = kind
-        self.members = members
-        self.neurons = neurons
-        self.validation = validation
-        self.validation_interval = validation_interval
-        self.validation_series = validation_series
-        self.intervals_per_series = intervals_per_series
-        self.spectral_radius = spectral_radius
-        self.input_scaling = input_scaling
-        self.tikhonov = tikhonov
-        self.grid = grid
-        self.bayesian_points = bayesian_points
-        self.calibrate = calibrate
-        self.prior_forecasts = prior_forecasts
-        self.calibration_spacing = calibration_spacing
-        self.start_spacing = start_spacing
-        self.noise = noise
-        self.sampling_stride = sampling_stride
-        self.options = options
-        self.random_seed = random_seed
-        self.case = case
+    #: what has events: the index of a component, a function from states ``(..., component)`` to
+    #: ``(...)``, or a system, which has an observable
+    observable: Observable = 0
+    #: in units of the observable, or ``{"quantile": q}`` of the observable of the training series
+    event_threshold: float | Mapping[str, float] = field(default_factory=lambda: {"quantile": 0.95})
+    _: KW_ONLY
+    #: one or several: from the present to the beginning of the window. The first is the default of
+    #: all methods.
+    prediction_times: float | Sequence[float] = (1.0,)
+    window: float = 1.0  #: length of the prediction window
+    #: in the unit of ``sampling_interval``; None: all durations are in samples
+    lyapunov_time: float | None = None
+    sampling_interval: float = 1.0  #: time between two samples
+    washout: float = 0.5  #: length of the observations that a forecast starts from
+    #: kind of forecaster, a module of `burstcast.forecasters`: "esn", "quadratic", ..., or a
+    #: classifier of events without trajectories, "precursor" or "esn_direct"
+    kind: str = "esn"
+    #: number of networks in the committee. Other kinds ignore it: the members of their ensemble
+    #: vote (filters, analogues), or the single forecaster votes 0 or 1.
+    members: int = 10
+    neurons: int = 500  #: size of each network
+    validation: str = "RV"  #: strategy: "RV", "SSV" (`burstcast.tuning.strategies`)
+    validation_interval: float = 2.0  #: length of a validation interval
+    #: training series with validation intervals; None: four, or all if there are fewer
+    validation_series: int | None = None
+    intervals_per_series: int | None = None  #: validation intervals; None: as many as fit
+    #: spectral_radius, input_scaling: bounds of the search, which is logarithmic
+    spectral_radius: tuple[float, float] = (0.1, 1.0)
+    input_scaling: tuple[float, float] = (0.1, 10.0)
+    tikhonov: float | Sequence[float] = (1e-6, 1e-9, 1e-12)  #: Tikhonov parameters to choose from
+    grid: int = 4  #: grid points of the search in each direction
+    bayesian_points: int = 9  #: points of Bayesian optimisation after the grid
+    #: whether probabilities are calibrated by forecasts of each training series by what has not
+    #: seen it, which takes two series. Otherwise they are shares of votes.
+    calibrate: bool = True
+    #: weight of the prior of the calibration: number of forecasts that verified as stated, for each
+    #: share of votes
+    prior_forecasts: float = 30.0
+    calibration_spacing: float = 0.25  #: distance of the starting points for calibration
+    start_spacing: float = 1.0  #: distance of the starting points for scores
+    #: observation noise that is added to the training series, in standard deviations of each
+    #: component; 0 for measured series
+    noise: float = 0.0
+    sampling_stride: int = 1  #: integration steps in a sample, for kinds that integrate equations
+    #: options of the kind that differ from its defaults (`burstcast.forecasters._options`); of
+    #: classifiers also ``start_spacing_lt`` and ``folds``
+    options: Mapping[str, Any] | None = None
+    #: random_seed, case: root of all random numbers, and the name of the case in their streams: a
+    #: case of the workflow with the same settings has the same networks, bit for bit
+    random_seed: int = 0
+    case: str = "series"
+    _stream: ObservationStream | None = field(default=None, init=False)
 
     # -- what a user calls -------------------------------------------------------------------------
 
-    def fit(self, series: Any, y: None = None, *, parameters: Any = None) -> Self:
+    def fit(self, series: Any, y: Any = None, *, parameters: Any = None) -> Self:
         """Search, train, and calibrate.
 
-        Parameters
-        ----------
-        series
-            Training series, ``(series, time, component)``.
-        y
-            Ignored: events are found in the series.
-        parameters
-            For kinds that know the parameters (``quadratic_aware``, ``esn_aware``): values in the
-            training series of the parameters named by the option ``parameters``, in a form of
-            `burstcast.event_forecaster.schedules.as_schedules`.
+        ``series``: Training series, ``(series, time, component)``. ``y``: Ignored, since events are
+        found in the series. ``parameters``: For kinds that know the parameters
+        (``quadratic_aware``, ``esn_aware``), values in the training series of the parameters named
+        by the option ``parameters``, in a form of
+        `burstcast.event_forecaster.schedules.as_schedules`.
 
-        Raises
-        ------
-        ValueError
-            If a parameter is out of bounds, or the series are too few or too short for it.
-        TypeError
-            If a parameter is of another type than it must be.
-
-        Warns
-        -----
-        UserWarning
-            If most networks have a hyperparameter on the edge of its search, or if the votes tell
-            events from no events no better than chance, in the forecasts that calibrate them.
+        Raises ValueError if a parameter is out of bounds, or the series are too few or too short
+        for it, and TypeError if a parameter is of another type than it must be. Warns, once for
+        equal parameters, if most networks have a hyperparameter on the edge of its search, or if
+        forecasts tell events from no events no better than chance in the training series.
         """
-        checked = checked_parameters(self.get_params())
+        checked = checked_parameters(self)
         states = as_series(series, "the training series")
-        timing, kind = self._timing, forecaster_class(self.kind)
+        kind, timing = self._kind, self._timing
         learnt = self._told(parameters, len(states), states.shape[1] - 1, "fit")
         own = None if learnt is None else learnt.mean(axis=(0, 1)).tolist()
         case = self._case(states.shape[2], own)
         value = case.system.observable(states.transpose(2, 0, 1))
-        threshold = self._threshold(value)
+        events = Events(timing, self._threshold(value))
         observed = states
         if self.noise and not kind.sees_truth:
             scales = component_scales(states)
             observed = observed_series(states, 0, self.noise, scales, self.random_seed, self.case)
-        points = self._points(case, observed, value, "calibration_spacing")
+        points = self._points(case, observed, value, self._samples("calibration_spacing"))
         if self.calibrate and len(states) < 2:
             raise ValueError(
                 "calibrating leaves one series out and takes two at least: give more series, or "
                 "calibrate=False"
             )
-        if kind.has_search:
+        members: Any
+        found: list[dict[str, Any]] = []
+        findings: list[str] = []
+        labelled = None
+        if issubclass(kind, EventClassifier):
+            spacing = timing.samples("start_spacing_lt", case.options["start_spacing_lt"])
+            labelled = events.labelled(self._points(case, observed, value, spacing))
+            members = [kind.fit(labelled, case)]
+        elif kind.has_search:
             # networks take a moment to load, which other kinds need not wait for
-            from burstcast.event_forecaster.networks import networks
+            from burstcast.event_forecaster import committee
 
-            members, found = networks(
-                kind,
-                states,
-                observed,
-                learnt,
-                case,
-                checked,
-                self._samples("washout"),
-                self._samples("validation_interval"),
-            )
+            training = committee.training_of(states, observed, learnt, case)
+            steps = self._samples("washout"), self._samples("validation_interval")
+            members, found = committee.trained_committee(kind, *training, case, checked, *steps)
+            findings += committee.search_edges(found, checked, states.shape[0] * states.shape[1])
         else:
-            members, found = [kind.fit(observed, case, learnt)], []
-        for text in search_edges(found, checked, states.shape):
-            warnings.warn(text, stacklevel=2)
-        # nothing of a former fit is left before all can be replaced
-        self.members_ = members
-        self._stream = None
-        self.hyperparameters_ = found
-        self.components_, self.own_parameters_ = states.shape[2], own
-        every = states.reshape(-1, self.components_)
-        self.reference_states_ = every[
-            np.linspace(0, len(every) - 1, _REFERENCE_STATES).astype(int)
-        ]
-        self.reference_observable_ = case.system.observable(self.reference_states_.T)
-        self.event_threshold_ = threshold
-        self.classes_ = np.array([False, True])
-        self.alarms_ = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
+            members = [forecaster_class(self.kind).fit(observed, case, learnt)]
+        alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
         if self.calibrate:
-            votes = Committee(members).out_of_sample(
-                case, observed, points, timing.boundaries, learnt
-            )
+            if labelled is None:
+                votes = _left_out(members, case, observed, points, timing.boundaries, learnt)
+                values = events.shares(votes)
+            else:
+                values = events.by_time(
+                    out_of_sample_probabilities(
+                        cast(type[EventClassifier], kind),
+                        labelled,
+                        members[0].tuned(case),
+                        case.options["folds"],
+                        points.washouts,
+                        points.points.series,
+                    )
+                )
             for time in timing.times:
-                outcomes = self._outcomes(points, votes, time)
+                outcomes = events.outcomes(points, values[time], time)
                 if not outcomes.levels.size:
                     raise ValueError(
                         f"no starting point is left to calibrate with: the observable reaches the "
-                        f"event threshold {threshold:.4g} in every washout"
+                        f"event threshold {events.threshold:.4g} in every washout"
                     )
                 if text := useless_votes(outcomes):
-                    warnings.warn(f"prediction time {time:g}: {text}", stacklevel=2)
-                calibration = isotonic(outcomes, checked["prior_forecasts"])
-                self.alarms_[time] = AlarmRule.chosen(outcomes, calibration)
+                    findings.append(f"prediction time {time:g}: {text}")
+                prior = checked["prior_forecasts"]
+                rule = isotonic(outcomes, prior) if labelled is None else logistic(outcomes)
+                alarms[time] = AlarmRule.chosen(outcomes, rule)
+        # nothing of a former fit is left before all can be replaced
+        self.members_, self.hyperparameters_, self.alarms_ = members, found, alarms
+        self._stream = None
+        self.components_, self.own_parameters_ = states.shape[2], own
+        every = states.reshape(-1, self.components_)
+        # `load` compares its observable with these
+        rows = np.linspace(0, len(every) - 1, _REFERENCE_STATES).astype(int)
+        self.reference_states_ = every[rows]
+        self.reference_observable_ = case.system.observable(self.reference_states_.T)
+        self.event_threshold_ = events.threshold
+        self.classes_ = np.array([False, True])
+        self.warnings_ = findings
+        self._warn_once(findings)
         return self
 
     def forecast(self, series: Any, duration: float | None = None) -> FloatArray:
-        """Forecasts of all members, from the last sample of each series on.
+        """Forecasts of all members, ``(member, series, time, component)``.
 
-        Parameters
-        ----------
-        series
-            Observations up to the present, ``(series, time, component)``, at least as long as the
-            washout. Only the last washout counts.
-        duration
-            Length of the forecast; None: to the end of the last prediction window.
+        The first sample is the one after the last sample of each series. Forecasts that overflow
+        raise no warning; they predict no event.
 
-        Returns
-        -------
-        ``(member, series, time, component)``; the first sample is the one after the present.
+        ``series``: Observations up to the present, ``(series, time, component)``, at least as long
+        as the washout. Only the last washout counts. ``duration``: Length of the forecast; None: to
+        the end of the last prediction window.
         """
+        self._check_fitted()
+        forecaster_class(self.kind)  # refuses classifiers, which have no trajectories
         timing = self._timing
         steps = timing.boundaries[-1]
         if duration is not None:
             steps = timing.samples("duration", duration)
-        washouts = self._washouts(series)
-        return Committee(self.members_).forecasts(washouts, steps)
+        batch = np.ascontiguousarray(self._washouts(series).transpose(1, 2, 0))
+        states = [member_forecasts(one, batch, steps) for one in self.members_]
+        return np.concatenate(states, axis=2).transpose(2, 3, 0, 1)
 
     def predict_proba(
         self,
@@ -344,29 +264,18 @@ class EventForecaster(Estimator):
     ) -> FloatArray:
         """Probability of no event, and of one, in the window at a prediction time.
 
-        Parameters
-        ----------
-        series
-            As for `forecast`.
-        prediction_time
-            One of ``prediction_times``; None: the first.
-        parameters
-            For kinds that know the parameters: values in force from each sample of the washout to
-            the next, as in `fit`; None: their means in training.
-        planned
-            Values that will be in force in each step of the forecast; None: the last of
-            ``parameters``.
+        Returns ``(series, 2)``, with columns in the order of ``classes_``: ``[:, 1]`` is the
+        probability of an event.
 
-        Returns
-        -------
-        ``(series, 2)``, with columns in the order of ``classes_``: ``[:, 1]`` is the probability of
-        an event.
+        ``series``: As for `forecast`. ``prediction_time``: One of ``prediction_times``; None: the
+        first. ``parameters``: For kinds that know the parameters, values in force from each sample
+        of the washout to the next, as in `fit`; None: their means in training. ``planned``: Values
+        that will be in force in each step of the forecast; None: the last of ``parameters``.
         """
         time = self._time(prediction_time)
         washouts = self._washouts(series)
-        schedules = self._schedules(washouts, parameters, planned)
-        shares = self._shares(self._votes(washouts, schedules), time)
-        probability = self.alarms_[time].calibration(shares)
+        values = self._values(washouts, self._schedules(washouts, parameters, planned))
+        probability = self.alarms_[time].calibration(values[time])
         return np.stack([1 - probability, probability], axis=1)
 
     def what_if(
@@ -377,18 +286,10 @@ class EventForecaster(Estimator):
         *,
         parameters: Any = None,
     ) -> dict[str, FloatArray]:
-        """Probability of an event under each of several actions, and without any.
+        """Probability of an event under each of several actions, and without any ("none").
 
-        Parameters
-        ----------
-        series, prediction_time, parameters
-            As for `predict_proba`.
-        actions
-            Values that would be in force in each step of the forecast (``planned``), by name.
-
-        Returns
-        -------
-        By the names of the actions, and "none", ``(series,)`` each.
+        Returns ``(series,)`` by the names of the actions. ``actions``: Values that would be in
+        force in each step of the forecast (``planned`` of `predict_proba`), by name.
         """
         return {
             name: self.predict_proba(
@@ -398,39 +299,24 @@ class EventForecaster(Estimator):
         }
 
     def predict(self, series: Any, prediction_time: float | None = None) -> BoolArray:
-        """Alarms: whether the probability of an event is high enough (see ``alarms_``).
-
-        Parameters
-        ----------
-        series, prediction_time
-            As for `predict_proba`.
-
-        Returns
-        -------
-        ``(series,)``.
-        """
+        """Alarms, ``(series,)``: whether the probability of an event reaches its threshold."""
         probability = self.predict_proba(series, prediction_time)[:, 1]
-        return np.asarray(probability >= self.alarms_[self._time(prediction_time)].threshold)
+        return np.asarray(probability >= self.rule(prediction_time).threshold)
+
+    def rule(self, prediction_time: float | None = None) -> AlarmRule:
+        """Calibration and alarm threshold at a prediction time."""
+        return self.alarms_[self._time(prediction_time)]
 
     def update(self, observation: Any, time: float | None = None) -> Self:
-        """Take the next observation of a running series.
+        """Take the next observation of a running series, ``(component,)``.
 
-        Only the latest washout counts. A gap begins the washout
-        again, and a warning says so: an observation that is not finite, or a time that is more than
-        a sampling interval after the last one. `save` keeps the observations; `fit` forgets them.
+        Only the latest washout counts. A gap begins the washout again, and a warning says so: an
+        observation that is not finite, or a time that is more than a sampling interval after the
+        last one. `save` keeps the observations; `fit` forgets them.
 
-        Parameters
-        ----------
-        observation
-            ``(component,)``.
-        time
-            When it was made, in the unit of ``sampling_interval``; None: one sampling interval
-            after the one before.
-
-        Raises
-        ------
-        ValueError
-            If it has other components than the training series, or the time goes back.
+        ``time``: When it was made, in the unit of ``sampling_interval``; None: one sampling
+        interval after the one before. Raises ValueError if the observation has other components
+        than the training series, or the time is not finite, goes back, or is between two samples.
         """
         self._check_fitted()
         if self._stream is None:
@@ -442,52 +328,46 @@ class EventForecaster(Estimator):
         """Probability of an event after the latest observation (`update`).
 
         Equal to `predict_proba` of these observations; NaN until the washout is complete.
-
-        Parameters
-        ----------
-        prediction_time
-            One of ``prediction_times``; None: the first.
         """
         time = self._time(prediction_time)
-        if self._stream is None or self._stream.waiting:
+        if self._stream is None or not self._stream.complete:
             return float("nan")
         return float(self.predict_proba(self._stream.washout, time)[0, 1])
 
     def scores(self, series: Any, prediction_time: float | None = None) -> dict[str, float]:
-        """All scores of the probabilities, and of the alarms that they raise, in series.
+        """All scores of the probabilities, and of the alarms that they raise, in series, by name.
 
-        Starting points lie ``start_spacing`` apart in all series. Points whose washout reaches the
-        event threshold are left out: an event is under way there.
-
-        Parameters
-        ----------
-        series
-            Test series, not used in training.
-        prediction_time
-            One of ``prediction_times``; None: the first.
-
-        Returns
-        -------
-        By name: "f_score", "precision", "recall", "brier_skill", "roc_area", ...
+        They are "f_score", "precision", "recall", "brier_skill", "roc_area", ...
         (`burstcast.probability.scores`), and the numbers of "forecasts" and "events". NaN where a
-        score is not defined, such as a recall without events.
+        score is not defined, such as a recall without events. Starting points are those of
+        `outcomes`.
         """
-        time = self._time(prediction_time)
-        states = self._like_training(as_series(series))
-        case = self._case(self.components_)
-        value = case.system.observable(states.transpose(2, 0, 1))
-        points = self._points(case, states, value, "start_spacing")
-        raw = self._outcomes(points, self._votes(points.washouts), time)
-        alarm = self.alarms_[time]
-        outcomes = raw.at(alarm.calibration(raw.levels))
-        found = probability_scores(outcomes, alarm.threshold, BINS)
+        time, rule = self._time(prediction_time), self.rule(prediction_time)
+        events, points, values = self._verified(series)
+        raw = events.outcomes(points, values[time], time)
+        outcomes = raw.at(rule.calibration(raw.levels))
+        found = probability_scores(outcomes, rule.threshold, BINS)
         return {
             "forecasts": int(outcomes.points.sum()),
             "events": int(outcomes.events.sum()),
             **{name: float(value) for name, value in found.items()},
         }
 
-    def score(self, series: Any, y: None = None) -> float:
+    def outcomes(
+        self, series: Any, prediction_time: float | None = None
+    ) -> tuple[BoolArray, FloatArray]:
+        """Whether an event followed starting points in series, and its probability: ``(points,)``.
+
+        Starting points lie ``start_spacing`` apart in all series, which were not used in training.
+        Points whose washout reaches the event threshold are left out: an event is under way there.
+        """
+        time = self._time(prediction_time)
+        events, points, values = self._verified(series)
+        quiet = events.quiet(points)
+        probability = self.rule(time).calibration(values[time])
+        return events.happened(points, time)[quiet], probability[quiet]
+
+    def score(self, series: Any, y: Any = None) -> float:
         """F-score of the alarms at the first prediction time (see `scores`)."""
         return self.scores(series)["f_score"]
 
@@ -519,47 +399,53 @@ class EventForecaster(Estimator):
     ) -> Self:
         """Read a file of `save`: forecasts are identical, bit for bit.
 
-        Parameters
-        ----------
-        path
-            The file.
-        observable
-            The observable, if it is a function or a system of your own, which is not in the file.
-
-        Raises
-        ------
-        ValueError
-            If the file holds no such forecaster or is damaged; if its observable is needed and not
-            given, or the given one has other values than the observable of the fit.
+        Nothing in a file is run or imported. ``observable``: The observable, if it is a function or
+        a system of your own, which is not in the file. Raises ValueError if the file holds no such
+        forecaster or is damaged; if its observable is needed and not given, or the given one has
+        other values than the observable of the fit.
         """
-        saved = files.read_saved(path, observable)
-        self, fitted = cls(**saved.parameters), saved.fitted
-        self.own_parameters_ = fitted.get("own_parameters")
-        kind = forecaster_class(self.kind)
-        case = self._case(fitted["components"], self.own_parameters_)
-        self.members_ = [kind.restore(record, case) for record in saved.members]
-        self.hyperparameters_ = fitted["hyperparameters"]
-        self.components_ = fitted["components"]
-        self.reference_states_ = np.array(fitted["reference_states"])
-        self.reference_observable_ = np.array(fitted["reference_observable"])
-        given = case.system.observable(self.reference_states_.T)
-        if not np.allclose(given, self.reference_observable_, rtol=1e-9, atol=0, equal_nan=True):
-            raise ValueError(
-                f"the observable that load was given differs from {path}: for states of the "
-                f"training series it is {given}, and was {self.reference_observable_}"
-            )
-        self.event_threshold_ = fitted["event_threshold"]
-        self.classes_ = np.array([False, True])
-        self.alarms_ = {one["prediction_time"]: AlarmRule.restore(one) for one in fitted["alarms"]}
-        if fitted.get("stream"):
-            self._stream = self._new_stream().restored(fitted["stream"])
+        with files.as_one_error(path):
+            saved = files.read_saved(path, observable)
+            self, fitted = cls(**saved.parameters), saved.fitted
+            self.own_parameters_ = fitted.get("own_parameters")
+            case = self._case(int(fitted["components"]), self.own_parameters_)
+            for record in saved.members:
+                files.check_sizes(record, case)
+            self.members_ = [self._kind.restore(record, case) for record in saved.members]
+            self.hyperparameters_ = fitted["hyperparameters"]
+            self.components_ = int(fitted["components"])
+            self.reference_states_ = np.array(fitted["reference_states"], dtype=np.float64)
+            self.reference_observable_ = np.array(fitted["reference_observable"], dtype=np.float64)
+            given = case.system.observable(self.reference_states_.T)
+            same = np.allclose(given, self.reference_observable_, rtol=1e-9, atol=0, equal_nan=True)
+            if not same:
+                raise ValueError(
+                    f"the observable that load was given differs from {path}: for states of the "
+                    f"training series it is {given}, and was {self.reference_observable_}"
+                )
+            self.event_threshold_ = float(fitted["event_threshold"])
+            self.classes_, self.warnings_ = np.array([False, True]), []
+            alarms = {one["prediction_time"]: files.restored_rule(one) for one in fitted["alarms"]}
+            sound = np.isfinite(self.event_threshold_) and self.members_
+            if not sound or list(alarms) != self._timing.times:
+                raise ValueError("it has no event threshold, no member, or other prediction times")
+            self.alarms_ = alarms
+            if fitted.get("stream"):
+                self._stream = self._new_stream().restored(fitted["stream"])
         return self
 
     # -- what parameters mean ----------------------------------------------------------------------
 
     @property
+    def _kind(self) -> type[ForecasterKind]:
+        found = kind_class(self.kind)
+        if found.from_files:
+            raise ValueError(f"forecasts of the kind {self.kind} come in files: take another kind")
+        return found
+
+    @property
     def _timing(self) -> EventTiming:
-        checked = checked_parameters(self.get_params())
+        checked = checked_parameters(self)
         names = ("lyapunov_time", "sampling_interval", "prediction_times", "window")
         return EventTiming(*(checked[name] for name in names))
 
@@ -570,7 +456,9 @@ class EventForecaster(Estimator):
     def _case(self, components: int, own: Sequence[float] | None = None) -> ForecastingCase:
         """Knowledge of forecasters beside the series, with their ``own`` parameter values."""
         system = state_space(self.observable, components)
-        options = options_of_kind(self.kind)
+        options, is_classifier = options_of_kind(self.kind), not self._kind.has_trajectories
+        if is_classifier:
+            options |= DEFAULTS["classifiers"]
         for name in self.options or {}:
             if name not in options:
                 raise ValueError(
@@ -581,6 +469,8 @@ class EventForecaster(Estimator):
         options |= self.options or {}
         if "backend" in options:
             options["backend"] = usable_backend(options["backend"])
+        if is_classifier:
+            options["random_seed"] = self.random_seed
         return ForecastingCase(
             system=system,
             time_step=self.sampling_interval / self.sampling_stride,
@@ -658,8 +548,9 @@ class EventForecaster(Estimator):
         if not hasattr(self, "members_"):
             raise RuntimeError("this EventForecaster is not fitted yet: call fit first")
 
-    def _like_training(self, states: FloatArray) -> FloatArray:
+    def _like_training(self, series: Any) -> FloatArray:
         self._check_fitted()
+        states = as_series(series)
         if states.shape[2] != self.components_:
             raise ValueError(
                 f"the series have {states.shape[2]} components, the training series had "
@@ -672,7 +563,7 @@ class EventForecaster(Estimator):
         return ObservationStream(self.components_, washout, self.sampling_interval)
 
     def _washouts(self, series: Any) -> FloatArray:
-        states, washout = self._like_training(as_series(series)), self._samples("washout")
+        states, washout = self._like_training(series), self._samples("washout")
         if states.shape[1] < washout:
             raise ValueError(
                 f"the washout takes {washout} samples, the series have {states.shape[1]}"
@@ -680,7 +571,7 @@ class EventForecaster(Estimator):
         return states[:, -washout:]
 
     def _points(
-        self, case: ForecastingCase, observed: FloatArray, value: FloatArray, spacing: str
+        self, case: ForecastingCase, observed: FloatArray, value: FloatArray, spacing: int
     ) -> ObservedPoints:
         return observed_points(
             observed,
@@ -688,27 +579,44 @@ class EventForecaster(Estimator):
             case.system.observable,
             boundaries=self._timing.boundaries,
             washout=self._samples("washout"),
-            spacing=self._samples(spacing),
+            spacing=spacing,
         )
 
-    def _votes(
-        self, washouts: FloatArray, schedules: FloatArray | None = None
-    ) -> list[WindowSummaries]:
-        case, boundaries = self._case(self.components_), self._timing.boundaries
-        return Committee(self.members_).summaries(case, washouts, boundaries, schedules)
+    def _verified(self, series: Any) -> tuple[Events, ObservedPoints, ByTime]:
+        """Starting points in test series, and what their probabilities are made from."""
+        states, case = self._like_training(series), self._case(self.components_)
+        value = case.system.observable(states.transpose(2, 0, 1))
+        points = self._points(case, states, value, self._samples("start_spacing"))
+        return Events(self._timing, self.event_threshold_), points, self._values(points.washouts)
 
-    def _shares(self, votes: Sequence[WindowSummaries], time: float) -> FloatArray:
-        return share_of_votes(votes, *self._timing.windows(time), self.event_threshold_)
+    def _values(self, washouts: FloatArray, schedules: FloatArray | None = None) -> ByTime:
+        """What probabilities after washouts ``(points, steps, component)`` are made from."""
+        events = Events(self._timing, self.event_threshold_)
+        if isinstance(classifier := self.members_[0], EventClassifier):
+            return events.by_time(classifier.probabilities(washouts))
+        observable = self._case(self.components_).system.observable
+        asked = observable, washouts, events.timing.boundaries, schedules
+        found = [window_forecasts(one, *asked) for one in self.members_]
+        return events.shares([member for one in found for member in one.members])
 
-    def _outcomes(
-        self, points: ObservedPoints, votes: Sequence[WindowSummaries], time: float
-    ) -> Outcomes:
-        """Outcomes for each share of votes."""
-        threshold, series = self.event_threshold_, points.points.series
-        return outcomes_by_series(
-            self._shares(votes, time),
-            crosses(points.truth, *self._timing.windows(time), threshold),
-            points.seen.max(axis=1) < threshold,
-            series,
-            int(series.max()) + 1,
-        ).total()
+
+def _left_out(
+    members: Sequence[Forecaster],
+    case: ForecastingCase,
+    training: FloatArray,
+    points: ObservedPoints,
+    boundaries: tuple[int, ...],
+    parameters: FloatArray | None,
+) -> list[WindowSummaries]:
+    """Votes at points of training series, by members refitted without that series."""
+    washout, schedules = points.washouts.shape[1], None
+    if parameters is not None:
+        around = points.points.step[:, np.newaxis] + np.arange(1 - washout, boundaries[-1])
+        schedules = parameters[points.points.series[:, np.newaxis], around]
+    known = training, case, washout, case.system.observable
+    asked = points.washouts, points.points.series, boundaries
+    found = [
+        out_of_sample_forecasts(one, *known, *asked, parameters=parameters, schedules=schedules)
+        for one in members
+    ]
+    return [member for one in found for member in one.members]

@@ -1,5 +1,6 @@
 """Parameters of an event forecaster as a person may give them: checked, by their names."""
 
+import dataclasses
 import math
 import numbers
 from collections.abc import Mapping, Sequence
@@ -7,63 +8,41 @@ from typing import Any
 
 import numpy as np
 
-_WHOLE = (
-    "members",
-    "neurons",
-    "validation_series",
-    "intervals_per_series",
-    "grid",
-    "bayesian_points",
-    "sampling_stride",
-    "random_seed",
-)
-_NUMBERS = (
-    "window",
-    "lyapunov_time",
-    "sampling_interval",
-    "washout",
-    "validation_interval",
-    "prior_forecasts",
-    "calibration_spacing",
-    "start_spacing",
-    "noise",
-)
-_MAY_BE_NONE = ("validation_series", "intervals_per_series", "lyapunov_time")
 
+def checked_parameters(estimator: Any) -> dict[str, Any]:
+    """Parameters with the types of their fields: 30.0 is a whole number, 1 one prediction time.
 
-def checked_parameters(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Parameters with the types that they must have: 30.0 is a whole number, 1 one prediction time.
-
-    ``given``: Parameters of `burstcast.EventForecaster` by name.
+    ``estimator``: A dataclass whose annotations are texts.
     """
-    found = dict(given)
-    for name in (*_WHOLE, *_NUMBERS):
-        if found[name] is not None or name not in _MAY_BE_NONE:
-            found[name] = _number(name, found[name], whole=name in _WHOLE)
-    for name in ("prediction_times", "tikhonov"):
-        values = found[name] if _is_several(found[name]) else [found[name]]
-        found[name] = tuple(_number(name, value) for value in values)
-    for name in ("spectral_radius", "input_scaling"):
-        if not _is_several(found[name]) or len(found[name]) != 2:
-            raise TypeError(f"{name} must be two numbers, (low, high), not {found[name]!r}")
-        found[name] = tuple(_number(name, value) for value in found[name])
-    if not isinstance(found["event_threshold"], Mapping):
-        found["event_threshold"] = _number("event_threshold", found["event_threshold"])
-    observable = found["observable"]
-    if isinstance(observable, str | float | bool) or observable is None:
-        raise TypeError(
-            "observable must be the number of a component, counted from 0, a function of states, "
-            f"or a system, not {observable!r}"
-        )
+    found = {}
+    for field in dataclasses.fields(estimator):
+        name, value = field.name, getattr(estimator, field.name)
+        expected = str(field.type)
+        if value is None and expected.endswith(" | None"):
+            pass
+        elif (expected := expected.removesuffix(" | None")) in ("int", "float"):
+            value = _number(name, value, whole=expected == "int")
+        elif expected == "tuple[float, float]":
+            if not _is_several(value) or len(value) != 2:
+                raise TypeError(f"{name} must be two numbers, (low, high), not {value!r}")
+            value = tuple(_number(name, one) for one in value)
+        elif expected == "float | Sequence[float]":
+            several = value if _is_several(value) else [value]
+            value = tuple(_number(name, one) for one in several)
+        elif expected.startswith("float |") and not isinstance(value, Mapping):
+            value = _number(name, value)
+        elif expected == "Observable" and (value is None or isinstance(value, str | float | bool)):
+            raise TypeError(
+                "observable must be the number of a component, counted from 0, a function of "
+                f"states, or a system, not {value!r}"
+            )
+        found[name] = value
     return found
 
 
 def _is_several(value: Any) -> bool:
-    return (
-        isinstance(value, Sequence | np.ndarray)
-        and not isinstance(value, str)
-        and np.ndim(value) == 1
-    )
+    is_sequence = isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
+    return is_sequence and np.ndim(value) == 1
 
 
 def _number(name: str, value: Any, *, whole: bool = False) -> Any:

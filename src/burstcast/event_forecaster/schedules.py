@@ -9,12 +9,11 @@ from burstcast.arrays import FloatArray, float_array
 
 
 def as_schedules(given: Any, series: int, steps: int, names: Sequence[str]) -> FloatArray:
-    """Schedules of several series.
+    """Schedules of several series, ``(series, steps, parameters)``.
 
     ``given``: One value, or one for each parameter; one value for each series, ``(series,)`` or
     ``(series, parameters)``; or values in force from each sample to the next, ``(series, steps)``
-    or ``(series, steps, parameters)``. ``series``, ``steps``: How many series there are, and how
-    many steps each schedule has. Shape ``(series, steps, parameters)``.
+    or ``(series, steps, parameters)``.
 
     Examples
     --------

@@ -50,7 +50,9 @@ def as_series(data: Any, what: str = "the series") -> FloatArray:
         ]
     series = np.ascontiguousarray(float_array(data, what))
     if np.ndim(data) != len(LAYOUT):
-        hint = ": a single series is series[np.newaxis]" if np.ndim(data) == 2 else ""
+        single = "series[np.newaxis]" if np.ndim(data) == 2 else "series[np.newaxis, :, np.newaxis]"
+        hint = f": a single series is {single}" if np.ndim(data) < 3 else ""
+        hint = ": a single table is [table]" if hasattr(data, "iloc") else hint
         raise ValueError(f"{what} must be ({', '.join(LAYOUT)}), not {np.shape(data)}{hint}")
     if series.size == 0:
         raise ValueError(f"{what} of shape {series.shape} are empty")

@@ -4,9 +4,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from burstcast import durations
-from burstcast.esn.dynamics import Dynamics
 from burstcast.forecasters.base import Forecaster
-from burstcast.tuning.scan import leak_rate_of
+from burstcast.tuning import trained_networks as library
 from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.jobs.forecasters import kind_of
 from burstcast_workflow.jobs.networks import knowledge, reservoir_seed, training_series
@@ -20,31 +19,18 @@ def trained_networks(
     points: Iterable[Mapping[str, Any]],
     divergence_bound: float | None = None,
 ) -> Iterator[Forecaster]:
-    """Train a job's network with the hyperparameters of each of some points of its search.
-
-    The bound is given where forecasts that diverge are to be recognised.
-    """
-    networks: Any = kind_of(settings["forecaster"])
+    """Train a job's network with the hyperparameters of each of some points of its search."""
     seed = reservoir_seed(settings, settings["forecaster"])
     series = training_series(settings, ensemble, scheduled)
-    reservoir = seed.reservoir(series.dimension)
-    backend, readout = settings["forecasters.esn.backend"], settings["forecasters.esn.readout"]
-    washout = durations.steps(settings["washout_lt"], lyapunov_time(settings))
-    told = knowledge(settings, scheduled)
-    for point in points:
-        yield networks.trained(
-            Dynamics(
-                reservoir,
-                point["spectral_radius"],
-                point["input_scaling"],
-                backend,
-                leak_rate_of(point),
-                readout,
-            ),
-            seed,
-            series,
-            washout=washout,
-            tikhonov=point["tikhonov"],
-            divergence_bound=divergence_bound,
-            **told,
-        )
+    return library.trained_networks(
+        kind_of(settings["forecaster"]),
+        seed,
+        seed.reservoir(series.dimension),
+        series,
+        points,
+        washout=durations.steps(settings["washout_lt"], lyapunov_time(settings)),
+        backend=settings["forecasters.esn.backend"],
+        readout=settings["forecasters.esn.readout"],
+        divergence_bound=divergence_bound,
+        knowledge=knowledge(settings, scheduled),
+    )

@@ -1,10 +1,21 @@
-"""Durations of an event forecaster in samples, and its prediction windows."""
+"""Events of an event forecaster: durations in samples, prediction windows, and outcomes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from burstcast import durations
+from burstcast.arrays import BoolArray, FloatArray
+from burstcast.forecast.observed_points import ObservedPoints
+from burstcast.forecast.windows import WindowSummaries, crosses
+from burstcast.forecasters._event_classifier import LabelledPoints
+from burstcast.probability.outcomes import Outcomes, outcomes_by_series
+from burstcast.probability.votes import share_of_votes
+
+ByTime = dict[float, FloatArray]
+"""What probabilities are made from at each prediction time: shares of votes, ``(points,)``."""
 
 
 @dataclass(frozen=True)
@@ -67,3 +78,45 @@ class EventTiming:
         """First of the windows between boundaries that make up a prediction window; how many."""
         start, end = (self.boundaries.index(step) for step in self.span(time))
         return start, end - start
+
+
+@dataclass(frozen=True)
+class Events:
+    """Crossings of a threshold in the prediction windows."""
+
+    timing: EventTiming
+    threshold: float  #: in units of the observable
+
+    def shares(self, votes: Sequence[WindowSummaries]) -> ByTime:
+        """Share of the votes for an event."""
+        windows = self.timing.windows
+        return {
+            time: share_of_votes(votes, *windows(time), self.threshold)
+            for time in self.timing.times
+        }
+
+    def happened(self, points: ObservedPoints, time: float) -> BoolArray:
+        """Points that an event follows, ``(points,)``."""
+        return crosses(points.truth, *self.timing.windows(time), self.threshold)
+
+    def quiet(self, points: ObservedPoints) -> BoolArray:
+        """Points without an event under way, ``(points,)``."""
+        return np.asarray(points.seen.max(axis=1) < self.threshold)
+
+    def labelled(self, points: ObservedPoints) -> LabelledPoints:
+        """Points that a classifier learns from."""
+        quiet = self.quiet(points)
+        happened = np.stack([self.happened(points, time) for time in self.timing.times], axis=1)
+        found = LabelledPoints(points.washouts[quiet], happened[quiet], points.points.series[quiet])
+        found.check(self.timing.times)
+        return found
+
+    def by_time(self, probabilities: FloatArray) -> ByTime:
+        """Probabilities of a classifier, from ``(points, windows)``."""
+        return dict(zip(self.timing.times, probabilities.T, strict=True))
+
+    def outcomes(self, points: ObservedPoints, values: FloatArray, time: float) -> Outcomes:
+        """Outcomes at each of the values that probabilities are made from."""
+        series = points.points.series
+        happened, count = self.happened(points, time), int(series.max()) + 1
+        return outcomes_by_series(values, happened, self.quiet(points), series, count).total()

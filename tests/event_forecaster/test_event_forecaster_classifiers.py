@@ -1,0 +1,198 @@
+"""`burstcast.EventForecaster` with classifiers, and scores for scikit-learn's model selection."""
+
+import dataclasses
+import warnings
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+from sklearn.metrics import brier_score_loss, log_loss, make_scorer, roc_auc_score
+from sklearn.model_selection import GridSearchCV, cross_val_score
+from test_event_forecaster import LYAPUNOV_TIME, SMALL, lorenz
+
+import burstcast
+from burstcast.event_forecaster.scoring import EventScorer
+from burstcast.forecast.observed_points import observed_points
+from burstcast.forecasters._event_classifier import LabelledPoints
+from burstcast.forecasters._options import options_of_kind
+from burstcast.forecasters.base import ForecastingCase
+from burstcast.forecasters.registry import classifier_class
+from burstcast.systems.lorenz63 import Lorenz63
+
+OPTIONS = {
+    "precursor": {"classifier": "logistic", "lags_lt": [0.1], "folds": 3},
+    "esn_direct": {"neurons": 60, "input_scaling": [1], "penalty": [1], "backend": "scipy"},
+}
+
+
+def settings(kind):
+    return {**SMALL, "observable": Lorenz63(), "event_threshold": {"quantile": 0.9}} | {
+        "kind": kind,
+        "options": OPTIONS[kind],
+    }
+
+
+@pytest.fixture(scope="module")
+def training():
+    return lorenz(6, 900, 1)
+
+
+@pytest.fixture(scope="module")
+def tested():
+    return lorenz(5, 800, 2)
+
+
+@pytest.fixture(scope="module", params=sorted(OPTIONS))
+def fitted(request, training):
+    return burstcast.EventForecaster(**settings(request.param)).fit(training)
+
+
+def test_a_classifier_is_the_librarys(fitted, training, tested):
+    """Points .1 Lyapunov times apart, labelled by hand, to the library's own function."""
+    system, unit = Lorenz63(), int(LYAPUNOV_TIME / 0.02)
+    spans = [(int(t * LYAPUNOV_TIME / 0.02), int((t + 1) * LYAPUNOV_TIME / 0.02)) for t in (0.5, 1)]
+    bounds = tuple(sorted({step for span in spans for step in span}))
+    value = system.observable(training.transpose(2, 0, 1))
+    washout = int(0.5 * LYAPUNOV_TIME / 0.02)
+    points = observed_points(
+        training, value, system.observable, spacing=unit // 10, washout=washout, boundaries=bounds
+    )
+    threshold = np.quantile(value, 0.9)
+    happened = np.array(
+        [
+            [value[row, now + a] < threshold <= value[row, now + a : now + b + 1].max()]
+            for a, b in spans
+            for row, now in zip(points.points.series, points.points.step, strict=True)
+        ]
+    ).reshape(2, -1)
+    quiet = points.seen.max(axis=1) < threshold
+    options = options_of_kind(fitted.kind) | fitted.options | {"random_seed": 0}
+    case = ForecastingCase(system, 0.02, 1, unit, options)
+    labelled = LabelledPoints(
+        points.washouts[quiet], happened.T[quiet], points.points.series[quiet]
+    )
+    expected = classifier_class(fitted.kind).fit(labelled, case)
+    seen = tested[:, 300 - washout : 300]
+    for column, time in enumerate((0.5, 1.0)):
+        raw = expected.probabilities(seen)[:, column]
+        found = fitted.predict_proba(tested[:, :300], time)[:, 1]
+        assert_array_equal(found, fitted.alarms_[time].calibration(raw))
+    assert fitted.scores(tested)["roc_area"] > 0.5
+
+
+def test_probabilities_are_calibrated_by_what_has_not_seen_the_series(fitted, training):
+    plain = burstcast.EventForecaster(**settings(fitted.kind), calibrate=False).fit(training)
+    raw = plain.predict_proba(training[:, :300], 0.5)[:, 1]
+    rule = fitted.alarms_[0.5]
+    assert_array_equal(fitted.predict_proba(training[:, :300])[:, 1], rule.calibration(raw))
+    assert len(rule.calibration.values) > 100  # a logistic map, not one of shares of votes
+    assert (np.diff(rule.calibration.probabilities) >= 0).all()
+
+
+def test_it_is_saved_and_streams(fitted, tested, tmp_path):
+    fitted.save(tmp_path / "classifier.nc")
+    again = burstcast.EventForecaster.load(tmp_path / "classifier.nc")
+    assert_array_equal(again.predict_proba(tested), fitted.predict_proba(tested))
+    for sample in tested[0, -40:]:
+        again.update(sample)
+    # sums over the points of a batch are rounded otherwise
+    assert again.probability() == pytest.approx(fitted.predict_proba(tested)[0, 1], rel=1e-12)
+
+
+def test_what_a_classifier_cannot_do_is_said(fitted, training, tested):
+    with pytest.raises(ValueError, match="probabilities of events without a trajectory"):
+        fitted.forecast(tested)
+    with pytest.raises(ValueError, match="do not know the parameters"):
+        fitted.predict_proba(tested, parameters=3.0)
+    wrong = settings(fitted.kind) | {"options": {"fold": 3}}
+    with pytest.raises(ValueError, match=r"no option 'fold' \(did you mean 'folds'\?\)"):
+        burstcast.EventForecaster(**wrong).fit(training)
+    rare = settings(fitted.kind) | {
+        "event_threshold": float(Lorenz63().observable(training.T).max())
+    }
+    with pytest.raises(ValueError, match="a classifier needs both kinds of points"):
+        burstcast.EventForecaster(**rare).fit(training)
+    with pytest.raises(ValueError, match="external come in files: take another kind"):
+        burstcast.EventForecaster(kind="external").fit(training)
+
+
+# -- scores ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("scoring", "expected"),
+    [
+        ("neg_brier_score", lambda y, p: -brier_score_loss(y, p)),
+        ("neg_log_loss", lambda y, p: -log_loss(y, np.stack([1 - p, p], axis=1))),
+        ("roc_auc", roc_auc_score),
+        (make_scorer(roc_auc_score, response_method="predict_proba"), roc_auc_score),
+        (lambda y, p: float(p[y].mean() - p[~y].mean()), lambda y, p: p[y].mean() - p[~y].mean()),
+    ],
+)
+def test_scorers_of_scikit_learn_and_own_ones(scoring, expected, fitted, tested):
+    happened, probability = fitted.outcomes(tested, 1.0)
+    assert 0 < happened.sum() < len(happened)
+    assert EventScorer(scoring, 1.0)(fitted, tested) == pytest.approx(
+        expected(happened, probability)
+    )
+
+
+def test_a_score_of_alarms_and_a_score_by_name(fitted, tested):
+    happened, probability = fitted.outcomes(tested)
+    alarm = probability >= fitted.alarms_[0.5].threshold
+    accuracy = float((alarm == happened).mean())
+    assert EventScorer("accuracy")(fitted, tested) == pytest.approx(accuracy)
+    for name in ("brier_skill", "f_score"):
+        assert EventScorer(name)(fitted, tested) == fitted.scores(tested)[name]
+
+
+def test_outcomes_are_those_of_the_scores(fitted, tested):
+    happened, probability = fitted.outcomes(tested)
+    scores = fitted.scores(tested)
+    assert (len(happened), happened.sum()) == (scores["forecasts"], scores["events"])
+    assert scores["roc_area"] == pytest.approx(roc_auc_score(happened, probability))
+
+
+def test_model_selection_takes_them(training):
+    forecaster = burstcast.EventForecaster(**settings("precursor"))
+    scorer = EventScorer("neg_brier_score")
+    found = cross_val_score(forecaster, training, cv=2, scoring=scorer, error_score="raise")
+    by_hand = burstcast.EventForecaster(**settings("precursor")).fit(training[3:])
+    assert found[0] == pytest.approx(scorer(by_hand, training[:3]))
+    search = GridSearchCV(forecaster, {"calibrate": [True, False]}, scoring=scorer, cv=2)
+    assert search.fit(training).best_score_ < 0
+
+
+def test_a_plain_scorer_takes_whether_an_event_follows_the_last_sample(training):
+    """scikit-learn's own: the targets beside the series."""
+    now, (first, last) = 700, (int(t * LYAPUNOV_TIME / 0.02) for t in (0.5, 1.5))
+    value = Lorenz63().observable(training.transpose(2, 0, 1))
+    ahead = value[:, now + first - 1 : now + last]
+    happened = (ahead[:, 0] < 36) & (ahead.max(axis=1) >= 36)
+    forecaster = burstcast.EventForecaster(**settings("precursor") | {"event_threshold": 36.0})
+    found = cross_val_score(
+        forecaster, training[:, :now], happened, cv=2, scoring="neg_brier_score"
+    )
+    assert np.isfinite(found).all()
+
+
+# -- warnings --------------------------------------------------------------------------------------
+
+
+def test_a_cross_validation_warns_once():
+    noise = np.random.default_rng(0).standard_normal((8, 500, 1))
+    forecaster = burstcast.EventForecaster(
+        **{**SMALL, "members": 1, "neurons": 30, "event_threshold": 1.25}
+    )
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        cross_val_score(forecaster, noise, cv=4)
+    (one,) = [str(each.message) for each in told if "weak forecaster" in str(each.message)]
+    assert "prediction time 0.5: " in one
+    assert "prediction time 1: " in one
+    again = forecaster.fit(noise)
+    assert len(again.warnings_) >= 2
+    assert all(dataclasses.is_dataclass(each) for each in again.members_)
+    # another forecaster has a warning of its own
+    with pytest.warns(UserWarning, match="weak forecaster"):
+        forecaster.set_params(neurons=31).fit(noise)
