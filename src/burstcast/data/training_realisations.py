@@ -1,9 +1,9 @@
 """Other choices of the training series from one ensemble; the scatter over them and over seeds.
 
-All networks of an ensemble are trained on the same few series: their scatter over seeds leaves out
-what other series would have taught. With several choices of the training series, and several seeds
-for each, a one-way analysis of variance with random effects separates the two (Searle, Casella &
-McCulloch, Variance Components, Wiley 1992, chapter 3).
+All networks of an ensemble are trained on the same few series: their scatter over seeds does not
+contain the effect of the choice of series. With several choices of the training series, and several
+seeds for each, a one-way analysis of variance with random effects separates the two (Searle,
+Casella & McCulloch, Variance Components, Wiley 1992, chapter 3).
 """
 
 import re
@@ -30,13 +30,13 @@ def realisation_of(name: str) -> tuple[str, int]:
 
 
 def rows_of_realisation(kept: int, training: int, realisation: int) -> IntArray:
-    """Order of an ensemble's series in which others come first, to be trained on.
+    """Order of an ensemble's series with another choice of training series first, ``(kept,)``.
 
-    The first ones change places with a block of as many from the end, so that all that lies
-    between, the test series among it, stays where it is.
+    The first series change places with a block of equally many from the end; the series in between,
+    the test series among them, keep their places.
 
-    ``realisation``: Which choice: 0 is the ensemble's own order, 1 takes the last block, 2 the one
-    before. Returns rows of the ensemble in the new order, ``(kept,)``.
+    ``realisation``: Number of the choice: 0 is the ensemble's own order, 1 takes the last block, 2
+    the block before it.
     """
     first = kept - realisation * training
     if first < training:
@@ -50,8 +50,7 @@ def rows_of_realisation(kept: int, training: int, realisation: int) -> IntArray:
 def trained_first(kept: int, chosen: IntArray) -> IntArray:
     """Order of an ensemble's series in which the chosen ones come first, ``(kept,)``.
 
-    The series that they displace take the places that become free, so that all others stay where
-    they are.
+    The displaced series take the places that become free; all other series keep theirs.
     """
     rows = np.arange(kept)
     own = rows[: len(chosen)].copy()
@@ -69,8 +68,8 @@ def draw_training_series(
 ) -> list[IntArray]:
     """Draw choices of the training series by their share of time with an extreme event.
 
-    Each choice is, of `DRAWS` random sets of series that no earlier choice has, the one whose share
-    is nearest to the wanted one. Nothing else is looked at: neither forecasts nor their scores.
+    Each choice is, of `DRAWS` random sets of series that no earlier choice has, the set whose share
+    is nearest to the wanted one. Neither forecasts nor their scores enter.
 
     ``event_shares``: Share of its time that the observable of each series is at or above the event
     threshold, ``(kept,)``. All series are equally long, so that the share of a set is the mean.
@@ -116,21 +115,20 @@ class VarianceComponents:
     """Components of the variance of a metric."""
 
     mean: float
-    #: standard deviation of what the groups themselves have, beyond what their members explain; 0
-    #: where the groups differ by no more than chance. NaN for a single group.
+    #: standard deviation of the groups' own effects, beyond the scatter of their members; 0 where
+    #: groups differ by no more than chance, NaN for a single group
     between: float
     within: float  #: standard deviation of the members of a group; NaN where no group has two
-    #: groups, values: how many there are
-    groups: int
-    values: int
+    groups: int  #: number of groups with values
+    values: int  #: number of values in all groups
 
 
 def variance_components(groups: Sequence[FloatArray]) -> VarianceComponents:
     """Separate the variance between groups from that within them, by the method of moments.
 
     ``groups``: Values of each group (a choice of the training series), ``(members,)``; groups
-    without values do not count. Where no group has two members, nothing is known of the scatter
-    within, and the variance of the groups is all there is.
+    without values do not count. Where no group has two members, the scatter within is unknown, and
+    all variance counts as variance between groups.
     """
     present = [np.asarray(group, dtype=np.float64) for group in groups if len(group)]
     sizes = np.array([len(group) for group in present], dtype=np.float64)

@@ -19,11 +19,11 @@ class Moments(NamedTuple):
 def state_moments(states: FloatArray, space: StateSpace | None = None) -> Moments:
     """Moments of snapshots, and of their images under all symmetries of their system.
 
-    The images themselves are never made: moments are averaged over the powers of one symmetry
+    The images themselves are never computed: moments are averaged over the powers of one symmetry
     after the other.
 
-    ``states``: ``(snapshots, dimension)``. ``space``: Where the states live; None, or a space
-    without symmetries: moments of the snapshots alone.
+    ``states``: ``(snapshots, dimension)``. ``space``: Space of the states; None, or a space without
+    symmetries: moments of the snapshots alone.
     """
     mean = states.mean(axis=0)
     second = states.T @ states / len(states)

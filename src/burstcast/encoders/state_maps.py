@@ -12,7 +12,7 @@ from burstcast.files.units import COMPONENT, COMPONENT_PRODUCT, COMPONENT_RATIO
 
 @dataclass(frozen=True)
 class StateMaps:
-    """Affine maps between states of a flow and channels, and what is known of its states.
+    """Affine maps between states of a flow and channels, and the covariance of the states.
 
     A state is estimated as ``gain @ channels + constant``; the channels of a state are
     ``matrix @ state + offset``.

@@ -133,12 +133,13 @@ def event_variables(
     before: int,
     schedules: FloatArray | None = None,
 ) -> dict[str, Variable]:
-    """Variables of events: which they are, with what was observed and what was true before them.
+    """Variables of events: their places, and observed and true series up to them.
 
-    ``observed``, ``states``: What is observed of series and what is true, ``(series, time,
-    component)``; the events lie in them. ``observable``: True observable of all kept series,
-    ``(series, time)``. ``schedules``: Parameters in force from each sample of these series to the
-    next, ``(series, time - 1, parameters)``; None: the case's own.
+    ``points``, ``first``: Series among all kept ones and step of each event; first of the series in
+    ``observed``. ``observed``, ``states``: Observed and true states of the series with the events,
+    ``(series, time, component)``. ``observable``: True observable of all kept series, ``(series,
+    time)``. ``before``: Steps before each event. ``schedules``: Parameters in force from each
+    sample of these series to the next, ``(series, time - 1, parameters)``; None: the case's own.
     """
     in_part = SeriesPoints(points.series - first, points.step)
     step_by_step = ("event", "step_before", "component")

@@ -14,7 +14,7 @@ from burstcast.arrays import FloatArray, IntArray
 from burstcast.forecasters.base import Forecaster, schedules_of
 
 STEPS_BETWEEN_CHECKS = 16
-"""Forecast steps between two looks at which forecasts are decided: changes no result."""
+"""Forecast steps between two checks of the tolerance: changes no result."""
 
 EVENTS_PER_BATCH = 512
 """Forecasts that run side by side: bounds the memory, changes no result."""
@@ -26,9 +26,9 @@ class HorizonSearch:
 
     #: first tau_e: the forecast starts this long before the event, in Lyapunov times
     longest_lead_time_lt: float
-    lead_time_step_lt: float  #: by how much tau_e decreases while the forecast fails
-    #: largest error of the observable that still counts as a prediction, in the observable's units:
-    #: 0.2 (k_e - mean k) in the paper
+    lead_time_step_lt: float  #: decrease of tau_e after each forecast that fails
+    #: errors of an accurate forecast are below this, in the observable's units: 0.2 (k_e - mean k)
+    #: in the paper
     tolerance: float
     washout: int  #: inputs of the washout; the last one is the starting point itself
     steps_per_lyapunov_time: int  #: steps of a forecast in a Lyapunov time
@@ -72,7 +72,7 @@ class HorizonSearch:
 
     @property
     def steps_before_event(self) -> int:
-        """Steps before an event that the search looks at: the longest lead time and the washout."""
+        """Steps before an event that the search uses: the longest lead time and the washout."""
         return self.longest_lead_time + self.washout - 1
 
 
@@ -86,7 +86,7 @@ def accurate_steps(
 ) -> IntArray:
     """Steps during which each forecast stays within the tolerance of the truth (paper, eq. 11).
 
-    A forecast is given up as soon as it leaves the tolerance.
+    A forecast ends as soon as it leaves the tolerance.
 
     ``washouts``: ``(steps, dimension, batch)``. ``truth``: True observable from one step after the
     starting point, ``(steps, batch)``. ``tolerance``: Error that counts as lost, in the
@@ -128,9 +128,9 @@ def prediction_horizons(
 ) -> FloatArray:
     """PH_ee of each event.
 
-    The forecast starts tau_e before the event. Where it stays within the tolerance up to the event,
-    PH_ee is tau_e; where it does not, tau_e is shortened and the forecast made anew. Where even the
-    shortest start fails, PH_ee is the horizon measured from that start.
+    The forecast starts tau_e before the event. If it stays within the tolerance up to the event,
+    PH_ee is tau_e; if not, tau_e is shortened and the forecast repeated. If even the shortest tau_e
+    fails, PH_ee is the time for which that forecast is accurate.
 
     ``observed``: Observed states up to the event, ``(events, search.steps_before_event + 1,
     dimension)``. ``truth``: True observable of the same steps, ``(events, search.steps_before_event

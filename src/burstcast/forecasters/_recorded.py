@@ -1,4 +1,4 @@
-"""Forecasts that were made elsewhere, found by the washouts that they go on from."""
+"""Forecasts of other programs, identified by their washouts."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from burstcast.forecasters.base import Forecaster, ForecasterRecord, Forecasting
 
 @dataclass(frozen=True)
 class RecordedForecasts(Forecaster):
-    """Repeats recorded forecasts. A memory is the row of a forecast, and how far it has got."""
+    """Repeats recorded forecasts. A memory is the row of a forecast and its past steps."""
 
     #: observed components up to each starting point, ``(points, steps, dimension)``
     washouts: FloatArray
@@ -43,7 +43,7 @@ class RecordedForecasts(Forecaster):
         return cls(record.arrays["washouts"], record.arrays["outputs"])
 
     def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
-        """Row of the forecast that goes on from each washout, and 0 steps: ``(2, batch)``."""
+        """Row of the forecast that continues each washout, and 0 steps: ``(2, batch)``."""
         keys = [_key(one) for one in washout.transpose(2, 0, 1)]
         unknown = [key for key in keys if key not in self._rows]
         if unknown:

@@ -27,9 +27,9 @@ Estimates of the Kolmogorov flow from sensors are equally good for shares from 3
 class FilteredEquations(FilteredForecaster):
     """Integrates the equations from the estimate of an ensemble filter.
 
-    Where the case has encoded states of a flow, or sensors see them, there are fewer members than
+    If the case has encoded states of a flow, or observes it by sensors, members are fewer than
     twice the components of a state: the ensemble starts in the leading directions of the error of
-    the first estimate, and a static gain corrects its mean for what it leaves
+    the first estimate, and a static gain corrects its mean for the remaining innovation
     (`burstcast.filters.static_gain`).
     """
 
@@ -61,7 +61,7 @@ class FilteredEquations(FilteredForecaster):
         return np.ascontiguousarray(members.reshape(len(estimate), -1))
 
     def corrected(self, ensemble: FloatArray, observation: FloatArray) -> FloatArray:
-        """Members after an observation, their mean also by the static gain."""
+        """Members after an observation, with their mean corrected by the static gain, too."""
         updated = super().corrected(ensemble, observation)
         if self._maps is not None:
             channels = len(observation) - 1

@@ -1,6 +1,6 @@
-"""Honest forecasts of the training series: each series by a forecaster that has not learnt from it.
+"""Forecasts of each training series by a forecaster that was fitted without it.
 
-What is calibrated with them has seen nothing but the training series.
+Probabilities that are calibrated with them depend on the training series alone.
 """
 
 from collections.abc import Callable
@@ -27,10 +27,9 @@ def out_of_sample_forecasts(
 ) -> WindowForecasts:
     """Forecast from starting points in the training series, refitted without the point's series.
 
-    ``training``, ``case``, ``washout``: Training series, ``(series, time, dimension)``, and what
-    else the forecaster was trained with (`Forecaster.leave_one_out`). ``parameters``: Schedules
-    that the forecaster was trained with, ``(series, time - 1, parameters)``; None: none.
-    ``schedules``: Schedule of each point, as of
+    ``training``, ``case``, ``washout``, ``parameters``: Arguments of `Forecaster.leave_one_out`.
+    ``washouts``, ``series``: Washout of each point, ``(points, steps, dimension)``, and row of its
+    training series, ``(points,)``. ``schedules``: Schedule of each point, as of
     `burstcast.forecast.window_forecasts.window_forecasts`.
     """
     rows, parts = [], []

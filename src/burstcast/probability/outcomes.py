@@ -13,14 +13,14 @@ from burstcast.arrays import BoolArray, FloatArray, IntArray
 
 @dataclass(frozen=True)
 class Outcomes:
-    """Counts of forecasts by the value that was forecast."""
+    """Counts of forecasts by their value."""
 
-    #: distinct values that were forecast, rising, ``(levels,)``: probabilities, or any score that
-    #: rises with the probability
+    #: distinct values of forecasts, rising, ``(levels,)``: probabilities, or any score that rises
+    #: with the probability
     levels: FloatArray
     #: forecasts of each level, ``(..., levels)``: by series, summed over series, or by resample
     points: IntArray
-    events: IntArray  #: how many of them an event followed, likewise
+    events: IntArray  #: forecasts of each level that an event followed, ``(..., levels)``
 
     def total(self) -> "Outcomes":
         """Sum over all series."""
@@ -29,7 +29,7 @@ class Outcomes:
     def resampled(self, weights: IntArray) -> "Outcomes":
         """Sums over resampled series.
 
-        ``weights``: How often each series is in each resample, ``(resamples, series)``.
+        ``weights``: Number of times that each series is in each resample, ``(resamples, series)``.
         """
         # counts are whole numbers below 2^53: exact, and BLAS computes the product
         factors = weights.astype(np.float64)
@@ -65,8 +65,9 @@ def outcomes_by_series(
     """Count the outcomes of forecasts in each series.
 
     ``forecast``: Probability or score of each starting point, ``(points,)``. ``happened``: Whether
-    an event followed, ``(points,)``. ``series``: Row of each point's series, ``(points,)``, from 0.
-    Returns counts of shape ``(count, levels)``.
+    an event followed, ``(points,)``. ``scored``: Whether a point counts, ``(points,)``. ``series``:
+    Row of each point's series, from 0, ``(points,)``. ``count``: Number of series. Returns counts
+    of shape ``(count, levels)``.
     """
     values, rows, true = forecast[scored], series[scored], happened[scored]
     if not np.isfinite(values).all():

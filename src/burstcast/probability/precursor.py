@@ -2,10 +2,9 @@
 
 A classifier of scikit-learn learns from the training series which present states, with some of the
 past, are followed by an event in each prediction window. It is the baseline of forecasts by
-trajectories: where the future of an observable can be recognised but not computed, it is the better
-one. Source of the term: Farazmand and Sapsis, "A variational approach to probing extreme events in
-turbulent dynamical systems", Science Advances 3 (2017) e1701533, whose precursor is one quantity
-that theory gives.
+trajectories, and better than these where an event can be recognised but not computed ahead. Source
+of the term: Farazmand and Sapsis, "A variational approach to probing extreme events in turbulent
+dynamical systems", Science Advances 3 (2017) e1701533, whose precursor is one quantity from theory.
 """
 
 from collections.abc import Mapping, Sequence
@@ -66,11 +65,11 @@ class Precursor:
     Attributes
     ----------
     options
-        How they have learnt.
+        Options of the training.
     features, happened
-        What they have learnt from: ``(points, features)`` and ``(points, windows)``.
+        Training data: ``(points, features)`` and ``(points, windows)``.
     classifiers
-        The estimators of scikit-learn.
+        Fitted estimators of scikit-learn.
 
     Examples
     --------
@@ -99,7 +98,7 @@ class Precursor:
         happened
             Whether an event followed in each window, ``(points, windows)``.
         options
-            How to learn.
+            Options of the training.
 
         Raises
         ------
@@ -141,7 +140,7 @@ class Precursor:
 
 def _classifier(options: PrecursorOptions) -> Any:
     """Estimator of scikit-learn that has not been fitted."""
-    # loaded here only: it takes longer than all the rest of the library
+    # imported late: it takes longer than all the rest of the library
     if options.classifier == "boosting":
         from sklearn.ensemble import HistGradientBoostingClassifier
 

@@ -1,6 +1,6 @@
 """Check that a system keeps to the interface: shapes, types, batches, derivatives, finite steps.
 
-Everything is found by trying: nothing has to be known of the system but its class.
+All checks are trials: only the class of the system is needed.
 """
 
 import math
@@ -31,7 +31,7 @@ class UnsoundSystemError(ValueError):
 
 
 def check_system(system: DynamicalSystem, generator: np.random.Generator) -> str:
-    """Integrator and derivatives of a system in words, after some steps of 16 trajectories.
+    """Report on a system's integrator and derivatives, after some steps of 16 trajectories.
 
     Raises `UnsoundSystemError` with all violations of the interface, or where states do not stay
     finite.
@@ -142,8 +142,8 @@ def _initial_states(system: DynamicalSystem, generator: np.random.Generator) -> 
 def _rough_time_step(system: DynamicalSystem, states: FloatArray) -> float:
     """A twentieth of the fastest time scale at these states and along their first steps.
 
-    Of the states' own change, where an integrator of the system's own makes stiffness harmless; one
-    for a map.
+    With an integrator of the system's own, which copes with stiffness, of the time scale on which
+    states change; 1 for a map.
     """
     if isinstance(system, FlowMap):
         return 1.0
