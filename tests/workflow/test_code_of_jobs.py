@@ -153,6 +153,17 @@ def test_what_is_no_control_does_not_depend_on_how_flows_are_controlled():
             assert control <= {"burstcast.control.actuation"}, path
 
 
+@pytest.mark.parametrize("script", ["scan", "search"])
+def test_the_search_does_not_depend_on_other_forecasters(script):
+    """An edit of a filter must not repeat the search."""
+    modules = {"burstcast.forecasters": ["esn"], "burstcast.tuning.strategies": ["recycle"]}
+    entries = Sources(PROJECT).fingerprint(f"forecasters/{script}.py", modules)
+    names = {entry.split("@")[0] for entry in entries}
+    assert "burstcast.esn.readout" in names
+    others = ("burstcast.encoders", "burstcast.filters", "burstcast.observation")
+    assert not {name for name in names if name.startswith(others)}
+
+
 @pytest.mark.parametrize(
     "script",
     [

@@ -151,7 +151,7 @@ def by_hand(results):
 
 def classifier(features, happened):
     return HistGradientBoostingClassifier(
-        max_iter=20, max_leaf_nodes=12, learning_rate=0.08, early_stopping=False, random_state=0
+        max_iter=150, max_leaf_nodes=12, learning_rate=0.08, early_stopping=False, random_state=0
     ).fit(features, happened)
 
 
