@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 BUDGET = {
     "product, all lines": 49_000,
     "product, code": 29_100,
-    "product, docstrings": 8_300,
+    "product, docstrings": 8_100,
     "tests, all lines": 40_700,
 }
 ROOM = 0.02
