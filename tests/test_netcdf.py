@@ -127,7 +127,7 @@ def test_unfit_attributes_are_refused(tmp_path, value):
         write_netcdf(tmp_path / "data.nc", {}, {"seed": value})
 
 
-def test_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
+def test_a_failed_write_leaves_the_old_file_and_new_ones_have_ordinary_permissions(tmp_path):
     path = tmp_path / "record.txt"
     path.write_text("old")
 
@@ -140,6 +140,10 @@ def test_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
         write_half()
     assert [entry.name for entry in tmp_path.iterdir()] == ["record.txt"]
     assert path.read_text() == "old"
+    (tmp_path / "plain").write_text("")
+    write_netcdf(tmp_path / "data.nc", example(), {})
+    modes = [(tmp_path / name).stat().st_mode for name in ("plain", "data.nc")]
+    assert modes[0] == modes[1]
 
 
 def test_full_disk_is_an_error_and_leaves_nothing(tmp_path, monkeypatch):
@@ -163,13 +167,6 @@ def test_partial_files_are_not_seen_as_finished_and_can_be_removed(tmp_path):
     other.write_text("of another file")
     remove_partial(path)
     assert sorted(entry.name for entry in tmp_path.iterdir()) == [other.name, "data.nc"]
-
-
-def test_new_files_have_ordinary_permissions(tmp_path):
-    (tmp_path / "plain").write_text("")
-    write_netcdf(tmp_path / "data.nc", example(), {})
-    modes = [(tmp_path / name).stat().st_mode for name in ("plain", "data.nc")]
-    assert modes[0] == modes[1]
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ def read_yaml(*parts):
     return yaml.safe_load(ROOT.joinpath(*parts).read_text(encoding="utf-8"))
 
 
-def test_the_conda_environment_has_the_versions_of_the_lock_file():
+def test_the_conda_environment_has_what_jobs_import_in_the_versions_of_the_lock_file():
     environment = read_yaml("workflow", "envs", "burstcast.yaml")
     python, *others = environment["dependencies"]
     assert python == "python =3.11"
@@ -48,16 +48,6 @@ def test_the_conda_environment_has_the_versions_of_the_lock_file():
     # conda-forge has no post-releases of these names
     expected = {name: re.sub(r"\.post\d+$", "", versions[CONDA.get(name, name)]) for name in found}
     assert found == expected
-
-
-def test_users_install_what_campaigns_use_and_no_more():
-    users, developers = locked(), locked("requirements-development.lock")
-    assert {"snakemake", "numpy", "matplotlib", "Jinja2"} <= set(users)
-    assert {"pytest", "ruff", "mypy", "snakefmt", "playwright"} <= set(developers)
-    assert not {name.lower() for name in users} & {name.lower() for name in developers}
-
-
-def test_the_conda_environment_has_what_jobs_import():
     environment = read_yaml("workflow", "envs", "burstcast.yaml")
     names = {entry.split(" ")[0] for entry in environment["dependencies"]}
     wanted = set(re.findall(r'^    "([A-Za-z0-9-]+)>=', PROJECT, re.MULTILINE))
@@ -66,6 +56,13 @@ def test_the_conda_environment_has_what_jobs_import():
     assert jobs <= wanted
     named = {CONDA.get(name, name).lower() for name in names}
     assert {name.lower() for name in jobs} <= named
+
+
+def test_users_install_what_campaigns_use_and_no_more():
+    users, developers = locked(), locked("requirements-development.lock")
+    assert {"snakemake", "numpy", "matplotlib", "Jinja2"} <= set(users)
+    assert {"pytest", "ruff", "mypy", "snakefmt", "playwright"} <= set(developers)
+    assert not {name.lower() for name in users} & {name.lower() for name in developers}
 
 
 def test_jobs_of_a_conda_environment_find_burstcast_where_snakemake_does():
@@ -85,7 +82,7 @@ def instructions():
     return [(line.split()[0], line.split(maxsplit=1)[1]) for line in joined.splitlines()]
 
 
-def test_the_container_is_built_from_the_lock_file():
+def test_the_container_is_built_from_the_lock_file_and_runs_what_is_installed():
     steps = instructions()
     assert [name for name, _ in steps if name == "FROM"] == ["FROM"]
     base = dict(steps)["FROM"]
@@ -105,9 +102,6 @@ def test_the_container_is_built_from_the_lock_file():
     (files,) = re.findall(r"^FILES = \((.*?)^\)", code, re.MULTILINE | re.DOTALL)
     assert set(re.findall(r'"([^"]+)"', files)) <= set(copied)
     assert {"pyproject.toml", "setup.py", "src", "LICENSE", "README.md"} <= set(copied)
-
-
-def test_the_container_runs_what_is_installed():
     (command,) = [argument for name, argument in instructions() if name == "CMD"]
     assert command == '["burstcast", "--help"]'
     assert (
@@ -263,14 +257,11 @@ def run_alone(environment, directory, *arguments):
     assert result.returncode == 0, result.stderr
 
 
-def test_the_library_stands_alone(environment, tmp_path):
+def test_the_library_stands_alone_saves_and_loads(environment, tmp_path):
     found = pkgutil.walk_packages(burstcast.__path__, "burstcast.")
     names = [one.name for one in found if not one.name.startswith("burstcast.figures")]
     assert len(names) > 50
     run_alone(environment, tmp_path, IMPORT_ALL, json.dumps([names, OTHERS]))
-
-
-def test_forecasters_are_saved_and_loaded_by_the_library_alone(environment, tmp_path):
     run_alone(environment, tmp_path, SAVE_AND_LOAD)
 
 

@@ -49,13 +49,19 @@ def test_a_table_to_the_last_digit(tmp_path):
     assert np.array_equal(found.columns["time"], np.arange(2000))
 
 
-def test_gaps_are_nan(tmp_path):
-    """Wherever they are: an empty last cell is one as any other."""
+def test_gaps_and_what_is_declared_as_missing_are_nan(tmp_path):
+    # wherever they are: an empty last cell is one as any other
     path = tmp_path / "a.csv"
     path.write_text("time,u,v\n0,1,2\n1,,4\n2,nan,\n3,NA,\n")
     (found,) = runs(path)
     assert np.array_equal(found.columns["u"], [1, *[np.nan] * 3], equal_nan=True)
     assert np.array_equal(found.columns["v"], [2, 4, np.nan, np.nan], equal_nan=True)
+    path = tmp_path / "a.nc"
+    with netCDF4.Dataset(path, "w") as file:
+        file.createDimension("time", 7)
+        file.createVariable("u", "f4", ("time",), fill_value=-1.0)[...] = np.arange(7) - 1.0
+    (found,) = runs(path, "u")
+    assert np.array_equal(found.columns["u"], [np.nan, *range(6)], equal_nan=True)
 
 
 @pytest.mark.parametrize(
@@ -280,15 +286,6 @@ def test_times_of_netcdf_that_are_refused(tmp_path, units, calendar, message):
         file["time"].units, file["time"].calendar = units, calendar
     with pytest.raises(ValueError, match=rf"a\.nc: 'time' .*{message}|a\.nc: 'time' {message}"):
         runs(path, "u", unit="minute")
-
-
-def test_what_is_declared_as_missing_is_a_gap(tmp_path):
-    path = tmp_path / "a.nc"
-    with netCDF4.Dataset(path, "w") as file:
-        file.createDimension("time", 7)
-        file.createVariable("u", "f4", ("time",), fill_value=-1.0)[...] = np.arange(7) - 1.0
-    (found,) = runs(path, "u")
-    assert np.array_equal(found.columns["u"], [np.nan, *range(6)], equal_nan=True)
 
 
 @pytest.mark.parametrize("cut", [1, 8, 50])

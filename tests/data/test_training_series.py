@@ -311,10 +311,12 @@ def test_a_parameter_that_is_constant_in_training_has_no_factor():
 
 def test_extrapolation_is_told_with_the_range():
     factors = ParameterFactors.of(["reynolds"], VALUES, "inverse", 1)
-    with pytest.warns(UserWarning, match=r"reynolds = 2000 lies outside .* 400 to 1000"):
+    told = r"reynolds = 2000 lies outside .* 400 to 1000"
+    with pytest.warns(UserWarning, match=told) as caught:
         found = factors(np.array([[2000.0]]))
     assert found[0, 0] == pytest.approx(-1.0 - 2 * (1 / 1000 - 1 / 2000) / (1 / 400 - 1 / 1000))
     assert factors.outside(VALUES) is None
+    assert caught[0].filename == __file__  # of the caller
 
 
 @pytest.mark.parametrize(

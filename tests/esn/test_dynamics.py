@@ -294,7 +294,7 @@ def test_perturbations_grow_as_finite_differences(network):
     assert np.abs(one[:, 0] - alone).max() > 0.1
 
 
-def test_perturbations_do_not_depend_on_the_batch(network):
+def test_perturbations_depend_on_no_batch_and_change_nothing_that_is_given(network):
     states = np.random.default_rng(2).uniform(-0.9, 0.9, (60, 19))
     tangent = perturbed((60, 3, 19))
     advance = ClosedLoopTangent(network).advance
@@ -304,9 +304,6 @@ def test_perturbations_do_not_depend_on_the_batch(network):
         alone = advance(states[:, chosen].copy(), tangent[:, :, chosen].copy(), 4)
         for one, all_of_them in zip(alone, together, strict=True):
             np.testing.assert_array_equal(one, all_of_them[..., chosen])
-
-
-def test_nothing_that_is_given_is_changed(network):
     states, tangent = np.full((60, 2), 0.1), perturbed((60, 2, 2))
     before = tangent.copy()
     ClosedLoopTangent(network).advance(states, tangent, 2)

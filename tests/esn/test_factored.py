@@ -56,7 +56,7 @@ def dense_readout(dynamics, training, rows=slice(None)):
     return np.linalg.lstsq(augmented, right)[0], features, targets
 
 
-def test_the_readout_is_that_of_dense_least_squares(dynamics, training):
+def test_the_readout_is_that_of_dense_least_squares_also_without_one_series(dynamics, training):
     expected, features, targets = dense_readout(dynamics, training)
     found = train(dynamics, training, washout=WASHOUT, tikhonov=BETA)
     assert found.weights.shape == expected.shape
@@ -64,9 +64,6 @@ def test_the_readout_is_that_of_dense_least_squares(dynamics, training):
     # and what matters: the same fit, which the plain readout does not reach
     error = np.sqrt(np.mean((features @ found.weights - targets) ** 2))
     assert error == pytest.approx(np.sqrt(np.mean((features @ expected - targets) ** 2)), rel=1e-9)
-
-
-def test_readouts_without_one_series_are_those_of_the_others(dynamics, training):
     found = list(train_leaving_one_out(dynamics, training, washout=WASHOUT, tikhonov=BETA))
     for row in (0, 3):
         others = [other for other in range(5) if other != row]

@@ -375,7 +375,7 @@ def test_training_is_the_papers_ridge_regression():
     np.testing.assert_array_equal(readout.weights, same.weights)
 
 
-def test_leaving_one_out_is_training_on_the_others():
+def test_leaving_one_out_is_training_on_the_others_and_does_not_see_the_one():
     readouts = train_leaving_one_out(DYNAMICS, TRAINING, washout=WASHOUT, tikhonov=1e-4)
     for row, readout in enumerate(readouts):
         others = TrainingSeries(np.delete(OBSERVED, row, axis=0), RANGE)
@@ -387,9 +387,6 @@ def test_leaving_one_out_is_training_on_the_others():
     single = TrainingSeries(OBSERVED[:1], RANGE)
     with pytest.raises(ValueError, match="two training series"):
         next(train_leaving_one_out(DYNAMICS, single, washout=WASHOUT, tikhonov=1e-4))
-
-
-def test_leaving_one_out_does_not_see_the_one():
     other = OBSERVED.copy()
     other[2] = np.random.default_rng(1).normal(size=OBSERVED[2].shape)
     first, second = (

@@ -169,7 +169,7 @@ def test_points_do_not_depend_on_one_another():
         np.testing.assert_array_equal(mean(alone)[:, 0], mean(with_gap)[:, point])
 
 
-def test_the_gain_is_the_kalman_filters():
+def test_static_gains_are_the_kalman_filters_and_leading_directions_make_the_covariance():
     generator = np.random.default_rng(3)
     root, matrix = generator.normal(size=(6, 6)), generator.normal(size=(2, 6))
     covariance, noise = root @ root.T, np.array([0.3, 0.7])
@@ -177,9 +177,6 @@ def test_the_gain_is_the_kalman_filters():
     # in information form: (C^-1 / share + H' R^-1 H)^-1 H' R^-1
     precision = np.linalg.inv(0.01 * covariance) + matrix.T @ np.diag(noise**-2) @ matrix
     np.testing.assert_allclose(gain, np.linalg.solve(precision, matrix.T * noise**-2), rtol=1e-9)
-
-
-def test_leading_directions_make_the_covariance():
     generator = np.random.default_rng(5)
     root = generator.normal(size=(5, 5))
     covariance = root @ root.T

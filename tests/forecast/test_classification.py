@@ -159,15 +159,12 @@ def test_intervals_are_those_of_the_generator_grow_with_the_confidence_and_hold_
     assert intervals(counts, seed=7) != intervals(counts, seed=8)
 
 
-def test_series_are_resampled_as_a_whole():
+def test_series_are_resampled_as_a_whole_and_undefined_resamples_left_out():
     # all points of a series share their fate: ten events in each of four series
     counts = counts_of([10, 10, 10, 0], [0] * 4, [0, 0, 0, 10])
     low, high = intervals(counts, 4000, 0.8)["recall"]
     # shares of good series among four: 0, 1/4, ..., 1, and nothing between them
     assert (low, high) == (0.5, 1.0)
-
-
-def test_undefined_resamples_are_left_out_and_nothing_but_them_is_undefined():
     # one series in three has the only event
     some = intervals(counts_of([1, 0, 0], [0, 0, 0], [0, 0, 0]))
     assert some["recall"] == (1.0, 1.0)

@@ -309,9 +309,6 @@ def test_evaluations_begin_after_their_start_and_go_beyond_the_event():
     )
     # in Lyapunov times after the event, of five steps
     np.testing.assert_allclose(found.evaluation_time_lt, (np.arange(len(truth)) - start - 10) / 5)
-
-
-def test_a_truth_that_ends_early_does_not_matter_after_the_event():
     observed, truth = ramp(after=4)
     whole = evaluate_lead_times(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
     truth[-3:] = np.nan
@@ -331,7 +328,7 @@ def test_the_event_that_is_nearest_to_the_wanted_horizon_is_shown():
     assert horizon_example(horizons[3:], STARTS, 1.0) is None
 
 
-def test_outcomes_are_shown_beside_the_truth():
+def test_outcomes_are_shown_beside_the_truth_and_points_kept_apart():
     truth = np.arange(20.0).reshape(2, 10)
     washouts = np.array([[[3.0], [4.0]], [[11.0], [12.0]]])
     points = SeriesPoints(np.array([0, 1]), np.array([4, 2]))
@@ -349,9 +346,6 @@ def test_outcomes_are_shown_beside_the_truth():
     nobody = SeriesPoints(np.empty(0, dtype=int), np.empty(0, dtype=int))
     none = forecast_outcomes(None, first_component, washouts[:0], truth, nobody, [], **how)
     assert none.example_forecast.shape == none.example_truth.shape == (0, 8)
-
-
-def test_forecast_observable_keeps_points_apart():
     washouts = np.array([[[1.0], [2.0]], [[5.0], [7.0]], [[0.0], [0.0]]])
     np.testing.assert_array_equal(
         forecast_observable(Drift(0.0), first_component, washouts, 2), [[3, 4], [8, 9], [1, 2]]

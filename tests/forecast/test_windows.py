@@ -322,6 +322,7 @@ def test_a_classifier_is_a_source_of_alarms_like_others():
 
 
 def test_points_are_labelled_where_no_event_is_under_way():
+    assert POINTS.series == 3
     labelled = POINTS.labelled([0.5, 2], 0.1)
     kept = [0, 2, 3, 5]
     np.testing.assert_array_equal(labelled.washouts, DATA["washout"][kept])

@@ -138,13 +138,7 @@ def test_a_window_shorter_than_a_step_is_refused():
 
 # -- filters ---------------------------------------------------------------------------------------
 
-FILTER_OPTIONS = {
-    "noise": None,
-    "degree": 2,
-    "window_lt": 0.2,
-    "members": 40,
-    "inflation": 1.0,
-}
+FILTER_OPTIONS = {"noise": None, "degree": 2, "window_lt": 0.2, "members": 40, "inflation": 1.0}
 FILTERED = ForecastingCase(Lorenz63(), 0.01, 2, 50, FILTER_OPTIONS)
 KINDS = (FilteredEquations, FilteredQuadraticModel)
 
@@ -185,12 +179,9 @@ def test_the_estimate_is_much_better_than_an_observation(kind, true, observed, n
     assert spread == pytest.approx(error, rel=0.15)
 
 
-def test_a_washout_of_one_step_is_its_observation(observed):
+def test_known_noise_is_believed_and_a_washout_of_one_step_is_its_observation(observed):
     model = FilteredEquations.fit(observed[:, :, :10].transpose(2, 0, 1), FILTERED)
     np.testing.assert_allclose(model.start(observed[:1]), observed[0], atol=1e-12)
-
-
-def test_known_noise_is_believed(observed):
     training = observed[:, :, :10].transpose(2, 0, 1)
     case = ForecastingCase(**{**vars(FILTERED), "options": {**FILTER_OPTIONS, "noise": 0.3}})
     model = FilteredEquations.fit(training, case)

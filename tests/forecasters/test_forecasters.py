@@ -261,11 +261,6 @@ def test_the_equations_learn_nothing(kind, flow):
     assert fitted.record() == ForecasterRecord()
 
 
-def test_networks_are_not_fitted_without_a_search(flow):
-    with pytest.raises(NotImplementedError, match="search"):
-        NetworkForecaster.fit(flow.transpose(2, 0, 1), CASE)
-
-
 def test_a_network_that_has_not_seen_a_series_is_trained_on_the_others(flow):
     training, network = flow.transpose(2, 0, 1), FORECASTERS["esn"].network
     found = list(FORECASTERS["esn"].leave_one_out(training, CASE, 20))
@@ -285,12 +280,16 @@ def test_the_equations_are_the_same_without_any_series(kind, flow):
     assert found == [equations] * 5
 
 
-def test_the_bound_of_a_restored_network_is_that_of_the_case():
+def test_the_bound_of_a_restored_network_is_that_of_the_case_and_it_is_not_fitted_without_a_search(
+    flow,
+):
     record = FORECASTERS["esn"].record()
     outputs = 3.0 * np.ones((1, 9, 1))
     for bound, lost in ((1.0, True), (100.0, False)):
         case = replace(CASE, options={"backend": "scipy", "divergence_bound": bound})
         assert NetworkForecaster.restore(record, case).diverged(outputs).tolist() == [lost]
+    with pytest.raises(NotImplementedError, match="search"):
+        NetworkForecaster.fit(flow.transpose(2, 0, 1), CASE)
 
 
 def same(one, other):
@@ -355,7 +354,9 @@ def test_members_follow_one_analogue_each(walks, last_states):
         np.testing.assert_array_equal(outputs[..., point].transpose(2, 0, 1), followed)
 
 
-def test_where_all_analogues_have_ended_there_is_no_forecast(walks, last_states):
+def test_where_analogues_have_ended_there_is_no_forecast_and_constants_tell_none_apart(
+    walks, last_states
+):
     model = Analogues.fit(walks, NEIGHBOURS)
     outputs, memory = model.advance(model.start(last_states), 30)
     assert np.isnan(outputs[-1]).all()
@@ -363,6 +364,10 @@ def test_where_all_analogues_have_ended_there_is_no_forecast(walks, last_states)
     assert model.diverged(outputs).all()
     later, _ = model.advance(memory, 1)
     assert np.isnan(later).all()
+    with_gauge = np.concatenate([walks, np.full((3, 30, 1), 7.0)], axis=2)
+    seen = np.concatenate([last_states, np.full((5, 1, 7), 7.0)], axis=1)
+    found = Analogues.fit(with_gauge, NEIGHBOURS).start(seen)
+    np.testing.assert_array_equal(found, Analogues.fit(walks, NEIGHBOURS).start(last_states))
 
 
 def test_persistence_stays(last_states):
@@ -371,13 +376,6 @@ def test_persistence_stays(last_states):
     for state in outputs:
         np.testing.assert_array_equal(state, last_states[-1])
     np.testing.assert_array_equal(memory, last_states[-1])
-
-
-def test_a_component_that_is_constant_in_training_tells_no_analogues_apart(walks, last_states):
-    with_gauge = np.concatenate([walks, np.full((3, 30, 1), 7.0)], axis=2)
-    seen = np.concatenate([last_states, np.full((5, 1, 7), 7.0)], axis=1)
-    found = Analogues.fit(with_gauge, NEIGHBOURS).start(seen)
-    np.testing.assert_array_equal(found, Analogues.fit(walks, NEIGHBOURS).start(last_states))
 
 
 # -- the linear inverse model ----------------------------------------------------------------------
@@ -390,7 +388,7 @@ def series():
     return np.random.default_rng(1).standard_normal((4, 200, 3)).cumsum(axis=1)
 
 
-def test_a_linear_system_is_found_and_continued():
+def test_a_linear_system_is_found_and_is_the_regression_of_scikit_learn(series):
     generator = np.random.default_rng(2)
     matrix = 0.4 * generator.standard_normal((3, 3))
     constant = np.array([1.0, -2.0, 0.5])
@@ -404,9 +402,6 @@ def test_a_linear_system_is_found_and_continued():
     outputs, memory = model.advance(model.start(true[:20]), 11)
     np.testing.assert_allclose(outputs, true[20:], atol=1e-9)
     np.testing.assert_array_equal(memory, outputs[-1])
-
-
-def test_it_is_the_regression_of_scikit_learn(series):
     model = LinearInverseModel.fit(series, LINEAR)
     now, following = (part.reshape(-1, 3) for part in (series[:, :-1], series[:, 1:]))
     expected = LinearRegression().fit(now, following)

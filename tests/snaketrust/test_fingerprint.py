@@ -304,14 +304,11 @@ def test_a_link_counts_as_what_it_leads_to(user):
     assert before["flows.part"] != user.entries()["flows.part"]
 
 
-def test_packages_without_a_file_of_their_own_are_followed(user):
+def test_packages_without_a_file_of_their_own_and_stars_are_followed(user):
     user.write(user.here / "space/deep/one.py", "import space.deep.two\n")
     user.write(user.beside / "space/deep/two.py", "X = 1\n")  # the other part of the package
     user.write(user.here / "scan.py", "import space.deep.one\n")
     assert set(user.entries()) == PLAIN | OWN | {"space.deep.one", "space.deep.two"}
-
-
-def test_what_a_star_imports_is_followed(user):
     user.write(user.here / "scan.py", "from stars import *\n")
     user.write(user.here / "stars/__init__.py", "__all__ = ['a']\n")
     user.write(user.here / "stars/a.py", "X = 1\n")

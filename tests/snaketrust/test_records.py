@@ -154,11 +154,21 @@ def read(*paths):
     return Inputs.read(paths, Records("results"))
 
 
-def test_inputs_are_verified(place):
+def test_an_input_that_is_verified_and_changes_while_the_job_runs_is_an_error(place):
     Path("source.csv").write_text("a")
     inputs = read(path_of(0), path_of(1), "source.csv")
     assert inputs.by_path == {path: digest(path) for path in (path_of(0), path_of(1), "source.csv")}
     inputs.check()
+    inputs = read(path_of())
+    os.utime(path_of())  # as Snakemake does
+    inputs.check()
+    Path(path_of()).rename("away")
+    with pytest.raises(DamagedFileError, match="changed while the job ran"):
+        inputs.check()
+    Path("away").rename(path_of())
+    Path(path_of()).write_text("network 7")
+    with pytest.raises(DamagedFileError, match="changed while the job ran"):
+        inputs.check()
 
 
 def test_a_damaged_input_is_an_error_that_says_how_to_repair_it(place):
@@ -179,19 +189,6 @@ def test_a_small_input_is_read_whatever_its_stamp_says(place):
     assert problem(path_of()) == ""
     with pytest.raises(DamagedFileError):
         read(path_of())
-
-
-def test_an_input_that_changes_while_the_job_runs_is_an_error(place):
-    inputs = read(path_of())
-    os.utime(path_of())  # as Snakemake does
-    inputs.check()
-    Path(path_of()).rename("away")
-    with pytest.raises(DamagedFileError, match="changed while the job ran"):
-        inputs.check()
-    Path("away").rename(path_of())
-    Path(path_of()).write_text("network 7")
-    with pytest.raises(DamagedFileError, match="changed while the job ran"):
-        inputs.check()
 
 
 def test_what_killed_writers_of_a_file_have_left_behind_is_removed(tmp_path):

@@ -29,9 +29,12 @@ def toy(made, tmp_path):
     return copy
 
 
-def test_what_is_finished_stays(toy):
+def test_what_is_finished_stays_and_may_be_moved(toy):
     assert toy.run() == {}
     shutil.rmtree(toy.directory / ".snakemake")  # the records belong to the results
+    assert toy.run() == {}
+    (toy.directory / "results").rename(toy.directory / "moved")
+    toy.edit("config.yaml", "results: results", "results: moved")
     assert toy.run() == {}
 
 
@@ -60,22 +63,21 @@ def test_some_of_the_rules_run_on_the_results_of_the_others(toy):
     assert toy.total() == 7
 
 
-def test_a_damaged_result_is_made_again(toy):
+def test_what_is_damaged_or_exchanged_is_made_again(toy):
     result = toy.directory / "results" / "doubled" / "one.txt"
     state = result.stat()
     result.write_text("7\n")
     os.utime(result, ns=(state.st_atime_ns, state.st_mtime_ns))  # same size, same time
     assert toy.run() == {"double": 1, "total": 1}
     assert toy.total() == 6
-
-
-def test_results_that_were_exchanged_are_made_again(toy):
     one, two = (toy.directory / "results" / "drawn" / f"{name}.txt" for name in ("one", "two"))
     one.rename(one.with_suffix(".txt.x"))
     two.rename(one)
     one.with_suffix(".txt.x").rename(two)
     assert toy.run() == EVERYTHING
     assert toy.total() == 6
+    (toy.directory / "results" / ".records" / "total.txt.json").unlink()
+    assert toy.run() == {"total": 1}
 
 
 def test_a_deleted_intermediate_stays_away_until_it_is_needed(toy):
@@ -86,17 +88,6 @@ def test_a_deleted_intermediate_stays_away_until_it_is_needed(toy):
     toy.edit("config.yaml", "one: 1", "one: 4")
     assert toy.run() == {"draw": 1, "double": 1, "total": 1}
     assert toy.total() == 12
-
-
-def test_results_without_a_record_are_none(toy):
-    (toy.directory / "results" / ".records" / "total.txt.json").unlink()
-    assert toy.run() == {"total": 1}
-
-
-def test_results_may_be_moved(toy):
-    (toy.directory / "results").rename(toy.directory / "moved")
-    toy.edit("config.yaml", "results: results", "results: moved")
-    assert toy.run() == {}
 
 
 def test_another_directory_takes_results_from_the_cache(toy, tmp_path):

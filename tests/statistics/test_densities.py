@@ -364,7 +364,7 @@ def test_the_nearest_candidate_is_that_of_the_smallest_kantorovich_metric():
     assert nearest(whole.merged(ALL), []) is None
 
 
-def test_floor_is_the_distance_of_disjoint_parts():
+def test_the_floor_is_the_distance_of_disjoint_parts_and_sinks_as_the_root_of_their_size():
     series = random_series(10)
     whole = reduce_series([series], energy, ENERGIES)
     floor = sampling_floor(whole, MATRICES, 5, np.random.default_rng(3), sample=3)
@@ -376,9 +376,6 @@ def test_floor_is_the_distance_of_disjoint_parts():
         )
         assert measures.kantorovich == pytest.approx(kantorovich_metric(rest, sample))
     assert len({measures.kantorovich for measures in floor}) == 5
-
-
-def test_floor_sinks_as_the_root_of_the_sample_size():
     few, many = (
         np.mean(
             [

@@ -46,25 +46,19 @@ def lorenz_series(count, steps, transient=2000):
     return integrate(Lorenz63(), start, 0.01, 2 * steps, 2).transpose(2, 0, 1)
 
 
-def test_linear_model_has_the_logarithms_of_its_eigenvalues():
+def test_linear_models_have_the_logarithms_of_their_eigenvalues_as_far_as_they_are_known():
     rates = np.array([1.05, 0.9, 0.4])
     model = LinearInverseModel(ROTATION @ np.diag(rates) @ ROTATION.T, np.array([0.1, 0.0, 0.2]))
     found = spectrum(model, np.zeros((2, 4, 3)), 600)
     expected = np.log(rates) / STEP
     np.testing.assert_allclose(found.exponents, [expected, expected], rtol=0, atol=1e-9)
     assert found.duration == pytest.approx(450 * STEP)
-
-
-def test_only_the_leading_exponents_are_wanted():
     model = LinearInverseModel(ROTATION @ np.diag([1.05, 0.9, 0.4]) @ ROTATION.T, np.zeros(3))
     leading = spectrum(model, np.zeros((1, 4, 3)), 600, exponents=2)
     np.testing.assert_allclose(leading.exponents, [np.log([1.05, 0.9]) / STEP], rtol=0, atol=1e-9)
     more = spectrum(model, np.zeros((1, 4, 3)), 600, exponents=5)
     assert np.isnan(more.exponents[0, 3:]).all()
     assert np.isfinite(more.exponents[0, :3]).all()
-
-
-def test_what_an_interval_loses_to_rounding_is_not_known():
     model = LinearInverseModel(np.diag([1.05, 0.9, 1e-4]), np.zeros(3))
     found = spectrum(model, np.zeros((2, 4, 3)), 600).exponents
     np.testing.assert_allclose(found[:, 0], np.log(1.05) / STEP)
@@ -177,9 +171,6 @@ def test_summary_has_the_dimension_of_the_mean_and_its_spread():
     samples = 2 + (exponents[:, 0] + exponents[:, 1]) / 14.5
     margin = 1.645 * samples.std() / np.sqrt(200)
     assert found.dimension_high - found.dimension_low == pytest.approx(2 * margin, rel=0.1)
-
-
-def test_summary_of_few_runs():
     one = summarise(np.array([[0.9, 0.0, -14.5]]), 0.95, 10, np.random.default_rng(1))
     assert one.mean.tolist() == [0.9, 0.0, -14.5]
     assert np.isnan([*one.low, *one.high, one.dimension_low]).all()

@@ -221,16 +221,13 @@ def test_an_error_of_the_system_is_raised_by_numpy():
         integrate(Expressions(2, fails), np.zeros((2, 3)), 0.25, 1)
 
 
-def test_the_largest_observable_is_undefined_once_it_was():
+def test_observables_may_be_undefined_and_return_the_state_itself():
     system = Expressions(1, lambda x: 0.0 * x + 1.0, lambda x: np.sqrt(x[0]))
     assert is_compiled(system, observed=True)
     with np.errstate(invalid="ignore"):
         observed = integrate_observed(system, np.array([[-0.5, 0.5]]), 0.25, 4)
     assert np.isnan(observed.largest_observable[0])
     assert observed.largest_observable[1] == np.sqrt(1.5)
-
-
-def test_the_given_state_is_left_alone_whatever_the_observable_returns():
     system = Expressions(1, lambda x: 0.0 * x + 1.0, lambda x: x[0])
     observed = integrate_observed(system, np.array([[0.5, 1.0]]), 0.25, 4)
     assert np.array_equal(observed.states[0], [[0.5, 1.0]])

@@ -225,30 +225,30 @@ def test_modes_are_the_published_ones(box, grid, modes):
     np.testing.assert_allclose(actual, published_modes(box, *grid.open), rtol=0, atol=1e-14)
 
 
-def test_modes_are_orthonormal(grid, modes):
+def test_modes_are_orthonormal_have_no_divergence_and_the_energy_of_their_amplitudes(grid, modes):
     fields = modes.velocity(np.eye(9), *grid.open)
     products = np.einsum("cixyz,cjxyz->ijxyz", fields, fields)
     np.testing.assert_allclose(grid.mean(products), np.eye(9), rtol=0, atol=1e-13)
-
-
-def test_modes_have_no_divergence(grid, modes):
     gradient = velocity_gradient(modes, np.eye(9), *grid.open)
     np.testing.assert_allclose(np.einsum("ccixyz->ixyz", gradient), 0.0, rtol=0, atol=2e-12)
+    a = amplitudes(4)
+    energy = grid.mean(0.5 * np.sum(modes.velocity(a, *grid.open) ** 2, axis=0))
+    expected = MoehlisFaisstEckhardt(400.0).observable(a)
+    np.testing.assert_allclose(energy, expected, rtol=1e-13)
 
 
-def test_no_flow_through_the_walls(modes):
+def test_no_flow_through_the_walls_nor_across_a_laminar_flow(modes):
     walls = np.array([-1.0, 1.0])[:, np.newaxis]
     velocity = modes.velocity(np.eye(9), np.array(0.7), walls, np.linspace(0, 5, 7))
     np.testing.assert_allclose(velocity[1], 0.0, rtol=0, atol=1e-15)
     shear = velocity_gradient(modes, np.eye(9), np.array(0.7), walls, np.linspace(0, 5, 7))
     np.testing.assert_allclose(shear[[0, 2], 1], 0.0, rtol=0, atol=2e-12)  # free slip
-
-
-def test_energy_is_half_the_sum_of_squares(grid, modes):
-    a = amplitudes(4)
-    energy = grid.mean(0.5 * np.sum(modes.velocity(a, *grid.open) ** 2, axis=0))
-    expected = MoehlisFaisstEckhardt(400.0).observable(a)
-    np.testing.assert_allclose(energy, expected, rtol=1e-13)
+    y = np.linspace(-1, 1, 9)
+    laminar = np.eye(9)[0]
+    u, v, w = modes.velocity(laminar, np.array(1.0), y, np.array(2.0))
+    np.testing.assert_allclose(u, math.sqrt(2) * np.sin(math.pi * y / 2), atol=1e-15)
+    assert not v.any()
+    assert not w.any()
 
 
 def test_vorticity_by_spectral_differentiation(box, modes):
@@ -311,15 +311,6 @@ def test_profiles_from_moments_are_averages_of_the_fields(grid, modes):
     u, v, _ = velocity
     for actual, field in zip(profiles, (u, u * u, u * v), strict=True):
         np.testing.assert_allclose(actual, field.mean(axis=(0, 1, 3)), rtol=0, atol=1e-13)
-
-
-def test_laminar_flow(modes):
-    y = np.linspace(-1, 1, 9)
-    laminar = np.eye(9)[0]
-    u, v, w = modes.velocity(laminar, np.array(1.0), y, np.array(2.0))
-    np.testing.assert_allclose(u, math.sqrt(2) * np.sin(math.pi * y / 2), atol=1e-15)
-    assert not v.any()
-    assert not w.any()
 
 
 def test_the_box_is_that_of_the_equations_unless_it_is_said():

@@ -119,15 +119,12 @@ def module(tmp_path, monkeypatch):
             del sys.modules[name]
 
 
-def test_a_system_of_ones_own(module):
+def test_a_system_of_ones_own_may_be_in_a_package(module):
     module(OWN)
     system = make_system("own_circles:Circle", {"rate": 2})
     assert (system.dimension, system.rate) == (2, 2.0)
     with pytest.raises(ValueError, match=r"no parameter 'rat' \(did you mean 'rate'\?\)"):
         make_system("own_circles:Circle", {"rat": 2})
-
-
-def test_a_system_in_a_package_of_ones_own(module):
     module("", "own_flows/__init__")
     module("from own_flows.circles import *", "own_flows/other")
     module(OWN, "own_flows/circles")

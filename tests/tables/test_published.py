@@ -68,11 +68,6 @@ def test_every_published_value_belongs_to_a_table_of_ours(published, table):
     assert len(rows) == ((published["kind"] == KINDS[table]) & comparable).sum()
 
 
-def test_tables_without_published_values(published):
-    with pytest.raises(ValueError, match="nothing is published for the table survival"):
-        published_percentiles(published, "survival")
-
-
 def ratios(published, table):
     """What published values are multiplied by, by metric."""
     raw = published[published["kind"] == KINDS[table]].reset_index(drop=True)
@@ -211,14 +206,9 @@ def test_nothing_can_be_said_about_the_errors_of_one_training_set():
     assert not table["inside"].iloc[1]
 
 
-def test_undefined_medians_are_neither_inside_nor_outside():
-    undefined = OUR_F_SCORES.assign(**dict.fromkeys(PERCENTILES, np.nan), networks=0)
-    table = compare(F_SCORES, {"classification": undefined}, {})
-    assert len(table) == 3
-    assert table["inside"].isna().all()
-
-
-def test_what_nobody_has_is_left_out(published):
+def test_what_nobody_has_is_left_out_and_undefined_medians_are_neither_inside_nor_outside(
+    published,
+):
     assert compare(published, {"survival": pd.DataFrame()}, {}).empty
     assert compare(F_SCORES, {"horizon": OUR_F_SCORES}, {}).empty
     mixed = published[published["kind"] == "hyper"]
@@ -229,6 +219,12 @@ def test_what_nobody_has_is_left_out(published):
     )
     table = compare(mixed, {"hyperparameters": ours}, {})
     assert table["metric"].tolist() == ["spectral_radius"]
+    undefined = OUR_F_SCORES.assign(**dict.fromkeys(PERCENTILES, np.nan), networks=0)
+    table = compare(F_SCORES, {"classification": undefined}, {})
+    assert len(table) == 3
+    assert table["inside"].isna().all()
+    with pytest.raises(ValueError, match="nothing is published for the table survival"):
+        published_percentiles(published, "survival")
 
 
 def test_control_is_compared_under_the_conditions_of_the_paper():

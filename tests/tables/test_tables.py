@@ -196,22 +196,19 @@ def long_form():
     return pd.DataFrame(rows, columns=["who", "time", "metric", "value", "low", "high"])
 
 
-def test_rows_and_columns_are_in_the_order_of_the_table():
+def test_rows_and_columns_are_in_the_order_of_the_table_one_value_for_a_cell():
     cells = wide_table(long_form(), ["who"], "time", specs={"f_score": ".2f"})
     assert cells.columns.tolist() == ["who", 1.0, 2.0]
     assert cells.to_numpy().tolist() == [
         ["a", "$0.50$ ($0.25$ to $0.75$)", "$0.25$"],
         ["b", "--", "--"],
     ]
-
-
-def test_two_values_for_one_cell_are_an_error():
     twice = pd.concat([long_form(), long_form()])
     with pytest.raises(ValueError, match="two rows have the same who, time"):
         wide_table(twice, ["who"], "time", specs={})
 
 
-def test_a_table_is_a_table_environment_with_booktabs_rules():
+def test_a_table_is_a_table_environment_with_booktabs_rules_of_four_columns_side_by_side():
     cells = pd.DataFrame({"case_name": ["Re400"], "p50": ["$0.512$"]})
     text = to_latex(cells, "Scores.", "tab:scores", heads={"p50": r"$p_{50}$"})
     assert text.splitlines() == [
@@ -231,9 +228,6 @@ def test_a_table_is_a_table_environment_with_booktabs_rules():
         r"\end{table}",
     ]
     assert text.endswith("\n")
-
-
-def test_more_than_four_columns_stand_below_one_another():
     cells = pd.DataFrame({"who": ["a"], **{f"c{n}": [f"v{n}"] for n in range(9)}})
     rows = re.findall(r"^    a & (.*) ..$", to_latex(cells, "c", "l"), re.M)
     assert [row.split(" & ") for row in rows] == [
