@@ -1,6 +1,7 @@
 """Arguments of every figure, small and like a campaign's, and the figures drawn from them."""
 
 from collections.abc import Callable
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -105,16 +106,22 @@ def ranking_rows() -> pd.DataFrame:
         *((case, "observable_now", "observable_now", None, None) for case in ("flow", "sensors")),
     ]
     rows = []
-    for number, (case, alarm, kind, neurons, seed) in enumerate(sources):
-        names = {"case": case, "alarm": alarm, "forecaster": kind, "neurons": neurons, "seed": seed}
-        for time in (0.5, 1.0, 2.0):
-            for event, more in (("onset", 0.0), ("any", 0.05)):
-                value = 0.9 * np.exp(-0.3 * time - 0.2 * number) + more
-                keys = {**names, "prediction_time_lt": time, "event": event}
-                ends = {"low": value - 0.03, "high": value + 0.04}
-                rows.append({**keys, "metric": "average_precision", "value": value, **ends})
-                rows.append({**keys, "metric": "base_rate", "value": 0.05})
-    return pd.DataFrame(rows)
+    for (number, source), time, event in product(
+        enumerate(sources), (0.5, 1.0, 2.0), ("onset", "any")
+    ):
+        value = 0.9 * np.exp(-0.3 * time - 0.2 * number) + (0.05 if event == "any" else 0.0)
+        for scores in (("average_precision", *around(value)), ("base_rate", 0.05, None, None)):
+            rows.append((*source, time, event, *scores))
+    names = ["case", "alarm", "forecaster", "neurons", "seed", "prediction_time_lt", "event"]
+    return pd.DataFrame(rows, columns=[*names, "metric", *ENDS])
+
+
+ENDS = ["value", "low", "high"]
+
+
+def around(value: float, below: float = 0.03, above: float = 0.02) -> tuple[float, float, float]:
+    """A value and the ends of its interval."""
+    return value, value - below, value + above
 
 
 def statistics_rows() -> pd.DataFrame:
@@ -230,8 +237,8 @@ def density_rows() -> pd.DataFrame:
 
 
 USUAL = {"span_lt": 20.0, "noise": 0.01}
-SIZE: dict[str, Any] = {"neurons": 2000, "validation": "RV"}
-NO_SIZE: dict[str, Any] = {"neurons": None, "validation": None}
+SIZE: dict[str, Any] = {"neurons": 2000.0, "validation": "RV"}
+NO_SIZE: dict[str, Any] = {"neurons": np.nan, "validation": np.nan}
 
 
 PARAMETER = {
@@ -244,24 +251,24 @@ PARAMETER = {
 
 def parameter_rows() -> dict[str, list[pd.DataFrame]]:
     """Scores, their intervals and escape rates of three kinds at four Reynolds numbers."""
-    scores, intervals, survival = [], [], []
+    best = {"esn": 0.7, "esn_aware": 0.72, "quadratic_aware_filtered": 0.9}
+    scores, rates = [], []
     for case, value in PARAMETER["values"].items():
-        survival.append(_escape(case, "data", 2e-5 * (1000 / value)))
-        for kind, best in (("esn", 0.7), ("esn_aware", 0.72), ("quadratic_aware_filtered", 0.9)):
-            survival.append(_escape(case, kind, 2.2e-5 * (1000 / value)))
-            for time in (1.0, 2.0, 3.0):
-                keys = {"case": case, "forecaster": kind, "prediction_time_lt": time}
-                f_score = best - 0.1 * (time - 1) - 1e-4 * (value - 400)
-                scores.append({**keys, "f_score": f_score})
-                ends = {"low": f_score - 0.05, "high": f_score + 0.04}
-                intervals.append({**keys, "metric": "f_score", **ends})
-    tables = {"scores": scores, "intervals": intervals, "survivals": survival}
-    return {name: [pd.DataFrame(rows).assign(neurons=np.nan)] for name, rows in tables.items()}
-
-
-def _escape(case: str, kind: str, rate: float) -> dict[str, object]:
-    ends = {"escape_rate_low": 0.7 * rate, "escape_rate_high": 1.4 * rate}
-    return {"case": case, "forecaster": kind, "escape_rate": rate, **ends}
+        for kind in ("data", *best):
+            rate = (2e-5 if kind == "data" else 2.2e-5) * 1000 / value
+            rates.append((case, kind, *around(rate, 0.3 * rate, 0.4 * rate)))
+        for (kind, score), time in product(best.items(), (1.0, 2.0, 3.0)):
+            f_score = score - 0.1 * (time - 1) - 1e-4 * (value - 400)
+            scores.append((case, kind, time, "f_score", *around(f_score, 0.05, 0.04)))
+    keys = ["case", "forecaster", "prediction_time_lt"]
+    found = pd.DataFrame(scores, columns=[*keys, "metric", "f_score", "low", "high"])
+    escape = [f"escape_rate{end}" for end in ("", "_low", "_high")]
+    tables = {
+        "scores": found[[*keys, "f_score"]],
+        "intervals": found.drop(columns="f_score"),
+        "survivals": pd.DataFrame(rates, columns=[*keys[:2], *escape]),
+    }
+    return {name: [rows.assign(neurons=np.nan)] for name, rows in tables.items()}
 
 
 def frontier_rows() -> pd.DataFrame:
@@ -363,25 +370,13 @@ def alarm_rows(x: str, positions: tuple[float, ...], **keys: object) -> pd.DataF
     """Scores that fall with x, of three networks, their committee and everybody else."""
     rows: list[dict[str, object]] = []
     for kind, good in ALARMS.items():
-        network = kind in ("esn", "esn_committee")
-        for seed in range(3 if kind == "esn" else 1):
-            for position in positions:
-                value = good * (1.0 - 0.1 * (1.0 - good + 0.1 * seed) * position)
-                rows.append(
-                    {
-                        "case": "Re400",
-                        "forecaster": kind,
-                        "neurons": 2000.0 if network else np.nan,
-                        "validation": "RV" if network else np.nan,
-                        "seed": seed if kind == "esn" else np.nan,
-                        "probability": "calibrated",
-                        x: position,
-                        "value": value,
-                        "low": value - 0.03,
-                        "high": value + 0.02,
-                        **keys,
-                    }
-                )
+        seeds = range(3) if kind == "esn" else (np.nan,)
+        size = SIZE if kind.startswith("esn") else NO_SIZE
+        for seed, position in product(seeds, positions):
+            value = good * (1.0 - 0.1 * (1.0 - good + 0.1 * np.nan_to_num(seed)) * position)
+            whose = {"case": "Re400", "forecaster": kind, **size, "seed": seed}
+            scores = dict(zip(ENDS, around(value), strict=True))
+            rows.append({**whose, "probability": "calibrated", x: position, **scores, **keys})
     return pd.DataFrame(rows)
 
 
@@ -392,29 +387,29 @@ def score_rows(*metrics: str, x: str = "prediction_time_lt") -> pd.DataFrame:
 def reliability_rows() -> pd.DataFrame:
     """Committees tell many probabilities, who forecasts once tells two, climatology one."""
     rows = []
-    for kind, good in ALARMS.items():
+    for (kind, good), probability in product(ALARMS.items(), ("calibrated", "votes")):
         levels = {"esn_committee": 11, "esn": 0, "climatology": 1}.get(kind, 2)
-        network = kind == "esn_committee"
-        for probability in ("calibrated", "votes"):
-            for number, mean in enumerate(np.linspace(0, 1, 11)):
-                told = number in np.linspace(0, 10, levels).astype(int)
-                frequency = mean * (good if probability == "votes" else 0.95)
-                rows.append(
-                    {
-                        "case": "Re400",
-                        "forecaster": kind,
-                        "neurons": 2000.0 if network else np.nan,
-                        "validation": "RV" if network else np.nan,
-                        "probability": probability,
-                        "prediction_time_lt": 3.0,
-                        "bin": number,
-                        "forecasts": (7000 if number == 0 else 40) if told else 0,
-                        "mean_probability": mean if told else np.nan,
-                        "observed_frequency": frequency if told else np.nan,
-                        "consistency_low": max(0.0, mean - 0.1) if told else np.nan,
-                        "consistency_high": min(1.0, mean + 0.1) if told else np.nan,
-                    }
-                )
+        told = np.linspace(0, 10, levels).astype(int)
+        for number, mean in enumerate(np.linspace(0, 1, 11)):
+            frequency = mean * (good if probability == "votes" else 0.95)
+            shown = {
+                **{"mean_probability": mean, "observed_frequency": frequency},
+                "consistency_low": max(0.0, mean - 0.1),
+                "consistency_high": min(1.0, mean + 0.1),
+            }
+            rows.append(
+                {
+                    **{"case": "Re400", "forecaster": kind, "probability": probability},
+                    **(SIZE if kind == "esn_committee" else NO_SIZE),
+                    **{"prediction_time_lt": 3.0, "bin": number, "forecasts": 0},
+                    **dict.fromkeys(shown, np.nan),
+                    **(
+                        {"forecasts": 7000 if number == 0 else 40, **shown}
+                        if number in told
+                        else {}
+                    ),
+                }
+            )
     return pd.DataFrame(rows)
 
 
