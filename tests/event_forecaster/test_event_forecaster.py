@@ -42,6 +42,12 @@ def lorenz(series, steps, seed):
     return states[501:].transpose(2, 0, 1)
 
 
+def fit(series, **changes):
+    """A small forecaster with changed parameters: networks, or a kind that takes no options."""
+    plain = {} if changes.get("kind", "esn") == "esn" else {"options": None}
+    return burstcast.EventForecaster(**{**SMALL, **plain, **changes}).fit(series)
+
+
 @pytest.fixture(scope="module")
 def training():
     return lorenz(4, 900, 1)
@@ -54,7 +60,7 @@ def test_series():
 
 @pytest.fixture(scope="module")
 def fitted(training):
-    return burstcast.EventForecaster(**SMALL).fit(training)
+    return fit(training)
 
 
 # -- habits ----------------------------------------------------------------------------------------
@@ -199,7 +205,7 @@ def test_an_observable_must_be_a_real_number(value, training):
     with pytest.raises(
         (TypeError, ValueError), match=r"the observable must (not be masked|consist)"
     ):
-        burstcast.EventForecaster(**{**SMALL, "observable": observable}).fit(training)
+        fit(training, observable=observable)
 
 
 @pytest.mark.parametrize("function", [delay_coordinates, neighbour_divergence])
@@ -278,12 +284,11 @@ def test_a_quantile_is_that_of_the_training_series(training):
 
 @pytest.mark.parametrize(("kind", "sees_truth"), [("quadratic", False), ("equations", True)])
 def test_noise_is_added_to_what_is_observed(kind, sees_truth, training, test_series):
-    settings = {**SMALL, "observable": Lorenz63(), "kind": kind, "options": None}
-    settings |= {"event_threshold": {"quantile": 0.9}, "calibrate": False, "sampling_stride": 2}
+    changes = {"observable": Lorenz63(), "event_threshold": {"quantile": 0.9}, "calibrate": False}
     plain, noisy = (
-        burstcast.EventForecaster(**settings, noise=noise)
-        .fit(training)
-        .forecast(test_series[:, :200])
+        fit(training, kind=kind, sampling_stride=2, noise=noise, **changes).forecast(
+            test_series[:, :200]
+        )
         for noise in (0.0, 0.1)
     )
     assert np.array_equal(plain, noisy) == sees_truth
@@ -291,8 +296,7 @@ def test_noise_is_added_to_what_is_observed(kind, sees_truth, training, test_ser
 
 def test_options_are_laid_over_the_defaults_of_the_kind(training):
     options = {"connectivity": 3, "input_bias": 1, "backend": "scipy"}
-    settings = {**SMALL, "members": 1, "options": options}
-    (member,) = burstcast.EventForecaster(**settings).fit(training).members_
+    (member,) = fit(training, members=1, options=options).members_
     reservoir = member.network.dynamics.reservoir
     assert 2 < reservoir.recurrent.nnz / 60 < 4
     assert reservoir.input_bias == 1
@@ -300,34 +304,28 @@ def test_options_are_laid_over_the_defaults_of_the_kind(training):
 
 
 def test_an_observable_is_a_component_a_function_or_a_system(training, test_series):
-    settings = {**SMALL, "kind": "analogues", "options": None, "event_threshold": {"quantile": 0.9}}
-    system = Lorenz63()
+    settings, system = {"kind": "analogues", "event_threshold": {"quantile": 0.9}}, Lorenz63()
     results = [
-        burstcast.EventForecaster(**{**settings, "observable": observable})
-        .fit(training)
-        .predict_proba(test_series[:, :200])
+        fit(training, observable=observable, **settings).predict_proba(test_series[:, :200])
         for observable in (lambda states: system.observable(np.moveaxis(states, -1, 0)), system)
     ]
     assert_array_equal(*results)
     with pytest.raises(ValueError, match=r"must make \(\.\.\.\) of states \(\.\.\., component\)"):
-        burstcast.EventForecaster(**{**settings, "observable": lambda states: states[0]}).fit(
-            training
-        )
+        fit(training, observable=lambda states: states[0], **settings)
 
 
 @pytest.mark.parametrize("kind", sorted(set(trajectory_kinds()) - {"esn"}))
 def test_any_kind_of_forecaster(kind, training, test_series):
     system = Lorenz63() if kind.startswith("equations") else 0
-    settings = {**SMALL, "observable": system, "kind": kind, "options": None}
-    settings |= {"event_threshold": {"quantile": 0.9}, "noise": 0.01, "sampling_stride": 2}
-    forecaster = burstcast.EventForecaster(**settings).fit(training)
+    settings = {"event_threshold": {"quantile": 0.9}, "noise": 0.01, "sampling_stride": 2}
+    forecaster = fit(training, observable=system, kind=kind, **settings)
     assert len(repr(forecaster.members_[0])) < 300  # a notebook shows it
     probability = forecaster.predict_proba(test_series[:, :200])[:, 1]
     assert probability.shape == (5,)
     assert ((probability >= 0) & (probability <= 1)).all()
     if kind.startswith("equations"):
         with pytest.raises(ValueError, match="measured series have no equations"):
-            burstcast.EventForecaster(**{**settings, "observable": 0}).fit(training)
+            fit(training, kind=kind, **settings)
 
 
 def test_durations_are_in_samples_without_a_lyapunov_time(training, fitted):
@@ -336,8 +334,7 @@ def test_durations_are_in_samples_without_a_lyapunov_time(training, fitted):
     default = burstcast.EventForecaster().get_params()
     in_samples = {name: int(default[name] * LYAPUNOV_TIME / 0.02) for name in names}
     times = tuple(int(time * LYAPUNOV_TIME / 0.02) for time in (0.5, 1.0))
-    settings = {**SMALL, "lyapunov_time": None, "prediction_times": times, **in_samples}
-    found = burstcast.EventForecaster(**settings).fit(training)
+    found = fit(training, lyapunov_time=None, prediction_times=times, **in_samples)
     assert unit == 55
     for one, other in zip(found.members_, fitted.members_, strict=True):
         assert_array_equal(one.network.readout.weights, other.network.readout.weights)
@@ -346,10 +343,7 @@ def test_durations_are_in_samples_without_a_lyapunov_time(training, fitted):
 # -- files -----------------------------------------------------------------------------------------
 @pytest.mark.parametrize("kind", ["esn", "quadratic_filtered", "analogues"])
 def test_a_saved_forecaster_forecasts_the_same_bits(kind, training, test_series, fitted, tmp_path):
-    forecaster = fitted
-    if kind != "esn":
-        settings = {**SMALL, "kind": kind, "options": None}
-        forecaster = burstcast.EventForecaster(**settings).fit(training)
+    forecaster = fitted if kind == "esn" else fit(training, kind=kind)
     forecaster.save(tmp_path / "forecaster.nc")
     found = burstcast.EventForecaster.load(tmp_path / "forecaster.nc")
     assert found.get_params() == forecaster.get_params()
@@ -363,11 +357,9 @@ def test_a_saved_forecaster_forecasts_the_same_bits(kind, training, test_series,
 
 
 def test_a_function_is_not_saved_but_given_again(training, test_series, tmp_path):
-    settings = {**SMALL, "kind": "persistence", "options": None}
+    settings = {"kind": "persistence", "event_threshold": {"quantile": 0.9}}
     for observable in (lambda states: states[..., 0], Lorenz63()):
-        forecaster = burstcast.EventForecaster(
-            **{**settings, "observable": observable, "event_threshold": {"quantile": 0.9}}
-        ).fit(training)
+        forecaster = fit(training, observable=observable, **settings)
         forecaster.save(tmp_path / "forecaster.nc")
         if callable(observable):
             with pytest.raises(ValueError, match="give it as load"):
@@ -382,8 +374,7 @@ def test_a_function_is_not_saved_but_given_again(training, test_series, tmp_path
 @pytest.mark.parametrize("observable", [0, lambda states: states[..., 0]])
 def test_an_observable_that_is_given_is_that_of_the_fit(observable, training, tmp_path):
     path = tmp_path / "forecaster.nc"
-    settings = {**SMALL, "kind": "persistence", "options": None, "observable": observable}
-    burstcast.EventForecaster(**settings).fit(training).save(path)
+    fit(training, kind="persistence", observable=observable).save(path)
     for same in (0, lambda states: states.sum(axis=-1) - states[..., 1:].sum(axis=-1)):
         burstcast.EventForecaster.load(path, same)
     for other in (1, lambda states: states[..., 0] + 1e-6, lambda states: -states[..., 0]):
@@ -394,8 +385,7 @@ def test_an_observable_that_is_given_is_that_of_the_fit(observable, training, tm
 def test_a_damaged_file_is_no_forecaster(training, test_series, tmp_path):
     """A byte changed anywhere is found, or it is one that nobody reads."""
     path, damaged = tmp_path / "forecaster.nc", tmp_path / "damaged.nc"
-    settings = {**SMALL, "kind": "analogues", "options": None}
-    forecaster = burstcast.EventForecaster(**settings).fit(training)
+    forecaster = fit(training, kind="analogues")
     forecaster.save(path)
     content, refused = path.read_bytes(), 0
     expected = forecaster.forecast(test_series[:, :200], duration=0.1)
@@ -478,7 +468,7 @@ def test_what_cannot_be_done_is_said(training, fitted, test_series):
 
 
 def test_without_calibration_a_probability_is_a_share_of_votes(training, test_series, fitted):
-    found = burstcast.EventForecaster(**{**SMALL, "calibrate": False}).fit(training[:1])
+    found = fit(training[:1], calibrate=False)
     probability = found.predict_proba(test_series[:, :200])[:, 1]
     assert set(np.round(3 * probability, 9)) <= {0.0, 1.0, 2.0, 3.0}
 
@@ -510,8 +500,7 @@ def test_the_forecaster_is_there_without_what_only_a_fit_needs():
 
 def test_networks_may_leak_and_square(training, test_series, tmp_path):
     options = {"backend": "scipy", "readout": "quadratic", "leak_rate": [1, 0.6]}
-    settings = {**SMALL, "members": 2, "calibrate": False, "options": options}
-    found = burstcast.EventForecaster(**settings).fit(training)
+    found = fit(training, members=2, calibrate=False, options=options)
     for member, chosen in zip(found.members_, found.hyperparameters_, strict=True):
         dynamics = member.network.dynamics
         assert dynamics.readout == "quadratic"

@@ -70,13 +70,8 @@ def test_every_system_of_the_library_is_compiled(name):
 
 @settings(max_examples=25)
 @given(
-    reynolds=st.floats(50.0, 3000.0),
-    length=st.floats(2.0, 20.0),
-    batch=st.integers(0, 19),
-    stride=st.integers(1, 4),
-    samples=st.integers(0, 4),
-    transient=st.integers(0, 3),
-    seed=st.integers(0, 1000),
+    *(st.floats(50.0, 3000.0), st.floats(2.0, 20.0), st.integers(0, 19), st.integers(1, 4)),
+    *(st.integers(0, 4), st.integers(0, 3), st.integers(0, 1000)),
 )
 def test_the_bits_are_those_of_numpy(reynolds, length, batch, stride, samples, transient, seed):
     for system in (MoehlisFaisstEckhardt(reynolds, length_x=length), Lorenz63(rho=length)):
@@ -94,11 +89,8 @@ def test_the_bits_are_those_of_numpy(reynolds, length, batch, stride, samples, t
 
 @settings(max_examples=25)
 @given(
-    batch=st.integers(1, 19),
-    stride=st.integers(1, 4),
-    steps=st.integers(0, 9),
-    forced=st.booleans(),
-    seed=st.integers(0, 1000),
+    *(st.integers(1, 19), st.integers(1, 4), st.integers(0, 9)),
+    *(st.booleans(), st.integers(0, 1000)),
 )
 def test_each_step_obeys_the_system_of_its_choice(batch, stride, steps, forced, seed):
     last = ForcedSystem(MFE, [0.01 * i for i in range(9)]) if forced else MFE

@@ -60,16 +60,16 @@ def initial_states(count, seed=1):
     return state
 
 
+def scipys(right_hand_side, end, state, method="DOP853", rtol=1e-13, times=None):
+    """States of one trajectory by another scheme, ``(component, times)``; the last one without."""
+    found = solve_ivp(
+        lambda _, y: right_hand_side(y), (0.0, end), state, method, times, rtol=rtol, atol=rtol / 10
+    ).y
+    return found[:, -1] if times is None else found
+
+
 def reference(state, end):
-    solution = solve_ivp(
-        lambda _, a: MFE.right_hand_side(a),
-        (0.0, end),
-        state,
-        method="DOP853",
-        rtol=1e-13,
-        atol=1e-14,
-    )
-    return np.asarray(solution.y[:, -1])
+    return scipys(MFE.right_hand_side, end, state)
 
 
 def test_agrees_with_an_independent_integrator():
@@ -370,15 +370,7 @@ def test_a_stiff_system_against_scipy_by_another_scheme():
     states = np.array([[2.0, -1.5], [0.0, 0.3]])
     found = integrate(system, states, 5.0, 4, stride=2)
     for number, start in enumerate(states.T):
-        expected = solve_ivp(
-            lambda _, y: system.right_hand_side(y),
-            (0.0, 20.0),
-            start,
-            method="BDF",
-            t_eval=[0.0, 10.0, 20.0],
-            rtol=1e-11,
-            atol=1e-13,
-        ).y
+        expected = scipys(system.right_hand_side, 20.0, start, "BDF", 1e-11, [0.0, 10.0, 20.0])
         np.testing.assert_allclose(found[:, :, number], expected.T, rtol=1e-5, atol=1e-7)
 
 
@@ -394,9 +386,7 @@ def test_trajectories_of_a_stiff_system_do_not_depend_on_one_another():
 def errors_of(system, steps):
     """Errors after two time units, in so many steps."""
     start = np.array([[0.5], [0.2], [0.1]])
-    expected = solve_ivp(
-        lambda _, y: system.right_hand_side(y), (0, 2), start[:, 0], "Radau", rtol=1e-12, atol=1e-14
-    ).y[:, -1]
+    expected = scipys(system.right_hand_side, 2.0, start[:, 0], "Radau", 1e-12)
     return [
         float(np.abs(integrate(system, start, 2 / n, n, n)[-1, :, 0] - expected).max())
         for n in steps
@@ -456,14 +446,7 @@ def test_forces_on_stiff_systems_against_scipy(system, steps):
         integrate(one, start[:, np.newaxis], 2.0 / steps, steps, steps)[-1, :, 0]
         for one in (actuated_system(system, {}, list(force)), system)
     )
-    expected = solve_ivp(
-        lambda _, y: system.right_hand_side(y) + force,
-        (0.0, 2.0),
-        start,
-        method="LSODA",
-        rtol=1e-10,
-        atol=1e-12,
-    ).y[:, -1]
+    expected = scipys(lambda y: system.right_hand_side(y) + force, 2.0, start, "LSODA", 1e-10)
     np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-7)
     assert not np.allclose(found, free, atol=1e-3)
 

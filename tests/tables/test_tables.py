@@ -106,19 +106,16 @@ def test_escape_makes_every_special_character_literal():
         latex_number(math.nan)
 
 
+DATA = {
+    **{"time_step": 0.25, "event_threshold": 0.1, "series_kept": 1436},
+    **{"series_duration": 4000.0, "training_series": 10},
+}
+
+
 def test_the_papers_parameter_tables():
-    data = data_parameters(
-        system=[
-            ("L_x", "Length of the domain in the $x$-direction", 4 * math.pi),
-            (r"\mathrm{Re}", "Reynolds number", 400.0),
-        ],
-        time_step=0.25,
-        laminarisation_threshold=0.48,
-        event_threshold=0.1,
-        series_kept=1436,
-        series_duration=4000.0,
-        training_series=10,
-    )
+    flow = [("L_x", "Length of the domain in the $x$-direction", 4 * math.pi)]
+    flow += [(r"\mathrm{Re}", "Reynolds number", 400.0)]
+    data = data_parameters(system=flow, **DATA, laminarisation_threshold=0.48)
     values = ["4\\pi", "400", "0.25", "0.48", "0.1", "1436", "4000", "10"]
     assert list(data["Value"]) == [f"${value}$" for value in values]
     assert data.loc[3, "Parameter"] == "$k_l$"
@@ -138,19 +135,7 @@ def test_the_papers_parameter_tables():
         "$0.1$",
         r"$0.01\,\sigma_u$",
     ]
-
-
-def test_a_system_that_does_not_laminarise_has_no_such_row():
-    data = data_parameters(
-        system=[],
-        time_step=0.01,
-        laminarisation_threshold=None,
-        event_threshold=40.0,
-        series_kept=20,
-        series_duration=100.0,
-        training_series=5,
-        symbol="z",
-    )
+    data = data_parameters(system=[], **DATA, laminarisation_threshold=None, symbol="z")
     assert not data["Explanation"].str.contains("Laminarisation").any()
     assert "$z_e$" in list(data["Parameter"])
 
