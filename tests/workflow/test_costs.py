@@ -5,6 +5,7 @@ import math
 import re
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import yaml
@@ -19,9 +20,14 @@ from burstcast_workflow.costs.model import (
     SNAKEMAKE_MIB,
     Cost,
     CostModel,
-    beyond_memory,
 )
-from burstcast_workflow.costs.records import costs_of_jobs, costs_text, main, rule_costs
+from burstcast_workflow.costs.records import (
+    beyond_memory,
+    costs_of_jobs,
+    costs_text,
+    main,
+    rule_costs,
+)
 from burstcast_workflow.start import names_of_rules
 from snaketrust.plan import planned
 
@@ -52,22 +58,6 @@ def model(**changes) -> CostModel:
             place = place.setdefault(parent, {})
         place[last] = value
     return CostModel(Campaign(load(config)))
-
-
-def test_a_network_whose_gram_matrix_does_not_fit_is_named():
-    campaign = Campaign(load(PAPER))
-    assert beyond_memory(campaign, 24 * 1024) == ""
-    matrix_mib = 3000**2 * 8 / 2**20
-    assert beyond_memory(campaign, matrix_mib) == ""
-    found = beyond_memory(campaign, 0.99 * matrix_mib)
-    assert found.startswith("Re400/esn-N3000-")
-    assert "takes 0.1 GiB" in found
-    assert "well below 2984" in found  # sqrt(0.99) * 3000 = 2984.96
-    no_networks = copy.deepcopy(PAPER)
-    no_networks["campaign"] = [{"reynolds": [400], "forecasters": {"equations": {}}}]
-    no_networks["control"]["forecasters"] = {"equations": {}}
-    no_networks["statistics"]["forecasters"] = {}
-    assert beyond_memory(Campaign(load(no_networks)), 1) == ""
 
 
 def predicted(cost_class, costs=None, **wildcards) -> Cost:
@@ -310,3 +300,18 @@ def test_records_stand_beside_the_predictions_of_their_jobs(tmp_path, capsys):
 def test_a_part_of_a_campaign_writes_no_costs_of_the_whole(finished):
     """It has no figures; test_miniature.py has what a whole one writes."""
     assert not (finished.project.results / "benchmarks" / "rule_costs.csv").exists()
+
+
+def test_a_network_whose_gram_matrix_does_not_fit_is_named():
+    jobs = []
+    for cost_class, neurons in [("training", 3000), ("training", 500), ("forecast", 9000)]:
+        name = {"case": "Re400", "forecaster": f"esn-N{neurons}-RV-seed0"}
+        job = SimpleNamespace(rule=SimpleNamespace(name="train"), wildcards_dict=name)
+        jobs.append((job, predicted(cost_class, **name)))
+    matrix_mib = 3000**2 * 8 / 2**20
+    assert beyond_memory(jobs, matrix_mib) == beyond_memory([], 1) == ""
+    found = beyond_memory(jobs, 0.99 * matrix_mib)
+    assert found.startswith("train of Re400, esn-N3000-RV-seed0 cannot run")
+    assert "takes 0.1 GiB" in found
+    # what only restores a network does not train it
+    assert beyond_memory(jobs[2:], 1) == ""

@@ -6,9 +6,10 @@ import time
 from pathlib import Path
 
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.costs.model import CostModel, beyond_memory
+from burstcast_workflow.costs.model import CostModel
 from burstcast_workflow.costs.records import (
     RULE_COSTS,
+    beyond_memory,
     costs_of_jobs,
     job_costs,
     rule_costs,
@@ -103,11 +104,11 @@ wildcard_constraints:
 
 
 onstart:
+    found = [*costs_of_jobs(workflow.dag.needrun_jobs(), costs)]
     # memory of other machines is known to their scheduler alone
     machine_mib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**20
-    if workflow.local_exec and (reason := beyond_memory(campaign, machine_mib)):
+    if workflow.local_exec and (reason := beyond_memory(found, machine_mib)):
         raise RefusedError(reason)
-    found = costs_of_jobs(workflow.dag.needrun_jobs(), costs)
     expect({job.jobid: cost.seconds for job, cost in found})
 
 

@@ -74,6 +74,7 @@ class Cost:
 
     seconds: float
     memory_mib: float
+    least_mib: float = 0.0  #: a bound: the Gram matrix of the network that the job trains
 
     def mib_for(self, attempt: int) -> int:
         """Memory to ask for: with a margin and room for Snakemake, doubled at each retry."""
@@ -392,24 +393,7 @@ CLASSES: Mapping[str, Callable[[_Job], _Work]] = {
 }
 """Classes of work by the names that rules use."""
 
-
-def beyond_memory(campaign: Campaign, machine_mib: float) -> str:
-    """The largest network that cannot be trained on a machine, in words; empty if all can be.
-
-    A bound, no prediction: the Gram matrix alone does not fit.
-    """
-    sizes = {one: _Job(campaign, one.identity, one.name).features for one in campaign.networks}
-    one = max(sizes, key=sizes.__getitem__, default=None)
-    if one is None or sizes[one] ** 2 * _MIB_PER_NUMBER <= machine_mib:
-        return ""
-    factors = sizes[one] / int(one.name.neurons or 1)
-    most = math.isqrt(int(machine_mib / _MIB_PER_NUMBER)) / factors
-    gib = sizes[one] ** 2 * _MIB_PER_NUMBER / 1024
-    return (
-        f"{one.directory} cannot be trained on this machine: the Gram matrix of its states takes "
-        f"{gib:.1f} GiB, and there are {machine_mib / 1024:.1f} GiB of memory. Take fewer neurons "
-        f"(campaign.forecasters.esn.neurons; well below {most:.0f}), or a cluster (docs/cluster.md)"
-    )
+_TRAINING = ("search_grid", "search_points", "choice", "training")
 
 
 class CostModel:
@@ -439,8 +423,10 @@ class CostModel:
         forecaster = replace(name, seed=None).identifier
         key = (cost_class, forecaster, *names.values())
         if key not in self._known:
-            work = CLASSES[cost_class](_Job(self._campaign, names, name))
+            job = _Job(self._campaign, names, name)
+            work = CLASSES[cost_class](job)
             seconds, held = work.start_up
             seconds += sum(self._seconds_per[unit] * count for unit, count in work.units.items())
-            self._known[key] = Cost(seconds, held + work.held * _MIB_PER_NUMBER)
+            least = job.features**2 * _MIB_PER_NUMBER * (cost_class in _TRAINING)
+            self._known[key] = Cost(seconds, held + work.held * _MIB_PER_NUMBER, least)
         return self._known[key]

@@ -49,6 +49,22 @@ def costs_of_jobs(jobs: Iterable[Any], model: CostModel) -> Iterator[tuple[Any, 
             yield job, model.predicted(model.classes[stage], job.wildcards_dict)
 
 
+def beyond_memory(costs: Iterable[tuple[Any, Cost]], machine_mib: float) -> str:
+    """The largest network that jobs train and a machine cannot hold, in words; empty if none is.
+
+    A bound, no prediction: the Gram matrix alone does not fit.
+    """
+    job, cost = max(costs, key=lambda pair: pair[1].least_mib, default=(None, Cost(0.0, 0.0)))
+    if job is None or cost.least_mib <= machine_mib:
+        return ""
+    return (
+        f"{job.rule.name} of {', '.join(job.wildcards_dict.values())} cannot run on this machine: "
+        f"the Gram matrix of the network's states takes {cost.least_mib / 1024:.1f} GiB, and there "
+        f"are {machine_mib / 1024:.1f} GiB of memory. Take fewer neurons "
+        f"(campaign.forecasters.esn.neurons), or a cluster (docs/cluster.md)"
+    )
+
+
 def job_costs(workflow: Any, model: CostModel, above: Path = Path()) -> pd.DataFrame:
     """Costs of the jobs of a planned campaign, predicted and measured.
 
