@@ -14,9 +14,11 @@ from burstcast.benchmark import data as benchmark_data
 from burstcast.benchmark.cases import CASES, case_named
 from burstcast.benchmark.data import make_case
 from burstcast.benchmark.export import export
-from burstcast.benchmark.records import GLUCOSE_BLOCK, MissingRecordError, glucose
+from burstcast.benchmark.records import MissingRecordError, glucose
 from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast_workflow.commands import benchmark as commands
+
+BLOCK = 144
 
 LARGE = ("Kolmogorov",)
 """Cases whose data take minutes."""
@@ -59,16 +61,16 @@ def test_a_record_is_cut_where_it_has_gaps(tmp_path, monkeypatch):
     """Twice written samples are left out; gaps and unknown values end a series."""
     monkeypatch.setattr(sys, "path", [str(tmp_path)])
     day, step = datetime(2010, 3, 24), timedelta(minutes=5)
-    whole = [(day + number * step, 100 + number, 20) for number in range(2 * GLUCOSE_BLOCK + 7)]
+    whole = [(day + number * step, 100 + number, 20) for number in range(2 * BLOCK + 7)]
     twice = (whole[5][0] + timedelta(minutes=1), 999, 20)
-    later = [(time + timedelta(days=3), value, 30) for time, value, _ in whole[:GLUCOSE_BLOCK]]
+    later = [(time + timedelta(days=3), value, 30) for time, value, _ in whole[:BLOCK]]
     unknown = [(time + timedelta(days=6), value, 40) for time, value, _ in whole]
-    unknown[GLUCOSE_BLOCK - 1] = (*unknown[GLUCOSE_BLOCK - 1][:2], "nil")
+    unknown[BLOCK - 1] = (*unknown[BLOCK - 1][:2], "nil")
     record(tmp_path, [*whole[:6], twice, *whole[6:], *later, *unknown])
     found = glucose()
-    counted = 100.0 + np.arange(2 * GLUCOSE_BLOCK + 7)
-    expected = [counted[:GLUCOSE_BLOCK], counted[GLUCOSE_BLOCK : 2 * GLUCOSE_BLOCK]]
-    expected += [counted[:GLUCOSE_BLOCK], counted[GLUCOSE_BLOCK : 2 * GLUCOSE_BLOCK]]
+    counted = 100.0 + np.arange(2 * BLOCK + 7)
+    expected = [counted[:BLOCK], counted[BLOCK : 2 * BLOCK]]
+    expected += [counted[:BLOCK], counted[BLOCK : 2 * BLOCK]]
     assert np.array_equal(found[..., 0], np.stack(expected))
     assert found[:, :, 1].min(axis=1).tolist() == [20, 20, 30, 40]
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -187,49 +188,43 @@ def test_learnt_equations_have_the_rows_of_the_campaign(results, exported, capsy
     check_against_the_tables(scores, results / name, "quadratic")
 
 
-TURBULENT = yaml.safe_load("""
-results: results/turbulent
-random_seed: 2026
-campaign:
-  - cases: [Kolmogorov_flow]
-    forecasters: {equations: {}}
-  - cases: [Kolmogorov]
-    forecasters: {persistence: {}}
-cases:
-  Kolmogorov_flow:
-    system: kolmogorov
-    lyapunov: {time_unit: published, published_exponent: 0.122, series: 2}
-    training: {series: 10, noise: 0.01}
-    test_series: 12
-    ensemble: {series: 22, duration: 1000}
-  Kolmogorov: {data: {case: Kolmogorov_flow}, sensors: {}}
-classification:
-  prediction_times_lt: [0.5, 1, 1.5, 2, 3]
-  longest_prediction_time_lt: 3
-washout_lt: 1
-horizon: {events: 40, longest_lead_time_lt: 4}
-statistics: {forecasters: {esn: null}}
-control: {forecasters: {esn: null, equations: null}}
-""")
-
-
 @pytest.mark.long
 def test_the_turbulent_flow_is_a_case_of_a_campaign(tmp_path, job_server):
     """Sensors, noise, washouts and events; products of matrices round as they like."""
-    path = tmp_path / "turbulent.yaml"
-    path.write_text(yaml.safe_dump(TURBULENT), encoding="utf-8")
+    path = ROOT / "examples" / "benchmark" / "turbulence.yaml"
     project = Project.create(tmp_path / "project", job_server, str(path))
-    directory = tmp_path / "project" / "results" / "turbulent" / "Kolmogorov"
-    names = ("evaluation_set", "events")
-    outcome = project.snakemake(*(f"results/turbulent/Kolmogorov/{name}.nc" for name in names))
+    results = "results/benchmark_turbulence/Kolmogorov"
+    names = ("evaluation_set", "events", "forecast_task")
+    outcome = project.snakemake(*(f"{results}/{name}.nc" for name in names))
     assert outcome.status == 0, outcome.text[-3000:]
     data = make_case(CASES["Kolmogorov"])
-    points, events = (read_netcdf(directory / f"{name}.nc") for name in names)
+    directory = tmp_path / "project" / results
+    points, events, task = (read_netcdf(directory / f"{name}.nc") for name in names)
+    assert read_attributes(directory / "forecast_task.nc")["digest"] == data.case.digest
     np.testing.assert_allclose(points["washout"], data.test.washouts, rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(task["training"], data.training, rtol=1e-12, atol=1e-13)
     assert_array_equal(points["step"], data.test.points.step)
     assert_array_equal(points["largest"], data.test.truth.largest)
     np.testing.assert_allclose(events["observed"], data.before_events, rtol=1e-12, atol=1e-13)
     assert_array_equal(events["truth"], data.truth_before_events)
+
+
+def test_the_record_is_a_case_of_a_campaign(tmp_path, job_server, capsys):
+    """Duplicates, gaps and blocks by the reader of a campaign's files."""
+    pytest.importorskip("bokeh_sampledata", reason="the record is not installed")
+    extract = runpy.run_path(str(ROOT / "examples" / "real_records" / "extract.py"))["glucose"]
+    path = ROOT / "examples" / "benchmark" / "glucose.yaml"
+    project = Project.create(tmp_path / "project", job_server, str(path))
+    form = "%Y-%m-%dT%H:%M:%S"
+    extract().to_csv(tmp_path / "project" / "glucose.csv", index=False, date_format=form)
+    target = "results/benchmark_glucose/Glucose/forecast_task.nc"
+    outcome = project.snakemake(target)
+    assert outcome.status == 0, outcome.text[-3000:]
+    exported, found = make_case(CASES["Glucose"]).exported, read_netcdf(project.directory / target)
+    assert read_attributes(project.directory / target)["digest"] == CASES["Glucose"].digest
+    assert_array_equal(found["training"], exported.training)
+    assert_array_equal(found["washout"], exported.washouts)
+    assert_array_equal(found["horizon_washout"], exported.horizon_washouts)
 
 
 def test_cases_have_no_field_that_nothing_compares():

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import netCDF4
 import numpy as np
-import numpy.typing as npt
+import pandas as pd
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.benchmark.cases import BenchmarkCase, case_named
@@ -328,16 +328,10 @@ def _csv(path: Path, forms: Sequence[_Form]) -> Iterator[tuple[_Form, Iterator[F
     values = _numbers(path, header, lines[_LINES_BEFORE:])
     axes = list(form.axes)
     if several:
-        axes.insert(0, (MEMBER, np.arange(float(_number_of_members(path, values[:, 0])))))
-    keys = np.stack(
-        [
-            _entries(path, name, counted, values[:, column])
-            for column, (name, counted) in enumerate(axes)
-        ]
-    )
-    shape = tuple(len(counted) for _, counted in axes)
-    order = _ordered(path, axes, np.ravel_multi_index(tuple(keys), shape), shape)
-    found = values[order, len(axes) :].reshape(-1, *shape[-2:], len(form.columns))
+        axes.insert(0, (MEMBER, np.arange(float(len(np.unique(values[:, 0]))))))
+    order = _ordered(path, axes, values[:, : len(axes)])
+    shape = (*(len(counted) for _, counted in axes[-2:]), len(form.columns))
+    found = values[order, len(axes) :].reshape(-1, *shape)
     order = order.reshape(found.shape[:-1])
     for member, block in enumerate(found):
 
@@ -351,16 +345,13 @@ def _csv(path: Path, forms: Sequence[_Form]) -> Iterator[tuple[_Form, Iterator[F
 
 def _form_of(path: Path, header: Sequence[str], forms: Sequence[_Form]) -> tuple[_Form, bool]:
     """Form that a header is of, and whether it has members."""
-    expected = [",".join(form.header) for form in forms]
-    expected += [",".join((MEMBER, *form.header)) for form in forms if form.members]
-    for form in forms:
-        for before in ((), (MEMBER,)) if form.members else ((),):
-            if list(header) == [*before, *form.header]:
-                return form, bool(before)
-    found = ",".join(header)
+    known = {",".join(form.header): (form, False) for form in forms}
+    known |= {",".join((MEMBER, *form.header)): (form, True) for form in forms if form.members}
+    if (found := ",".join(header)) in known:
+        return known[found]
     hint = " (fields are separated by commas)" if re.search(r"[;\t]", found) else ""
     raise ForecastFileError(
-        f"{path}, line 2: the header is {found!r}{hint}; expected is one of {'; '.join(expected)}"
+        f"{path}, line 2: the header is {found!r}{hint}; expected is one of {'; '.join(known)}"
     )
 
 
@@ -392,67 +383,34 @@ def _numbers(path: Path, header: Sequence[str], rows: Sequence[str]) -> FloatArr
     raise ForecastFileError(f"{path} cannot be read as a table of numbers")
 
 
-def _number_of_members(path: Path, column: FloatArray) -> int:
-    members = np.unique(column)
-    expected = np.arange(float(len(members)))
-    if not np.array_equal(members, expected):
-        wrong = members[members != expected][0]
-        line = int((column == wrong).argmax()) + _LINES_BEFORE + 1
-        raise ForecastFileError(
-            f"{path}, line {line}: {MEMBER} is {wrong:g}; expected are members 0, 1, ... without "
-            f"a gap"
-        )
-    return len(members)
-
-
-def _entries(
-    path: Path, name: str, counted: FloatArray, column: FloatArray
-) -> npt.NDArray[np.int64]:
-    """Position of each row's value among the values of an axis."""
-    with np.errstate(invalid="ignore"):
-        place = np.searchsorted(counted, column).clip(0, len(counted) - 1)
-    wrong = counted[place] != column
-    if wrong.any():
-        row = int(wrong.argmax())
-        listed = ", ".join(f"{value:g}" for value in counted)
-        if len(counted) > 6:
-            listed = f"whole numbers from {counted[0]:g} to {counted[-1]:g}"
-        raise ForecastFileError(
-            f"{path}, line {row + _LINES_BEFORE + 1}: {name} is {column[row]:g}; expected are "
-            f"{listed}"
-        )
-    return place
-
-
-def _ordered(
-    path: Path,
-    axes: Sequence[tuple[str, FloatArray]],
-    keys: npt.NDArray[np.int64],
-    shape: tuple[int, ...],
-) -> IntArray:
-    """Rows in the order of their entries, each of which must be there once."""
+def _ordered(path: Path, axes: Sequence[tuple[str, FloatArray]], given: FloatArray) -> IntArray:
+    """Rows in the order of their entries ``(rows, axes)``, each of which must be there once."""
+    for (name, counted), column in zip(axes, given.T, strict=True):
+        if (wrong := ~np.isin(column, counted)).any():
+            row, listed = int(wrong.argmax()), ", ".join(f"{value:g}" for value in counted)
+            if name == MEMBER:
+                listed = "members 0, 1, ... without a gap"
+            elif len(counted) > 6:
+                listed = f"whole numbers from {counted[0]:g} to {counted[-1]:g}"
+            raise ForecastFileError(
+                f"{path}, line {row + _LINES_BEFORE + 1}: {name} is {column[row]:g}; expected are "
+                f"{listed}"
+            )
+    expected = pd.MultiIndex.from_product([counted for _, counted in axes])
+    keys = expected.get_indexer(pd.MultiIndex.from_arrays(list(given.T)))
 
     def told(key: int) -> str:
-        index = np.unravel_index(key, shape)
-        return ", ".join(
-            f"{name} {counted[at]:g}" for (name, counted), at in zip(axes, index, strict=True)
-        )
+        return ", ".join(f"{axes[at][0]} {value:g}" for at, value in enumerate(expected[key]))
 
-    order = np.argsort(keys, kind="stable")
-    again = np.flatnonzero(np.diff(keys[order]) == 0)
-    if again.size:
-        place = int(again[np.argmin(order[again + 1])])
-        first, second = (int(order[at]) + _LINES_BEFORE + 1 for at in (place, place + 1))
+    if len(again := np.flatnonzero(pd.Index(keys).duplicated())):
+        second, first = int(again[0]), int((keys == keys[again[0]]).argmax())
         raise ForecastFileError(
-            f"{path}, line {second} gives {told(int(keys[order[place]]))} again, after line "
-            f"{first}; expected is one row for each"
+            f"{path}, line {second + _LINES_BEFORE + 1} gives {told(keys[second])} again, after "
+            f"line {first + _LINES_BEFORE + 1}; expected is one row for each"
         )
-    count = int(np.prod(shape))
-    if len(keys) < count:
-        gap = np.flatnonzero(keys[order] != np.arange(len(keys)))
-        missing = int(gap[0]) if gap.size else len(keys)
+    if missing := len(expected) - len(keys):
+        gap = int(np.isin(np.arange(len(expected)), keys).argmin())
         raise ForecastFileError(
-            f"{path} has no row for {told(missing)}: {count - len(keys)} of {count} rows are "
-            f"missing"
+            f"{path} has no row for {told(gap)}: {missing} of {len(expected)} rows are missing"
         )
-    return order
+    return np.argsort(keys, kind="stable")

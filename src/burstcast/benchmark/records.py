@@ -6,22 +6,18 @@ A package is found, not imported: what it needs itself is not needed.
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from burstcast.arrays import FloatArray
-from burstcast.data.measured_data import Blocks, Quantity, Run, series_of_runs
-from burstcast.data.records import long_runs, runs_without_gaps
-from burstcast.data.times import TIME, moments_in
+from burstcast.data.frames import from_dataframe
 from burstcast.systems.measured import MeasuredSeries
 
-GLUCOSE_BLOCK = 144
-"""Samples of a series of glucose: twelve hours."""
 GLUCOSE = MeasuredSeries(("glucose", "current"), "-glucose")
 """What a state is: glucose in mg/dl and the current of the sensor in nA."""
-_STEP = 5.0
-_TWICE = 3.0
-"""Samples that follow another one sooner, in minutes, were written twice."""
+_BLOCK = 715.0
+"""Length of a series of glucose, in minutes: twelve hours."""
+_TWICE = pd.Timedelta("3min")
+"""Samples that follow another one sooner were written twice."""
 
 
 class MissingRecordError(ValueError):
@@ -36,20 +32,16 @@ def glucose() -> FloatArray:
 
     Shape ``(series, 144, 2)``, in the order of time.
     """
-    path = _inside("bokeh-sampledata", "bokeh_sampledata/_data/CGM.csv.gz")
-    raw = pd.read_csv(path, na_values=["nil"])
-    time = moments_in(pd.DatetimeIndex(raw["datetime"]), "minute")
-    rows = [0]
-    for row in range(1, len(time)):
-        if time[row] - time[rows[-1]] >= _TWICE:
-            rows.append(row)
-    columns = {TIME: time[rows]}
-    for name, source in (("glucose", "glucose"), ("current", "isig")):
-        columns[name] = raw[source].to_numpy(dtype=np.float64)[rows]
-    kept, _ = long_runs(runs_without_gaps(Run(path.name, columns), _STEP), GLUCOSE_BLOCK)
-    return series_of_runs(
-        kept, GLUCOSE, [Quantity("glucose"), Quantity("current")], Blocks(GLUCOSE_BLOCK, 1)
+    raw = pd.read_csv(
+        _inside("bokeh-sampledata", "bokeh_sampledata/_data/CGM.csv.gz"), na_values=["nil"]
     )
+    raw["time"] = pd.to_datetime(raw["datetime"])
+    kept = [0]
+    for row, time in enumerate(raw["time"]):
+        if time - raw["time"][kept[-1]] >= _TWICE:
+            kept.append(row)
+    table = raw.loc[kept, ["time", "glucose", "isig"]].rename(columns={"isig": "current"})
+    return from_dataframe(table, "5 minutes", block=_BLOCK, cut_gaps=True)
 
 
 def _inside(package: str, path: str) -> Path:
