@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
@@ -78,15 +77,8 @@ def draw(
         ),
     )
     evolution.legend(loc="upper right")
-    panels: list[list[Axes]] = lower.subplots(2, len(times_lt), sharex=True, sharey=True).tolist()
-    all_panels = [axes for row in panels for axes in row]
-    largest = float(np.nanmax(np.abs(np.stack([*fields.values()]))))
-    for name, row in zip(fields, panels, strict=True):
-        for axes, field, time in zip(row, fields[name], times_lt, strict=True):
-            drawn = planes.draw_periodic_field(axes, field, flow.domain, largest)
-            axes.set_xlabel("" if row is panels[0] else "$x$")
-            axes.set_title(f"${time:+.1f}$ LT", loc="right")
-        row[0].set_ylabel(f"{name}, $y$")
-    lower.colorbar(drawn, ax=all_panels, label="Vorticity", shrink=0.7)
-    style.letter_panels([evolution, *all_panels])
+    titles = [f"${time:+.1f}$ LT" for time in times_lt]
+    shown = {f"{name}, $y$": of_row for name, of_row in fields.items()}
+    panels = planes.draw_rows_of_fields(lower, shown, flow.domain, titles)
+    style.letter_panels([evolution, *panels])
     return figure

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
@@ -75,12 +74,7 @@ def draw(
         threshold,
         ("Time from the peak [LT]", frame.observable_label(symbol, observable_name)),
     )
-    panels: list[Axes] = list(lower.subplots(1, len(fields), sharey=True))
-    largest = float(np.abs(fields).max())
-    for axes, field, time in zip(panels, fields, times_lt, strict=True):
-        drawn = planes.draw_periodic_field(axes, field, flow.domain, largest)
-        axes.set_title(f"${time:+.1f}$ LT" if time else "peak", loc="right")
-    panels[0].set_ylabel("$y$")
-    lower.colorbar(drawn, ax=panels, label="Vorticity", shrink=0.7)
+    titles = [f"${time:+.1f}$ LT" if time else "peak" for time in times_lt]
+    panels = planes.draw_rows_of_fields(lower, {"$y$": fields}, flow.domain, titles)
     style.letter_panels([evolution, *panels])
     return figure

@@ -77,6 +77,22 @@ def draw_periodic_field(
     return image
 
 
+def draw_rows_of_fields(
+    lower: SubFigure, fields: Mapping[str, FloatArray], domain: Any, titles: Sequence[str]
+) -> list[Axes]:
+    """Draw vorticity in rows of panels, by their labels, with one scale and one colour bar."""
+    panels = lower.subplots(len(fields), len(titles), sharex=True, sharey=True, squeeze=False)
+    largest = float(np.nanmax(np.abs(np.stack([*fields.values()]))))
+    for row, (label, of_row) in zip(panels, fields.items(), strict=True):
+        for axes, field, title in zip(row, of_row, titles, strict=True):
+            drawn = draw_periodic_field(axes, field, domain, largest)
+            axes.label_outer()
+            axes.set_title(title, loc="right")
+        row[0].set_ylabel(label)
+    lower.colorbar(drawn, ax=list(panels.flat), label="Vorticity", shrink=0.7)
+    return list(panels.flat)
+
+
 # -- the midplane of a channel ---------------------------------------------------------------------
 
 
