@@ -65,6 +65,7 @@ SIGNS = {
     ],
     signs.own_exponents_differ: [
         ((ESTIMATED, [1.05, 1.09, NAN]),),  # as far as it may miss
+        ((ESTIMATED, [1.098, NAN]),),  # by a tenth of the exponent itself
         ((ESTIMATED, [0.9, 1.5, 1.6]),),  # they disagree themselves
         ((ESTIMATED, [NAN]),),
         ((ESTIMATED, [-0.1, -0.3, NAN]),),  # without chaos there is no unit of time
