@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -45,7 +46,8 @@ def remove_partial(path: Path) -> None:
     A writer that is still alive loses its temporary file and fails: the caller takes its place.
     """
     for other in [*path.parent.iterdir()]:
-        if other.name.startswith(f".{path.name}.") and other.name.endswith(PARTIAL_SUFFIX):
+        # x must not take the partial file of x.csv
+        if re.fullmatch(rf"\.{re.escape(path.name)}\.[0-9a-f]+{PARTIAL_SUFFIX}", other.name):
             other.unlink(missing_ok=True)
 
 

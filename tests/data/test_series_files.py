@@ -257,6 +257,8 @@ def test_dimensions_of_other_names(tmp_path, variables, message):
         ("hours since 2020-03-01 06:00:00", "standard", "2020-03-01 06:00"),
         ("minutes since 2020-03-01", "proleptic_gregorian", "2020-03-01"),
         ("days since 1970-01-01T00:00:00Z", "gregorian", "1970-01-01"),
+        ("days since 1970-01-01 00:00:00 UTC", "gregorian", "1970-01-01"),
+        ("hours since 2020-03-01 06:00 +01:00", "standard", "2020-03-01 05:00"),
     ],
 )
 def test_times_of_netcdf_are_what_the_file_says(tmp_path, units, calendar, expected):
@@ -276,7 +278,8 @@ def test_times_of_netcdf_are_what_the_file_says(tmp_path, units, calendar, expec
     [
         ("months since 2020-03-01", "standard", "has the units 'months since 2020-03-01'"),
         ("days since 2020-03-01", "360_day", "has the calendar 360_day"),
-        ("days since noon", "standard", "whose date is not written in ISO 8601"),
+        ("days since noon", "standard", "whose date and zone are not written in ISO 8601"),
+        ("days since 2020-03-01 06:00 CET", "standard", "whose date and zone are not written"),
     ],
 )
 def test_times_of_netcdf_that_are_refused(tmp_path, units, calendar, message):

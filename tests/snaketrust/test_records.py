@@ -196,8 +196,9 @@ def test_what_killed_writers_of_a_file_have_left_behind_is_removed(tmp_path):
     with replaced(path) as partial:
         partial.write_text("whole")
     assert [one.name for one in tmp_path.iterdir()] == ["a.json"]
-    left = [tmp_path / f".a.json.{number}{PARTIAL_SUFFIX}" for number in range(2)]
-    others = [tmp_path / name for name in (f".b.json.0{PARTIAL_SUFFIX}", ".a.json.txt", "a.txt")]
+    left = [tmp_path / f".a.json.{number:012x}{PARTIAL_SUFFIX}" for number in range(2)]
+    of_others = (f".{name}.{0:012x}{PARTIAL_SUFFIX}" for name in ("b.json", "a.json.gz"))
+    others = [tmp_path / name for name in (*of_others, ".a.json.txt", "a.txt")]
     for one in [*left, *others]:
         one.write_text("")
     remove_partial(path)

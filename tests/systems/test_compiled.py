@@ -233,6 +233,7 @@ def test_observables_may_be_undefined_and_return_the_state_itself():
         (np.zeros(2), "shape"),
         (np.full((4, 2), 2), "between systems 0 to 1"),
         (np.full((4, 2), -1), "between systems 0 to 1"),
+        (np.full((4, 2), 0.5), "numbers of systems, not of type float64"),
     ],
 )
 def test_bad_choices_raise(choice, message):

@@ -16,6 +16,7 @@ import yaml
 import burstcast_workflow
 from burstcast_workflow.commands.archive import (
     NothingToArchiveError,
+    _config_of,
     contents,
     versions,
     write_archive,
@@ -367,3 +368,11 @@ def test_an_installed_workflow_is_taken_as_a_module(installed, tmp_path, prefix,
     command = [installed / "python", "-m", "snakemake", "--dry-run", "--cores", "1"]
     said = said_by(command, tmp_path, **environment)
     assert re.search(rf"^{'flow_' if prefix else ''}train +4$", said, re.MULTILINE)
+
+
+@pytest.mark.parametrize("damage", ['{"token": ', "[1]", "{}"])
+def test_a_damaged_claim_is_told(damage, tmp_path):
+    claim = tmp_path / ".run.json"
+    claim.write_text(damage)
+    with pytest.raises(NothingToArchiveError, match=r"\.run\.json is damaged"):
+        _config_of(claim)

@@ -43,6 +43,13 @@ def test_changed_values_are_named():
     ]
 
 
+def test_values_of_a_list_are_counted():
+    found = differences({"grid": [1, 1, 1, 2, 2]}, {"grid": [1, 1, 2, 2, 2]})
+    assert list(found) == [("", "grid with 2, without 1")]
+    found = differences({"grid": [1, 2, 3, 4]}, {"grid": [2, 1, 3, 4]})
+    assert list(found) == [("", "grid in another order")]
+
+
 def test_long_values_are_cut_to_a_line():
     for value, shown in (("a" * 60, "a" * 60), ("a" * 61, "a" * 57 + "...")):
         assert list(differences({"name": None}, {"name": value})) == [("", f"name null -> {shown}")]

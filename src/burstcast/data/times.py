@@ -78,7 +78,8 @@ def moments_in(moments: pd.DatetimeIndex, unit: str) -> FloatArray:
 
 def times_since(values: FloatArray, units: str, calendar: str, unit: str) -> FloatArray:
     """Times of a NetCDF file, "hours since 2020-03-01 06:00", in a unit since 1970-01-01 UTC."""
-    found = re.fullmatch(r"(\w+?)s? since (\S+(?: \S+)?).*", units.strip())
+    # UDUNITS puts a zone after a blank: "2020-03-01 06:00 +01:00"
+    found = re.fullmatch(r"(\w+?)s? since (\S+(?: [\d:.]+)?)(?: ?(\S.*))?", units.strip())
     if found is None or found[1] not in SECONDS:
         raise ValueError(
             f"has the units {units!r}; with a unit in the time step, they must be seconds, "
@@ -89,10 +90,12 @@ def times_since(values: FloatArray, units: str, calendar: str, unit: str) -> Flo
             f"has the calendar {calendar}: write a time step without a unit, and times as numbers"
         )
     try:
-        origin = pd.to_datetime([found[2].removesuffix("Z")], format="ISO8601", utc=True)
+        zone = re.sub(r"^(UTC|GMT|Z)$", "", found[3] or "")
+        written = found[2].removesuffix("Z") + zone
+        origin = pd.to_datetime([written], format="ISO8601", utc=True)
     except ValueError:
         raise ValueError(
-            f"has the units {units!r}, whose date is not written in ISO 8601"
+            f"has the units {units!r}, whose date and zone are not written in ISO 8601"
         ) from None
     first = float(moments_in(origin, unit)[0])
     return first + values * (SECONDS[found[1]] / SECONDS[unit])

@@ -147,6 +147,8 @@ def integrate_switched(
         raise ValueError(
             f"the choice must have the shape (steps, {state.shape[1]}), not {choice.shape}"
         )
+    if not np.issubdtype(choice.dtype, np.integer):
+        raise ValueError(f"the choice must be numbers of systems, not of type {choice.dtype}")
     if choice.size and not 0 <= choice.min() <= choice.max() < len(systems):
         raise ValueError(f"the choice must be between systems 0 to {len(systems) - 1}")
     _check_steps(len(choice), stride)

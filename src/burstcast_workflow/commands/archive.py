@@ -127,13 +127,20 @@ def _files(directory: Path, suffixes: Iterable[str]) -> list[Path]:
     return [path for path in sorted(directory.glob("*")) if path.suffix in suffixes]
 
 
+def _config_of(claim: Path) -> Any:
+    try:
+        return json.loads(claim.read_bytes())["config"]
+    except (ValueError, KeyError, TypeError):
+        raise NothingToArchiveError(f"{claim} is damaged: run the campaign again") from None
+
+
 def main(arguments: Sequence[str], output: Path | None = None) -> int:
     """Pack a campaign's results."""
     workflow = planned(arguments)
     results = Path(os.path.abspath(names_of_rules(workflow)["run"].results))
     target = output or Path(f"{results.name}.zip")
     try:
-        config = json.loads((results / CLAIM).read_bytes())["config"]
+        config = _config_of(results / CLAIM)
         files = contents(results, config, report(*jobs_to_run(workflow)))
         write_archive(target, files)
     except (NothingToArchiveError, OSError) as error:

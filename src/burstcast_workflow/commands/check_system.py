@@ -15,7 +15,10 @@ def main(system: str, parameters: Sequence[str]) -> int:
     """Check a system with parameters (``rho=28``); 0 if it keeps to the interface."""
     make_importable([os.fspath(Path.cwd())])
     try:
-        values = dict(map(_parameter, parameters))
+        pairs = [*map(_parameter, parameters)]
+        values = dict(pairs)
+        if len(values) < len(pairs):
+            raise ValueError(f"a parameter is given twice: {' '.join(parameters)}")
         print(check_system(make_system(system, values), stream(0, "check system")), end="")
     except UnsoundSystemError as error:
         listed = "\n".join(f"  {problem}" for problem in error.problems)

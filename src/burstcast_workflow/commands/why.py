@@ -150,8 +150,9 @@ def _dimensions(identity: Identity) -> dict[str, Any]:
 
 def _change(old: Any, new: Any) -> str:
     if isinstance(old, list) and isinstance(new, list) and len(old) + len(new) > 4:
-        added = [f"with {_shown(value)}" for value in new if value not in old]
-        removed = [f"without {_shown(value)}" for value in old if value not in new]
+        before, after = (Counter(map(_shown, values)) for values in (old, new))
+        added = [f"with {value}" for value in (after - before).elements()]
+        removed = [f"without {value}" for value in (before - after).elements()]
         if len(added) + len(removed) < min(len(old), len(new)):
             return ", ".join([*added, *removed]) or "in another order"
     return f"{_shown(old)} -> {_shown(new)}"
