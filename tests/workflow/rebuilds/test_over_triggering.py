@@ -331,14 +331,14 @@ WITH_EFFECT = [
             "[series, survived_fraction, escapes,",
             "[series, escapes, survived_fraction,",
         ),
-        "survival_table/* all_survival_table figure/survival",
+        "survival_table/* all_survival_table figure/own_flow",
     ),
     (
         Edit(
-            "widths of letters in tables for papers",
-            f"{LIBRARY}/tables/typesetting.py",
-            "_WIDEST = 8.8",
-            "_WIDEST = 8.9",
+            "columns side by side in tables for papers",
+            f"{LIBRARY}/tables/latex.py",
+            "_COLUMNS = 4",
+            "_COLUMNS = 5",
         ),
         """data_generation_parameters network_hyperparameters all_dataset_table
         all_hyperparameters_table all_classification_table all_probability_scores
@@ -349,8 +349,8 @@ WITH_EFFECT = [
         Edit(
             "a colour of one figure",
             f"{LIBRARY}/figures/control_tradeoff.py",
-            "MarkerStyle(color=GREY, linestyle=(0, (1.0, 1.0))",
-            "MarkerStyle(color=PURPLE, linestyle=(0, (1.0, 1.0))",
+            "panel.axhline(0, color=style.GREY",
+            "panel.axhline(0, color=style.PURPLE",
         ),
         "figure/control_tradeoff",
     ),
