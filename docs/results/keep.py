@@ -139,6 +139,9 @@ def differences(campaign: str, results: Path) -> list[str]:
         theirs = results / "tables" / f"{name}.csv"
         if not theirs.exists() or not theirs.stat().st_size:
             continue
+        if not (kept / f"{name}.csv").exists():
+            found.append(f"{name}: is not kept")
+            continue
         ours, others = (
             pd.read_csv(path, dtype=str, keep_default_na=False)
             for path in (kept / f"{name}.csv", theirs)

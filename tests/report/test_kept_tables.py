@@ -58,6 +58,9 @@ def test_collected_tables_are_those_of_the_campaign(results, capsys):
     # a later version has a further column
     put_table(results, "classification", "case,events,seed,f_score\nRe400,7,1,0.75\n")
     assert keep.main(["same", "small", str(results)]) == 0
+    put_table(results, "survival", "case,seed\nRe400,0\n")  # it was empty, and not kept
+    assert keep.main(["same", "small", str(results)]) == 1
+    assert "survival: is not kept" in capsys.readouterr().out
     put_table(results, "classification", "case,f_score\nRe400,0.75\n")
     assert keep.main(["same", "small", str(results)]) == 1
     assert "classification: without seed" in capsys.readouterr().out
