@@ -1,6 +1,6 @@
 """What edits set off in the paper's campaign, job by job, and what is said about it beforehand.
 
-Its 1,533 jobs are not run: each makes empty outputs, which is all that planning looks at. The
+Its 1,519 jobs are not run: each makes empty outputs, which is all that planning looks at. The
 numbers are those of docs/selective_rebuilds.md.
 """
 
@@ -44,8 +44,8 @@ OF_NETWORKS = (
 )
 # figures of each case: scores, skill, density, own flow, profiles, midplane, trade-off
 OF_CASES = 7 * CASES
-# of the example: reliability, lead times, a committee's event; by Reynolds number
-OF_ALARMS = 5
+# reliability of the example's forecasts; by Reynolds number
+OF_ALARMS = 2
 
 
 def joined(*tables: str) -> dict[str, int]:
@@ -72,7 +72,7 @@ JOBS = {
     "network_hyperparameters": 1,
     **joined(*OF_NETWORKS, "dataset_table"),
     # those of each case and the observable's, and one of each other kind
-    "figure": OF_CASES + CASES + 18,
+    "figure": OF_CASES + CASES + 14,
 }
 
 
@@ -107,7 +107,7 @@ def reason(project: Project, words: str, overlay: dict | None = None) -> str:
 def test_the_campaign_has_these_jobs(tmp_path, job_server):
     project = Project.create(tmp_path / "project", job_server, PAPER)
     assert plan(project) == JOBS
-    assert sum(JOBS.values()) == 1529
+    assert sum(JOBS.values()) == 1519
 
 
 def test_the_finished_campaign_has_nothing_to_do(paper):
@@ -130,10 +130,10 @@ def test_another_event_threshold(paper):
         **joined(*SCORES, *PROBABILITIES, *CONTROL_TABLES),
         **joined("dataset_table", "horizon_table", "warnings_table"),
         # observable, scores, skill, density, trade-off of each case; all others but the schematics
-        # of the network and of the horizon and the landscape of the search
-        "figure": 5 * CASES + 15,
+        # of the network and of the horizon
+        "figure": 5 * CASES + 12,
     }
-    assert sum(jobs.values()) == 459
+    assert sum(jobs.values()) == 450
     line = reason(paper, "event_threshold 0.1 -> 0.12 (Re400, Re600, Re800, Re1000): ", overlay)
     assert "horizon (188)" in line
 
@@ -154,7 +154,7 @@ def test_one_more_seed(paper):
         **joined(*OF_NETWORKS),
         "figure": OF_CASES + OF_ALARMS + 2,  # horizon by size, density under control
     }
-    assert sum(jobs.values()) == 243
+    assert sum(jobs.values()) == 234
     assert "scan (9)" in reason(paper, "one more seed, 10 -> 11 (10)", {"campaign": campaign})
 
 
@@ -171,9 +171,9 @@ def test_one_more_beta(paper):
         "network_hyperparameters": 1,
         **joined(*OF_NETWORKS),
         # all but the observable's, the strategies' and the schematic of the horizon
-        "figure": OF_CASES + 16,
+        "figure": OF_CASES + 12,
     }
-    assert sum(jobs.values()) == 1453
+    assert sum(jobs.values()) == 1443
     assert "search (180)" in reason(paper, "tikhonov", overlay)
 
 
@@ -191,7 +191,7 @@ def test_one_more_prediction_time(paper):
         "examples": 1,
         "figure": OF_A_SCORE["figure"] + 3,  # three of the example's forecasts
     }
-    assert sum(jobs.values()) == 436
+    assert sum(jobs.values()) == 427
     assert "classification_table (4)" in reason(paper, "prediction_times_lt with 6 (", overlay)
 
 
@@ -206,6 +206,6 @@ def test_a_line_of_the_classification(edited):
     path.write_text(path.read_text() + "\nEDITED = 1\n")
     jobs = plan(edited)
     assert jobs == OF_A_SCORE
-    assert sum(jobs.values()) == 48
+    assert sum(jobs.values()) == 39
     line = reason(edited, "code of burstcast.forecast.classification changed (")
     assert "classification_table (4)" in line
