@@ -201,7 +201,8 @@ def test_known_columns_are_cut_with_the_record(tmp_path):
     ("columns", "lost", "changes", "message"),
     [
         ({}, [7], {"gaps": None}, r"a\.csv, row 8: column 'time' goes on by 2 from row 7"),
-        ({}, [], {"time_step": "2 days"}, "no rows without a gap between them are as many as"),
+        ({}, [], {"time_step": "2 days"}, "no two rows are the time step"),
+        ({}, [], {"blocks": {"duration": 40, "gap": 0}}, "no rows without a gap between them are as many as"),
         ({"u": np.full(30, 3.5)}, [], {}, "the component 'u' is 3.5 in all of the series of"),
         ({"u": [99, *np.arange(28) / 30, 99]}, [], {}, r"'u' has the value 99 in 2 rows.*\[99"),
         ({}, [], {"components": ["w"]}, r"a\.csv: there is no column 'w'; the columns are u, rain"),
@@ -541,3 +542,9 @@ def test_in_a_notebook(tmp_path, monkeypatch):
 
 def test_every_recipe_is_run():
     assert len(RECIPES) == len(CASES) + 1
+
+
+def test_rows_that_are_never_a_time_step_apart():
+    time = 2 * STEP * np.arange(12)
+    with pytest.raises(ValueError, match=r"no two rows are the time step .* apart; most are"):
+        runs_without_gaps(record(time, u=np.ones(12)), STEP)

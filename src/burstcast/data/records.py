@@ -19,6 +19,7 @@ from burstcast.data.series_files import content_of, read_runs
 from burstcast.data.times import TIME, time_step_of
 from burstcast.systems.measured import MeasuredSeries
 
+_MANY = 10
 TOLERANCE = 0.1
 """Largest distance of a row's time from the regular times of its run, in time steps.
 
@@ -188,6 +189,12 @@ def runs_without_gaps(run: Run, step: float) -> list[Run]:
                 part = Run(part.name, {**part.columns, TIME: regular})
             found.append(part)
             piece = piece[count:]
+    if len(found) == len(rows) >= _MANY:  # hardly gaps alone
+        apart_by = float(np.median(np.diff(time[rows])))
+        raise ValueError(
+            f"{run.name}: no two rows are the time step (data.time_step), {step:g}, apart; most are "
+            f"{apart_by:g} apart"
+        )
     return found
 
 
