@@ -202,7 +202,7 @@ def test_known_columns_are_cut_with_the_record(tmp_path):
     [
         ({}, [7], {"gaps": None}, r"a\.csv, row 8: column 'time' goes on by 2 from row 7"),
         ({}, [], {"time_step": "2 days"}, "no two rows are the time step"),
-        ({}, [], {"blocks": {"duration": 40, "gap": 0}}, "no rows without a gap between them are as many as"),
+        ({}, [], {"blocks": {"duration": 40, "gap": 0}}, "no rows without a gap between them"),
         ({"u": np.full(30, 3.5)}, [], {}, "the component 'u' is 3.5 in all of the series of"),
         ({"u": [99, *np.arange(28) / 30, 99]}, [], {}, r"'u' has the value 99 in 2 rows.*\[99"),
         ({}, [], {"components": ["w"]}, r"a\.csv: there is no column 'w'; the columns are u, rain"),

@@ -192,8 +192,8 @@ def runs_without_gaps(run: Run, step: float) -> list[Run]:
     if len(found) == len(rows) >= _MANY:  # hardly gaps alone
         apart_by = float(np.median(np.diff(time[rows])))
         raise ValueError(
-            f"{run.name}: no two rows are the time step (data.time_step), {step:g}, apart; most are "
-            f"{apart_by:g} apart"
+            f"{run.name}: no two rows are the time step (data.time_step), {step:g}, apart; most "
+            f"are {apart_by:g} apart"
         )
     return found
 
