@@ -444,6 +444,16 @@ def test_strategies_under_one_condition_alone_are_not_compared_under_several() -
     assert overlapping_texts(drawn_texts(figure)) == []
 
 
+def test_conditions_are_shown_where_nothing_ran_under_the_usual_ones() -> None:
+    table = frontier_rows()
+    weak = pd.concat([table.assign(strength=value, noise=0.01) for value in (0.2, 0.4)])
+    plain = weak[weak["delay_lt"] == 0].drop_duplicates(
+        ["forecaster", "strategy", "metric", "strength"]
+    )
+    (axes,) = drawn("control_frontier", scores=plain).axes
+    assert axes.get_xlabel() == "Strength of the actuator"
+
+
 @pytest.mark.parametrize("name", ["control_frontier", "control_tradeoff"])
 def test_control_that_could_prevent_nothing_says_so(name: str) -> None:
     table = {"control_frontier": "scores", "control_tradeoff": "percentiles"}[name]

@@ -51,43 +51,45 @@ def draw(
     """
     all_runs = control_runs.runs_of(control_runs.of_network(scores, network), span_lt)
     usual = {"delay_lt": 0.0, "strength": 1.0, "noise": noise}
-    runs = control_runs.where(all_runs, usual)
-    if runs.empty:
-        return style.nothing_to_show(
-            "Without control no event occurred that control could prevent."
-        )
-    runs = control_runs.with_kinds(runs, along=False)
+    runs = control_runs.with_kinds(control_runs.where(all_runs, usual), along=False)
     tried = {
         one.column: found
         for one in CONDITIONS
         if not (found := control_runs.tried_under(all_runs, usual, one.column)).empty
     }
+    if runs.empty and not tried:
+        return style.nothing_to_show(
+            "Without control no event occurred that control could prevent."
+        )
     kinds, lines = _kinds(runs)
     columns = style.columns_that_fit(kinds, 3)
     height = 3.6 + 0.14 * max(0, math.ceil(len(kinds) / columns) - 3)
-    figure = style.new_figure(style.DOUBLE_COLUMN, height + 2.9 * bool(tried))
-    upper: Figure | SubFigure = figure
+    heights = [height] * (not runs.empty) + [2.9] * bool(tried)
+    figure = style.new_figure(style.DOUBLE_COLUMN, sum(heights))
+    rows: list[Figure | SubFigure] = [figure]
+    if len(heights) > 1:
+        rows = list(figure.subfigures(2, 1, squeeze=False, height_ratios=heights)[:, 0])
+    panels: list[Axes] = []
+    if not runs.empty:
+        comparing = runs["strategy"].isin(looks.COMPARING)
+        groups = [group for group in (runs[~comparing], runs[comparing]) if not group.empty]
+        panels += list(rows[0].subplots(1, len(groups), sharey=True, squeeze=False)[0])
+        for axes, group in zip(panels, groups, strict=True):
+            _draw_frontier(axes, group, lines)
+        rows[0].legend(handles=kinds, loc="outside lower center", ncols=columns)
+        _finish(panels, runs, symbol)
     if tried:
-        upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=[height, 2.9])[:, 0]
-    comparing = runs["strategy"].isin(looks.COMPARING)
-    groups = [rows for rows in (runs[~comparing], runs[comparing]) if not rows.empty]
-    panels = list(upper.subplots(1, len(groups), sharey=True, squeeze=False)[0])
-    for axes, rows in zip(panels, groups, strict=True):
-        _draw_frontier(axes, rows, lines)
-    shown = pd.concat([runs, *tried.values()])
-    colours = [*_forecasters(shown), style.bar_handle("interval over flows")]
-    upper.legend(handles=colours, loc="outside upper center", ncols=4)
-    upper.legend(handles=kinds, loc="outside lower center", ncols=columns)
-    _finish(panels, runs, symbol)
-    if tried:
-        below = list(lower.subplots(1, max(2, len(tried)), sharey=True, squeeze=False)[0])
+        below = list(rows[-1].subplots(1, max(2, len(tried)), sharey=True, squeeze=False)[0])
         for unused in below[len(tried) :]:
             unused.remove()
         below = below[: len(tried)]
         kinds = _draw_conditions(below, tried)
-        lower.legend(handles=kinds, loc="outside lower center", ncols=3)
+        rows[-1].legend(handles=kinds, loc="outside lower center", ncols=3)
         _finish(below, pd.concat(tried.values()), symbol)
         panels += below
+    shown = pd.concat([runs, *tried.values()])
+    colours = [*_forecasters(shown), style.bar_handle("interval over flows")]
+    rows[0].legend(handles=colours, loc="outside upper center", ncols=4)
     style.letter_panels(panels)
     return figure
 

@@ -102,7 +102,7 @@ def with_kinds(runs: pd.DataFrame, *, along: bool) -> pd.DataFrame:
         ]
         kinds = [", ".join([look.title, *filter(None, said)]) for said in words]
         parts.append(own.assign(kind=kinds))
-    named: pd.DataFrame = pd.concat(parts)
+    named: pd.DataFrame = pd.concat(parts) if parts else runs.assign(kind="")
     return named
 
 
