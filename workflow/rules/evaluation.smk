@@ -23,7 +23,7 @@ rule forecast:
     params:
         settings=settings_of(
             "forecast",
-            "FORECASTER forecaster.divergence_bound forecasters.aware WINDOWS",
+            "OPTIONS forecaster.divergence_bound forecasters.aware WINDOWS",
         ),
         code=code_of("evaluation/forecast.py"),
     message:
@@ -88,7 +88,7 @@ rule horizon:
         **needs("horizon", "horizon", cached=True),
     params:
         settings=settings_of(
-            "horizon", "FORECASTER HORIZON case.event_threshold washout_lt"
+            "horizon", "OPTIONS HORIZON case.event_threshold washout_lt"
         ),
         code=code_of("evaluation/horizon.py"),
     message:
@@ -179,7 +179,7 @@ rule examples:
     params:
         settings=settings_of(
             "examples",
-            "FORECASTER HORIZON WINDOWS case.event_threshold case.training.series washout_lt "
+            "OPTIONS HORIZON WINDOWS case.event_threshold case.training.series washout_lt "
             "figures.example_horizon_lt",
             prediction_time_lt=campaign.prediction_time(2),
         ),
@@ -211,7 +211,7 @@ rule flow_event:
     params:
         settings=settings_of(
             "flow_event",
-            "FORECASTER OBSERVED case.test_series "
+            "OPTIONS OBSERVED case.test_series "
             "case.event_threshold washout_lt figures.flow_event",
         ),
         code=code_of("evaluation/flow_event.py"),

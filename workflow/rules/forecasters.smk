@@ -1,5 +1,11 @@
 """From the data to forecasters: the search for a network's hyperparameters, training, fitting."""
 
+# In all rules: `settings_of` takes paths in the config and groups of them, in capitals (GROUPS in
+# burstcast_workflow/campaign/campaign.py); `needs`, a class of work that says memory and time
+# (CLASSES in burstcast_workflow/costs/model.py), and whether the cache keeps the results;
+# `unknowns_of` asks for thresholds and units of time where jobs compute them. A name that a rule
+# repeats is its own, which `module` may change.
+
 
 rule scan:
     # one job for all strategies that share their sums over the training data
@@ -59,7 +65,7 @@ rule search:
 
 
 rule survival_choice:
-    # of equally good points: requested only by search.choice
+    # of equally good points; only where the setting search.choice is survival
     input:
         **unknowns_of("survival_choice"),
         ensemble=f"{CASE}/ensemble.nc",
@@ -121,7 +127,7 @@ rule train:
 
 
 rule fit:
-    # forecasters of all other kinds, which need no search
+    # kinds that need no search, without classifiers and forecasts of other programs
     input:
         **unknowns_of("fit"),
         ensemble=f"{CASE}/ensemble.nc",
@@ -141,7 +147,7 @@ rule fit:
     resources:
         **needs("fit", "training", cached=True),
     params:
-        settings=settings_of("fit", "FORECASTER OBSERVED"),
+        settings=settings_of("fit", "OPTIONS OBSERVED"),
         code=code_of("forecasters/fit.py"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: fit"

@@ -54,7 +54,7 @@ rule calibration_forecast:
     params:
         settings=settings_of(
             "calibration_forecast",
-            "FORECASTER forecaster.divergence_bound OBSERVED WINDOWS washout_lt "
+            "OPTIONS forecaster.divergence_bound OBSERVED WINDOWS washout_lt "
             "probability.calibration_series",
         ),
         code=code_of("evaluation/calibration_forecast.py"),
@@ -117,7 +117,7 @@ rule event_probabilities:
     params:
         settings=settings_of(
             "event_probabilities",
-            "FORECASTER random_seed case.event_threshold classification.prediction_times_lt "
+            "OPTIONS random_seed case.event_threshold classification.prediction_times_lt "
             "classification.window_lt classification.resolution_lt probability.calibration_series "
             "forecasters.classifiers.folds",
         ),

@@ -58,9 +58,10 @@ GROUPS = {
     "SEARCH": "SYSTEM TIME OBSERVED RESERVOIR case.recycle_validation washout_lt "
     "search.interval_lt search.single_shot_lead_steps search.tikhonov search.spectral_radius "
     "search.input_scaling forecasters.esn.leak_rate",
-    "FORECASTER": "SYSTEM TIME forecaster.options",
+    # of a kind of forecaster
+    "OPTIONS": "SYSTEM TIME forecaster.options",
     # long runs: where they start and how long they are
-    "LONG_RUNS": "FORECASTER OBSERVED washout_lt statistics.starting_points "
+    "LONG_RUNS": "OPTIONS OBSERVED washout_lt statistics.starting_points "
     "statistics.start_spacing_lt statistics.duration",
     # what forecasts of other programs are compared with
     "TASK": "SYSTEM TIME OBSERVED WINDOWS HORIZON case.event_threshold washout_lt "

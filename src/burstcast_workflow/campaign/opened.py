@@ -151,7 +151,7 @@ class OpenedCampaign:
         return Shelf(what, there, lambda name: self._forecaster(there[name]))
 
     def _forecaster(self, one: CaseForecaster) -> Forecaster:
-        paths = ["FORECASTER", "forecaster.divergence_bound"]
+        paths = ["OPTIONS", "forecaster.divergence_bound"]
         time_unit = self._campaign.time_unit(one.case)
         settings = Settings(
             self._campaign.settings(paths, one.identity, {}),
