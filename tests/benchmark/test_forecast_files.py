@@ -1,6 +1,7 @@
 """Files of forecasts: what is right is read, whatever is wrong is one message."""
 
 import re
+import tracemalloc
 
 import netCDF4
 import numpy as np
@@ -252,6 +253,20 @@ def test_a_point_that_was_never_written_is_named(data, facts, tmp_path):
         variable[8:] = 0.05
     text = said(path, data)
     assert "observable of point 7, step 1: observable is nan; expected is a" in text
+
+
+@pytest.mark.parametrize("name", ["point", "component", "observable"])
+@pytest.mark.parametrize("kind", ["f8", str])
+def test_what_a_file_declares_is_not_allocated(name, kind, data, facts, tmp_path):
+    """745 GiB in a file of some kB; numbers that are texts."""
+    path = write_netcdf(tmp_path / "a.nc", facts)
+    with netCDF4.Dataset(path, "a") as file:
+        file.createDimension("long", 10**11)
+        file.createVariable(name, kind, ("long",), chunksizes=[1024])
+    tracemalloc.start()
+    said(path, data)
+    assert tracemalloc.get_traced_memory()[1] < 50e6
+    tracemalloc.stop()
 
 
 def test_variables_that_are_unknown_or_count_otherwise_are_named(data, facts, generator, tmp_path):
