@@ -66,7 +66,7 @@ class BenchmarkCase:
     lyapunov_exponent: float
     washout_lt: float  #: length of the washouts
     start_spacing_lt: float = 1.0  #: distance of two starting points
-    #: window_lt, resolution_lt: length of the prediction windows and of those that make them up
+    #: window_lt, resolution_lt: length of the prediction windows, and of the intervals in them
     window_lt: float = 1.0
     resolution_lt: float = 0.5
     #: from the starting point to the first step of the prediction windows
