@@ -249,7 +249,9 @@ def fitted_channels(training, kind, sensors, **options):
     ],
 )
 def test_maps_are_the_encoding_and_the_decoding(training, kind, sensors, options):
-    channels, _ = fitted_channels(training, kind, sensors, **options)
+    channels, seen = fitted_channels(training, kind, sensors, **options)
+    again = StateChannels.restore(kind, channels.case, channels.arrays)
+    np.testing.assert_array_equal(again.encode_series(seen), channels.encode_series(seen))
     maps = channels.maps(training)
     states = training[1].T
     found = maps.channels(states)
