@@ -18,6 +18,7 @@ from numpy.testing import assert_array_equal
 from burstcast.benchmark.cases import CASES, SEED
 from burstcast.benchmark.data import make_case
 from burstcast.benchmark.export import export
+from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
@@ -25,6 +26,7 @@ from burstcast.forecasters.registry import forecaster_class
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.commands.command_line import main
 from burstcast_workflow.config.loading import load
+from burstcast_workflow.harness.storage import read_json
 
 ROOT = Path(__file__).parents[2]
 PRESET = "workflow/presets/benchmark.yaml"
@@ -209,22 +211,48 @@ def test_the_turbulent_flow_is_a_case_of_a_campaign(tmp_path, job_server):
     assert_array_equal(events["truth"], data.truth_before_events)
 
 
-def test_the_record_is_a_case_of_a_campaign(tmp_path, job_server, capsys):
-    """Duplicates, gaps and blocks by the reader of a campaign's files."""
+def test_the_record_is_a_case_of_a_campaign(tmp_path, job_server):
+    """Duplicates, gaps and blocks by the reader of files; an EventForecaster's classifiers, too."""
     pytest.importorskip("bokeh_sampledata", reason="the record is not installed")
     extract = runpy.run_path(str(ROOT / "examples" / "real_records" / "extract.py"))["glucose"]
     path = ROOT / "examples" / "benchmark" / "glucose.yaml"
     project = Project.create(tmp_path / "project", job_server, str(path))
     form = "%Y-%m-%dT%H:%M:%S"
-    extract().to_csv(tmp_path / "project" / "glucose.csv", index=False, date_format=form)
-    target = "results/benchmark_glucose/Glucose/forecast_task.nc"
-    outcome = project.snakemake(target)
+    extract().to_csv(project.directory / "glucose.csv", index=False, date_format=form)
+    results = project.directory / "results" / "benchmark_glucose" / "Glucose"
+    small = {"forecasters": {"esn_direct": {"neurons": 60}}}
+    names = ("forecast_task.nc", "calibration.json")
+    outcome = project.snakemake(
+        *(f"results/benchmark_glucose/Glucose/{name}" for name in names), overlay=small
+    )
     assert outcome.status == 0, outcome.text[-3000:]
-    exported, found = make_case(CASES["Glucose"]).exported, read_netcdf(project.directory / target)
-    assert read_attributes(project.directory / target)["digest"] == CASES["Glucose"].digest
+    data = make_case(CASES["Glucose"])
+    exported, found = data.exported, read_netcdf(results / "forecast_task.nc")
+    assert read_attributes(results / "forecast_task.nc")["digest"] == data.case.digest
     assert_array_equal(found["training"], exported.training)
     assert_array_equal(found["washout"], exported.washouts)
     assert_array_equal(found["horizon_washout"], exported.horizon_washouts)
+    rules = read_json(results / "calibration.json")["alarms"]
+    for kind, options in (
+        ("precursor", {"classifier": "logistic", "lags_lt": [1, 2, 3]}),
+        ("esn_direct", {"neurons": 60}),
+    ):
+        fitted = EventForecaster(
+            lambda states: -states[..., 0],
+            data.case.event_threshold,
+            prediction_times=data.case.prediction_times_lt,
+            lyapunov_time=1 / data.case.lyapunov_exponent,
+            sampling_interval=5.0,
+            washout=6,
+            kind=kind,
+            calibration_spacing=1,
+            random_seed=SEED,
+            options={**options, "start_spacing_lt": 1},
+        ).fit(data.training)
+        for time, alarm in fitted.alarms_.items():
+            rule = rules[kind][f"{time:g}"]["calibrated"]
+            assert alarm.calibration.probabilities.tolist() == rule["probabilities"]
+            assert alarm.threshold == rule["threshold"]
 
 
 def test_cases_have_no_field_that_nothing_compares():
