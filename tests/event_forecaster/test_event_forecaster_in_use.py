@@ -16,7 +16,7 @@ import yaml
 from sklearn.model_selection import GridSearchCV, cross_val_score
 from sklearn.utils import estimator_checks
 from sklearn.utils.validation import check_is_fitted
-from test_event_forecaster import SMALL, lorenz
+from test_event_forecaster import SMALL, fit, lorenz
 
 import burstcast
 from burstcast.event_forecaster.forecaster import EventForecaster
@@ -201,17 +201,7 @@ SERIES = lorenz(1, 300, 5)[0]
 
 @pytest.fixture(scope="module")
 def watching():
-    forecaster = burstcast.EventForecaster(
-        event_threshold=12.0,
-        prediction_times=(0.5, 1.0),
-        lyapunov_time=1 / 0.9056,
-        sampling_interval=INTERVAL,
-        members=2,
-        neurons=60,
-        grid=2,
-        bayesian_points=1,
-    )
-    return forecaster.fit(lorenz(4, 900, 1))
+    return fit(lorenz(4, 900, 1), members=2, options=None)
 
 
 @pytest.fixture
@@ -320,17 +310,8 @@ def test_taking_a_sample_is_fast(forecaster):
 @pytest.mark.long
 def test_ten_networks_of_1000_neurons():
     """A sample takes less than a millisecond, and probabilities have the bits of the batch."""
-    forecaster = burstcast.EventForecaster(
-        event_threshold=12.0,
-        prediction_times=(0.5,),
-        lyapunov_time=1 / 0.9056,
-        sampling_interval=INTERVAL,
-        members=10,
-        neurons=1000,
-        grid=2,
-        bayesian_points=1,
-        calibrate=False,
-    ).fit(lorenz(4, 900, 1))
+    large = {"members": 10, "neurons": 1000, "prediction_times": (0.5,), "options": None}
+    forecaster = fit(lorenz(4, 900, 1), **large, calibrate=False)
     washout = forecaster._samples("washout")
     taken, found = [], []
     for number, sample in enumerate(SERIES[:100]):
@@ -358,22 +339,19 @@ def flows(reynolds, count, steps=300):
     return integrate(system, start, 0.25, 4 * (200 + steps), stride=4)[200:].transpose(2, 0, 1)
 
 
+def that_knows_reynolds(count, **settings):
+    """Fitted to flows of each Reynolds number."""
+    series = np.concatenate([flows(reynolds, count) for reynolds in REYNOLDS])
+    settings |= {"event_threshold": {"quantile": 0.9}, "lyapunov_time": 61.0, "sampling_stride": 4}
+    system = MoehlisFaisstEckhardt(400.0, 4 * np.pi, 2 * np.pi)
+    forecaster = EventForecaster(system, window=0.7, washout=0.33, **settings)
+    return forecaster.fit(series, parameters=np.repeat(REYNOLDS, count))
+
+
 @pytest.fixture(scope="module")
 def aware():
-    series = np.concatenate([flows(reynolds, 3) for reynolds in REYNOLDS])
-    forecaster = EventForecaster(
-        MoehlisFaisstEckhardt(400.0, 4 * np.pi, 2 * np.pi),
-        event_threshold={"quantile": 0.9},
-        lyapunov_time=61.0,
-        prediction_times=(0.7,),
-        window=0.7,
-        washout=0.33,
-        kind="quadratic_aware",
-        noise=0.001,
-        sampling_stride=4,
-        calibrate=False,
-    )
-    return forecaster.fit(series, parameters=np.repeat(REYNOLDS, 3))
+    settings = {"prediction_times": (0.7,), "noise": 0.001, "calibrate": False}
+    return that_knows_reynolds(3, kind="quadratic_aware", **settings)
 
 
 def test_probabilities_depend_on_what_is_planned(aware):
@@ -421,23 +399,9 @@ def test_schedules_of_two_parameters():
 
 @pytest.fixture(scope="module")
 def network():
-    series = np.concatenate([flows(reynolds, 4) for reynolds in REYNOLDS])
-    forecaster = EventForecaster(
-        MoehlisFaisstEckhardt(400.0, 4 * np.pi, 2 * np.pi),
-        event_threshold={"quantile": 0.9},
-        lyapunov_time=61.0,
-        prediction_times=(0.3,),
-        window=0.7,
-        washout=0.33,
-        kind="esn_aware",
-        members=2,
-        neurons=60,
-        validation_interval=1.0,
-        grid=2,
-        bayesian_points=0,
-        sampling_stride=4,
-    )
-    return forecaster.fit(series, parameters=np.repeat(REYNOLDS, 4))
+    settings = {"members": 2, "neurons": 60, "grid": 2, "bayesian_points": 0}
+    settings |= {"prediction_times": (0.3,), "validation_interval": 1.0}
+    return that_knows_reynolds(4, kind="esn_aware", **settings)
 
 
 def test_networks_know_the_parameter(network):
