@@ -68,6 +68,11 @@ def turbulent_states(reynolds, count, steps):
     return np.asarray(series.states[0][:, kept][:, :count])
 
 
+def growth_along(system, state, step, steps, distances, alignment=0):
+    generator = np.random.default_rng(1)
+    return perturbation_growth(system, state, step, steps, *distances, generator, alignment)
+
+
 def test_linear_system_has_the_eigenvalues_as_exponents():
     rates = (0.3, -0.1, -0.8)
     state = np.zeros((3, 2))
@@ -78,16 +83,8 @@ def test_linear_system_has_the_eigenvalues_as_exponents():
 
 @pytest.mark.parametrize("leading", [0.3, -0.2])
 def test_perturbations_of_a_linear_system_grow_at_the_leading_rate(leading):
-    growth = perturbation_growth(
-        Linear((leading, -1.1, -1.8)),
-        np.zeros((3, 4)),
-        0.02,
-        5000,
-        1e-6,
-        1e-3,
-        np.random.default_rng(1),
-        alignment_steps=2000,
-    )
+    system, state = Linear((leading, -1.1, -1.8)), np.zeros((3, 4))
+    growth = growth_along(system, state, 0.02, 5000, (1e-6, 1e-3), 2000)
     np.testing.assert_allclose(growth.exponents, leading, rtol=0, atol=1e-7)
     phase = math.log(1e3) / leading if leading > 0 else math.log(1e-2) / leading
     assert (np.abs(growth.restarts - 100.0 / phase) <= 1).all()
@@ -123,16 +120,7 @@ def test_both_methods_agree_along_each_trajectory():
     state = lorenz_states(40)
     size = attractor_size(state)
     spectrum = lyapunov_spectrum(Lorenz63(), state, 0.01, 4000, 20, alignment_steps=500)
-    growth = perturbation_growth(
-        Lorenz63(),
-        state,
-        0.01,
-        4000,
-        1e-8 * size,
-        1e-3 * size,
-        np.random.default_rng(1),
-        alignment_steps=500,
-    )
+    growth = growth_along(Lorenz63(), state, 0.01, 4000, (1e-8 * size, 1e-3 * size), 500)
     assert growth.restarts.min() >= 1
     # what is left is the angle between perturbations at the two ends of the time
     np.testing.assert_allclose(growth.exponents, spectrum.exponents[:, 0], rtol=0, atol=0.1)
@@ -211,11 +199,9 @@ def spectrum_of(state=1.0, time_step=0.01, steps=20, orthonormalisation_steps=10
     )
 
 
-def growth_of(state=1.0, step=0.01, steps=20, initial=1e-8, saturation=1e-3, **others):
-    generator, state = np.random.default_rng(1), np.full((3, 1), state)
-    return perturbation_growth(
-        Lorenz63(), state, step, steps, initial, saturation, generator, **others
-    )
+def growth_of(state=1.0, step=0.01, steps=20, initial=1e-8, saturation=1e-3, alignment_steps=0):
+    state = np.full((3, 1), state)
+    return growth_along(Lorenz63(), state, step, steps, (initial, saturation), alignment_steps)
 
 
 @pytest.mark.parametrize(
@@ -276,16 +262,7 @@ def test_shear_flow_has_the_published_exponents(reynolds, published, expected):
     state = turbulent_states(reynolds, 1000, 16000)
     assert state.shape[1] == 1000
     size = attractor_size(state)
-    growth = perturbation_growth(
-        system,
-        state,
-        0.25,
-        12000,
-        1e-8 * size,
-        1e-2 * size,
-        np.random.default_rng(1),
-        alignment_steps=4000,
-    )
+    growth = growth_along(system, state, 0.25, 12000, (1e-8 * size, 1e-2 * size), 4000)
     leading = growth.exponents.mean()
     assert leading == pytest.approx(published, rel=0.07)
     assert leading == pytest.approx(expected, abs=3e-4)

@@ -127,12 +127,12 @@ def published_rows(*rows):
     return pd.DataFrame(rows, columns=[*columns, *PERCENTILES])
 
 
-def our_rows(*rows, case="Re400", **columns):
-    """Rows of neurons, validation and prediction time, metric, and what ``columns`` name."""
+def our_rows(*rows, named=(*PERCENTILES, "networks"), forecaster="esn"):
+    """Rows of neurons, validation and prediction time, metric, and what is ``named``."""
     keys = ["neurons", "validation", "prediction_time_lt", "metric"]
-    table = pd.DataFrame(rows, columns=[*keys, *columns.pop("named")])
-    table.insert(0, "forecaster", columns.pop("forecaster", "esn"))
-    return table.assign(case=case, reynolds=400.0)
+    table = pd.DataFrame(rows, columns=[*keys, *named])
+    table.insert(0, "forecaster", forecaster)
+    return table.assign(case="Re400", reynolds=400.0)
 
 
 F_SCORES = published_rows(
@@ -148,7 +148,6 @@ OUR_F_SCORES = our_rows(
     (500, "RV", 3.0, "f_score", 0.48, 0.49, 0.50, 10),
     (500, "SSV", 1.0, "f_score", 0.70, 0.71, 0.72, 10),
     (700, "RV", 1.0, "f_score", 0.90, 0.91, 0.92, 10),
-    named=[*PERCENTILES, "networks"],
 )
 OUR_INTERVALS = our_rows(
     *((500, "RV", 1.0, "f_score", seed, 0.79, high) for seed, high in enumerate((0.83, 0.88, 0.9))),
@@ -187,18 +186,9 @@ def test_nothing_can_be_said_about_the_errors_of_one_training_set():
         ("statistics", 400, None, "TRAIN", None, "nrmse_u", None, 0.0197, None),
         ("statistics", 400, 500, "RV", None, "nrmse_u", 0.01, 0.0197, 0.03),
     )
-    ours = pd.concat(
-        [
-            our_rows(
-                (None, None, None, "nrmse_u", 0.01, 0.01, 0.01, 1),
-                forecaster="training",
-                named=[*PERCENTILES, "networks"],
-            ),
-            our_rows(
-                (500, "RV", None, "nrmse_u", 0.02, 0.03, 0.04, 3), named=[*PERCENTILES, "networks"]
-            ),
-        ]
-    ).drop(columns="prediction_time_lt")
+    of_training = our_rows((None, None, None, "nrmse_u", *[0.01] * 3, 1), forecaster="training")
+    of_networks = our_rows((500, "RV", None, "nrmse_u", 0.02, 0.03, 0.04, 3))
+    ours = pd.concat([of_training, of_networks]).drop(columns="prediction_time_lt")
     table = compare(theirs, {"statistics": ours}, {})
     assert table["forecaster"].tolist() == ["training", "esn"]
     assert table["published_p50"].tolist() == pytest.approx([0.01, 0.01])
@@ -215,7 +205,6 @@ def test_what_nobody_has_is_left_out_and_undefined_medians_are_neither_inside_no
     ours = our_rows(
         (500, "RV", None, "input_scaling", 0.3, 0.4, 0.5, 10),
         (500, "RV", None, "spectral_radius", 0.1, 0.15, 0.2, 10),
-        named=[*PERCENTILES, "networks"],
     )
     table = compare(mixed, {"hyperparameters": ours}, {})
     assert table["metric"].tolist() == ["spectral_radius"]
@@ -258,10 +247,7 @@ def test_control_is_compared_under_the_conditions_of_the_paper():
     theirs = published_rows(
         ("control", 400, 2000, "RV", 1, "exceedance_probability", 0.0273, 0.0277, 0.0291)
     )
-    ours = our_rows(
-        (2000, "RV", 1.0, "exceedance_controlled", 0.025, 0.025, 0.025, 1),
-        named=[*PERCENTILES, "networks"],
-    )
+    ours = our_rows((2000, "RV", 1.0, "exceedance_controlled", 0.025, 0.025, 0.025, 1))
     table = compare(theirs, {"control": ours}, {"control": intervals})
     assert table["published_p50"].tolist() == pytest.approx([0.0277 / 1.02])
     assert table["inside"].tolist() == [True]
