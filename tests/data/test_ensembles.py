@@ -47,14 +47,8 @@ def textbook_step(state):
 
 def ensemble(starts=STARTS, **changes):
     """Kept series of a small ensemble, by batches."""
-    arguments = {
-        "time_step": STEP,
-        "sampling_stride": 6,
-        "transient_steps": 100,
-        "kept_steps": 300,
-        "laminarisation_threshold": 41.0,
-        **changes,
-    }
+    lengths = {"sampling_stride": 6, "transient_steps": 100, "kept_steps": 300}
+    arguments = {"time_step": STEP, **lengths, "laminarisation_threshold": 41.0, **changes}
     return list(dataset.generate_ensemble(SYSTEM, starts, **arguments))
 
 
@@ -365,17 +359,12 @@ def test_what_has_no_threshold(quantile, observable, message):
 
 def test_values_replace_quantiles_wherever_they_are():
     unknown = {"case": "a", "quantile": 0.9}
-    settings = {
-        "case.event_threshold": unknown,
-        "cases": [
-            {
-                "identity": {"case": "b"},
-                "settings": {"case.event_threshold": {**unknown, "case": "b"}},
-            },
-            {"identity": {"case": "c"}, "settings": {"case.event_threshold": 3.0}},
-        ],
-        "quantile": 0.5,
-    }
+    thresholds = {"b": {**unknown, "case": "b"}, "c": 3.0}
+    cases = [
+        {"identity": {"case": case}, "settings": {"case.event_threshold": threshold}}
+        for case, threshold in thresholds.items()
+    ]
+    settings = {"case.event_threshold": unknown, "cases": cases, "quantile": 0.5}
     assert list(cases_of_thresholds(settings)) == ["a", "b"]
     known = with_thresholds(settings, {"a": 1.5, "b": 2.5}.get)
     assert known["case.event_threshold"] == 1.5

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -97,14 +98,8 @@ def test_panels_hold_the_states_and_end_at_breakpoints(reservoir, signal, backen
     panels = list(
         dynamics.state_panels(inputs, start, breakpoints=[70, 33, 33, 0], columns_per_panel=102)
     )
-    assert [(panel.start, panel.stop) for panel in panels] == [
-        (0, 20),
-        (20, 33),
-        (33, 53),
-        (53, 70),
-        (70, 90),
-        (90, 101),
-    ]
+    ends = [0, 20, 33, 53, 70, 90, 101]
+    assert [(panel.start, panel.stop) for panel in panels] == [*pairwise(ends)]
     for panel in panels:
         last = dynamics.open_loop(inputs[: panel.stop], start)
         np.testing.assert_array_equal(panel.states[:, -1], last)

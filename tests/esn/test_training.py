@@ -389,12 +389,9 @@ def test_leaving_one_out_is_training_on_the_others_and_does_not_see_the_one():
         next(train_leaving_one_out(DYNAMICS, single, washout=WASHOUT, tikhonov=1e-4))
     other = OBSERVED.copy()
     other[2] = np.random.default_rng(1).normal(size=OBSERVED[2].shape)
+    how = {"washout": WASHOUT, "tikhonov": 1e-4}
     first, second = (
-        list(
-            train_leaving_one_out(
-                DYNAMICS, TrainingSeries(observed, RANGE), washout=WASHOUT, tikhonov=1e-4
-            )
-        )
+        list(train_leaving_one_out(DYNAMICS, TrainingSeries(observed, RANGE), **how))
         for observed in (OBSERVED, other)
     )
     np.testing.assert_array_equal(first[2].weights, second[2].weights)

@@ -109,15 +109,9 @@ def test_forecast_and_truth_are_judged_alike_and_events_under_way_are_skipped():
     ]
     truth = summaries([case[0] for case in cases], [case[1] for case in cases])
     forecast = summaries([case[2] for case in cases], [case[3] for case in cases])
-    counts = score_forecasts(
-        forecast,
-        truth,
-        np.array([case[4] for case in cases]),
-        np.arange(len(cases)),
-        first_window=1,
-        windows=2,
-        threshold=0.1,
-    )
+    washouts, series = np.array([case[4] for case in cases]), np.arange(len(cases))
+    where = {"first_window": 1, "windows": 2, "threshold": 0.1}
+    counts = score_forecasts(forecast, truth, washouts, series, **where)
     assert counts.true_positive.tolist() == [1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0]
     assert counts.false_positive.tolist() == [0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0]
     assert counts.false_negative.tolist() == [0, 0, 1, 0, 0, 0, 0, 0, 1, 1, 0]

@@ -163,15 +163,8 @@ OBSERVED = np.stack(
 def choose(failing_from, lead=8, error=0.3):
     events = isolated_events(TRUTH, CRITERION, before=lead + 2)
     assert [event.series for event in events] == [0, 1, 2]
-    chosen = predicted_event(
-        events,
-        Wrong(TRUTH, error, np.array(failing_from)),
-        OBSERVED,
-        OBSERVED,
-        lead=lead,
-        washout=3,
-        tolerance=0.2,
-    )
+    wrong, settings = Wrong(TRUTH, error, np.array(failing_from)), {"washout": 3, "tolerance": 0.2}
+    chosen = predicted_event(events, wrong, OBSERVED, OBSERVED, lead=lead, **settings)
     breakdowns = [event.times[3] for event in events]
     return chosen.series, breakdowns
 

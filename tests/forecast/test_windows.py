@@ -253,14 +253,8 @@ def test_points_one_by_one():
     generator = np.random.default_rng(1)
     truth, observed = generator.normal(size=(3, 60)), generator.normal(size=(3, 60, 2))
     washout, spacing, boundaries = 5, 7, (2, 4, 9)
-    found = observed_points(
-        observed,
-        truth,
-        lambda state: state[0] * state[1],
-        spacing=spacing,
-        washout=washout,
-        boundaries=boundaries,
-    )
+    where = {"spacing": spacing, "washout": washout, "boundaries": boundaries}
+    found = observed_points(observed, truth, lambda state: state[0] * state[1], **where)
     row = 0
     for series in range(3):
         for now in range(washout - 1, 60 - boundaries[-1], spacing):

@@ -225,16 +225,9 @@ def first_component(states):
 def test_each_point_is_forecast_by_those_who_have_not_seen_its_series():
     training = np.arange(4.0)[:, np.newaxis, np.newaxis] * np.ones((4, 30, 3))
     series = np.array([2, 0, 3, 2])  # none in series 1, and not in order
-    found = out_of_sample_forecasts(
-        MeanForecaster.fit(training, CASE),
-        training,
-        CASE,
-        5,
-        first_component,
-        np.zeros((4, 5, 3)),
-        series,
-        BOUNDARIES,
-    )
+    points = first_component, np.zeros((4, 5, 3)), series, BOUNDARIES
+    mean = MeanForecaster.fit(training, CASE)
+    found = out_of_sample_forecasts(mean, training, CASE, 5, *points)
     without = {row: np.delete(np.arange(4.0), row).mean() for row in range(4)}
     expected = np.array([without[row] for row in series])[:, np.newaxis] * np.ones((4, 2))
     for number, forecasts in ((0, found), *enumerate(found.members)):

@@ -17,17 +17,12 @@ OF_SNAKEMAKE = {"checks", "hooks", "plan"}
 
 
 def imported(path):
-    nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-    names = [
-        name
-        for node in nodes
-        if isinstance(node, ast.Import | ast.ImportFrom)
-        for name in (
-            [node.module]
-            if isinstance(node, ast.ImportFrom)
-            else [alias.name for alias in node.names]
-        )
-    ]
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            names.add(node.module)
+        elif isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
     return {str(name).partition(".")[0] for name in names}
 
 

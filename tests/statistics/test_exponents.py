@@ -282,15 +282,10 @@ def test_shear_flow():
     """Re = 400, whose published exponent is 0.0163."""
     start = [1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0]
     generator = np.random.default_rng(3)
-    (flow,) = generate_ensemble(
-        MoehlisFaisstEckhardt(400.0),
-        initial_states(np.array(start, float), 3, 0.01, 16, generator),
-        time_step=0.25,
-        sampling_stride=4,
-        transient_steps=800,
-        kept_steps=10000,
-        laminarisation_threshold=0.48,
-    )
+    starts = initial_states(np.array(start, float), 3, 0.01, 16, generator)
+    steps = {"time_step": 0.25, "sampling_stride": 4, "transient_steps": 800, "kept_steps": 10000}
+    system = MoehlisFaisstEckhardt(400.0)
+    (flow,) = generate_ensemble(system, starts, **steps, laminarisation_threshold=0.48)
     assert len(flow.states) >= 10
     found = estimate(flow.states[:10], 1.0)
     assert found.exponent == pytest.approx(0.0163, rel=0.2)

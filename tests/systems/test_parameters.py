@@ -43,23 +43,17 @@ def by_scipy(right_hand_side, schedule, state, interval):
     """One trajectory, stretch by stretch, with an adaptive scheme of order eight."""
     found = [state]
     for values in schedule:
-        solution = solve_ivp(
-            lambda _, x, values=values: right_hand_side(values, x),
-            (0.0, interval),
-            found[-1],
-            method="DOP853",
-            rtol=1e-12,
-            atol=1e-13,
-        )
+        how = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13, "args": (values,)}
+        solution = solve_ivp(right_hand_side, (0.0, interval), found[-1], **how)
         found.append(solution.y[:, -1])
     return np.array(found)
 
 
-def under_reynolds(value, x):
+def under_reynolds(_, x, value):
     return MoehlisFaisstEckhardt(float(value[0])).right_hand_side(x[:, None])[:, 0]
 
 
-def pushed(value, x):
+def pushed(_, x, value):
     return MFE.right_hand_side(x[:, None])[:, 0] + value[0] * np.array(PUSH)
 
 

@@ -119,22 +119,11 @@ def test_the_papers_parameter_tables():
     values = ["4\\pi", "400", "0.25", "0.48", "0.1", "1436", "4000", "10"]
     assert list(data["Value"]) == [f"${value}$" for value in values]
     assert data.loc[3, "Parameter"] == "$k_l$"
-    network = network_parameters(
-        spectral_radius=(0.1, 1.0),
-        input_scaling=(0.1, 10.0),
-        tikhonov=[1e-6, 1e-9, 1e-12],
-        connectivity=20,
-        input_bias=0.1,
-        noise=0.01,
-    )
-    assert list(network["Value"]) == [
-        "$[0.1, 1]$",
-        "$[0.1, 10]$",
-        "$[10^{-6}, 10^{-9}, 10^{-12}]$",
-        "$20$",
-        "$0.1$",
-        r"$0.01\,\sigma_u$",
-    ]
+    bounds = {"spectral_radius": (0.1, 1.0), "input_scaling": (0.1, 10.0)}
+    others = {"connectivity": 20, "input_bias": 0.1, "noise": 0.01}
+    network = network_parameters(**bounds, tikhonov=[1e-6, 1e-9, 1e-12], **others)
+    values = ["[0.1, 1]", "[0.1, 10]", "[10^{-6}, 10^{-9}, 10^{-12}]", "20", "0.1"]
+    assert list(network["Value"]) == [f"${one}$" for one in [*values, r"0.01\,\sigma_u"]]
     data = data_parameters(system=[], **DATA, laminarisation_threshold=None, symbol="z")
     assert not data["Explanation"].str.contains("Laminarisation").any()
     assert "$z_e$" in list(data["Parameter"])

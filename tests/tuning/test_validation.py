@@ -238,14 +238,10 @@ def test_lost_forecasts_count_as_a_large_error_and_stay_finite(monkeypatch):
 
 
 def test_the_best_is_the_first_of_the_smallest():
-    results = [
-        Evaluation(0, "grid", HyperparameterPoint(1.0, 1.0), one)
-        for one in (
-            Validation("RV", 1e-6, (-2.0,), "cholesky", 1e-9),
-            Validation("RV", 1e-9, (-3.0,), "cholesky", 1e-9),
-            Validation("RV", 1e-12, (-3.0,), "cholesky", 1e-9),
-        )
-    ]
+    results = []
+    for tikhonov, error in ((1e-6, -2.0), (1e-9, -3.0), (1e-12, -3.0)):
+        validation = Validation("RV", tikhonov, (error,), "cholesky", 1e-9)
+        results.append(Evaluation(0, "grid", HyperparameterPoint(1.0, 1.0), validation))
     assert best(results) is results[1]
 
 
