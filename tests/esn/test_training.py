@@ -158,13 +158,9 @@ def test_indefinite_matrix_is_solved_by_ldl():
     generator = np.random.default_rng(2)
     basis, _ = np.linalg.qr(generator.normal(size=(8, 8)))
     gram = basis @ np.diag([1e4, 1e2, 1, 1, 1e-2, 1e-3, 1e-4, -1e-6]) @ basis.T
-    moments = Moments(
-        100,
-        generator.normal(size=8),
-        generator.normal(size=2),
-        np.asfortranarray(np.tril(gram)),
-        generator.normal(size=(8, 2)),
-    )
+    mean_state, mean_target = generator.normal(size=8), generator.normal(size=2)
+    lower, cross = np.asfortranarray(np.tril(gram)), generator.normal(size=(8, 2))
+    moments = Moments(100, mean_state, mean_target, lower, cross)
     readout = solve_ridge(moments, 1e-12)
     assert readout.solver == "ldl"
     matrix = gram + 1e-12 * np.eye(8) + 1e-12 * np.outer(moments.mean_state, moments.mean_state)

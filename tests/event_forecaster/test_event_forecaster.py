@@ -285,11 +285,9 @@ def test_a_quantile_is_that_of_the_training_series(training):
 @pytest.mark.parametrize(("kind", "sees_truth"), [("quadratic", False), ("equations", True)])
 def test_noise_is_added_to_what_is_observed(kind, sees_truth, training, test_series):
     changes = {"observable": Lorenz63(), "event_threshold": {"quantile": 0.9}, "calibrate": False}
+    changes |= {"kind": kind, "sampling_stride": 2}
     plain, noisy = (
-        fit(training, kind=kind, sampling_stride=2, noise=noise, **changes).forecast(
-            test_series[:, :200]
-        )
-        for noise in (0.0, 0.1)
+        fit(training, noise=noise, **changes).forecast(test_series[:, :200]) for noise in (0.0, 0.1)
     )
     assert np.array_equal(plain, noisy) == sees_truth
 

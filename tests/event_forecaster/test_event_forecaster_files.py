@@ -158,13 +158,8 @@ def test_a_fit_that_is_none(change, saved, tmp_path):
     ids=str,
 )
 def test_alarms_that_are_none(change, saved, tmp_path):
-    refused(
-        tampered(
-            saved / "analogues.nc",
-            tmp_path / "bad.nc",
-            lambda p, f, a: f["alarms"][0].update(change),
-        )
-    )
+    path, bad = saved / "analogues.nc", tmp_path / "bad.nc"
+    refused(tampered(path, bad, lambda p, f, a: f["alarms"][0].update(change)))
 
 
 @pytest.mark.parametrize(
@@ -183,13 +178,8 @@ def test_alarms_that_are_none(change, saved, tmp_path):
     ids=str,
 )
 def test_networks_that_the_arrays_do_not_hold(kind, change, saved, tmp_path):
-    refused(
-        tampered(
-            saved / f"{kind}.nc",
-            tmp_path / "bad.nc",
-            lambda p, f, a: f["members"][0].update(change),
-        )
-    )
+    path, bad = saved / f"{kind}.nc", tmp_path / "bad.nc"
+    refused(tampered(path, bad, lambda p, f, a: f["members"][0].update(change)))
 
 
 @pytest.mark.parametrize("degree", [50, 10**6, 10**18])

@@ -114,12 +114,9 @@ def test_an_observation_moves_mean_and_covariance_as_kalmans_does(
     noise = generator.uniform(0.2, 2.0, observed)
     updated = assimilate(ensemble, observation, noise, inflation)
     for point in range(2):
-        centre, covariance = kalman_update(
-            ensemble[:, :, point].mean(axis=1),
-            inflation**2 * np.cov(ensemble[:, :, point]),
-            observation[:, point],
-            noise,
-        )
+        members = ensemble[:, :, point]
+        centre, covariance = members.mean(axis=1), inflation**2 * np.cov(members)
+        centre, covariance = kalman_update(centre, covariance, observation[:, point], noise)
         np.testing.assert_allclose(updated[:, :, point].mean(axis=1), centre, atol=1e-10)
         np.testing.assert_allclose(np.cov(updated[:, :, point]), covariance, atol=1e-10)
 

@@ -68,14 +68,9 @@ def test_a_window_crosses_if_the_observable_itself_does(
         return
     boundaries = window_boundaries(resolution, before + length + 1, lyapunov_time)
     # from 0, the starting point itself, which no forecast contains
-    observable = data.draw(
-        npst.arrays(
-            np.float64,
-            (boundaries[-1] + 1, 3),
-            elements=st.sampled_from([0.0, 0.05, THRESHOLD, 0.2, np.nan, np.inf]),
-            fill=st.sampled_from([0.0, 0.05, 0.2]),
-        )
-    )
+    elements = st.sampled_from([0.0, 0.05, THRESHOLD, 0.2, np.nan, np.inf])
+    how = {"elements": elements, "fill": st.sampled_from([0.0, 0.05, 0.2])}
+    observable = data.draw(npst.arrays(np.float64, (boundaries[-1] + 1, 3), **how))
     found = crosses(summarise(observable[1:], boundaries), before, length, THRESHOLD)
     first = int((before + 1) * resolution * lyapunov_time)
     last = int((before + 1 + length) * resolution * lyapunov_time)

@@ -67,13 +67,10 @@ def noisy(true, seed):
 @pytest.fixture(scope="module")
 def training():
     """Four series at each of three values: observed ``(series, time, 3)``, and their schedules."""
-    true = np.concatenate(
-        [
-            integrate(Lorenz63(rho=one), states(4, int(one)), 0.0025, 8 * 1600, 8)[100:]
-            for one in TRAINED
-        ],
-        axis=2,
-    )
+    flows = [
+        integrate(Lorenz63(rho=one), states(4, int(one)), 0.0025, 8 * 1600, 8) for one in TRAINED
+    ]
+    true = np.concatenate(flows, axis=2)[100:]
     values = np.repeat(TRAINED, 4)[:, np.newaxis, np.newaxis]
     return noisy(true, 1).transpose(2, 0, 1), np.repeat(values, len(true) - 1, axis=1)
 

@@ -236,15 +236,9 @@ def setting():
     case = replace(case, noise=0.01 * scales.standard_deviation)
     channels = StateChannels.fit("identity", states, seen, case)
     space = MeasuredSeries(channel_names("identity", case), "observable")
-    forecasting = ForecastingCase(
-        space,
-        0.05,
-        STRIDE,
-        17,
-        {"noise": 0.01, "members": 12, "inflation": 1.1},
-        source=KOLMOGOROV,
-        maps=channels.maps(states),
-    )
+    options, known = {"noise": 0.01, "members": 12, "inflation": 1.1}, {"source": KOLMOGOROV}
+    known["maps"] = channels.maps(states)
+    forecasting = ForecastingCase(space, 0.05, STRIDE, 17, options, **known)
     return states, with_observable(seen, states), channels, forecasting
 
 

@@ -285,13 +285,9 @@ def by_hand(points, washouts, left_out):
 
     columns = []
     for window in range(2):
-        classifier = HistGradientBoostingClassifier(
-            max_iter=150,
-            max_leaf_nodes=12,
-            learning_rate=0.08,
-            early_stopping=False,
-            random_state=0,
-        ).fit(cut(points.washouts[learnt]), points.happened[learnt, window])
+        size = {"max_iter": 150, "max_leaf_nodes": 12, "learning_rate": 0.08}
+        classifier = HistGradientBoostingClassifier(**size, early_stopping=False, random_state=0)
+        classifier.fit(cut(points.washouts[learnt]), points.happened[learnt, window])
         columns.append(classifier.predict_proba(cut(washouts))[:, 1])
     return np.stack(columns, axis=1)
 

@@ -131,13 +131,9 @@ def listed(*items, lists=True):
 
 def job(inputs=(), params=(), outputs=("results/a.nc",), **wildcards):
     """A planned job: pairs of names and values, or values without a name."""
-    return SimpleNamespace(
-        input=listed(*inputs),
-        params=listed(*params, lists=False),
-        output=listed(*outputs),
-        wildcards_dict=wildcards,
-        rule=SimpleNamespace(name="train"),
-    )
+    lists = {"input": listed(*inputs), "output": listed(*outputs)}
+    lists["params"] = listed(*params, lists=False)
+    return SimpleNamespace(**lists, wildcards_dict=wildcards, rule=SimpleNamespace(name="train"))
 
 
 @pytest.fixture

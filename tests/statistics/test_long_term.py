@@ -285,12 +285,8 @@ def test_a_network_on_a_fixed_point_is_found_out_early():
             return super().advance(memory, steps)
 
     washouts = generator.uniform(0, 1, (4, 20, 2))
-    found = run_long_term(
-        Counting(network, seed, 10.0),
-        first_component,
-        washouts,
-        LongTermSettings(3000, EDGES, 0.48, FIXED_POINT),
-    )
+    settings = LongTermSettings(3000, EDGES, 0.48, FIXED_POINT)
+    found = run_long_term(Counting(network, seed, 10.0), first_component, washouts, settings)
     assert found.fates.tolist() == [Fate.FIXED_POINT] * 4
     assert sum(asked) < 0.6 * 4 * 3000
 

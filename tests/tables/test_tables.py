@@ -222,13 +222,9 @@ def test_committees_stand_for_their_members_and_common_alarms_are_shown_once():
             *("esn-N90-RV-seed0", "esn-N50-SSV-seed0"),
         ],
     }
-    rows = pd.DataFrame(
-        [
-            {"case": case, "alarm": alarm, "prediction_time_lt": time}
-            for case, names in alarms.items()
-            for alarm in names
-            for time in (0.5, 1.0)
-        ]
+    found = [(case, alarm) for case, names in alarms.items() for alarm in names]
+    rows = pd.DataFrame(found, columns=["case", "alarm"]).merge(
+        pd.DataFrame({"prediction_time_lt": [0.5, 1.0]}), "cross"
     )
     shown = shown_once(rows)
     # at each prediction time
