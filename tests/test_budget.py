@@ -14,8 +14,8 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BUDGET = {
-    "product, all lines": 49_000,
-    "product, code": 29_100,
+    "product, all lines": 48_000,
+    "product, code": 28_900,
     "product, docstrings": 8_100,
     "tests, all lines": 40_700,
 }

@@ -257,7 +257,7 @@ def test_series_without_an_exponent(tmp_path, job_server):
     project = Project.create(tmp_path / "project", job_server, "circles.yaml")
     angle = 0.1 * np.arange(400)
     for number in range(8):
-        circle = np.stack([np.cos(angle + 0.7 * number), np.sin(angle + 0.7 * number)], axis=1)
+        circle = np.stack([np.cos(angle + 0.73 * number), np.sin(angle + 0.73 * number)], axis=1)
         write_table(project.directory / f"circle_{number}.csv", "x,y", 0.05, circle)
     case = {
         **{"event_threshold": 0.9, "test_series": 5, "training": {"series": 3}},
