@@ -281,6 +281,11 @@ READOUTS = {
 """Networks by their readout, as they are named in tables."""
 
 
+def renamed(rows: pd.DataFrame) -> pd.DataFrame:
+    """Rows with the words for their readouts."""
+    return rows.assign(readout=rows["forecaster"].map(READOUTS))
+
+
 def over_sets(tables: Tables, score: Score, **where: Any) -> pd.DataFrame:
     """Means over the training sets of networks, by readout, size and Reynolds number.
 
@@ -294,14 +299,8 @@ def over_sets(tables: Tables, score: Score, **where: Any) -> pd.DataFrame:
     half = student.ppf((1 + CONFIDENCE) / 2, found["count"] - 1)
     half = half * found["std"] / np.sqrt(found["count"])
     found = found.assign(low=found["mean"] - half, high=found["mean"] + half).reset_index()
-    order = found["forecaster"].map(list(READOUTS).index)
-    found = found.assign(readout=found["forecaster"].map(READOUTS), order=order)
-    return found.sort_values(["order", "reynolds", "neurons"], kind="stable")
-
-
-def renamed(rows: pd.DataFrame) -> pd.DataFrame:
-    """Rows with the words for their readouts."""
-    return rows.assign(readout=rows["forecaster"].map(READOUTS))
+    found["order"] = found["forecaster"].map(list(READOUTS).index)
+    return renamed(found.sort_values(["order", "reynolds", "neurons"], kind="stable"))
 
 
 def extremes(rows: pd.DataFrame, column: str) -> pd.DataFrame:

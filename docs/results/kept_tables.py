@@ -22,10 +22,7 @@ KEPT = Path(__file__).parent
 PUBLISHED = KEPT.parents[1] / "resources" / "published_percentiles.csv"
 """Published values of the paper."""
 
-SCORED = ("forecaster", "neurons", "validation")
-"""Columns that name a forecaster, whatever its seed."""
 RESULTS = ("metric", "value", "low", "high")
-QUARTILES = ("p25", "p50", "p75", "networks")
 
 
 class Tables:

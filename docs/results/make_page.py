@@ -101,12 +101,9 @@ def page() -> str:
         in_units=in_units,
         readout_of=readout_of,
         compared=compared(),
-        score=comparisons.Score,
-        horizon=comparisons.HORIZON,
         claims_table=claims.claims_table,
         not_kept=claims.NOT_KEPT,
         concat=partial(pd.concat, ignore_index=True),
-        abs=abs,
     )
     return wrapped(text_of_page)
 
