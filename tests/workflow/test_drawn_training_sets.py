@@ -1,16 +1,14 @@
 """The job that chooses other training series, on a made-up ensemble."""
 
-import importlib.util
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers_rebuilds import loaded_script
 
 from burstcast.files.netcdf import Variable, read_netcdf, write_netcdf
 from burstcast_workflow.harness.settings import Settings
 
-ROOT = Path(__file__).parents[2]
 KEPT, LENGTH, TRAINING, TEST = 90, 50, 4, 30
 SETTINGS = {
     "case": "Re400-training2",
@@ -48,10 +46,7 @@ def source(tmp_path):
 
 def chosen(source, drawn, **settings):
     """Numbers of the series in their new order."""
-    place = ROOT / "workflow/scripts/data/training_realisation.py"
-    spec = importlib.util.spec_from_file_location("training_realisation", place)
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
+    script = loaded_script("data/training_realisation.py")
     ensemble, summary = source.with_name("ensemble.nc"), source.with_name("dataset.json")
     script.choose_training_series(
         source=str(source),

@@ -1,11 +1,11 @@
 """Figures found by name: what they declare, and the script that draws all of them."""
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from helpers_rebuilds import loaded_script
 
 from burstcast.figures.registry import Declaration, available_figures, caption, declaration
 from burstcast.files.netcdf import Variable, write_netcdf
@@ -21,10 +21,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def script():
-    path = ROOT / "workflow" / "scripts" / "figures" / "figure.py"
-    spec = importlib.util.spec_from_file_location("figure_script", path)
-    spec.loader.exec_module(module := importlib.util.module_from_spec(spec))
-    return module
+    return loaded_script("figures/figure.py")
 
 
 def drawn(script, directory, name, settings, **files):

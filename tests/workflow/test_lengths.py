@@ -1,16 +1,14 @@
 """The job that compares all that a case asks of its series, once the Lyapunov time is known."""
 
-import importlib.util
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers_rebuilds import loaded_script
 
 from burstcast.files.netcdf import Variable, write_netcdf
 from burstcast_workflow.harness.settings import Settings
 
-SCRIPT = Path(__file__).parents[2] / "workflow/scripts/data/lengths.py"
 FITTING = {
     "case": "A",
     "case.ensemble.time_step": 0.1,
@@ -41,9 +39,7 @@ FITTING = {
 
 def problems(tmp_path, steps=20, samples=400, **changed):
     """Message of the job over a series of so many samples, and so many steps of a Lyapunov time."""
-    spec = importlib.util.spec_from_file_location("lengths", SCRIPT)
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
+    script = loaded_script("data/lengths.py")
     ensemble, lengths = tmp_path / "ensemble.nc", tmp_path / "lengths.json"
     write_netcdf(ensemble, {"time": Variable(("time",), np.arange(samples) * 0.1, "1", "t")}, {})
     settings = Settings({**FITTING, **changed}, {}, computed_exponent=10 / steps)
