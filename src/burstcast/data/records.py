@@ -19,7 +19,7 @@ from burstcast.data.series_files import content_of, read_runs
 from burstcast.data.times import TIME, time_step_of
 from burstcast.systems.measured import MeasuredSeries
 
-_MANY = 10
+_MANY = 10  # rows, of which gaps alone hardly leave each by itself
 TOLERANCE = 0.1
 """Largest distance of a row's time from the regular times of its run, in time steps.
 

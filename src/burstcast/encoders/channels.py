@@ -18,7 +18,7 @@ from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.state_space import StateSpace, component_names
 
 IDENTITY, ESTIMATE = "identity", "state_estimate"
-"""Kinds of encoders that receive the observations themselves, even those of sensors."""
+"""Kinds of encoders that receive the observations themselves, also where sensors observe."""
 
 
 @dataclass(frozen=True)

@@ -141,7 +141,7 @@ def factored_coefficients(
 
 
 def _about_zero(coefficients: FloatArray, centre: FloatArray, degree: int) -> FloatArray:
-    """Coefficients of monomials of x, from those of monomials of x less a centre."""
+    """Convert coefficients of centred components into coefficients of the components."""
     basis = monomials(len(centre), degree)
     place = {factors: row for row, factors in enumerate(basis)}
     expanded = np.zeros((len(basis), len(basis)))
