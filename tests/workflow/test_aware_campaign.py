@@ -12,7 +12,7 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast.files.tables import read_table
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.aware_checks import extrapolations
-from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.config.loading import load
 
 ROOT = Path(__file__).parents[2]
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_aware.yaml").read_text())
@@ -30,104 +30,6 @@ TARGETS = (
 def config(change=None):
     """The tiny campaign of these tests with a change."""
     return tiny_with(OVERLAY, change or {})
-
-
-# -- mistakes, told before any job -----------------------------------------------------------------
-
-
-def block(**changes):
-    """Strategies of control: one block that plans."""
-    found = {
-        "strategy": "planned",
-        "settings": {"horizon_lt": [3], "decision_interval_lt": [0.5]},
-        "cases": ["Re400"],
-        "forecasters": {"quadratic_aware": {}},
-    }
-    return {"control": {"strategies": [{**found, **changes}]}}
-
-
-def training(**changes):
-    return {"case_defaults": {"training": changes}}
-
-
-@pytest.mark.parametrize(
-    ("change", "parts"),
-    [
-        (
-            {"cases": {"Re800": {"training": {"actuation": None}}}, **training(trained_on=[])},
-            ["reynolds does not vary in training", "training.trained_on"],
-        ),
-        (training(trained_on=["Re400", "Re80"]), ["Re80 is no case", "did you mean Re800?"]),
-        (
-            {"forecasters": {"aware": {"parameters": ["reynold"]}}},
-            ["no parameter 'reynold'", "did you mean 'reynolds'"],
-        ),
-        (
-            {"cases": {"Re400": {"training": {"trained_on": ["Re800", "Re400"]}}}},
-            ["hyperparameters that are found for the first case, Re400"],
-        ),
-        (
-            {"cases": {"Re800": {"ensemble": {"duration": 500}}}},
-            ["must have the same ensemble.duration, not 400.0, 500.0"],
-        ),
-        (block(forecasters={"quadratic_filtered": {}}), ["which quadratic_filtered cannot use"]),
-        (
-            block(settings={"horizon_lt": [2], "decision_interval_lt": [0.5]}),
-            ["plans are longer than the horizon"],
-        ),
-        (  # also where the Lyapunov time is computed
-            block(
-                settings={"horizon_lt": [2], "decision_interval_lt": [0.5]},
-                cases=["Re400switched"],
-                forecasters={"quadratic_aware_filtered": {}},
-            ),
-            ["case Re400switched", "plans are longer than the horizon"],
-        ),
-        (
-            block(
-                settings={"horizon_lt": [3], "decision_interval_lt": [0.5], "reversible": [True]},
-            ),
-            ["only a force can be reversed"],
-        ),
-        (
-            block(
-                strategy="receding_horizon",
-                settings={"horizon_lt": [2], "decision_interval_lt": [0.5]},
-                forecasters={"esn": {}},
-                observed=["Re800"],
-            ),
-            ["Re800 is no part of another case", "modes_4"],
-        ),
-        (
-            block(
-                strategy="receding_horizon",
-                settings={"horizon_lt": [1], "decision_interval_lt": [0.5], "aware": [True]},
-                delay_lt=[1],
-            ),
-            ["does not reach beyond the delay of 1"],
-        ),
-        (
-            block(
-                strategy="reactive",
-                settings={"level": [0.3], "decision_interval_lt": [0.5], "watch": ["b1"]},
-                forecasters=None,
-            ),
-            ["unknown name 'b1'", "known are a1"],
-        ),
-        (
-            block(
-                strategy="reactive",
-                settings={"level": [0.3], "decision_interval_lt": [0.5], "push": ["-a2"]},
-                forecasters=None,
-            ),
-            ["only a force can be reversed"],
-        ),
-    ],
-)
-def test_a_mistake_is_told_before_any_job(change, parts):
-    with pytest.raises(ConfigError) as caught:
-        load(config(change))
-    assert [part for part in parts if part not in str(caught.value)] == []
 
 
 def test_what_is_extrapolated_is_told_with_the_range():

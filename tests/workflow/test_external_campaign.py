@@ -12,7 +12,7 @@ import yaml
 from helpers_rebuilds import Project, rules_of, tiny_with
 
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.config.loading import load
 
 RESULTS, CASE = "results/external", "Re400"
 TIMES, UNIT, THRESHOLD = (1, 2, 3), 61, 0.07
@@ -215,50 +215,6 @@ def files(tmp_path, monkeypatch):
         "headless": "point,step,observable",
     }.items():
         (tmp_path / f"{name}.csv").write_text(head + "\n", encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    ("said", "expected"),
-    [
-        ({"files": ["none.csv"]}, "a.files: none.csv cannot be read: No such file"),
-        ({"files": ["none.csv"]}, f"snakemake {RESULTS}/{CASE}/forecast_task.nc exports the"),
-        ({"files": ["right.txt"]}, "a.files: right.txt: files of forecasts end in .csv or .nc"),
-        ({"files": ["headless.csv"]}, "headless.csv, line 1: expected is the line # case=NAME"),
-        ({"files": ["case.csv"]}, "a.files: case.csv is of the case Re500; expected is Re400"),
-        ({"files": ["seed.csv"]}, "a.files: seed.csv is of the seed 7; expected is 2022"),
-        ({"files": [f"{RESULTS}/a.nc"]}, f"{RESULTS}/a.nc lies among the results; keep it in"),
-        ({"files": []}, "external.a.files is []"),
-        ({"files": ["right.csv"], "alarm_threshold": 2}, "external.a.alarm_threshold is 2"),
-    ],
-)
-def test_a_mistake_is_told_before_any_job(files, said, expected):
-    with pytest.raises(ConfigError) as caught:
-        load(tiny_with(overlay({"a": said})))
-    assert expected in str(caught.value)
-    assert "2 mistakes" not in str(caught.value)
-
-
-@pytest.mark.parametrize("place", ["statistics", "control"])
-def test_files_neither_run_freely_nor_control(files, place):
-    config = tiny_with(overlay({"a": {"files": ["right.csv"]}}))
-    config[place]["forecasters"]["external"] = {}
-    expected = "names external, whose files have forecasts from the starting points of the test"
-    with pytest.raises(ConfigError, match=rf"{place}\.forecasters {expected}"):
-        load(config)
-
-
-@pytest.mark.parametrize("name", ["committee", "Mine", "my_net", "seed1"])
-def test_other_names_are_refused(files, name):
-    with pytest.raises(ConfigError, match=f"external.*{name}"):
-        load(tiny_with(overlay({name: {"files": ["right.csv"]}})))
-
-
-def test_a_name_has_one_entry_for_a_case(files):
-    config = tiny_with(overlay({"a": {"files": ["right.csv"]}}))
-    again = {"reynolds": [400], "forecasters": {"external": {"a": {"files": ["./right.csv"]}}}}
-    config["campaign"].append(again)
-    with pytest.raises(ConfigError, match=r"external\.a is said twice"):
-        load(config)
 
 
 def test_who_takes_part_in_what(files):

@@ -1,7 +1,5 @@
 """A record with columns that are known in advance, through the stages of the workflow."""
 
-import copy
-
 import netCDF4
 import numpy as np
 import pytest
@@ -11,7 +9,6 @@ from helpers_rebuilds import Project
 from burstcast.files.netcdf import read_netcdf
 from burstcast.files.tables import read_table
 from burstcast_workflow import open_campaign
-from burstcast_workflow.config.loading import ConfigError, load
 
 SAMPLES, BLOCK = 1100, 50
 NETWORKS = {"neurons": [40], "validation": ["RV"], "seeds": 2}
@@ -244,41 +241,6 @@ def test_other_values_in_advance_are_other_forecasts(project, results):
         np.testing.assert_array_equal(one["weights"], two["weights"])
     scores = read_table(other / "tables/classification.csv").groupby("forecaster")["f_score"].mean()
     assert scores["quadratic_aware"] < 0.5
-
-
-@pytest.mark.parametrize(
-    ("place", "value", "message"),
-    [
-        ("data.known", ["pusch"], "data.known: there is no column 'pusch' (did you mean 'push'?)"),
-        ("data.known", ["x"], "data.known has x, which forecasters see and forecast"),
-        (
-            "data.known",
-            [],
-            "data.known is empty, but esn_aware, quadratic_aware, quadratic_aware_f",
-        ),
-        ("data.components", ["x", "push"], "data.known has push, which forecasters see and"),
-        ("training.trained_on", ["plant"], "training.trained_on means nothing for measured series"),
-        (
-            "search.choice",
-            "survival",
-            "search.choice is survival, but esn_aware, quadratic_aware, ",
-        ),
-    ],
-)
-def test_mistakes_are_told_before_any_job(project, monkeypatch, place, value, message):
-    monkeypatch.chdir(project.directory)
-    config = yaml.safe_load((project.directory / "config.yaml").read_text(encoding="utf-8"))
-    changed = copy.deepcopy(CONFIG)
-    section = changed if place.startswith("search") else changed["cases"]["plant"]
-    *parts, key = place.split(".")
-    for part in parts:
-        section = section.setdefault(part, {})
-    section[key] = value
-    for name, entry in changed.items():
-        config[name] = {**config[name], **entry} if isinstance(entry, dict) else entry
-    with pytest.raises(ConfigError) as caught:
-        load(config)
-    assert any(message in one for one in caught.value.problems), caught.value.problems
 
 
 @pytest.mark.long

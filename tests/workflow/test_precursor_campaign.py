@@ -21,7 +21,7 @@ from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.registry import classifier_class
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.config.loading import load
 
 ROOT = Path(__file__).parents[2]
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_precursor.yaml").read_text())
@@ -32,60 +32,6 @@ TRAINING, TIMES, THRESHOLD = 8, (1, 2, 3), 0.07
 def config(change=None):
     """The tiny campaign of these tests with a change."""
     return tiny_with(OVERLAY, change or {})
-
-
-# -- mistakes, told before any job -----------------------------------------------------------------
-
-STRATEGY = {
-    "strategy": "receding_horizon",
-    "settings": {"horizon_lt": [1], "decision_interval_lt": [0.5]},
-    "forecasters": {"precursor": {}},
-}
-NO_STATES = "names precursor, which gives probabilities of events and forecasts no states"
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"statistics": {"forecasters": {"precursor": {}}}}, f"statistics.forecasters {NO_STATES}"),
-        ({"control": {"forecasters": {"precursor": {}}}}, f"control.forecasters {NO_STATES}"),
-        (
-            {"control": {"strategies": [STRATEGY]}},
-            f"control.strategies[0].forecasters {NO_STATES}; leave it out",
-        ),
-        (
-            {"forecasters": {"precursor": {"lags_lt": [0.2, 0.5]}}},
-            "cases Re400, modes_4: forecasters.precursor.lags_lt has 0.5, a lag of 30 steps, but "
-            "washout_lt holds the present and 29 steps before it",
-        ),
-        ({"forecasters": {"precursor": {"lags_lt": [0.001]}}}, "shorter than one step"),
-        ({"forecasters": {"precursor": {"classifier": "trees"}}}, "boosting or logistic"),
-        ({"forecasters": {"classifiers": {"folds": 1}}}, "folds is 1; it must be a whole number"),
-        ({"forecasters": {"esn_direct": {"penalty": []}}}, "forecasters.esn_direct.penalty"),
-        (
-            {"forecasters": {"esn_direct": {"neurons": 20}}},
-            "forecasters.esn.connectivity is 20, but a reservoir of 20 neurons "
-            "(forecasters.esn_direct.neurons) has at most 19 connections per neuron",
-        ),
-    ],
-)
-def test_a_mistake_is_told_before_any_job(change, said):
-    with pytest.raises(ConfigError) as caught:
-        load(config(change))
-    assert said in str(caught.value)
-    assert "2 mistakes" not in str(caught.value)
-
-
-def test_lags_count_for_campaigns_with_a_precursor_alone():
-    others = [{"reynolds": [400], "forecasters": {"equations_noisy": {}}}]
-    load(config({"campaign": others, "forecasters": {"precursor": {"lags_lt": [0.5]}}}))
-
-
-def test_lags_are_checked_where_the_lyapunov_time_is_computed():
-    computed = {"case_defaults": {"lyapunov": {"time_unit": "computed"}}}
-    load(config(computed))
-    with pytest.raises(ConfigError, match="washout_lt holds"):
-        load(config({**computed, "forecasters": {"precursor": {"lags_lt": [0.6]}}}))
 
 
 def test_who_has_trajectories():

@@ -1,0 +1,64 @@
+"""Configs as Snakemake merges them, with single settings changed, and their campaigns."""
+
+import copy
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+from snakemake.utils import update_config
+
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.config.loading import load
+
+ROOT = Path(__file__).parents[2]
+PRESETS = sorted((ROOT / "workflow" / "presets").glob("*.yaml"))
+TINY = ROOT / "workflow" / "presets" / "tiny.yaml"
+
+
+def read(path: Path) -> dict[str, Any]:
+    return dict(yaml.safe_load(path.read_text(encoding="utf-8")))
+
+
+def paper_with(*overlays: Mapping[str, Any], blocks: list | None = None) -> dict[str, Any]:
+    """The campaign of the paper with overlays; ``blocks`` in the place of all its blocks."""
+    config = read(ROOT / "config.yaml")
+    for overlay in overlays:
+        update_config(config, copy.deepcopy(overlay))
+    return config | ({"campaign": copy.deepcopy(blocks)} if blocks else {})
+
+
+def tiny_with(*overlays: Mapping[str, Any]) -> dict[str, Any]:
+    """The tiny preset with overlays."""
+    return paper_with(read(TINY), *overlays)
+
+
+def campaign(*overlays: Mapping[str, Any], blocks: list | None = None) -> Campaign:
+    """Campaign of the paper with overlays."""
+    return Campaign(load(paper_with(*overlays, blocks=blocks)))
+
+
+def put(config: Any, name: str, value: Any) -> None:
+    """Change one setting, ``campaign.0.reynolds``, or take it away, ``...``."""
+    *parents, last = (int(part) if part.isdigit() else part for part in name.split("."))
+    for parent in parents:
+        inside = config[parent] if isinstance(config, list) else config.get(parent)
+        if inside is None:
+            inside = config[parent] = {}
+        config = inside
+    if value == "...":
+        del config[last]
+    elif isinstance(config, list) and last == len(config):
+        config.append(value)
+    else:
+        config[last] = value
+
+
+def networks(neurons: list[int], validation: tuple[str, ...] = ("RV",), seeds: int = 1) -> dict:
+    """Forecasters of a block: networks."""
+    return {"esn": {"neurons": [*neurons], "validation": [*validation], "seeds": seeds}}
+
+
+def records_of(loaded: Any) -> dict[str, dict[str, Any]]:
+    """All settings of each case, as plain data."""
+    return {name: case.dump() for name, case in Campaign(loaded).cases.items()}

@@ -1,0 +1,512 @@
+"""What a case has: from its entry, what its class or its data say, and the campaign around it."""
+
+import copy
+import re
+
+import numpy as np
+import pytest
+from helpers_configs import PRESETS, campaign, networks, paper_with, put, read, records_of
+from snakemake.utils import update_config
+
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.config.cases import block_cases, case_name, case_of, is_flow
+from burstcast_workflow.config.lengths import few_points
+from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.config.measured_cases import data_files
+from burstcast_workflow.config.model import Block, Configuration, Data
+from burstcast_workflow.costs.model import CostModel
+from burstcast_workflow.figures.registry import figure_names
+from burstcast_workflow.harness.canonical import canonical
+from burstcast_workflow.jobs.data import check_kept_series
+from burstcast_workflow.tables.registry import table_names
+
+FREE = {"trained_on": [], "actuation": None}
+
+
+@pytest.fixture
+def config():
+    return paper_with()
+
+
+def only_problem(config):
+    with pytest.raises(ConfigError) as caught:
+        load(config)
+    (problem,) = caught.value.problems
+    return problem
+
+
+def test_campaign_of_the_paper(config):
+    records = records_of(load(config))
+    assert list(records) == ["Re400", "Re600", "Re800", "Re1000"]
+    for (name, record), exponent, series in zip(
+        records.items(), (0.0163, 0.0135, 0.0126, 0.0121), (150, 300, 300, 300), strict=True
+    ):
+        assert record["parameters"]["reynolds"] == int(name.removeprefix("Re"))
+        assert record["lyapunov"]["published_exponent"] == exponent
+        assert record["lyapunov"]["time_unit"] == "published"
+        assert record["test_series"] == series
+        assert record["training"] == {**FREE, "series": 10, "noise": 0.01}
+    assert records["Re400"]["recycle_validation"] == {"series": 3, "intervals_per_series": 30}
+    assert records["Re800"]["recycle_validation"] == {"series": 4, "intervals_per_series": 22}
+
+
+def test_reynolds_numbers_name_their_cases_and_need_no_entry(config):
+    names = [case_name(value) for value in (400, 400.0, 412.5, 1234567)]
+    assert names == ["Re400", "Re400", "Re412.5", "Re1234567"]
+    block = {"reynolds": [400, 600], "cases": ["mine", "Re400"], "forecasters": {}}
+    assert block_cases(Block.model_validate(block)) == ["Re400", "Re600", "mine"]
+    put(config, "campaign.1.reynolds", [412.5, 600])
+    record = records_of(load(config))["Re412.5"]
+    assert record["parameters"]["reynolds"] == 412.5
+    assert record["test_series"] == 300
+
+
+def test_records_merge_mappings_and_replace_the_rest(config):
+    config["cases"]["Re400"] = {
+        "ensemble": {"series": 1000, "initial_state": [0, 1, 2]},
+        "parameters": {"length_x": 1},
+    }
+    record = case_of(Configuration.model_validate(config), "Re400").dump()
+    assert record["ensemble"]["series"] == 1000
+    assert record["ensemble"]["initial_state"] == [0, 1, 2]
+    assert record["ensemble"]["time_step"] == 0.25
+    assert record["parameters"] == {"length_x": 1, "length_z": 6.283185307179586, "reynolds": 400}
+
+
+def laid_over(base, overlay):
+    """Mappings merged, all else replaced, as Snakemake does with configs."""
+    merged = copy.deepcopy(base)
+    update_config(merged, overlay)
+    return merged
+
+
+@pytest.mark.parametrize("path", [None, *PRESETS], ids=lambda path: path.stem if path else "paper")
+def test_cases_of_the_shear_flow_are_case_defaults_and_their_entry(path):
+    config = paper_with(read(path) if path else {})
+    for name, record in records_of(load(config)).items():
+        if record["system"] != "mfe":
+            continue
+        # those of other training series have the record of the case they are chosen for
+        name = name.partition("-training")[0]
+        unsaid = {
+            **dict.fromkeys(("files", "data", "sensors", "encoder")),
+            "lyapunov": {"published_exponent": None},
+            "actuation": {"force": None},
+            "training": FREE,
+        }
+        expected = laid_over(unsaid, config["case_defaults"])
+        expected = laid_over(expected, config["cases"].get(name, {}))
+        if re.fullmatch(r"Re[0-9.]+", name):
+            expected["parameters"]["reynolds"] = float(name.removeprefix("Re"))
+        if expected["training"]["actuation"] is not None:
+            defaults = {"strength": 1, "tested": False}
+            expected["training"]["actuation"] = {**defaults, **expected["training"]["actuation"]}
+        assert record == canonical(expected)
+
+
+# -- what follows from the campaign where the config has null --------------------------------------
+
+
+def test_what_the_papers_campaign_shows(config):
+    shown = load(config)["figures"]
+    assert (shown["example_case"], shown["fixed_neurons"]) == ("Re400", 2000)
+    assert shown["example_forecaster"] == "esn-N2000-RV-seed0"
+    config["figures"]["fixed_neurons"] = 500
+    assert load(config)["figures"]["example_forecaster"] == "esn-N500-RV-seed0"
+
+
+@pytest.mark.parametrize(
+    ("blocks", "example", "controllers"),
+    [
+        # the size that most cases have, and of those the largest
+        ({400: [30, 50], 600: [30]}, ("Re400", "esn-N30-RV-seed0"), {"Re400", "Re600"}),
+        ({600: [30, 50]}, ("Re600", "esn-N50-RV-seed0"), {"Re600"}),
+        ({800: [25], 600: [30]}, ("Re600", "esn-N30-RV-seed0"), {"Re600"}),
+    ],
+)
+def test_an_overlay_that_changes_the_campaign_needs_no_other_line(blocks, example, controllers):
+    found = campaign(
+        blocks=[
+            {
+                "reynolds": [reynolds],
+                "forecasters": {**networks(sizes, ("SSV", "RV")), "equations": None},
+            }
+            for reynolds, sizes in blocks.items()
+        ]
+    )
+    assert (found.example.case, found.example.name.identifier) == example
+    assert {run.case for run in found.control_runs} == controllers
+    assert {run.controller.neurons for run in found.control_runs} == {found.example.name.neurons}
+    assert {one.name.validation for one in found.long_term_forecasters} == {"RV"}
+
+
+def test_strategies_and_times_that_the_campaign_has():
+    times = {
+        "classification": {"prediction_times_lt": [1, 4.5]},
+        "control": {"prediction_times_lt": [1]},
+    }
+    blocks = [{"reynolds": [400], "forecasters": networks([30], ("SSV", "RV"))}]
+    found = campaign(times, blocks=blocks)
+    assert found.example.name.identifier == "esn-N30-RV-seed0"
+    assert [found.prediction_time(wanted) for wanted in (2, 3)] == [1, 4.5]
+
+
+def test_a_campaign_without_networks():
+    others = {"quadratic": {}, "equations": {}, "persistence": {}, "analogues": {}}
+    found = campaign(blocks=[{"reynolds": [600, 400], "forecasters": others}])
+    assert found.example.case == "Re400"
+    assert not found.networks
+    figures, tables = set(figure_names(found)), set(table_names(found))
+    assert {"observable_and_density", "forecast_skill", "reliability"} <= figures
+    assert not {"network_schematic", "prediction_examples"} & figures
+    assert {"classification", "horizon", "warnings"} <= tables
+    assert "hyperparameters" not in tables
+
+
+# -- another system --------------------------------------------------------------------------------
+
+
+def lorenz(config, **entry):
+    """The record of a case of the Lorenz system with this entry."""
+    config["cases"]["lorenz"] = {"system": "lorenz63", **entry}
+    config["campaign"].append({"cases": ["lorenz"], "forecasters": networks([100])})
+    return records_of(load(config))["lorenz"]
+
+
+def silent_lorenz(monkeypatch, **said):
+    """Let the Lorenz system say this of its cases, and nothing else."""
+    monkeypatch.setattr(Lorenz63, "case_defaults", said)
+
+
+ENSEMBLE = {
+    **{"initial_state": [1, 1, 20], "perturbed_component": 3, "perturbation": 5},
+    **{"time_step": 0.01, "sampling_stride": 2, "transient": 20, "duration": 80},
+}
+
+
+def test_a_case_of_another_system_starts_from_what_its_class_says(config):
+    """Independent of the code: all that a Lorenz case has, written down by hand."""
+    assert lorenz(config, training={"series": 7}) == {
+        "system": "lorenz63",
+        "parameters": {},
+        "event_threshold": 40,
+        "ensemble": {"series": 2000, **ENSEMBLE},
+        "lyapunov": {
+            **{"time_unit": "published", "published_exponent": None, "series": 400},
+            **{"orthonormalisation_interval": 0.2, "perturbation": 1e-8, "saturation": 0.01},
+        },
+        "training": {**FREE, "series": 7, "noise": 0.01},
+        "density": {"bins": 200, "range": [0, 50]},
+        "fixed_point": {"variation": 0.1, "above": 0},
+        "controlled_density": {"bins": 100, "range": [0, 50]},
+        "test_series": 300,
+        "recycle_validation": {"series": 4, "intervals_per_series": 22},
+        **dict.fromkeys(("laminarisation_threshold", "actuation", "files", "data", "sensors")),
+        "encoder": None,
+    }
+
+
+def test_what_nobody_says_is_asked_for_in_one_message(config, monkeypatch):
+    silent_lorenz(monkeypatch, event_threshold=40, ensemble={"time_step": 0.01})
+    config["cases"]["mine"] = {"system": "lorenz63", "ensemble": {"sampling_stride": 2}}
+    config["campaign"].append({"cases": ["mine"], "forecasters": networks([100])})
+    assert only_problem(config) == (
+        "case mine: ensemble.initial_state, ensemble.perturbed_component, ensemble.perturbation, "
+        "ensemble.transient, ensemble.duration, density.range, fixed_point, "
+        "controlled_density.range are missing: the class Lorenz63 says nothing of them in its "
+        "case_defaults, and config.yaml's are in units of another system; say them in "
+        "cases.mine"
+    )
+
+
+def test_what_follows_from_other_settings_need_not_be_said(config, monkeypatch):
+    silent_lorenz(monkeypatch)
+    record = lorenz(
+        config,
+        parameters={"rho": 28},
+        event_threshold=40,
+        ensemble={**ENSEMBLE, "perturbed_component": 1, "perturbation": 0.5},
+        lyapunov={"published_exponent": 0.9},
+        density={"range": [-20, 30]},
+        recycle_validation={"intervals_per_series": 10},
+    )
+    assert record["parameters"] == {"rho": 28}  # nothing of the shear flow's
+    assert record["fixed_point"] == {"variation": 0.5, "above": -20}
+    assert record["controlled_density"] == {"bins": 100, "range": [-20, 30]}
+    assert record["lyapunov"]["orthonormalisation_interval"] == pytest.approx(0.1)
+    assert (record["laminarisation_threshold"], record["actuation"]) == (None, None)
+
+
+def test_an_actuation_of_another_system_has_the_lyapunov_times_of_config_yaml(config):
+    changed = {"parameters": {"rho": 20}}
+    times = {"force": None, "start_lt": -1, "duration_lt": 1.5}
+    assert lorenz(config, actuation=changed)["actuation"] == {**changed, **times}
+
+
+def test_a_system_that_draws_initial_states_needs_none(config, monkeypatch):
+    names = ("initial_state", "perturbed_component", "perturbation")
+    said = {**Lorenz63.case_defaults}
+    said["ensemble"] = {key: value for key, value in said["ensemble"].items() if key not in names}
+    silent_lorenz(monkeypatch, **said)
+    draw = lambda self, series, generator: generator.random((3, series))  # noqa: E731
+    monkeypatch.setattr(Lorenz63, "sample_initial_states", draw)
+    ensemble = lorenz(config)["ensemble"]
+    assert [ensemble[name] for name in names] == [None, None, None]
+
+
+def test_a_force_needs_a_right_hand_side(config, monkeypatch):
+    monkeypatch.setattr(Lorenz63, "flow_map", lambda self, state, time_step: state)
+    with pytest.raises(ConfigError, match="an integrator of its own") as caught:
+        lorenz(config, actuation={"force": [1, 0, 0]})
+    assert caught.value.problems == [
+        "case lorenz: actuation: a force is added to a right-hand side, but Lorenz63 has an "
+        "integrator of its own: let the actuation change a parameter"
+    ]
+
+
+def test_mistakes_in_what_a_class_says(config, monkeypatch):
+    silent_lorenz(monkeypatch, event_treshold=40, density={"range": [5, 1]})
+    config["cases"]["lorenz"] = {"system": "lorenz63"}
+    config["campaign"].append({"cases": ["lorenz"], "forecasters": networks([100])})
+    problem = only_problem(config)
+    assert problem.startswith("case_defaults of the class Lorenz63 (system lorenz63): ")
+    assert "unknown setting event_treshold; did you mean event_threshold?" in problem
+    assert "density.range is [5, 1]; the first number must be below the second" in problem
+    silent_lorenz(monkeypatch, event_threshold=np.float64(40))
+    assert "event_threshold is np.float64(40.0) of type numpy.float64" in only_problem(config)
+
+
+def test_an_actuation_that_the_case_has_to_complete(config):
+    put(config, "case_defaults.actuation", None)
+    put(config, "cases.Re400.actuation", {"parameters": {"reynolds": 2000}, "force": None})
+    with pytest.raises(ConfigError) as caught:
+        load(config)
+    assert [problem.partition(" is missing")[0] for problem in caught.value.problems] == [
+        "case Re400: actuation.start_lt",
+        "case Re400: actuation.duration_lt",
+    ]
+
+
+# -- what fits into a series -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "least"),
+    [
+        # a Lyapunov time of 61 steps, a washout of 30: what has to fit into a series
+        ("search.interval_lt", 10, 30 + 610 + 1),
+        ("cases.Re400.recycle_validation.intervals_per_series", 4, 30 + 4 * 122),
+        ("classification.longest_prediction_time_lt", 19, 30 + 20 * 61),
+        ("horizon.longest_lead_time_lt", 30, 30 + 30 * 61),
+        # a closed loop as long as a series, at whose end it is seen to be at rest
+        ("statistics.fixed_point_interval_lt", 25, 25 * 61 + 1),
+    ],
+)
+def test_least_length_of_a_series(config, name, value, least):
+    config["campaign"] = [{"reynolds": [400], "forecasters": networks([2000])}]
+    put(config, "cases.Re400.recycle_validation", {"series": 3, "intervals_per_series": 1})
+    put(config, "horizon.longest_lead_time_lt", 1)
+    config["statistics"] |= {"duration": None, "fixed_point_interval_lt": 1}
+    put(config, name, value)
+    # both ends of a series are sampled, one time unit apart
+    put(config, "cases.Re400.ensemble", {"duration": least - 1})
+    load(copy.deepcopy(config))
+    put(config, "cases.Re400.ensemble", {"duration": least - 2})
+    problem = only_problem(config)
+    assert problem.startswith("case Re400: ")
+    assert "ensemble.duration" in problem
+
+
+def test_series_are_counted_together():
+    check_kept_series(10, {"training.series": 4, "test_series": 6})
+    with pytest.raises(ValueError, match=r"training.series is 4 and test_series is 7, but only 10"):
+        check_kept_series(10, {"training.series": 4, "test_series": 7})
+
+
+def test_too_few_starting_points_are_told_of_cases_that_the_campaign_uses(config):
+    def told():
+        return few_points(Configuration.model_validate(load(config)))
+
+    assert told() == ""
+    put(config, "campaign", [{"reynolds": [400, 600], "forecasters": networks([2000])}])
+    put(config, "statistics.fixed_point_interval_lt", 1)
+    put(config, "cases.Re400.ensemble", {"duration": 1500})
+    put(config, "cases.Re400.recycle_validation", {"series": 1, "intervals_per_series": 1})
+    put(config, "cases.Re400.test_series", 1)
+    put(config, "probability.start_spacing_lt", 9)
+    # from a washout of 30 steps to 6 LT of 61 steps before the end, in one and in ten series
+    score, calibrate = (len(range(29, 1501 - 6 * 61, step)) for step in (61, 9 * 61))
+    assert (score, 10 * calibrate) == (19, 30)
+    assert told().startswith("fewer than 30 starting points of forecasts: Re400 has 19 to score; ")
+    put(config, "probability.start_spacing_lt", 10)
+    put(config, "cases.Re400.ensemble", {"duration": 1400})
+    assert "Re400 has 17 to score and 20 to calibrate with; raise test_series" in told()
+    put(config, "cases.Re400.lyapunov.published_exponent", None)
+    assert told() == ""
+
+
+# -- measured series -------------------------------------------------------------------------------
+
+DATA = {"files": ["lab/run_*.csv"], "components": ["u", "v"], "observable": "u", "time_step": 0.5}
+
+
+@pytest.fixture
+def measured(config, tmp_path, monkeypatch):
+    """One simulated case, one of files, one that is a part of the simulated one."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lab").mkdir()
+    for number in (10, 9, 1):
+        (tmp_path / "lab" / f"run_{number}.csv").write_text("time,u,v\n0,1,2\n")
+    config["cases"]["lab"] = {
+        "data": {**DATA},
+        **{"event_threshold": -1.5, "density": {"range": [-4, 0]}, "test_series": 3},
+        **{"training": {"series": 2}, "recycle_validation": {"series": 1}},
+    }
+    of_part = {"case": "Re400", "components": ["a1", "s = a2**2 + a3**2"]}
+    config["cases"]["part"] = {"data": of_part}
+    one = networks([2000])
+    config["campaign"] = [
+        {"reynolds": [400], "forecasters": {**one, "equations": {}}},
+        {
+            "cases": ["lab", "part"],
+            "forecasters": {**one, "quadratic_filtered": {}, "persistence": {}},
+        },
+    ]
+    config["statistics"] |= {"duration": 100, "fixed_point_interval_lt": 1}
+    return config
+
+
+def test_records_of_measured_cases(measured):
+    records = records_of(load(measured))
+    lab, part, whole = records["lab"], records["part"], records["Re400"]
+    # nothing in units of the shear flow
+    assert lab["laminarisation_threshold"] is lab["actuation"] is None
+    assert lab["training"] == {"series": 2, "noise": 0, **FREE}
+    assert lab["ensemble"] == {"time_step": 0.125, "sampling_stride": 4, "duration": None}
+    unsaid = {"time_unit": "published", "published_exponent": None}
+    assert lab["lyapunov"] == {**unsaid, "orthonormalisation_interval": 2.5}
+    assert lab["fixed_point"] == {"variation": 0.04, "above": -4}
+    assert lab["parameters"]["components"] == ["u", "v"]
+    # everything of the same series
+    for name in ("event_threshold", "laminarisation_threshold", "training", "test_series"):
+        assert part[name] == whole[name]
+    assert part["lyapunov"]["published_exponent"] == 0.0163
+    assert part["ensemble"] == {"time_step": 0.25, "sampling_stride": 4, "duration": 4000}
+    assert part["parameters"] == {
+        **{"components": ["a1", "s"], "observable_of": "observable"},
+        **{"observable_name": "kinetic energy", "observable_symbol": "k"},
+    }
+    assert part["data"]["columns"] == [f"a{number}" for number in range(1, 10)]
+
+
+def test_past_values_are_components(measured):
+    put(measured, "cases.part.data.delays", [20, 10])
+    found = Campaign(load(measured))
+    part = found.cases["part"].dump()
+    names = ["a1", "s", "a1(t-20)", "s(t-20)", "a1(t-10)", "s(t-10)"]
+    assert part["parameters"]["components"] == names
+    assert found.space("part").dimension == 7  # and the observable
+    # every series begins later
+    assert part["ensemble"] == {"time_step": 0.25, "sampling_stride": 4, "duration": 3980}
+    # the noise is there before the past values are taken, and not added again
+    assert part["training"]["noise"] == 0.01
+    assert found.noise_of_data("part") == {"level": 0.01, "random_seed": 2022}
+    assert found.noise_of_data("lab") is found.noise_of_data("Re400") is None
+    for case, noise in (("part", 0), ("Re400", 0.01)):
+        settings = found.settings(["case.training.noise"], {"case": case}, {})
+        assert settings == {"case.training.noise": noise}
+    # measured series have their own
+    put(measured, "cases.lab.data.delays", [3])
+    assert Campaign(load(measured)).noise_of_data("lab") is None
+
+
+def test_whose_unit_of_time_is_an_estimate(measured):
+    found = Campaign(load(measured))
+    estimates = {case: found.estimates_time_unit(case) for case in found.case_names}
+    assert estimates == {"Re400": False, "lab": True, "part": False}
+    put(measured, "cases.lab.lyapunov.published_exponent", 0.01)
+    assert not Campaign(load(measured)).estimates_time_unit("lab")
+
+
+def test_thresholds_of_another_observable_are_not_inherited(measured):
+    measured["cases"]["part"]["data"] |= {"observable": "a1"}
+    measured["cases"]["part"]["event_threshold"] = 0.3
+    assert records_of(load(measured))["part"]["density"]["range"] is None  # of the data
+
+
+def test_what_a_campaign_makes_of_measured_cases(measured):
+    found = Campaign(load(measured))
+    assert found.simulated_cases == ("Re400",)
+    assert found.measured_cases == ("lab", "part")
+    assert is_flow(found.cases["Re400"])
+    assert not is_flow(found.cases["part"])
+    assert [found.source_case(case) for case in ("part", "lab")] == ["Re400", "lab"]
+    assert {run.case for run in found.strategy_runs} == {"Re400"}
+    # only what is about measured series depends on their code
+    assert found.modules({"case": "part"})["burstcast.systems"] == ["measured"]
+    assert found.modules({"case": "Re400"})["burstcast.systems"] == ["mfe"]
+    costs = CostModel(found)
+    for case in ("lab", "part"):
+        names = {"case": case, "forecaster": "esn-N2000-RV-seed0"}
+        assert costs.predicted("training", names).seconds > 0
+
+
+def test_files_as_people_sort_their_names(measured):
+    data = Data(files=["lab/run_*.csv"], observable="u")
+    assert data_files(data) == [f"lab/run_{number}.csv" for number in (1, 9, 10)]
+    data = Data(files=["lab/run_9.csv", "./lab/run_*.csv", "upstream.csv"], observable="u")
+    assert data_files(data) == ["lab/run_9.csv", "lab/run_1.csv", "lab/run_10.csv", "upstream.csv"]
+
+
+def test_long_runs_are_as_long_as_the_series(measured):
+    measured["statistics"]["duration"] = None
+    found = Campaign(load(measured))
+    for case, duration in (("lab", None), ("Re400", 4000)):
+        settings = found.settings(["statistics.duration"], {"case": case}, {})
+        assert settings == {"statistics.duration": duration}
+    put(measured, "cases.lab.data.blocks", {"duration": 50})
+    assert records_of(load(measured))["lab"]["data"]["blocks"] == {"duration": 50, "gap": 0}
+
+
+def test_components_are_the_columns_of_the_header(measured, tmp_path):
+    for name in (1, 9, 10):
+        (tmp_path / "lab" / f"run_{name}.csv").write_text("time,u,w,v,rain\n0,1,2,3,1\n")
+    put(measured, "cases.lab.data.components", "...")
+    put(measured, "cases.lab.data.known", ["rain"])
+    put(measured, "campaign.1.forecasters", {"persistence": {}})
+    lab = records_of(load(measured))["lab"]
+    assert lab["data"]["components"] == lab["parameters"]["components"] == ["u", "w", "v"]
+
+
+def test_an_observable_with_a_name(measured):
+    put(measured, "cases.lab.data.observable", "speed = sqrt(u**2 + v**2)")
+    assert records_of(load(measured))["lab"]["parameters"]["observable_of"] == "sqrt(u**2 + v**2)"
+    assert Campaign(load(measured)).space("lab").observable_name == "speed"
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("1,2\n3.5,4\n", "line 1 has numbers where the names of the columns are expected"),
+        ("", "lab/run_9.csv is empty"),
+        ("date,u,v\n2020-01-01,1,2\n", "has no column 'time'; its columns are date, u, v: rename"),
+        (",u,v\n2020-01-01,1,2\n", "column 1 has no name: pandas writes an index so; call it time"),
+    ],
+)
+def test_what_headers_show_is_told_before_any_job(measured, tmp_path, content, message):
+    (tmp_path / "lab" / "run_9.csv").write_text(content)
+    assert message in only_problem(measured)
+    assert "lab/run_9.csv" in only_problem(measured)
+
+
+def test_what_is_left_out_of_a_case_follows_from_the_data(measured):
+    measured["cases"]["lab"] = {"data": DATA, "event_threshold": -1.5}
+    lab = records_of(load(measured))["lab"]
+    assert lab["recycle_validation"] == {"series": 4, "intervals_per_series": None}
+    assert lab["density"] == {"bins": 200, "range": None}
+    assert lab["test_series"] is lab["fixed_point"] is None
+    costs = CostModel(Campaign(load(measured)))
+    costs.classes["forecast"] = "forecast"
+    network = {"case": "lab", "forecaster": "esn-N2000-RV-seed0"}
+    assert costs.predicted("forecast", network).minutes_for(1) >= 0
