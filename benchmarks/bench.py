@@ -24,7 +24,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import textbook
 import yaml
 from reservoirpy_network import ReservoirpyNetwork
@@ -69,7 +68,8 @@ from burstcast.tuning.validation import validate
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.costs.model import SECONDS_PER
-from burstcast_workflow.costs.records import costs_of_plan, costs_text, rule_costs
+from burstcast_workflow.costs.records import costs_of_plan, costs_text
+from burstcast_workflow.start import names_of_rules
 from snaketrust.plan import planned
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -595,53 +595,13 @@ class Stages:
             cells += [f"{mine:.3g}", f"{other / mine:.3g}"]
         return cells
 
-    def connection_seconds(self) -> float:
-        """Seconds per neuron-step of one more connection in the closed loop."""
-        reservoir = self._compiled.reservoir
-        network = self._data.config["forecasters"]["esn"]
-        sparse = make_reservoir(
-            self._neurons,
-            reservoir.dimension,
-            network["connectivity"] / 2,
-            network["input_bias"],
-            np.random.default_rng(self._neurons),
-        )
-        dynamics = Dynamics(sparse, SPECTRAL_RADIUS, INPUT_SCALING, "compiled")
-        arguments = self._readout.weights, self._data.training.input_range
-        seconds = self._clock.seconds(
-            lambda: dynamics.closed_loop(*arguments, self._closed_states, 100)
-        ) / (100 * self._batch)
-        connections = reservoir.recurrent.nnz - sparse.recurrent.nnz
-        return (self._closed_rates["compiled"] - seconds) / connections
-
     def rates(self) -> dict[str, float]:
-        """Measured constants of the cost model."""
-        connection = self.connection_seconds()
-        connectivity = self._compiled.reservoir.recurrent.nnz / self._neurons
+        """Measured constants of the cost model, at this size."""
+        products = self._rows * float(self._neurons) ** 2
         return {
-            "neuron step": self._closed_rates["compiled"] / self._neurons
-            - connectivity * connection,
-            "connection step": connection,
-            "solve product": self._ridge_seconds[0] / float(self._neurons) ** 3,
+            "neuron step": self._closed_rates["compiled"] / self._neurons,
+            "product": self._gram_seconds[0] / products,
         }
-
-    @property
-    def seconds_per_centred_state(self) -> float:
-        """Seconds of the moments per neuron of a row of states, at this size."""
-        return self._gram_seconds[0] / (self._rows * float(self._neurons))
-
-
-def moment_rates(sizes: list[int], seconds: list[float]) -> dict[str, float]:
-    """Constants of the moments: a line through the seconds per neuron of a row, by size.
-
-    Of a single size: what is left above the model's own constant.
-    """
-    constant = SECONDS_PER["centred state"]
-    if len(sizes) > 1:
-        product, constant = np.polyfit(sizes, seconds, 1)
-    else:
-        product = (seconds[0] - constant) / sizes[0]
-    return {"gram product": float(product), "centred state": float(constant)}
 
 
 class ByNumpy(DynamicalSystem):
@@ -664,8 +624,8 @@ class ByNumpy(DynamicalSystem):
         return self._system.observable(state)
 
 
-def integration(data: Data, clock: Clock) -> tuple[list[Row], dict[str, float]]:
-    """The ensemble of the case and its Lyapunov exponents; their constants of the cost model."""
+def integration(data: Data, clock: Clock) -> list[Row]:
+    """The ensemble of the case and its Lyapunov exponents."""
     setting = data.case["ensemble"]
     steps = (setting["duration"] + setting["transient"]) / setting["time_step"]
     systems = {"compiled": data.system, "numpy": ByNumpy(data.system)}
@@ -713,10 +673,7 @@ def integration(data: Data, clock: Clock) -> tuple[list[Row], dict[str, float]]:
         per_tangent_step["compiled"] * whole,
         scipy=per_tangent_step["numpy"] * whole,
     )
-    return [ensemble, tangents], {
-        "integration step": per_step["compiled"],
-        "tangent step": per_tangent_step["compiled"],
-    }
+    return [ensemble, tangents]
 
 
 # --- The report ----------------------------------------------------------------------------------
@@ -729,13 +686,13 @@ def table(head: list[str], rows: list[list[str]]) -> list[str]:
 
 def prediction(rates: dict[str, float], peak: float, dimension: int) -> list[str]:
     """Lines with the predicted cost of the whole campaign, by rule, and what bounds it."""
-    jobs = _jobs({**SECONDS_PER, **rates})
-    minutes = _minutes(jobs)
-    of_paper = _minutes(jobs[~jobs["rule"].isin(BEYOND_THE_PAPER)])
+    costs = costs_of_plan(_planned(), rates)
+    minutes = costs["predicted_minutes"].sum()
+    of_paper = costs[~costs["rule"].isin(BEYOND_THE_PAPER)]["predicted_minutes"].sum()
     limit = arithmetic(peak, dimension)
     return [
         "```",
-        costs_text(rule_costs(jobs)),
+        costs_text(costs),
         "```",
         "",
         f"On {CORES} cores: **{minutes / 60 / CORES:.1f} hours**.",
@@ -761,18 +718,18 @@ def arithmetic(peak: float, dimension: int) -> float:
     Gram matrices, ridge regressions, steps of networks; without `train`, whose Gram matrices a
     search has had.
     """
-    operation = 1e-9 / peak
-    nothing = dict.fromkeys(SECONDS_PER, 0.0)
-    units = {
-        "neuron step": (2 + TANH_OPERATIONS + 2 * dimension) * operation,
-        "connection step": 2 * operation,
-        # of a symmetric matrix half; products with the targets
-        "gram product": operation,
-        "centred state": 2 * dimension * operation,
-        "solve product": operation / 3,
-    }
-    of_rates = (_jobs(nothing | some) for some in ({}, units))
-    start_up, whole = (_minutes(jobs[jobs["rule"].isin(OF_NETWORKS)]) for jobs in of_rates)
+    operation, connectivity = (
+        1e-9 / peak,
+        names_of_rules(_planned())["campaign"].config.forecasters.esn.connectivity,
+    )
+    of_neuron = 2 + TANH_OPERATIONS + 2 * dimension + 2 * connectivity
+    # of a symmetric matrix half the products are computed
+    units = {"neuron step": of_neuron * operation, "product": operation}
+    nothing = dict.fromkeys(units, 1e-300)  # start-up alone
+    start_up, whole = (
+        costs[costs["rule"].isin(OF_NETWORKS)]["predicted_minutes"].sum()
+        for costs in (costs_of_plan(_planned(), rates) for rates in (nothing, units))
+    )
     return whole - start_up
 
 
@@ -781,14 +738,6 @@ def _planned() -> Any:
     """The workflow with all jobs of the campaign: planned once, for whatever its jobs may take."""
     project = ["--snakefile", str(ROOT / "Snakefile"), "--directory", str(ROOT)]
     return planned([*project, "--forceall"])
-
-
-def _jobs(seconds_per: dict[str, float]) -> pd.DataFrame:
-    return costs_of_plan(_planned(), seconds_per)
-
-
-def _minutes(jobs: pd.DataFrame) -> float:
-    return jobs["predicted_seconds"].sum() / 60
 
 
 def write(section: str, lines: list[str]) -> None:
@@ -815,19 +764,18 @@ def main() -> None:
     config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
     campaign = Campaign(load(config))
     data = Data(campaign, series=24 if options.quick else 80)
-    rows, beside, of_moments, rates = [], [], [], {}
+    rows, beside, of_sizes = [], [], []
     for neurons in sizes:
         stages = Stages(data, neurons, clock, quick=options.quick)
         rows += stages.rows()
         beside.append(stages.beside_reservoirpy())
-        of_moments.append(stages.seconds_per_centred_state)
-        rates = stages.rates()  # of the last size
+        of_sizes.append(stages.rates())
         print(f"{neurons} neurons measured", flush=True)
-    rates |= moment_rates(sizes, of_moments)
-    integrations, integration_rates = integration(data, clock)
-    rates |= integration_rates
+    integrations = integration(data, clock)
     # as they are printed: the prediction can be made again from the table
-    rates = {unit: float(f"{rate:.2g}") for unit, rate in rates.items()}
+    rates = {
+        unit: float(f"{np.mean([rates[unit] for rates in of_sizes]):.2g}") for unit in SECONDS_PER
+    }
     measured = [
         f"{machine()}. One thread;",
         f"dgemm reaches {clock.peak:.1f} GFLOP/s.",

@@ -22,7 +22,7 @@ from kept_tables import KEPT
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.opened import open_campaign
 from burstcast_workflow.commands.archive import versions
-from burstcast_workflow.costs.records import RULE_COSTS
+from burstcast_workflow.costs.model import RULE_COSTS
 from burstcast_workflow.tables.registry import table_names
 from snaketrust.records import Records
 from snaketrust.run import OvertakenError, Run

@@ -30,7 +30,7 @@ class PageReporter(ReporterBase):  # type: ignore[misc]
     def render(self) -> None:
         """Write it, whole or not at all."""
         from burstcast_report.page import Flagged, page
-        from burstcast_workflow.costs.records import job_costs, rule_costs
+        from burstcast_workflow.costs.records import rule_costs
         from burstcast_workflow.harness.storage import write_text
         from burstcast_workflow.start import names_of_rules
         from burstcast_workflow.tables.registry import table_of
@@ -57,7 +57,7 @@ class PageReporter(ReporterBase):  # type: ignore[misc]
             names["campaign"],
             Path(names["run"].results),
             self.workflow_description,
-            rule_costs(job_costs(workflow, names["costs"])),
+            rule_costs(workflow, names["costs"]),
             (min(first), max(last)) if known else None,
         )
         write_text(self.settings.path, text)

@@ -43,14 +43,19 @@ _REPETITIONS = (
 )
 _INTERRUPTION = ("Terminating processes on user request", "Cancelling snakemake on user request")
 
-_expected: dict[int, float] = {}
+_expected: dict[int, tuple[str, float]] = {}
+_basis: list[str] = []
 _interruption = threading.Event()
 
 
-def expect(seconds_of_jobs: Mapping[int, float]) -> None:
-    """Take note of what the jobs of this run are predicted to take, by their number in the plan."""
+def expect(jobs: Mapping[int, tuple[str, float]], basis: str = "") -> None:
+    """Take note of the jobs of this run, by their numbers: the rule, and the predicted seconds.
+
+    ``basis``: What the prediction is based on, in words.
+    """
     _expected.clear()
-    _expected.update(seconds_of_jobs)
+    _expected.update(jobs)
+    _basis[:] = [basis] if basis else []
 
 
 def interrupted() -> bool:
@@ -59,42 +64,70 @@ def interrupted() -> bool:
 
 
 class Progress:
-    """Progress of a run on some cores in the predicted seconds of its jobs, and the time left."""
+    """Progress of a run on some cores, and the time left.
 
-    def __init__(self, expected: Mapping[int, float], cores: int, started: float) -> None:
+    Jobs are expected to take what is predicted, as many times as finished jobs of their rule did.
+    """
+
+    def __init__(
+        self, expected: Mapping[int, tuple[str, float]], cores: int, started: float
+    ) -> None:
         self._expected, self._cores, self._started = dict(expected), max(1, cores), started
-        self._total, self._done = sum(self._expected.values()), 0.0
+        self._done, self._share = 0.0, 0.0
         self._begun: dict[int, float] = {}
+        # of each rule: seconds that its finished jobs took, their prediction, and that of the rest
+        self._rules: dict[str, tuple[float, float, float]] = {}
+        for rule, predicted in expected.values():
+            self._count(rule, left=predicted)
         self.jobs, self.finished = len(self._expected), 0
+
+    def _count(self, rule: str, took: float = 0.0, done: float = 0.0, left: float = 0.0) -> None:
+        known = self._rules.get(rule, (0.0, 0.0, 0.0))
+        self._rules[rule] = known[0] + took, known[1] + done, known[2] + left
 
     def start(self, job: int, now: float) -> None:
         """Take note that a job has started, perhaps once more."""
         self._begun[job] = now
 
-    def finish(self, job: int) -> None:
+    def finish(self, job: int, now: float) -> None:
         """Count a job that is done; targets are no jobs."""
         if job in self._expected:
-            self._done += self._expected.pop(job)
+            rule, predicted = self._expected.pop(job)
+            took = now - self._begun.pop(job, now)
+            self._count(rule, took, predicted, -predicted)
+            self._done += took
             self.finished += 1
+
+    def _ratio(self, rule: str) -> float:
+        """How many times the predicted time the finished jobs of a rule took; 1 without any."""
+        took, predicted, _ = self._rules[rule]
+        return took / predicted if predicted else 1.0
+
+    @property
+    def _left(self) -> float:
+        """Seconds on one core that all unfinished jobs are expected to take."""
+        return sum(self._ratio(rule) * left for rule, (_, _, left) in self._rules.items())
 
     @property
     def share(self) -> float:
-        """Share of the predicted work that is done, from 0 to 1."""
-        return self._done / self._total if self._total else 0.0
+        """Share of the work that is done, from 0 to 1; it never falls."""
+        whole = self._done + self._left
+        self._share = max(self._share, self._done / whole if whole else 0.0)
+        return self._share
 
     def remaining(self, now: float) -> float:
-        """Seconds that the rest takes: as predicted, and more and more as measured."""
-        running = (
-            min(now - begun, _NEARLY * self._expected[job])
+        """Seconds that the rest takes: as expected, and more and more by the pace of the run."""
+        running = sum(
+            min(now - begun, _NEARLY * self._ratio(rule) * predicted)
             for job, begun in self._begun.items()
-            if job in self._expected
+            for rule, predicted in [self._expected.get(job, ("", 0.0))]
+            if rule
         )
-        done = self._done + sum(running)
-        predicted = (self._total - done) / self._cores
+        left, done = self._left - running, self._done + running
         if not self._done:
-            return predicted
-        measured = (now - self._started) * (self._total - done) / done
-        return (1.0 - self.share) * predicted + self.share * measured
+            return left / self._cores
+        pace = (now - self._started) / done
+        return left * ((1.0 - self.share) / self._cores + self.share * pace)
 
     def line(self, now: float) -> str:
         """Progress line: share done, jobs, time left."""
@@ -175,7 +208,8 @@ class TerminalHandler(LogHandlerBase):
                 self._progress = Progress(_expected, self._cores, time.monotonic())
                 seconds = self._progress.remaining(time.monotonic())
                 cores = "1 core" if self._cores == 1 else f"{self._cores} cores"
-                self._say(f"{counted(self._progress.jobs)}, about {duration(seconds)} on {cores}")
+                plan = f"{counted(self._progress.jobs)}, about {duration(seconds)} on {cores}"
+                self._say(", ".join([plan, *_basis]))
                 threading.Thread(target=self._beat, daemon=True).start()
             if fields["output"]:  # a target has none
                 job, now = fields["jobid"], time.monotonic()
@@ -183,7 +217,7 @@ class TerminalHandler(LogHandlerBase):
                 self._progress.start(job, now)
                 self._show()
         elif event == LogEvent.JOB_FINISHED and self._progress is not None:
-            self._progress.finish(fields["job_id"])
+            self._progress.finish(fields["job_id"], time.monotonic())
             if self._labels.pop(fields["job_id"], None) is not None:
                 self._show()
         elif event == LogEvent.JOB_ERROR:

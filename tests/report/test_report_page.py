@@ -21,7 +21,7 @@ from burstcast_report.page import (
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.costs.model import CostModel
-from burstcast_workflow.costs.records import job_costs, rule_costs
+from burstcast_workflow.costs.records import rule_costs
 from burstcast_workflow.figures.registry import FIGURES, is_of_several_cases
 from burstcast_workflow.tables.declarations import SECTIONS
 
@@ -119,7 +119,7 @@ def test_nothing_in_a_table_ends_the_element_that_it_stands_in(tmp_path):
     ]
     campaign = Campaign(loaded())
     nothing = SimpleNamespace(rules=[], dag=SimpleNamespace(jobs=[]))
-    costs = rule_costs(job_costs(nothing, CostModel(campaign)))
+    costs = rule_costs(nothing, CostModel(campaign))
     text = page(flagged, campaign, tables.parent, "<p>introduction</p>", costs)
     assert text.count("</script>") == 3  # two tables, and the page's own
     assert "&lt;/script&gt;&lt;b&gt;. Try: a &amp; b." in text

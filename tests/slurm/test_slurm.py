@@ -27,7 +27,7 @@ from typing import Any
 
 import pytest
 import yaml
-from helpers_rules import groups, predicted_jobs
+from helpers_rules import groups, predicted_costs
 from one_machine_slurm import Job, OneMachineSlurm, install, installed, reason_not_to_run
 from snakemake.utils import update_config
 
@@ -49,7 +49,7 @@ COPIED = ("Snakefile", "config.yaml", "profiles", "resources", "src", "workflow"
 def first_request(group: str) -> int:
     """Memory that the first attempt of a group asks for: that of its largest member, in MiB."""
     project = ["--snakefile", str(ROOT / "Snakefile"), "--directory", str(ROOT)]
-    jobs = predicted_jobs([*project, "--configfile", str(ROOT / PRESET)])
+    jobs = predicted_costs([*project, "--configfile", str(ROOT / PRESET)])
     members = jobs[jobs["rule"].map(groups()) == group]
     return Cost(0.0, members["predicted_memory_mib"].max()).mib_for(1)
 

@@ -25,33 +25,63 @@ def test_durations(seconds, text):
     assert duration(seconds) == text
 
 
+def jobs(*seconds, rule="train"):
+    return {number: (rule, one) for number, one in enumerate(seconds, 1)}
+
+
 def test_time_left_goes_from_predicted_to_measured():
-    progress = Progress({1: 10.0, 2: 30.0, 3: 60.0}, cores=2, started=0.0)
+    progress = Progress(jobs(10.0, 30.0, 60.0), cores=2, started=0.0)
     assert progress.remaining(5.0) == pytest.approx(50.0)
-    progress.finish(1)
-    progress.finish(2)
+    for job, now in ((1, 20.0), (2, 80.0)):
+        progress.start(job, 0.0)
+        progress.finish(job, now)
+    # 40 predicted seconds took 100 on one of the cores: the other 60 will take 150, on two cores
+    # 75; by the pace of the run, 100 seconds of work in 80, they will take 120
     assert progress.share == pytest.approx(0.4)
-    # 40 of 100 seconds took 80: the other 60 will take 120 as measured, 30 as predicted
-    assert progress.remaining(80.0) == pytest.approx(0.6 * 30.0 + 0.4 * 120.0)
-    assert progress.line(80.0) == " 40%  2 of 3 jobs, about 1 min 06 s left"
-    progress.finish(3)
+    assert progress.remaining(80.0) == pytest.approx(0.6 * 75.0 + 0.4 * 120.0)
+    assert progress.line(80.0) == " 40%  2 of 3 jobs, about 1 min 33 s left"
+    progress.finish(3, 100.0)
     assert progress.line(100.0) == "100%  3 of 3 jobs"
 
 
+def test_finished_jobs_correct_the_time_of_their_own_rule():
+    expected = {**jobs(1.0, 1.0), 3: ("search", 8.0)}
+    progress = Progress(expected, cores=1, started=0.0)
+    progress.start(1, 0.0)
+    progress.finish(1, 2.0)
+    assert progress.share == pytest.approx(2 / (2 + 2 + 8))
+    progress.start(2, 2.0)
+    progress.finish(2, 60.0)
+    assert progress.share == pytest.approx(60 / 68)
+    progress.start(3, 60.0)
+    assert progress.remaining(64.0) == pytest.approx(4.0)
+
+
+def test_the_share_never_falls():
+    progress = Progress(jobs(1.0, 1.0, 1.0), cores=1, started=0.0)
+    shares = []
+    for job, now in ((1, 1.0), (2, 100.0), (3, 101.0)):
+        progress.start(job, 0.0)
+        progress.finish(job, now)
+        shares.append(progress.share)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+
+
 def test_the_time_left_advances_while_jobs_run():
-    progress = Progress({1: 10.0, 2: 30.0}, cores=1, started=0.0)
+    progress = Progress(jobs(10.0, 30.0), cores=1, started=0.0)
     progress.start(1, 0.0)
     assert [progress.remaining(now) for now in (0.0, 4.0, 500.0)] == [40.0, 36.0, 30.5]
-    progress.finish(1)
+    progress.finish(1, 10.0)
     progress.start(2, 10.0)
-    # as measured, 10 + 15 seconds of work took 25 seconds: as predicted
+    # 10 + 15 seconds of work took 25 seconds: as predicted
     assert progress.remaining(25.0) == pytest.approx(15.0)
 
 
 @pytest.fixture
 def handler(monkeypatch):
     monkeypatch.setattr(terminal, "_interruption", type(terminal._interruption)())
-    terminal.expect(dict.fromkeys(range(1, 101), 1.0))
+    terminal.expect(jobs(*[1.0] * 100), "estimated from sizes")
     settings = SimpleNamespace(quiet=None, stdout=False, dryrun=False, verbose=False)
     made = TerminalHandler(settings, None)
     made._stream = io.StringIO()
@@ -90,7 +120,7 @@ def run_of_a_hundred_jobs(handler, failing=()):
 
 def test_a_hundred_jobs_are_a_few_lines(handler):
     lines = run_of_a_hundred_jobs(handler)
-    assert lines[0] == "100 jobs, about 25 s on 4 cores"
+    assert lines[0] == "100 jobs, about 25 s on 4 cores, estimated from sizes"
     assert len(lines) <= 27
     assert [line for line in lines if line.startswith("100%")] == lines[-1:]
     assert lines[-1].startswith("100%  100 of 100 jobs")

@@ -6,14 +6,8 @@ import time
 from pathlib import Path
 
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.costs.model import CostModel
-from burstcast_workflow.costs.records import (
-    RULE_COSTS,
-    beyond_memory,
-    costs_of_jobs,
-    job_costs,
-    rule_costs,
-)
+from burstcast_workflow.costs.model import RULE_COSTS, CostModel
+from burstcast_workflow.costs.records import beyond_memory, costs_of_jobs, rule_costs
 from burstcast_workflow.figures.jobs import captions
 from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.harness.storage import write_table
@@ -109,14 +103,15 @@ onstart:
     machine_mib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**20
     if workflow.local_exec and (reason := beyond_memory(found, machine_mib)):
         raise RefusedError(reason)
-    expect({job.jobid: cost.seconds for job, cost in found})
+    expect(
+        {job.jobid: (job.rule.name, cost.seconds) for job, cost in found},
+        f"by the times in {costs.table}" if costs.table else "estimated from sizes",
+    )
 
 
 onsuccess:
     if workflow.is_main_process and covers_campaign(workflow):
-        write_table(
-            Path(TIMES) / RULE_COSTS, rule_costs(job_costs(workflow, costs))
-        )
+        write_table(Path(TIMES) / RULE_COSTS, rule_costs(workflow, costs))
     found = [
         campaign_summary(Path(TABLES)),
         warnings_summary(Path(TABLES)),

@@ -85,7 +85,7 @@ rule survival_choice:
     conda:
         ENVIRONMENT
     resources:
-        **needs("survival_choice", "choice", cached=True),
+        **needs("survival_choice", "search_points", cached=True),
     params:
         settings=settings_of(
             "survival_choice", "LONG_TERM RESERVOIR bootstrap.confidence"

@@ -58,32 +58,27 @@ TABLE_RULES = {
             ),
         },
         "settings": "KEYS SCORED case.event_threshold",
-        "cost": "bootstrap",
     },
     "probability_scores": {
         "does": "score the probabilities",
         "inputs": PROBABILITIES,
         "settings": "KEYS SCORED case.event_threshold probability.bins",
-        "cost": "bootstrap",
     },
     "probability_diagrams": {
         "does": "reliability, curves over all thresholds",
         "inputs": PROBABILITIES,
         "settings": "KEYS SCORED case.event_threshold probability.bins",
-        "cost": "bootstrap",
     },
     "ranking_table": {
         "does": "rank the starting points of flows that are encoded",
         "inputs": PROBABILITIES,
         "settings": "KEYS SCORED SYSTEM case.event_threshold",
-        "cost": "bootstrap",
     },
     "lead_times": {
         "does": "how early events were warned of",
         "inputs": {"ensemble": f"{CASE}/ensemble.nc", **PROBABILITIES},
         "settings": "KEYS SCORED case.event_threshold case.training.series "
         "classification.start_spacing_lt",
-        "cost": "bootstrap",
     },
     "horizon_table": {
         "does": "table of the prediction horizons",
@@ -101,7 +96,6 @@ TABLE_RULES = {
             "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
         },
         "settings": "SYSTEM random_seed bootstrap statistics.profile_points",
-        "cost": "bootstrap_runs",
     },
     "survival_table": {
         "does": "table of escapes from the chaotic phase",
@@ -198,7 +192,7 @@ for name, made in TABLE_RULES.items():
         conda:
             ENVIRONMENT
         resources:
-            **needs(name, made.get("cost", "gather")),
+            **needs(name, "gather"),
         params:
             settings=settings_of(
                 name,

@@ -1,71 +1,48 @@
-"""Cost of a job: memory and time from the campaign's settings, for schedulers and predictions.
+"""What a job takes: memory and time by the class of its work, from the sizes of its case.
 
-A rule states the class of its work (`CLASSES`: a forecast, training, ...). The class says how much
-work a job is, in units, and `SECONDS_PER` how many seconds a unit takes. Only that table and the
-times of start-up depend on the machine. `burstcast_workflow.costs.records` sets predictions beside
-what jobs took.
+A rule states the class (`CLASSES`). The prediction is for a first run: a scheduler is asked for
+more, and for twice as much at each retry. What jobs of an earlier campaign took corrects the time
+(`CostModel.earlier`).
 """
 
+import csv
 import math
-from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 from burstcast import durations
-from burstcast.forecasters._names import ForecasterName
+from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import kind_class, learns_parameters
 from burstcast.probability.precursor import TREES
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast_workflow.campaign.campaign import WHOSE, Campaign, name_of
-from burstcast_workflow.config.measured_cases import data_files, space_of
+from burstcast_workflow.config.measured_cases import data_files
 from burstcast_workflow.config.model import Simulated
 
-SECONDS_PER = {
-    # one Runge-Kutta step of one trajectory; the same with nine perturbations and two neighbours
-    "integration step": 2.9e-8,
-    "tangent step": 5.0e-7,
-    # one step of a network in one trajectory: per neuron, and per connection of a neuron
-    "neuron step": 1.3e-9,
-    "connection step": 4.9e-11,
-    # a Gram matrix: per row and squared neuron, and per row and neuron, whose state is centred and
-    # multiplied with the targets; a ridge regression: per cubed neuron
-    "gram product": 1.8e-11,
-    "centred state": 3.5e-9,
-    "solve product": 1.0e-11,
-    # a regression without one more term: per cubed term
-    "removed term": 4.5e-10,
-    # one fit of the Gaussian process, with the proposal of the next point
-    "surrogate fit": 0.2,
-    # of boosted trees: per tree, and feature of a point
-    "tree feature": 6e-9,
-    # a number of the ensemble read and reduced, a bootstrap sample of one series, a small file read
-    "number": 1.2e-8,
-    "resampled series": 1.0e-7,
-    "file": 0.005,
-}
-"""Seconds that a unit of work takes on one core."""
-
-# Seconds before a script computes, and MiB that it holds then: Python with NumPy and NetCDF; with
-# SciPy and the compiled backend; with scikit-optimize, too; with pandas; with Matplotlib.
-_PLAIN, _COMPILED, _SEARCHING = (0.5, 90), (0.75, 160), (2.1, 260)
-_TABLES, _DRAWING = (0.75, 90), (2.5, 210)
-_MIB_PER_NUMBER = 8 / 2**20
-_CANDIDATES = 5.0  # points of a search that its objective cannot tell from the best
-_SCIPY_SLOWER = 4.0  # a network's step with the backend that is not compiled
-_FIELD_STEP = 8.0  # of a component of a field, in steps of nine compiled equations
-_FIELD_PERTURBATIONS = 7.0  # of a field, in perturbations of nine equations
-_TYPICAL_LYAPUNOV_TIME = 60  # in steps, where it is not known before it is computed
-
-_SEARCHED = ("spectral_radius", "input_scaling", "leak_rate", "penalty")
-_NEWTON_STEPS = 10.0  # of a logistic regression
+SECONDS_PER = {"neuron step": 2.2e-9, "product": 2.1e-11}
+"""Seconds on one core of a step of a neuron, with its connections, and of one multiplication and
+addition in a product of matrices. Only these and the times of start-up depend on the machine."""
 
 SAFETY = 2.0
 """By how much a job asks for more time and memory than predicted."""
 
 SNAKEMAKE_MIB = 350
 """Of a job on a cluster, beside its script: Snakemake, twice, and what starts it."""
+
+RULE_COSTS = "rule_costs.csv"
+"""Table of what the jobs of each rule took, beside Snakemake's records."""
+
+# Seconds before a script computes, and MiB that it holds then: Python with NumPy and NetCDF; with
+# SciPy and the compiled backend; with scikit-learn or scikit-optimize; pandas; Matplotlib.
+_PLAIN, _COMPILED, _SEARCHING = (0.7, 100), (0.9, 170), (2.3, 270)
+_TABLES, _DRAWING = (1.0, 130), (2.7, 230)
+_MIB_PER_NUMBER = 8 / 2**20
+# In steps of a neuron: a Runge-Kutta step of the equations, and of a component of a field; a number
+# that is read or written; a fit of the search's Gaussian process.
+_EQUATIONS, _COMPONENT, _NUMBER, _SURROGATE = 13, 100, 5, 1e8
+_LYAPUNOV_TIME = 60  # in steps, where a job computes it
 
 
 @dataclass(frozen=True)
@@ -86,347 +63,257 @@ class Cost:
 
 
 class _Job:
-    """A job, and counts of its case that its work is made of."""
+    """Sizes of a job, and its work: start-up, neuron steps, products, numbers held at a time."""
 
-    def __init__(self, campaign: Campaign, wildcards: Mapping[str, str], name: ForecasterName):
-        self.campaign, self.wildcards, self.name = campaign, wildcards, name
+    def __init__(self, campaign: Campaign, wildcards: Mapping[str, str]) -> None:
+        self.start, self.steps, self.products, self.held = _PLAIN, 0.0, 0.0, 0.0
+        self.campaign, self.config, self.wildcards = campaign, campaign.config, wildcards
+        self.name = name_of(wildcards)
         # what is taken of all cases is judged by one of them
-        self.case = wildcards.get("case") or campaign.example.case
-        case = campaign.cases[self.case]
-        self.lyapunov_time = case.steps_per_lyapunov_time or _TYPICAL_LYAPUNOV_TIME
-        self.interval = case.ensemble.sampling_interval
-        self.neurons = float(name.neurons or 0)
-        self.dimension = campaign.space(self.case).dimension
-        self.series, self.samples = _size(campaign, self.case)
-        self.training_series = self("case.training.series")
-        left = max(0, self.series - self.training_series)
-        self.test_series = min(self("case.test_series") or left, left)
-        self.numbers = self.series * self.samples * self.dimension
-        self.transient = self("case.ensemble").get("transient", 0) / self.interval
-        learns = name.asks_forecasters and learns_parameters(name.kind)
-        sources = len(campaign.sources(self.case)) if learns else 1
-        # of a network's readout: the states once more for each factor of the parameters
-        options = campaign.options(name.kind, self.case, name.label)
-        names, degree = options.get("parameters", []), options.get("parameter_degree", 1)
-        factors = math.comb(len(names) + degree, degree)
-        self.features = self.neurons * factors
-        # of each learnt equation, before terms that are not significant are removed one by one
-        highest = options.get("degree", 0)
-        self.terms = factors * math.comb(int(self.dimension) + highest, highest)
-        self.rows = (
-            sources * self.training_series * max(0.0, self.samples - self.steps("washout_lt"))
-        )
-        self.stride = self("case.ensemble.sampling_stride")
-        # an ensemble takes in the washout before a forecast
-        self.members = options.get("members", 1)
-        self.start_up = self.members * self.steps("washout_lt")
-        self.forecasters = len(campaign.select(case=self.case))
+        place = wildcards.get("case") or campaign.example.case
+        self.case, source = campaign.cases[place], campaign.source_case(place)
+        self.dimension, of_source = campaign.space(place).dimension, campaign.space(source)
+        self.stride = self.case.ensemble.sampling_stride
+        self.equations = _EQUATIONS * self.stride
+        # a field integrates itself
+        if isinstance(of_source, DynamicalSystem) and has_own(of_source, "flow_map"):
+            self.equations = _COMPONENT * of_source.dimension * self.stride
+        self.training = self.case.training.series
+        self.series, self.samples = self._ensemble(place, source)
+        self.states = self.series * self.samples
+        left = max(0, self.series - self.training)
+        self.tests = min(self.case.test_series or left, left)
+        options = campaign.options(self.name.kind, place, self.name.label)
+        self.neurons, self.members = self.name.neurons or 0, options.get("members", 1)
+        # states once more for each factor of the parameters that the kind knows
+        factors, degree = len(options.get("parameters", [])), options.get("parameter_degree", 1)
+        self.features = self.neurons * math.comb(factors + degree, degree)
+        learns = self.name.asks_forecasters and learns_parameters(self.name.kind)
+        sources = len(campaign.sources(place)) if learns else 1
+        self.washout = self.lt(self.config.washout_lt)
+        self.rows = sources * self.training * max(0, self.samples - self.washout)
 
-    @property
-    def integration_work(self) -> float:
-        """Integration steps that one of the flow's equations counts as: many for a field."""
-        source = self.campaign.cases[self.campaign.source_case(self.case)]
-        system = space_of(source)
-        solves = not self.name.asks_forecasters or kind_class(self.name.kind).needs_equations
-        if not (solves and isinstance(system, DynamicalSystem) and has_own(system, "flow_map")):
-            return 1.0
-        return _FIELD_STEP * system.dimension
+    def _ensemble(self, place: str, source: str) -> tuple[int, int]:
+        """Series of the case's ensemble, and samples of each."""
+        whole = self.campaign.cases[source]
+        if isinstance(whole, Simulated):
+            interval = self.case.ensemble.sampling_interval
+            return whole.ensemble.series, int(whole.ensemble.duration / interval)
+        # before the files are read, only their sizes are known
+        files = map(Path, data_files(self.campaign.data(place)))
+        held = sum(path.stat().st_size for path in files if path.exists())
+        series = self.training + (self.case.test_series or self.training)
+        return series, int(held / 8 / self.dimension / series)
 
-    def __call__(self, path: str) -> Any:
-        """A setting by its path in the config."""
-        return self.campaign.settings([path], {**self.wildcards, "case": self.case}, {})[path]
+    def lt(self, duration_lt: float) -> int:
+        """Steps of a forecast in a duration."""
+        steps = self.case.steps_per_lyapunov_time or _LYAPUNOV_TIME
+        return durations.steps(duration_lt, steps)
 
-    def steps(self, *durations_lt: str | float) -> int:
-        """Steps of a forecast in the sum of durations: Lyapunov times, or paths of settings."""
-        total = sum(self(one) if isinstance(one, str) else one for one in durations_lt)
-        return durations.steps(total, self.lyapunov_time)
+    @cached_property
+    def reach(self) -> int:
+        """Steps from a starting point to the end of the last window."""
+        classified = self.config.classification
+        return self.lt(classified.longest_prediction_time_lt + classified.window_lt)
 
-    def starts(self, spacing: str, reach: float = 0.0) -> float:
-        """Starting points in a series that leave room for the washout and a forecast."""
-        room: float = self.samples - self.steps("washout_lt") - reach
-        return max(0.0, room // max(1, self.steps(spacing)))
+    def starts(self, spacing_lt: float, reach: int = 0) -> int:
+        """Starting points in a series."""
+        return max(0, self.samples - self.washout - reach) // max(1, self.lt(spacing_lt))
 
-    @property
-    def long_runs(self) -> tuple[float, float]:
-        """Runs for long-term statistics, and the steps of each."""
-        starts = self.training_series * self.starts("statistics.start_spacing_lt")
-        duration = self("statistics.duration")
-        steps = (duration / self.interval if duration else self.samples) + self.start_up
-        return min(self("statistics.starting_points"), starts), steps
+    def takes(self, start: tuple[float, int], steps: float = 0, held: float = 0) -> None:
+        """Add work: it starts the largest of its libraries, and holds all numbers together."""
+        self.start = max(self.start, start)
+        self.steps, self.held = self.steps + steps, self.held + held
 
+    def data(self, copies: int, integrations: float = 0) -> None:
+        """Copies of the ensemble, which is integrated so many times."""
+        numbers = copies * self.states * self.dimension
+        integrated = integrations * self.states * self.equations
+        self.takes(_PLAIN, _NUMBER * numbers + integrated, numbers)
 
-def _size(campaign: Campaign, case: str) -> tuple[float, float]:
-    """Series, and samples in each series, of a case's ensemble."""
-    one = campaign.cases[campaign.source_case(case)]
-    if isinstance(one, Simulated):
-        interval = campaign.cases[case].ensemble.sampling_interval
-        return one.ensemble.series, one.ensemble.duration / interval
-    # before the files are read, only their sizes are known
-    files = map(Path, data_files(campaign.data(case)))
-    held = sum(path.stat().st_size for path in files if path.exists())
-    series = one.training.series + (one.test_series or one.training.series)
-    return series, held / 8 / campaign.space(case).dimension / series
+    def loops(self, count: float, steps: float) -> None:
+        """Trajectories of the forecaster: a thousand together, of an ensemble's members at once."""
+        solves = self.name.asks_forecasters and kind_class(self.name.kind).needs_equations
+        each = self.neurons or (self.equations if solves else _EQUATIONS * self.stride)
+        outputs = 4 * min(steps, 500) + 8 * self.members * (self.members > 1)
+        start = _COMPILED if self.neurons or self.members > 1 else _PLAIN
+        held = min(count, 1000) * (2 * self.neurons + outputs * self.dimension)
+        self.takes(start, count * steps * each, held)
 
-
-@dataclass(frozen=True)
-class _Work:
-    """Work of a job: seconds and MiB of its start-up, units of work, numbers in memory."""
-
-    start_up: tuple[float, int]
-    units: Mapping[str, float]
-    held: float = 0.0
-
-    def __add__(self, other: "_Work") -> "_Work":
-        """Both in one job."""
-        start_up = max(self.start_up, other.start_up)
-        return _Work(start_up, Counter(self.units) + Counter(other.units), self.held + other.held)
-
-
-# -- blocks of work --------------------------------------------------------------------------------
-
-
-def _integration(job: _Job, count: float, steps: float, unit: str = "integration step") -> _Work:
-    numbers = count * steps / job.stride * job.dimension
-    # states are held as made and as written
-    work = job.integration_work
-    if unit == "tangent step" and work > 1.0:  # of more perturbations than nine
-        work *= _FIELD_PERTURBATIONS
-    return _Work(_PLAIN, {unit: work * steps * count, "number": numbers}, 2 * numbers)
-
-
-def _network(job: _Job, steps: float, held: float) -> _Work:
-    options = job("forecasters.esn")
-    steps *= job.neurons * (_SCIPY_SLOWER if options["backend"] == "scipy" else 1.0)
-    units = {"neuron step": steps, "connection step": steps * options["connectivity"]}
-    return _Work(_COMPILED, units, held)
-
-
-def _closed_loops(job: _Job, count: float, steps: float) -> _Work:
-    # batches of a thousand, and their outputs of some hundred steps before they are reduced
-    held = min(count, 1000) * (2 * job.neurons + 4 * min(steps, 500) * job.dimension)
-    if job.neurons:
-        return _network(job, count * steps, held)
-    # other kinds of forecasters take what the equations take; an ensemble is held several times
-    held += (job.members > 1) * min(count, 1000) * 8 * job.members * job.dimension
-    start_up = _COMPILED if job.members > 1 else _PLAIN
-    units = {"integration step": job.integration_work * count * steps * job.stride}
-    return _Work(start_up, units, held)
-
-
-def _training(job: _Job, points: float = 1, loops: float = 0, solves: float = 1) -> _Work:
-    """Open loop, moments, and per point of a search steps of closed loops and regressions."""
-    series = 3 * job.rows * job.dimension
-    if not job.neurons:
-        removals = job.dimension * job.terms**4 / 4
-        units = {"number": job.rows * job.dimension, "removed term": removals}
-        return _Work(_PLAIN, units, series)
-    units = {
-        "gram product": points * job.rows * job.features**2,
-        "centred state": points * job.rows * job.neurons,
-        "solve product": points * solves * job.features**3,
-    }
-    # training series, the Gram matrix with its copies, panels of a thousand states
-    held = series + 4 * job.features**2 + 2000 * job.features
-    return _network(job, points * (job.rows + loops), held) + _Work(_COMPILED, units)
-
-
-def _forecasts(job: _Job, series: float, spacing: str) -> _Work:
-    """Single forecasts, and forecasts of all members of an ensemble behind a filter."""
-    reach = job.steps("classification.longest_prediction_time_lt", "classification.window_lt")
-    forecasts = 1 + job.members if job.members > 1 else 1
-    return _closed_loops(job, series * job.starts(spacing, reach), job.start_up + forecasts * reach)
-
-
-def _gathering(job: _Job) -> _Work:
-    """Small files of all forecasters into a table."""
-    return _Work(_TABLES, {"file": job.forecasters}, 20 / _MIB_PER_NUMBER)
+    def trained(self, points: float = 1, solves: float = 1) -> None:
+        """The moments of the training series, and regressions, for each of several points."""
+        self.takes(_PLAIN, _NUMBER * self.rows * self.dimension, 3 * self.rows * self.dimension)
+        if self.neurons:
+            held = 4 * self.features**2 + 2000 * self.features  # its copies, panels of states
+            self.takes(_COMPILED, points * self.rows * self.neurons, held)
+            solved = solves * self.features**3 / 3
+            self.products += points * (self.rows * self.features**2 + solved)
 
 
 # -- classes of work -------------------------------------------------------------------------------
 
 
-def _horizons(job: _Job) -> _Work:
-    # three fifths of the starts are tried, and a forecast that fails is given up on the way
-    tried = 0.6 * job("horizon.longest_lead_time_lt") / job("horizon.lead_time_step_lt")
-    steps = job.start_up + 0.4 * job.steps("horizon.longest_lead_time_lt")
-    return _closed_loops(job, job("horizon.events"), tried * steps)
-
-
-def _search(job: _Job, points: float) -> _Work:
+def _search(job: _Job, points: int) -> None:
+    """Points of a search: moments, and forecasts of validation intervals for each penalty."""
+    said, recycled = job.config.search, job.case.recycle_validation
+    interval, betas = job.lt(said.interval_lt), len(said.tikhonov)
     strategies = job.wildcards.get("strategies", str(job.name.validation)).split("+")
-    recycle, betas = job("case.recycle_validation"), len(job("search.tikhonov"))
     # other strategies than these validate about as often as Recycle Validation
-    fitting = max(1.0, job.samples - job.steps("washout_lt")) / job.steps("search.interval_lt")
-    recycled = recycle["series"] * (recycle["intervals_per_series"] or fitting)
-    intervals = sum(job.training_series if one == "SSV" else recycled for one in strategies)
-    loops = betas * intervals * job.steps("search.interval_lt")
-    return _training(job, points, loops, betas * len(strategies))
+    often = recycled.series * (recycled.intervals_per_series or job.starts(said.interval_lt))
+    intervals = sum(job.training if one == "SSV" else often for one in strategies)
+    job.trained(points, betas * len(strategies))
+    job.takes(_COMPILED, points * betas * intervals * interval * job.neurons)
 
 
-def _bayesian_search(job: _Job) -> _Work:
-    points = job("search.bayesian_points")
-    return _search(job, points) + _Work(_SEARCHING, {"surrogate fit": points})
+def _bayesian_search(job: _Job) -> None:
+    _search(job, job.config.search.bayesian_points)
+    job.takes(_SEARCHING, _SURROGATE * job.config.search.bayesian_points)
 
 
-def _choice(job: _Job) -> _Work:
-    """Long runs of some points of a search that are as good as the best."""
-    count, steps = job.long_runs
-    runs = _network(job, _CANDIDATES * count * steps, 2 * count * job.neurons)
-    return _training(job, points=_CANDIDATES, solves=_CANDIDATES) + runs
+def _forecasts(job: _Job, series: int, spacing_lt: float) -> None:
+    """Forecasts from the starting points of series; of members of an ensemble, too."""
+    forecasts = 1 + job.members * (job.members > 1)
+    steps = job.members * job.washout + forecasts * job.reach
+    job.loops(series * job.starts(spacing_lt, job.reach), steps)
 
 
-def _leave_one_out(job: _Job) -> _Work:
+def _leave_one_out(job: _Job) -> None:
     """Forecasts of the calibration set, by forecasters trained without each of its series."""
-    series, own = job.training_series, job("probability.calibration_series")
-    forecasts = _forecasts(job, own or series, "probability.start_spacing_lt")
-    if own:
-        return forecasts
-    # the moments of each series, and of all but one
-    merged = {"number": series * (series - 2) * job.neurons**2}
-    moments = _Work(_PLAIN, merged, (series + 1) * job.neurons**2)
-    return forecasts + _training(job, solves=series) + moments
+    said = job.config.probability
+    _forecasts(job, said.calibration_series or job.training, said.start_spacing_lt)
+    if not said.calibration_series:
+        job.trained(solves=job.training)
+        job.takes(_PLAIN, held=job.training * job.features**2)  # the moments of each series
 
 
-def _classifiers(job: _Job) -> _Work:
+def _classifiers(job: _Job) -> None:
     """Classifiers of each window, trained on all points, and on all folds but one."""
-    reach = job.steps("classification.longest_prediction_time_lt", "classification.window_lt")
-    options = {**job("forecasters.precursor"), **job.campaign.options(job.name.kind)}
-    spacing = "forecasters.classifiers.start_spacing_lt"
-    points = job.training_series * job.starts(spacing, reach)
-    washout = job.steps("washout_lt")
-    times = len(job("classification.prediction_times_lt"))
-    own = job("probability.calibration_series")
-    fits = times * (1 if own else 1 + job("forecasters.classifiers.folds"))
-    held = points * washout * job.dimension
-    if "neurons" not in options:
-        features = job.dimension * (1 + len(options["lags_lt"]))
-        units = {"tree feature": fits * TREES * points * features}
-        return _Work(_SEARCHING, units, held + points * features)
-    # a reservoir: its states after the washouts, and steps of Newton's method
-    neurons = options["neurons"]
-    fits += times * math.prod(len(options[name]) for name in _SEARCHED)
-    units = {
-        "neuron step": fits * points * washout * neurons,
-        "gram product": fits * _NEWTON_STEPS * points * neurons**2,
-    }
-    return _Work(_COMPILED, units, held + 3 * points * neurons)
+    said = job.config.forecasters
+    points = job.training * job.starts(said.classifiers.start_spacing_lt, job.reach)
+    fits = len(job.config.classification.prediction_times_lt) * (1 + said.classifiers.folds)
+    size = said.esn_direct.neurons if job.name.kind == "esn_direct" else TREES
+    job.takes(
+        _SEARCHING,
+        3 * fits * points * job.washout * size,
+        points * (job.washout * job.dimension + 3 * size),
+    )
+    job.products += 10 * fits * points * size**2  # steps of Newton's method
 
 
-def _spectrum(job: _Job) -> _Work:
-    """Long runs with their perturbations, which no compiled code takes along."""
-    steps = job("statistics.lyapunov_runs") * job.long_runs[1]
-    if not job.neurons:
-        return _Work(_PLAIN, {"tangent step": job.stride * steps})
-    perturbations = job("statistics.lyapunov_exponents")
-    steps *= 1 + _SCIPY_SLOWER * perturbations
-    return _network(job, steps, 8 * 6 * perturbations * job.neurons)
+def _horizons(job: _Job) -> None:
+    """A fourth of the steps of all starts: most forecasts are given up on the way."""
+    said = job.config.horizon
+    starts = said.longest_lead_time_lt / said.lead_time_step_lt
+    steps = job.members * job.washout + job.lt(said.longest_lead_time_lt)
+    job.loops(said.events, starts * steps / 4)
 
 
-def _control(job: _Job) -> _Work:
+def _long_runs(job: _Job, runs: int, times: int = 1) -> None:
+    """Long runs, each as long as so many."""
+    said, interval = job.config.statistics, job.case.ensemble.sampling_interval
+    steps = int(said.duration / interval) if said.duration else job.samples
+    starts = job.training * job.starts(said.start_spacing_lt)
+    job.loops(min(runs, starts), times * (steps + job.members * job.washout))
+
+
+def _control(job: _Job) -> None:
     """Flows with control, without, and with counterfactuals; forecasts that raise alarms."""
-    count = max(0, min(job("control.flows"), job.series - job.training_series))
-    run = job("control.run")
-    values = run["settings"]
+    plan = job.campaign.plan(job.wildcards["strategy"])
+    values = dict(plan.settings)
+    count = max(0, min(job.config.control.flows, job.series - job.training))
     far = values.get("prediction_time_lt", 0.0) + values.get("window_lt", 0.0)
-    reach = job.steps(values.get("horizon_lt", far))
-    span = job.steps(run["span_lt"], run["quiet_lt"])
-    flows = _integration(job, count, 3 * job.stride * (reach + span))
-    if not job.name.asks_forecasters:
-        return flows
-    spacing = values.get("decision_interval_lt", values.get("window_lt", 1.0))
-    alarms = span / max(1, job.steps(spacing))
-    voters = len(job.campaign.controlling(job.case, job.name.identifier))
-    members = job.members if job.name.role == "committee" else 1
-    steps = voters * alarms * (job.start_up + members * reach)
-    return flows + _closed_loops(job, count, steps)
+    reach = job.lt(values.get("horizon_lt", far))
+    span = job.lt((plan.span_lt or job.config.control.span_lt) + plan.quiet_lt)
+    steps = 3 * count * (reach + span)
+    job.takes(_PLAIN, steps * job.equations, 2 * steps * job.dimension)
+    if job.name.asks_forecasters:
+        interval_lt = values.get("decision_interval_lt", values.get("window_lt", 1.0))
+        asked = job.campaign.controlling(job.wildcards["case"], job.name.identifier)
+        members = job.members if job.name.role == "committee" else 1
+        alarms = len(asked) * span / max(1, job.lt(interval_lt))
+        job.loops(count, alarms * (job.members * job.washout + members * reach))
 
 
-def _bootstrap(job: _Job) -> _Work:
-    """Intervals of scores of all forecasters."""
-    scores = job("bootstrap.resamples") * len(job("classification.prediction_times_lt"))
-    series = job.test_series * job.forecasters
-    return _gathering(job) + _Work(_TABLES, {"resampled series": scores * series})
-
-
-def _bootstrap_runs(job: _Job) -> _Work:
-    """Statistics of resampled long runs: their histograms are summed anew each time."""
-    numbers = job("case.density.bins") * job("statistics.starting_points")
-    ours = sum(one.case == job.case for one in job.campaign.long_term_forecasters)
-    units = {"number": 0.3 * job("bootstrap.resamples") * ours * numbers}
-    return _gathering(job) + _Work(_TABLES, units, numbers)
-
-
-def _exponents(job: _Job) -> _Work:
-    count = min(job("case.lyapunov.series"), job.series)
-    return _integration(job, count, job.stride * job.samples, "tangent step")
-
-
-CLASSES: Mapping[str, Callable[[_Job], _Work]] = {
-    "integration": lambda job: _integration(
-        job, job.series, job.stride * (job.samples + job.transient)
-    ),
-    "tangent": _exponents,
-    # the ensemble is read, and at most as much is held
-    "data": lambda job: _Work(_PLAIN, {"number": job.numbers}, job.numbers),
+CLASSES: Mapping[str, Callable[[_Job], None]] = {
+    "integration": lambda job: job.data(2, 1),
+    "tangent": lambda job: job.data(1, 3),  # of few series, with all their perturbations
+    "data": lambda job: job.data(1),  # it is read, and at most as much is held
     "search_grid": lambda job: _search(
-        job, job("search.grid") ** 2 * len(job("forecasters.esn.leak_rate"))
+        job, job.config.search.grid**2 * len(job.config.forecasters.esn.leak_rate)
     ),
     "search_points": _bayesian_search,
-    "choice": _choice,
-    "training": _training,
+    "training": lambda job: job.trained(),
     # a few forecasts, as for a figure
-    "examples": lambda job: _closed_loops(
-        job, 64, job.start_up + job.steps("horizon.longest_lead_time_lt")
-    ),
-    "forecast": lambda job: _forecasts(job, job.test_series, "classification.start_spacing_lt"),
+    "examples": lambda job: job.loops(64, job.lt(job.config.horizon.longest_lead_time_lt)),
+    "forecast": lambda job: _forecasts(job, job.tests, job.config.classification.start_spacing_lt),
     "leave_one_out": _leave_one_out,
     "classifiers": _classifiers,
     "horizon": _horizons,
-    "long_term": lambda job: _closed_loops(job, *job.long_runs),
-    "spectrum": _spectrum,
+    "long_term": lambda job: _long_runs(job, job.config.statistics.starting_points),
+    # with perturbations, which no compiled code takes along
+    "spectrum": lambda job: _long_runs(
+        job,
+        job.config.statistics.lyapunov_runs,
+        1 + 4 * job.config.statistics.lyapunov_exponents,
+    ),
     "control": _control,
-    "gather": _gathering,
-    "bootstrap": _bootstrap,
-    "bootstrap_runs": _bootstrap_runs,
+    "gather": lambda job: job.takes(_TABLES),
     # the largest figure holds the observable of the whole ensemble, and what it draws of it
-    "figure": lambda job: _Work(_DRAWING, {}, 2 * job.series * job.samples),
+    "figure": lambda job: job.takes(_DRAWING, held=2 * job.states),
 }
 """Classes of work by the names that rules use."""
 
-_TRAINING = ("search_grid", "search_points", "choice", "training")
+_TRAINING = ("search_grid", "search_points", "training")
 
 
 class CostModel:
     """Predicts what the jobs of a campaign take: estimates, not bounds.
 
     ``classes``: Class of work of each stage, as the rules state it. ``records``: Directory of
-    Snakemake's records of what jobs took.
+    Snakemake's records of what jobs took. ``earlier``: How many times the predicted time the jobs
+    of a stage took in an earlier campaign, from ``table``, the newest `RULE_COSTS` beside the
+    results (None without any).
     """
 
-    def __init__(self, campaign: Campaign, seconds_per: Mapping[str, float] = SECONDS_PER) -> None:
-        self._campaign, self._seconds_per = campaign, seconds_per
+    def __init__(self, campaign: Campaign, seconds_per: Mapping[str, float] | None = None) -> None:
+        self.campaign, self._seconds_per = campaign, seconds_per or SECONDS_PER
         self._known: dict[tuple[str, ...], Cost] = {}
         self.classes: dict[str, str] = {}
-        self.records = Path(campaign.config.results) / "benchmarks"
+        results = Path(campaign.config.results)
+        self.records = results / "benchmarks"
+        tables = results.parent.glob(f"*/benchmarks/{RULE_COSTS}")
+        self.table = max(tables, key=lambda path: path.stat().st_mtime, default=None)
+        self.earlier = ratios(self.table) if self.table and not seconds_per else {}
 
-    def at(self, seconds_per: Mapping[str, float]) -> "CostModel":
-        """Cost of a job with other rates."""
-        model = CostModel(self._campaign, seconds_per)
-        model.classes = self.classes
-        return model
-
-    def predicted(self, cost_class: str, wildcards: Mapping[str, str]) -> Cost:
-        """Predict what a job of a class of work takes."""
-        name = name_of(wildcards)
-        names = {key: value for key, value in wildcards.items() if key not in WHOSE}
+    def predicted(self, cost_class: str, wildcards: Mapping[str, str], stage: str = "") -> Cost:
+        """Predict what a job of a class of work takes, corrected by earlier jobs of its stage."""
         # asked for every job of a large campaign, several times: networks differ only by their seed
-        forecaster = replace(name, seed=None).identifier
-        key = (cost_class, forecaster, *names.values())
+        names = {**wildcards}
+        for who in {*WHOSE} & names.keys():
+            names[who] = replace(parsed(names[who]), seed=None).identifier
+        key = (cost_class, stage, *names.values())
         if key not in self._known:
-            job = _Job(self._campaign, names, name)
-            work = CLASSES[cost_class](job)
-            seconds, held = work.start_up
-            seconds += sum(self._seconds_per[unit] * count for unit, count in work.units.items())
-            least = job.features**2 * _MIB_PER_NUMBER * (cost_class in _TRAINING)
-            self._known[key] = Cost(seconds, held + work.held * _MIB_PER_NUMBER, least)
+            job = _Job(self.campaign, names)
+            CLASSES[cost_class](job)
+            seconds, mib = job.start
+            seconds += self._seconds_per["neuron step"] * job.steps
+            seconds += self._seconds_per["product"] * job.products
+            self._known[key] = Cost(
+                seconds * self.earlier.get(stage, 1.0),
+                mib + job.held * _MIB_PER_NUMBER,
+                job.features**2 * _MIB_PER_NUMBER * (cost_class in _TRAINING),
+            )
         return self._known[key]
+
+
+def ratios(table: Path) -> dict[str, float]:
+    """How many times the predicted time the jobs of each rule took, from a `RULE_COSTS`.
+
+    It is one half at least: results that came from a cache were there at once.
+    """
+    with table.open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if int(row["records"])]
+    return {
+        row["rule"]: max(0.5, float(row["median_seconds"]) / float(row["predicted_median_seconds"]))
+        for row in rows
+    }

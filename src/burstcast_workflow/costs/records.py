@@ -16,14 +16,10 @@ from typing import Any
 
 import pandas as pd
 
-from burstcast_workflow.costs.model import SECONDS_PER, Cost, CostModel
+from burstcast_workflow.costs.model import Cost, CostModel
 from burstcast_workflow.start import names_of_rules
 from snaketrust.plan import planned
 
-RULE_COSTS = "rule_costs.csv"
-"""Table of what the jobs of each rule took, beside the records."""
-
-_MEASURED = ("seconds", "memory_mib", "disk_mib")
 _SHOWN = {
     "jobs": "jobs",
     "predicted_longest_seconds": "longest [s]",
@@ -36,17 +32,22 @@ _SHOWN = {
 }
 
 
-def costs_of_jobs(jobs: Iterable[Any], model: CostModel) -> Iterator[tuple[Any, Cost]]:
-    """Jobs of Snakemake that are stages of a campaign, with their costs.
+def stages_of(jobs: Iterable[Any], model: CostModel) -> Iterator[tuple[Any, str]]:
+    """Jobs of Snakemake that are stages of a campaign, with their stages.
 
-    A job's stage is the first part of the name of its record, ``benchmarks/<stage>/...``: rules
-    may have other names where another workflow has this one as a module.
+    A stage is the first part of the name of a job's record, ``benchmarks/<stage>/...``: rules may
+    have other names where another workflow has this one as a module.
     """
     for job in jobs:
         record = Path(job.benchmark or "")
         if record.is_relative_to(model.records):
-            stage = record.relative_to(model.records).parts[0].removesuffix(".tsv")
-            yield job, model.predicted(model.classes[stage], job.wildcards_dict)
+            yield job, record.relative_to(model.records).parts[0].removesuffix(".tsv")
+
+
+def costs_of_jobs(jobs: Iterable[Any], model: CostModel) -> Iterator[tuple[Any, Cost]]:
+    """Jobs of Snakemake that are stages of a campaign, with what is expected of them."""
+    for job, stage in stages_of(jobs, model):
+        yield job, model.predicted(model.classes[stage], job.wildcards_dict, stage)
 
 
 def beyond_memory(costs: Iterable[tuple[Any, Cost]], machine_mib: float) -> str:
@@ -65,86 +66,79 @@ def beyond_memory(costs: Iterable[tuple[Any, Cost]], machine_mib: float) -> str:
     )
 
 
-def job_costs(workflow: Any, model: CostModel, above: Path = Path()) -> pd.DataFrame:
-    """Costs of the jobs of a planned campaign, predicted and measured.
+def rule_costs(workflow: Any, model: CostModel, above: Path = Path()) -> pd.DataFrame:
+    """Costs of the jobs of each rule of a planned campaign: predicted by sizes, and measured.
 
-    Returns a row for each job, in the order of the rules: ``rule``, ``predicted_seconds``,
-    ``predicted_memory_mib``; empty for a job without a record, ``seconds`` (wall time),
-    ``memory_mib`` (the largest that was sampled) and ``disk_mib`` (of outputs that are there).
-    """
-    order = {rule.name: number for number, rule in enumerate(workflow.rules)}
-    jobs = sorted(workflow.dag.jobs, key=lambda job: order[job.rule.name])
-    rows = [
-        {
-            "rule": job.rule.name,
-            "predicted_seconds": cost.seconds,
-            "predicted_memory_mib": cost.memory_mib,
-            **_measured(above / job.benchmark, [above / path for path in job.output]),
-        }
-        for job, cost in costs_of_jobs(jobs, model)
-    ]
-    names = ("rule", "predicted_seconds", "predicted_memory_mib", *_MEASURED)
-    return pd.DataFrame(rows, columns=list(names))
-
-
-def _measured(record: Path, outputs: Iterable[Path]) -> dict[str, float]:
-    """Measurements of a finished job by Snakemake."""
-    if not record.exists():
-        return dict.fromkeys(_MEASURED, float("nan"))
-    with record.open(encoding="utf-8") as file:
-        row = list(csv.DictReader(file, delimiter="\t"))[-1]
-    # a job that is over at once is not sampled
-    memory = 0.0 if row["max_rss"] in ("-", "NA") else float(row["max_rss"])
-    size = sum(path.stat().st_size for path in outputs if path.is_file())
-    return {"seconds": float(row["s"]), "memory_mib": memory, "disk_mib": size / 2**20}
-
-
-def rule_costs(jobs: pd.DataFrame) -> pd.DataFrame:
-    """Predicted costs of the jobs of each rule, and measured costs of jobs with records.
-
-    Returns a row for each rule: ``rule``; ``jobs``, how many the campaign has;
+    Returns a row for each rule, in their order: ``rule``; ``jobs``, how many the campaign has;
     ``predicted_longest_seconds`` and ``predicted_memory_mib``, the most of any;
     ``predicted_minutes``, of all; ``records``, how many have run. The rest is of these, and empty
     without any: ``median_seconds`` and ``predicted_median_seconds``; ``minutes`` of all;
     ``longest_seconds`` and ``memory_mib``, the most of any; ``disk_mib``, the size of all outputs.
     """
-    of_run = jobs["predicted_seconds"].where(jobs["seconds"].notna())
-    rules = jobs.assign(predicted_of_run=of_run).groupby("rule", sort=False)
+    order = {rule.name: number for number, rule in enumerate(workflow.rules)}
+    rows = []
+    for job, stage in stages_of(workflow.dag.jobs, model):
+        cost = model.predicted(model.classes[stage], job.wildcards_dict)
+        record, outputs = above / job.benchmark, [above / path for path in job.output]
+        row = {"rule": job.rule.name, "predicted": cost.seconds, "mib": cost.memory_mib}
+        rows.append({**row, **(_measured(record, outputs) if record.exists() else {})})
+    names = ["rule", "predicted", "mib", "seconds", "sampled", "disk"]
+    jobs = pd.DataFrame(rows, columns=names).sort_values(
+        "rule", key=lambda rules: rules.map(order), kind="stable"
+    )
+    rules = jobs.assign(of_run=jobs["predicted"].where(jobs["seconds"].notna())).groupby(
+        "rule", sort=False
+    )
     return pd.DataFrame(
         {
             "jobs": rules.size(),
-            "predicted_longest_seconds": rules["predicted_seconds"].max(),
-            "predicted_memory_mib": rules["predicted_memory_mib"].max(),
-            "predicted_minutes": rules["predicted_seconds"].sum() / 60,
+            "predicted_longest_seconds": rules["predicted"].max(),
+            "predicted_memory_mib": rules["mib"].max(),
+            "predicted_minutes": rules["predicted"].sum() / 60,
             "records": rules["seconds"].count(),
             "median_seconds": rules["seconds"].median(),
-            "predicted_median_seconds": rules["predicted_of_run"].median(),
+            "predicted_median_seconds": rules["of_run"].median(),
             "minutes": rules["seconds"].sum(min_count=1) / 60,
             "longest_seconds": rules["seconds"].max(),
-            "memory_mib": rules["memory_mib"].max(),
-            "disk_mib": rules["disk_mib"].sum(min_count=1),
+            "memory_mib": rules["sampled"].max(),
+            "disk_mib": rules["disk"].sum(min_count=1),
         }
     ).reset_index()
 
 
-def costs_text(costs: pd.DataFrame) -> str:
-    """`rule_costs` for people, and the total."""
+def _measured(record: Path, outputs: Iterable[Path]) -> dict[str, float]:
+    """Wall time, largest memory that was sampled, size of outputs: what Snakemake has measured."""
+    with record.open(encoding="utf-8") as file:
+        row = list(csv.DictReader(file, delimiter="\t"))[-1]
+    # a job that is over at once is not sampled
+    memory = 0.0 if row["max_rss"] in ("-", "NA") else float(row["max_rss"])
+    size = sum(path.stat().st_size for path in outputs if path.is_file())
+    return {"seconds": float(row["s"]), "sampled": memory, "disk": size / 2**20}
+
+
+def costs_text(costs: pd.DataFrame, earlier: Mapping[str, float] | None = None) -> str:
+    """`rule_costs` for people, and the total, corrected by what earlier jobs took."""
     shown = costs.set_index("rule")[[*_SHOWN]].dropna(axis=1, how="all").rename_axis(None)
     text = shown.rename(columns=_SHOWN).to_string(
         na_rep="", float_format=lambda value: f"{value:.1f}"
     )
-    minutes = costs["predicted_minutes"].sum()
-    total = f"total of {costs['jobs'].sum()} jobs, in minutes on one core: {minutes:.1f}"
-    return f"{text}\n{total}"
+    factors = costs["rule"].map(earlier or {}).fillna(1.0)
+    minutes = (costs["predicted_minutes"] * factors).sum()
+    by = ", corrected by an earlier campaign" if earlier else ""
+    jobs = costs["jobs"].sum()
+    return f"{text}\ntotal of {jobs} jobs, in minutes on one core{by}: {minutes:.1f}"
 
 
-def costs_of_plan(workflow: Any, seconds_per: Mapping[str, float] = SECONDS_PER) -> pd.DataFrame:
-    """`job_costs` of a workflow that was only planned, with the rates of some machine."""
-    model: CostModel = names_of_rules(workflow)["costs"]
-    return job_costs(workflow, model.at(seconds_per), Path(workflow.overwrite_workdir or ""))
+def costs_of_plan(workflow: Any, seconds_per: Mapping[str, float] | None = None) -> pd.DataFrame:
+    """`rule_costs` of a workflow that was only planned, with the rates of some machine."""
+    known: CostModel = names_of_rules(workflow)["costs"]
+    model = CostModel(known.campaign, seconds_per)
+    model.classes = known.classes
+    return rule_costs(workflow, model, Path(workflow.overwrite_workdir or ""))
 
 
 def main(arguments: Sequence[str]) -> int:
     """Print the costs of a campaign."""
-    print(costs_text(rule_costs(costs_of_plan(planned([*arguments, "--forceall"])))))
+    workflow = planned([*arguments, "--forceall"])
+    print(costs_text(costs_of_plan(workflow), names_of_rules(workflow)["costs"].earlier))
     return 0

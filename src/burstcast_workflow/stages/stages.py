@@ -264,10 +264,10 @@ class Stages:
 
         @of_job
         def memory(wildcards: Any, attempt: int) -> int:
-            return self._costs.predicted(cost_class, wildcards).mib_for(attempt)
+            return self._costs.predicted(cost_class, wildcards, stage).mib_for(attempt)
 
         @of_job
         def runtime(wildcards: Any, attempt: int) -> int:
-            return self._costs.predicted(cost_class, wildcards).minutes_for(attempt)
+            return self._costs.predicted(cost_class, wildcards, stage).minutes_for(attempt)
 
         return {"mem_mb": memory, "runtime": runtime, "cached": int(cached)}

@@ -10,7 +10,6 @@ from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, 
 
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.costs.model import SECONDS_PER
 from burstcast_workflow.costs.records import costs_of_plan
 from snaketrust.plan import planned
 
@@ -45,8 +44,8 @@ def workflow():
     return SimpleNamespace(rules=rules, campaign=Campaign(load(config)))
 
 
-def predicted_jobs(arguments=(), seconds_per=SECONDS_PER):
-    """Costs of all jobs of the campaign that options of snakemake name, done or not."""
+def predicted_costs(arguments=(), seconds_per=None):
+    """Costs of the rules of the campaign that options of snakemake name, done or not."""
     return costs_of_plan(planned([*arguments, "--forceall"]), seconds_per)
 
 
