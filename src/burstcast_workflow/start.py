@@ -4,7 +4,7 @@ import atexit
 import gc
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +26,13 @@ REFUSALS = (ConfigError, OvertakenError, UnlikeCodeError)
 OFF_WITHOUT_NETWORKS = "hyperparameters, examples of forecasts, control by networks, their figures"
 
 
-def start(workflow: Any, config: Mapping[str, Any], project: Path) -> trust.Started:
-    """Check the code and the config, and make Snakemake plan by records and claim the results."""
+def start(
+    workflow: Any, config: Mapping[str, Any], project: Path, check: Callable[[], None]
+) -> trust.Started:
+    """Check the code and the config, and make Snakemake plan by records and claim the results.
+
+    ``check``: Called when all jobs are known, before any of them (`snaketrust.start.start`).
+    """
     # Planning makes millions of objects and keeps them: looking through them for garbage all the
     # time takes a tenth of it; doing so once more when the process ends is as useless.
     gc.set_threshold(200_000, 50, 1000)
@@ -39,6 +44,7 @@ def start(workflow: Any, config: Mapping[str, Any], project: Path) -> trust.Star
         results=lambda whole: str(whole["results"]),
         load=lambda: load(config, workflow.configfiles, defaults=project / "config.yaml"),
         own_modules=own_modules,
+        check=check,
     )
     if undeclared := started.sources.undeclared():
         raise ConfigError(

@@ -37,6 +37,7 @@ def start(
     results: Callable[[dict[str, Any]], str],
     load: Callable[[], dict[str, Any]],
     own_modules: Callable[[dict[str, Any]], OwnModules] = lambda config: {},
+    check: Callable[[], None] = lambda: None,
 ) -> Started:
     """Make Snakemake plan by code and records, and claim the results directory before any job.
 
@@ -53,6 +54,9 @@ def start(
         takes the config from the run's claim.
     own_modules
         Function from the config to the user's own modules.
+    check
+        Function that is called when all jobs are known, in a dry run, too: a run that it refuses,
+        with a `RefusedError`, leaves the results directory as it was.
 
     Raises
     ------
@@ -93,6 +97,7 @@ def start(
         compile_by_content(sources.reached())
         check_rules(workflow, known, sources.unseen)
         _refuse_what_nothing_makes(workflow, known)
+        check()
         if not workflow.dryrun and any(True for _ in workflow.dag.needrun_jobs()):
             try:
                 made = sorted(

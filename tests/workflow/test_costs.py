@@ -4,6 +4,8 @@ import copy
 import math
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -326,3 +328,23 @@ def test_a_network_whose_gram_matrix_does_not_fit_is_named():
     assert "takes 0.1 GiB" in found
     # what only restores a network does not train it
     assert beyond_memory(jobs[2:], 1) == ""
+
+
+def test_a_run_that_does_not_fit_leaves_the_results_as_they_were(tmp_path):
+    results = tmp_path / "results" / "huge"
+    results.mkdir(parents=True)
+    (results / "notes.txt").write_text("mine")
+    esn = {"neurons": [100_000], "validation": ["RV"], "seeds": 1}
+    overlay = tmp_path / "huge.yaml"
+    block = {"reynolds": [400], "forecasters": {"esn": esn}}
+    overlay.write_text(yaml.safe_dump({"results": "results/huge", "campaign": [block]}))
+    # on a machine with a page of memory
+    code = "import os; os.sysconf = lambda name: 4096 if name == 'SC_PAGE_SIZE' else 1\n"
+    command = [sys.executable, "-c", code + "from snakemake.cli import main; main()"]
+    command += [*options(tmp_path), "--configfile", str(overlay)]
+    for more, status in (["-n"], 0), ([], 1):
+        run = subprocess.run([*command, *more], capture_output=True, text=True)
+        assert run.returncode == status, run.stderr
+        assert "cannot run on this machine: the Gram matrix" in run.stderr
+        assert "takes 74.5 GiB" in run.stderr
+        assert [path.name for path in results.rglob("*")] == ["notes.txt"]

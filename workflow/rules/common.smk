@@ -1,13 +1,12 @@
 """What all rules share: the campaign, where files lie, and functions of what rules need."""
 
-import os
 import sys
 import time
 from pathlib import Path
 
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.costs.model import RULE_COSTS, CostModel
-from burstcast_workflow.costs.records import beyond_memory, costs_of_jobs, rule_costs
+from burstcast_workflow.costs.records import check_memory, costs_of_jobs, rule_costs
 from burstcast_workflow.figures.jobs import captions
 from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.harness.storage import write_table
@@ -31,7 +30,7 @@ from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
 
 PROJECT = Path(str(workflow.current_basedir)).parents[1]
 try:
-    started = start(workflow, config, PROJECT)
+    started = start(workflow, config, PROJECT, lambda: check_memory(workflow, costs))
 except REFUSALS as error:
     raise RefusedError(str(error)) from None
 config, run, sources = started.config, started.run, started.sources
@@ -98,11 +97,7 @@ wildcard_constraints:
 
 
 onstart:
-    found = [*costs_of_jobs(workflow.dag.needrun_jobs(), costs)]
-    # memory of other machines is known to their scheduler alone
-    machine_mib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**20
-    if workflow.local_exec and (reason := beyond_memory(found, machine_mib)):
-        raise RefusedError(reason)
+    found = costs_of_jobs(workflow.dag.needrun_jobs(), costs)
     expect(
         {job.jobid: (job.rule.name, cost.seconds) for job, cost in found},
         f"by the times in {costs.table}" if costs.table else "estimated from sizes",

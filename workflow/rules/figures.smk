@@ -1,5 +1,7 @@
 """Figures: one rule for all of them; each module of `burstcast.figures` says what it is made of."""
 
+import os
+
 from burstcast_workflow.figures.jobs import FigureJobs
 from burstcast_workflow.figures.registry import FIGURES, figure_names
 

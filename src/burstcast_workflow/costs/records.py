@@ -10,6 +10,8 @@ the campaign's tables, which are the same bits wherever and whenever they are ma
 """
 
 import csv
+import os
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -18,6 +20,7 @@ import pandas as pd
 
 from burstcast_workflow.costs.model import Cost, CostModel
 from burstcast_workflow.start import names_of_rules
+from snaketrust.checks import RefusedError
 from snaketrust.plan import planned
 
 _SHOWN = {
@@ -48,6 +51,19 @@ def costs_of_jobs(jobs: Iterable[Any], model: CostModel) -> Iterator[tuple[Any, 
     """Jobs of Snakemake that are stages of a campaign, with what is expected of them."""
     for job, stage in stages_of(jobs, model):
         yield job, model.predicted(model.classes[stage], job.wildcards_dict, stage)
+
+
+def check_memory(workflow: Any, model: CostModel) -> None:
+    """Refuse a run whose networks this machine cannot hold; a dry run only says so.
+
+    Memory of other machines is known to their scheduler alone.
+    """
+    machine_mib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**20
+    reason = beyond_memory(costs_of_jobs(workflow.dag.needrun_jobs(), model), machine_mib)
+    if workflow.local_exec and reason:
+        if not workflow.dryrun:
+            raise RefusedError(reason)
+        print(reason, file=sys.stderr)
 
 
 def beyond_memory(costs: Iterable[tuple[Any, Cost]], machine_mib: float) -> str:
