@@ -2,7 +2,8 @@
 
 ::
 
-    python benchmarks/stream.py [--neurons 1000] [--members 10]
+    burstcast benchmark export --case Re400  # prints the path of TASK.nc
+    python benchmarks/stream.py TASK.nc [--neurons 1000] [--members 10]
 
 Milliseconds of one core, the least of several repetitions. A probability costs the washout and the
 forecasts of all members. States that advanced with each sample would have to be as many as the
@@ -16,10 +17,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from burstcast.benchmark.cases import CASES
-from burstcast.benchmark.data import make_case
 from burstcast.event_forecaster.forecaster import EventForecaster
+from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
 
 def least(function: Callable[[], object], repetitions: int = 10) -> float:
@@ -35,28 +36,28 @@ def least(function: Callable[[], object], repetitions: int = 10) -> float:
 def main() -> None:
     """Fit networks to the case Re400 of the benchmark, and watch a test series."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("task")
     parser.add_argument("--neurons", type=int, default=1000)
     parser.add_argument("--members", type=int, default=10)
     chosen = parser.parse_args()
-    data = make_case(CASES["Re400"])
-    case = data.case
+    training, told = read_netcdf(chosen.task)["training"], read_attributes(chosen.task)
     forecaster = EventForecaster(
-        case.system,
-        case.event_threshold,
+        MoehlisFaisstEckhardt(400.0),
+        float(told["event_threshold"]),
         prediction_times=(1.0, 3.0),
-        lyapunov_time=1 / case.lyapunov_exponent,
-        sampling_interval=case.sampling_interval,
-        washout=case.washout_lt,
+        lyapunov_time=1 / 0.0163,
+        sampling_interval=float(told["sampling_interval"]),
+        washout=0.5,
         neurons=chosen.neurons,
         members=chosen.members,
         grid=2,
         bayesian_points=1,
         calibrate=False,
-    ).fit(data.training[:3, :1000])
-    series = data.training[5]
+    ).fit(training[:3, :1000])
+    series = training[5]
     for sample in series[:200]:
         forecaster.update(sample)
-    washout = case.steps(case.washout_lt)
+    washout = int(told["steps_per_lyapunov_time"]) // 2
     batch = series[np.newaxis, 200 - washout : 200]
     for lead in (1.0, 3.0):
         assert forecaster.probability(lead) == forecaster.predict_proba(batch, lead)[0, 1]

@@ -17,14 +17,15 @@ from sklearn.metrics import precision_recall_curve
 from sklearn.model_selection import GroupKFold, cross_val_predict
 
 LAGS = (0, 5, 10, 20)
-"""Samples before the starting point whose components are features."""
+"""Samples before the starting point whose components are features, where washouts reach so far."""
 FOLDS = 5
 """Groups of training series, each of which is left out once to choose the alarm threshold."""
 
 
 def features(washouts):
     """Features of washouts, ``(points, lags * components)``."""
-    return np.concatenate([washouts[:, -1 - lag] for lag in LAGS], axis=1)
+    reached = [lag for lag in LAGS if lag < washouts.shape[1]]
+    return np.concatenate([washouts[:, -1 - lag] for lag in reached], axis=1)
 
 
 def crosses(window, threshold):

@@ -4,7 +4,7 @@ Usage: python extract.py [DIRECTORY]. The packages are found, not imported: what
 """
 
 import sys
-from importlib.metadata import distribution
+from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,10 @@ TRAINING = 20 * 91
 
 def inside(package: str, path: str) -> Path:
     """Path of a file of an installed package."""
-    found = Path(str(distribution(package).locate_file(path)))
+    try:
+        found = Path(str(distribution(package).locate_file(path)))
+    except PackageNotFoundError:
+        sys.exit(f"{package} is not installed: pip install {package}")
     if not found.is_file():
         sys.exit(f"{package} has no {path} any more: install the version that docs/ names")
     return found

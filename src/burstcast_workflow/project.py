@@ -28,7 +28,7 @@ _PACKAGE = Path(__file__).resolve().parent
 # beside the workflow's files in a wheel: what they were built from
 _REVISION = "revision.txt"
 _INSTALLED = "project"
-_RESULTS = ":(exclude)src/burstcast/benchmark/leaderboard.csv"  # grows by what it was made with
+_RESULTS = ":(exclude)workflow/benchmark/leaderboard.csv"  # grows by what it was made with
 
 
 def project_root() -> Path:

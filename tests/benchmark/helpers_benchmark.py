@@ -3,7 +3,7 @@
 import netCDF4
 import numpy as np
 
-HEAD = "# case=small case_version=3 seed=2026"
+HEAD = "# case=small case_version=3f seed=2026"
 
 
 def write_netcdf(path, facts, **variables):

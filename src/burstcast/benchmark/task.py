@@ -1,7 +1,4 @@
-"""A forecasting task: the washouts that all forecasts start from, and the quantities to forecast.
-
-Cases of the benchmark are such tasks, and so are cases of a campaign.
-"""
+"""A forecasting task: the washouts that all forecasts start from, and what is to be forecast."""
 
 import hashlib
 from collections.abc import Sequence
@@ -25,8 +22,8 @@ as a logarithm in another library, then do not count, and chaos amplifies all la
 class ForecastTask:
     """Reference that files of forecasts are compared with."""
 
-    #: case, version, seed: which data the forecasts are of: files of forecasts have the same three
-    #: facts
+    #: case, version, seed: which data the forecasts are of, as files of forecasts say it; the
+    #: version is a digest of the data
     case: str
     version: str
     seed: int
@@ -84,18 +81,17 @@ class TaskData:
     """Observed data of a task: all that a forecaster may know."""
 
     task: ForecastTask  #: task of the forecasts
-    about: str  #: one sentence about the case
     training: FloatArray  #: observed training series, ``(series, time, component)``
     #: points, washouts: starting points in the test series, and what is observed up to each of
     #: them, ``(points, steps, component)``
     points: SeriesPoints
     washouts: FloatArray
     horizon_washouts: FloatArray  #: likewise for the starting points of the prediction horizon
+    search: HorizonSearch  #: how prediction horizons are looked for
     #: standard deviation of the observation noise, in standard deviations of each component
     noise: float
     event_threshold: float  #: event threshold in units of the observable
     sampling_interval: float  #: time between two samples, in time units
-    search: HorizonSearch  #: how prediction horizons are looked for
     #: error that the search allows, in distances of the threshold from the mean observable
     tolerance: float
     #: columns that are known in advance; None where there are none
@@ -106,12 +102,6 @@ class TaskData:
         """First and last step of each prediction window, counted from the starting point."""
         times, steps = self.task.prediction_times_lt, self.search.steps
         return [(steps(time), steps(time + self.task.window_lt)) for time in times]
-
-    @property
-    def digest(self) -> str:
-        """Digest of the data (`data_digest`)."""
-        known = self.known.arrays() if self.known is not None else ()
-        return data_digest([self.training, self.washouts, self.horizon_washouts, *known])
 
 
 def campaign_task(
@@ -143,8 +133,9 @@ def campaign_task(
     time - 1, columns)``; None where there are none. ``known_of_points``: Likewise over the washouts
     and forecasts of the points (`KnownColumns.points`).
     """
-    starts = horizon_starts(events, search, horizon_stream(seed, case))
-    horizon = before_horizon(before_events, starts, search.washout)
+    order = random_streams.stream(seed, "benchmark horizon", case)
+    starts = horizon_starts(events, search, order)
+    horizon = segments(before_events, SeriesPoints(*starts), search.washout - 1, 0)
     columns = None
     if known is not None and known_of_points is not None:
         columns = KnownColumns(
@@ -172,10 +163,7 @@ def campaign_task(
         horizon_points=len(horizon),
         horizon_steps=search.longest_lead_time,
     )
-    about = f"The case {case} of a campaign."
-    return TaskData(
-        task, about, training, points, washouts, horizon, search=search, known=columns, **facts
-    )
+    return TaskData(task, training, points, washouts, horizon, search, known=columns, **facts)
 
 
 def _known_of_horizon(
@@ -195,11 +183,6 @@ def _known_of_horizon(
     )
     padded = np.pad(known, ((0, 0), (0, steps), (0, 0)), constant_values=np.nan)
     return segments(padded, points, search.washout - 1, steps - 1)
-
-
-def horizon_stream(seed: int, case: str) -> np.random.Generator:
-    """Random numbers of the order of the starting points of prediction horizons."""
-    return random_streams.stream(seed, "benchmark horizon", case)
 
 
 def data_digest(arrays: Sequence[FloatArray]) -> str:
@@ -224,15 +207,7 @@ def horizon_starts(
     leads = np.array([search.steps(lead) for lead in search.lead_times_lt])
     event = np.repeat(np.arange(len(events)), len(leads))
     step = np.tile(search.steps_before_event - leads, len(events))
-    in_series = events.step[event] - search.steps_before_event + step
-    where = np.stack([events.series[event], in_series], axis=1)
+    where = np.stack([events.series[event], events.step[event] + step], axis=1)
     _, first = np.unique(where, axis=0, return_index=True)
     chosen = generator.permutation(np.sort(first))
     return event[chosen], step[chosen]
-
-
-def before_horizon(
-    before_events: FloatArray, starts: tuple[IntArray, IntArray], washout: int
-) -> FloatArray:
-    """Washouts ``(points, washout, component)`` of `horizon_starts`, from segments of events."""
-    return segments(before_events, SeriesPoints(*starts), washout - 1, 0)

@@ -1,87 +1,162 @@
-"""The benchmark: ``burstcast benchmark export``, ``score`` and ``leaderboard``."""
+"""The benchmark: ``burstcast benchmark export``, ``score`` and ``leaderboard``.
 
+A case is a frozen campaign (``workflow/benchmark``), which runs below the working directory.
+"""
+
+import os
+import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from burstcast.benchmark.cases import CASES, SEED, case_named
-from burstcast.benchmark.data import make_case
-from burstcast.benchmark.export import export
-from burstcast.benchmark.forecast_files import case_of, read_forecasts
-from burstcast.benchmark.leaderboard import (
+import yaml
+
+from burstcast.benchmark.forecast_files import facts_of
+from burstcast.discovery import suggestion
+from burstcast.files.netcdf import read_attributes
+from burstcast_workflow.commands.leaderboard import (
+    TABLES,
+    alike,
     as_markdown,
-    compared_with,
     page,
     read_leaderboard,
     row_of,
+    scores_of,
     with_row,
     write_leaderboard,
 )
-from burstcast.benchmark.records import MissingRecordError
-from burstcast.benchmark.scores import score_forecasts, scores_text, write_scores
-from burstcast_workflow.project import source_revision
+from burstcast_workflow.project import project_root, snakefile, source_revision
+
+DIRECTORY = project_root() / "workflow" / "benchmark"
+LEADERBOARD = DIRECTORY / "leaderboard.csv"
+_SCORED = "scored"
 
 
-def export_cases(directory: Path, case: Sequence[str] | None, seed: int | None) -> None:
-    """Write files of cases, and the page that explains them."""
-    root = SEED if seed is None else seed
-    found = []
-    for one in [case_named(name) for name in case or CASES]:
-        try:
-            found.append(make_case(one, root).exported)
-        except MissingRecordError as error:
-            if case:
-                raise
-            print(f"left out: {error}", file=sys.stderr)
-    for path in export(directory, found):
-        print(path)
+def cases() -> dict[str, Any]:
+    """The frozen cases by name: version, campaign, digest of the data, and what they are."""
+    found: dict[str, Any] = yaml.safe_load((DIRECTORY / "cases.yaml").read_text(encoding="utf-8"))
+    return found
 
 
-def score_files(
+def _campaign(name: str) -> tuple[Path, dict[str, Any]]:
+    """Frozen campaign of a case: its file, and the settings in it."""
+    if name not in (known := cases()):
+        raise ValueError(
+            f"the benchmark has no case {name!r}{suggestion(name, list(known))}; its cases are "
+            f"{', '.join(known)}"
+        )
+    path = DIRECTORY / f"{known[name]['campaign']}.yaml"
+    return path, yaml.safe_load(path.read_text(encoding="utf-8"))
+
+
+def _made(
+    name: str,
+    files: Sequence[str],
+    seed: int | None = None,
+    external: Mapping[str, Any] | None = None,
+) -> tuple[Path, int]:
+    """Let a frozen campaign make files of a case; the directory of the case, and the seed.
+
+    ``seed``: Of other data. ``external``: Forecasts that are scored in place of the campaign's own.
+    """
+    path, config = _campaign(name)
+    results, frozen = Path(config["results"]), config["random_seed"]
+    overlay: dict[str, Any] = {}
+    if seed not in (None, frozen):
+        results = results.with_name(f"{results.name}_{seed}")
+        overlay = {"results": str(results), "random_seed": seed}
+    if external:
+        overlay["campaign"] = [
+            *({**block, "forecasters": {"persistence": {}}} for block in config["campaign"]),
+            {"cases": [name], "forecasters": {"external": {_SCORED: external}}},
+        ]
+    with tempfile.TemporaryDirectory() as directory:
+        laid_over = Path(directory) / "benchmark.yaml"
+        laid_over.write_text(yaml.safe_dump(overlay), encoding="utf-8")
+        command = [sys.executable, "-m", "snakemake", "--snakefile", snakefile(), "--configfile"]
+        targets = [f"{results}/{name}/{file}" for file in ("forecast_task.nc", *files)]
+        status = subprocess.run(
+            [*command, str(path), str(laid_over), "--", *targets],
+            env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+        ).returncode
+    if status:
+        raise SystemExit(status)
+    digest = read_attributes(results / name / "forecast_task.nc")["case_version"]
+    if seed in (None, frozen) and digest != cases()[name]["data"]:
+        raise ValueError(
+            f"this machine makes other data of the case {name} (digest {digest}) than the frozen "
+            f"ones ({cases()[name]['data']}): scores could not be compared with the leaderboard"
+        )
+    return results / name, frozen if seed is None else seed
+
+
+def export_cases(case: Sequence[str] | None, seed: int | None) -> None:
+    """Make the files of cases, and the pages that explain them."""
+    for name in case or cases():
+        data = _campaign(name)[1]["cases"][name].get("data", {})
+        missing = [path for path in data.get("files", []) if not os.path.exists(path)]
+        if missing and case is None:
+            print(f"left out: {name}, since {', '.join(missing)} is not here", file=sys.stderr)
+            continue
+        files = "forecast_task.nc", "forecast_task.md"
+        directory, _ = _made(name, files[1:], seed)
+        print(*(directory / file for file in files), sep="\n")
+
+
+def score(
     files: Sequence[Path],
+    forecaster: Sequence[str] | None,
     name: str | None,
     about: str,
     alarm_threshold: float,
-    output: Path | None,
     leaderboard: Path | None,
 ) -> None:
-    """Score the forecasts of one forecaster, print the scores and write them."""
-    if not 0 <= alarm_threshold <= 1:
-        raise ValueError(f"--alarm-threshold must be between 0 and 1, not {alarm_threshold:g}")
-    case, seed = case_of(files)
-    data = make_case(case, seed)
-    scores = score_forecasts(data, read_forecasts(files, data.task), alarm_threshold)
+    """Score forecasts in files, or by a forecaster of the frozen campaign; print and write them."""
+    tables = [f"tables/{table}.csv" for table in TABLES]
+    if forecaster:
+        case, alarm = forecaster
+        name, (directory, seed) = name or alarm, _made(case, tables)
+        target = Path(f"{case}_{name}.scores.csv")
+    else:
+        alarm, (case, _, seed) = f"external-{_SCORED}", facts_of(files[0])
+        external = {"files": list(map(str, files)), "alarm_threshold": alarm_threshold}
+        name, (directory, _) = name or files[0].stem, _made(case, tables, seed, external)
+        target = files[0].with_suffix(".scores.csv")
+    scores = scores_of(directory / "tables", alarm)
+    scores.to_csv(target, index=False)
     row = row_of(
-        data,
         scores,
-        forecaster=name or files[0].stem,
+        case=case,
+        case_version=str(cases()[case]["version"]),
+        seed=str(seed),
+        forecaster=name,
         about=about,
-        alarm_threshold=alarm_threshold,
         version=version("burstcast"),
         commit=source_revision(),
     )
-    target = output or files[0].with_suffix(".scores.csv")
-    write_scores(target, scores)
-    print(scores_text(scores))
-    print(f"\n{case.name}, version {case.version}, seed {seed}; * is this forecaster:\n")
-    print(as_markdown(compared_with(read_leaderboard(), row), row))
+    order = list(cases())
+    print(f"{case}, version {row['case_version']}, seed {seed}; * is this forecaster:\n")
+    print(as_markdown(with_row(alike(read_leaderboard(LEADERBOARD), row), row, order), row))
     print(f"\n{target}: all scores with their intervals")
     if leaderboard is not None:
         known = read_leaderboard(leaderboard) if leaderboard.exists() else []
-        write_leaderboard(leaderboard, with_row(known, row))
-        print(f"{leaderboard}: has the row {row['forecaster']} of {case.name}")
+        write_leaderboard(leaderboard, with_row(known, row, order))
+        print(f"{leaderboard}: has the row {name} of {case}")
 
 
 def show_leaderboard() -> None:
     """Print the leaderboard as a page."""
-    print(page(read_leaderboard()))
+    print(
+        page(read_leaderboard(LEADERBOARD), {name: one["about"] for name, one in cases().items()})
+    )
 
 
 TASKS: Mapping[str, Callable[..., None]] = {
     "export": export_cases,
-    "score": score_files,
+    "score": score,
     "leaderboard": show_leaderboard,
 }
 

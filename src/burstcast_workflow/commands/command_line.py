@@ -55,12 +55,20 @@ def _parser() -> argparse.ArgumentParser:
     archive.add_argument("--output", type=Path, help="the zip; <results>.zip if left out")
     benchmark = command("benchmark", "commands.benchmark", "cases for forecasters of others")
     tasks = benchmark.add_subparsers(dest="task", required=True, metavar="TASK")
-    export = tasks.add_parser("export", help="write the cases, and a page that explains them")
-    export.add_argument("directory", type=Path, help="directory for the cases; it is created")
+    export = tasks.add_parser("export", help="make the files of cases, and pages that explain them")
     export.add_argument("--case", action="append", help="only this case; may be repeated")
     export.add_argument("--seed", type=int, help="of other data; the leaderboard's if left out")
     score = tasks.add_parser("score", help="score the forecasts of one forecaster for one case")
-    score.add_argument("files", type=Path, nargs="+", metavar="FILE", help="NetCDF or CSV")
+    scored = score.add_mutually_exclusive_group(required=True)
+    scored.add_argument(
+        "files", type=Path, nargs="*", default=[], metavar="FILE", help="NetCDF, CSV"
+    )
+    scored.add_argument(
+        "--forecaster",
+        nargs=2,
+        metavar=("CASE", "NAME"),
+        help="of the frozen campaign, instead of files, such as Re400 esn_direct",
+    )
     score.add_argument("--name", help="of the forecaster; by default as in the first file")
     score.add_argument("--about", default="", help="the forecaster in one line")
     score.add_argument(
@@ -69,7 +77,6 @@ def _parser() -> argparse.ArgumentParser:
         default=0.5,
         help="probability at or above which an alarm is raised (%(default)s)",
     )
-    score.add_argument("--output", type=Path, help="CSV file of all scores; <FILE>.scores.csv")
     score.add_argument("--leaderboard", type=Path, help="leaderboard that the row is added to")
     tasks.add_parser("leaderboard", help="print the leaderboard as a page")
     return parser
