@@ -18,95 +18,31 @@ from burstcast_workflow.campaign.summary import campaign_summary
 from burstcast_workflow.project import code_of
 
 KEYS = ["case", "reynolds", "forecaster", "neurons", "validation", "seed"]
+# what the design promises, beside the keys of a forecaster
 COLUMNS = {
-    "dataset": [
-        "case",
-        "reynolds",
-        "series_generated",
-        "series_kept",
-        "laminarised_fraction",
-        "mean_observable",
-        "events_per_series",
-        "event_share",
-        "training_event_share",
-        "lyapunov_exponent",
-        "lyapunov_exponent_low",
-        "lyapunov_exponent_high",
-        "lyapunov_exponent_by_growth",
-        "lyapunov_exponent_by_growth_low",
-        "lyapunov_exponent_by_growth_high",
-        "lyapunov_exponent_paper",
-        "steps_per_lyapunov_time",
-    ],
-    "hyperparameters": [
-        *KEYS,
-        "spectral_radius",
-        "input_scaling",
-        "tikhonov",
-        "objective",
-        "solver",
-    ],
-    "classification": [
-        *KEYS,
-        "prediction_time_lt",
-        "true_positive",
-        "false_positive",
-        "false_negative",
-        "true_negative",
-        "precision",
-        "recall",
-        "f_score",
-    ],
-    "horizon": [*KEYS, "events", "mean_horizon_lt", "median_horizon_lt"],
-    "statistics": [
-        *KEYS,
-        "discarded_fraction",
-        "laminarised_fraction",
-        "fixed_point_fraction",
-        "diverged_fraction",
-        "kantorovich",
-        "mean_log_error",
-        "nrmse_u",
-        "nrmse_uu",
-        "nrmse_uv",
-    ],
-    "survival": [
-        *KEYS,
-        "series",
-        "survived_fraction",
-        "escapes",
-        "time_at_risk",
-        "escape_rate",
-        "escape_rate_low",
-        "escape_rate_high",
-    ],
-    "survival_curve": [*KEYS, "time", "survival", "survival_low", "survival_high"],
-    "lyapunov_spectrum": [
-        *KEYS,
-        "number",
-        "lyapunov_exponent",
-        "lyapunov_exponent_low",
-        "lyapunov_exponent_high",
-    ],
-    "kaplan_yorke": [
-        *KEYS,
-        "runs",
-        "kaplan_yorke_dimension",
-        "kaplan_yorke_dimension_low",
-        "kaplan_yorke_dimension_high",
-    ],
-    "control": [
-        *KEYS,
-        "prediction_time_lt",
-        "exceedance_uncontrolled",
-        "exceedance_controlled",
-        "reduction",
-        "alarms",
-        "false_alarms",
-        "missed_events",
-        "unsuppressed_events",
-        "control_fraction",
-    ],
+    name: (KEYS if name != "dataset" else ["case", "reynolds"]) + columns.split()
+    for name, columns in {
+        "dataset": """series_generated series_kept laminarised_fraction mean_observable
+            events_per_series event_share training_event_share
+            lyapunov_exponent lyapunov_exponent_low lyapunov_exponent_high
+            lyapunov_exponent_by_growth lyapunov_exponent_by_growth_low
+            lyapunov_exponent_by_growth_high lyapunov_exponent_paper steps_per_lyapunov_time""",
+        "hyperparameters": "spectral_radius input_scaling tikhonov objective solver",
+        "classification": """prediction_time_lt true_positive false_positive false_negative
+            true_negative precision recall f_score""",
+        "horizon": "events mean_horizon_lt median_horizon_lt",
+        "statistics": """discarded_fraction laminarised_fraction fixed_point_fraction
+            diverged_fraction kantorovich mean_log_error nrmse_u nrmse_uu nrmse_uv""",
+        "survival": """series survived_fraction escapes time_at_risk escape_rate
+            escape_rate_low escape_rate_high""",
+        "survival_curve": "time survival survival_low survival_high",
+        "lyapunov_spectrum": """number lyapunov_exponent lyapunov_exponent_low
+            lyapunov_exponent_high""",
+        "kaplan_yorke": """runs kaplan_yorke_dimension kaplan_yorke_dimension_low
+            kaplan_yorke_dimension_high""",
+        "control": """prediction_time_lt exceedance_uncontrolled exceedance_controlled reduction
+            alarms false_alarms missed_events unsuppressed_events control_fraction""",
+    }.items()
 }
 NETWORKS = {(neurons, validation) for neurons in (30, 40) for validation in ("SSV", "RV")}
 
@@ -417,22 +353,11 @@ def test_a_target_builds_what_it_needs_and_no_server_is_needed_for_it(finished, 
 # -- mistakes --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("overlay", "message"),
-    [
-        ({"horizon": {"evnts": 3}}, "unknown setting horizon.evnts; did you mean events?"),
-        ({"search": {"grid": 0}}, "search.grid is 0"),
-        (
-            {"cases": {"Re400": {"test_series": 39}}},
-            "case Re400: training.series and test_series are 3 and 39",
-        ),
-    ],
-)
-def test_a_bad_config_stops_before_any_job(finished, tmp_path, overlay, message):
+def test_a_bad_config_stops_before_any_job(finished, tmp_path):
     project = finished.project.without_results(tmp_path / "project")
-    outcome = project.snakemake(overlay=overlay)
+    outcome = project.snakemake(overlay={"horizon": {"evnts": 3}})
     assert outcome.status == 1
-    assert outcome.text.count(message) == 1
+    assert outcome.text.count("unknown setting horizon.evnts; did you mean events?") == 1
     assert "Traceback" not in outcome.text
     assert "src/burstcast_workflow" not in outcome.text
     assert not (project.directory / "results").exists()
@@ -441,44 +366,37 @@ def test_a_bad_config_stops_before_any_job(finished, tmp_path, overlay, message)
 COMPUTED = {"lyapunov": {"published_exponent": None}}
 
 
+FEW = {"laminarisation_threshold": 0.25}
+SCAN = "scan", "scan/esn-N30-seed0-RV+SSV.csv"
+
+
 @pytest.mark.parametrize(
     ("rule", "target", "case", "message"),
     [
         (
-            "evaluation_set",
-            "Re400/evaluation_set.nc",
-            {"test_series": 37, "laminarisation_threshold": 0.25},
-            r"training.series is 3 and test_series is 37, but only 34 series did not laminarise",
+            *("evaluation_set", "evaluation_set.nc", {"test_series": 37, **FEW}),
+            "training.series is 3 and test_series is 37, but only 34 series did not laminarise",
         ),
         (
-            "lyapunov",
-            "Re400/lyapunov.json",
-            {"lyapunov": {"series": 35}, "laminarisation_threshold": 0.25},
-            r"lyapunov.series is 35, but only 34 series",
+            *("lyapunov", "lyapunov.json", {"lyapunov": {"series": 35}, **FEW}),
+            "lyapunov.series is 35, but only 34 series",
         ),
         (
-            "scan",
-            "Re400/scan/esn-N30-seed0-RV+SSV.csv",
-            {"training": {"series": 39}, "test_series": 1, "laminarisation_threshold": 0.25},
-            r"training.series is 39, but only 34 series",
+            *(*SCAN, {"training": {"series": 39}, "test_series": 1, **FEW}),
+            "training.series is 39, but only 34 series",
         ),
         (
-            "scan",
-            "Re400/scan/esn-N30-seed0-RV+SSV.csv",
-            {**COMPUTED, "recycle_validation": {"intervals_per_series": 50}},
+            *(*SCAN, {**COMPUTED, "recycle_validation": {"intervals_per_series": 50}}),
             r"recycle_validation.intervals_per_series, .*: 50 validation intervals .* only \d int",
         ),
         (
-            "events",
-            "Re400/events.nc",
-            {"event_threshold": 0.02},
-            r"event_threshold is 0.02, but it must exceed the mean of the observable",
+            *("events", "events.nc", {"event_threshold": 0.02}),
+            "event_threshold is 0.02, but it must exceed the mean of the observable",
         ),
         (
-            "simulate",
-            "Re400/ensemble.nc",
+            *("simulate", "ensemble.nc"),
             {"laminarisation_threshold": 0.01, "event_threshold": 0.001},
-            r"all 40 series exceeded laminarisation_threshold, 0.01",
+            "all 40 series exceeded laminarisation_threshold, 0.01",
         ),
     ],
 )
@@ -488,7 +406,7 @@ def test_the_first_job_that_knows_of_a_mistake_names_the_setting(
     project = finished.project.copy(tmp_path / "project")
     overlay = {"cases": {"Re400": case}}
     logs = project.logs()
-    outcome = project.snakemake(f"results/tiny/{target}", overlay=overlay)
+    outcome = project.snakemake(f"results/tiny/Re400/{target}", overlay=overlay)
     assert outcome.status == 1
     failure = re.compile(rf"^{rule} \(.*\) failed: ValueError: {message}", re.M)
     assert len(failure.findall(outcome.text)) == 1, outcome.text
@@ -518,23 +436,11 @@ LORENZ = yaml.safe_load("""
     results: results/lorenz
     campaign:
       - cases: [lorenz63]
-        forecasters:
-          esn: {neurons: [40], validation: [SSV, RV], seeds: 1}
-          equations_noisy: {}
+        forecasters: {esn: {neurons: [40], validation: [RV], seeds: 1}, equations_noisy: {}}
     cases:
       lorenz63:
         system: lorenz63
-        event_threshold: 40
-        laminarisation_threshold: null
-        density: {range: [0, 50]}
-        ensemble:
-          initial_state: [1, 1, 20]
-          perturbed_component: 3
-          perturbation: 5
-          time_step: 0.01
-          transient: 20
-          duration: 30
-        lyapunov: {published_exponent: null, orthonormalisation_interval: 0.2}
+        ensemble: {duration: 30, transient: 20}
         test_series: 10
         recycle_validation: {series: 2, intervals_per_series: 3}
     control: {forecasters: {esn: null, equations: null}}
@@ -546,16 +452,10 @@ LORENZ = yaml.safe_load("""
 @pytest.fixture(scope="module")
 def lorenz(finished, tmp_path_factory):
     project = finished.project.without_results(tmp_path_factory.mktemp("lorenz") / "project")
-    names = (
-        "dataset",
-        "hyperparameters",
-        "classification",
-        "horizon",
-        "classification_percentiles",
+    tables = (
+        f"results/lorenz/tables/{name}.csv" for name in ("dataset", "classification", "horizon")
     )
-    outcome = project.snakemake(
-        *(f"results/lorenz/tables/{name}.csv" for name in names), overlay=LORENZ
-    )
+    outcome = project.snakemake(*tables, overlay=LORENZ)
     assert outcome.status == 0, outcome.text[-3000:]
     return project.directory / "results" / "lorenz"
 
@@ -572,12 +472,12 @@ def test_another_system_is_one_case_in_the_config(lorenz):
 
     scores = read_table(lorenz / "tables" / "classification.csv")
     assert "reynolds" not in scores
-    early = scores[(scores["validation"] == "RV") & (scores["prediction_time_lt"] == 1)]
+    early = scores[(scores["forecaster"] == "esn") & (scores["prediction_time_lt"] == 1)]
     counts = early[["true_positive", "false_positive", "false_negative", "true_negative"]]
     assert counts.to_numpy().sum() > 50
     assert early["f_score"].iloc[0] > 0.5  # z of the Lorenz system is easily predicted
     horizons = read_table(lorenz / "tables" / "horizon.csv")
-    assert horizons["events"].tolist() == [8, 8, 8]
+    assert horizons["events"].tolist() == [8, 8]
 
 
 def test_the_computed_exponent_is_the_unit_of_time(lorenz):
@@ -595,5 +495,5 @@ def test_it_may_stand_beside_the_shear_flow(finished, tmp_path):
     both = [*tiny["campaign"], *LORENZ["campaign"]]
     jobs = project.dry_run(overlay={**overlay, "campaign": both})
     assert jobs["simulate"] == 2
-    assert jobs["train"] == 6
+    assert jobs["train"] == 5
     assert jobs["lyapunov"] == 2

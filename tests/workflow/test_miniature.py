@@ -5,9 +5,9 @@ import re
 
 import pytest
 import yaml
-from edits import merged
 from helpers_browser import opened
-from helpers_rebuilds import ROOT, digests
+from helpers_configs import ROOT, paper_with, read
+from helpers_rebuilds import digests
 from recomputation import Recomputation, assert_same_rows, percentiles
 
 from burstcast.files.tables import read_table
@@ -42,16 +42,8 @@ METRICS = {
 }
 
 
-def whole_config(*overlays):
-    texts = [(ROOT / name).read_text() for name in ("config.yaml", PRESET)]
-    config = yaml.safe_load(texts[0])
-    for overlay in (yaml.safe_load(texts[1]), *overlays):
-        config = merged(config, overlay)
-    return config
-
-
 def recomputation(results, *overlays):
-    config = whole_config(*overlays)
+    config = paper_with(read(ROOT / PRESET), *overlays)
     cases = Campaign(config).cases
     records = {name: case.dump() for name, case in cases.items()}
     return Recomputation(results, config, records)

@@ -1,8 +1,4 @@
-"""Stages as a whole: rules, their scripts and the registries agree with one another.
-
-Nothing runs here. Which settings a script reads is found in its syntax tree: every name or literal
-path that it, or a function of ours that it is handed on to, takes out of its settings.
-"""
+"""Stages as a whole: rules, their scripts and the registries agree with one another."""
 
 import ast
 import inspect
@@ -11,14 +7,24 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from helpers_rules import Wildcards, workflow
+import yaml
+from helpers_rules import Wildcards, groups, workflow
+from snakemake.utils import update_config
 
 from burstcast.declared_settings import paths_by_argument
 from burstcast.figures.registry import figure_module
 from burstcast.forecasters.registry import all_kinds, available_kinds, kind_class
 from burstcast.tables.makers._probabilities import SETTINGS as SCORED
 from burstcast.tables.makers.registry import maker
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.config.loading import load
+from burstcast_workflow.costs.model import CostModel
+from burstcast_workflow.figures.jobs import FigureJobs, captions
 from burstcast_workflow.figures.registry import FIGURES, settings_of
+from burstcast_workflow.harness.settings import THRESHOLDS
+from burstcast_workflow.project import code_of
+from burstcast_workflow.stages.stages import Stages, of_job, one_of
+from snaketrust.fingerprint import Sources
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = ROOT / "workflow" / "scripts"
@@ -341,3 +347,124 @@ def test_scans_are_named_as_their_rule_expects():
         reservoir, strategies = workflow().campaign.scan_of(one.name.identifier)
         assert constraint("reservoir").fullmatch(reservoir)
         assert constraint("strategies").fullmatch(strategies)
+
+
+# -- what rules ask for each job -------------------------------------------------------------------
+
+PUBLISHED = "resources/published_percentiles.csv"
+
+
+def stages(*overlays):
+    config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    for overlay in overlays:
+        update_config(config, overlay)
+    campaign = Campaign(load(config))
+    return Stages(campaign, Sources(code_of(ROOT)), CostModel(campaign))
+
+
+@pytest.fixture(scope="module")
+def paper():
+    return stages()
+
+
+QUANTILE = {"case_defaults": {"event_threshold": {"quantile": 0.9}}}
+JOB = Wildcards(case="Re600", forecaster="esn-N2000-RV-seed3")
+
+
+def test_wildcards_of_some_names_and_of_none():
+    assert re.fullmatch(one_of(["Re400", "a.b"]), "a.b")
+    assert not re.fullmatch(one_of(["Re400", "a.b"]), "aXb")
+    assert not re.fullmatch(one_of([]), "")
+
+
+def test_files_of_cases_and_forecasters(paper):
+    assert paper.of_cases("dataset.json", ["Re600"]) == ["results/paper/Re600/dataset.json"]
+    assert len(paper.of_cases("dataset.json")) == 4
+    assert len(paper.of_forecasters("forecast.nc")) == 180 + 2 * 4
+    found = paper.files_in_case("horizon.nc")(JOB)
+    assert len(found) == 2 * 10 + 2
+    assert all(path.startswith("results/paper/Re600/") for path in found)
+    assert paper.files_in_case("x.nc", lambda campaign, case: [])(JOB) == []
+    (scan,) = [paper.scan_of_network("csv")(JOB)]
+    assert scan == "results/paper/Re600/scan/esn-N2000-seed3-RV+SSV.csv"
+
+
+def test_tables_of_a_case_that_has_none(paper):
+    tables = paper.tables_of_case("dataset training_realisations")
+    assert tables["dataset"](JOB) == "results/paper/Re600/tables/dataset.csv"
+    assert tables["training_realisations"](JOB) == []
+
+
+def test_thresholds_are_inputs_where_they_are_quantiles(paper):
+    assert paper.unknowns_of("events") == {}
+    other = stages(QUANTILE)
+    other.settings_of("events", "case.event_threshold")
+    other.settings_of("simulate", "case.ensemble")
+    thresholds = other.unknowns_of("events")[THRESHOLDS]
+    assert thresholds(JOB) == ["results/paper/Re600/event_threshold.json"]
+    assert other.unknowns_of("simulate")[THRESHOLDS](JOB) == []
+
+
+def test_values_of_a_stage_are_given_or_asked_for(paper):
+    values = {"given": 3, "asked": of_job(lambda wildcards: wildcards["case"])}
+    settings = paper.settings_of("events", "case.event_threshold", **values)(JOB)
+    assert dict(settings) == {"case.event_threshold": 0.1, "given": 3, "asked": "Re600"}
+
+
+def test_more_memory_for_each_attempt_and_what_the_cache_keeps(paper):
+    needed = paper.needs("forecast", "forecast", cached=True)
+    first, second = (needed["mem_mb"](JOB, attempt) for attempt in (1, 2))
+    assert 0 < first < second
+    assert needed["cached"] == 1
+
+
+def test_a_figure_of_another_case_and_its_overlay():
+    job = Wildcards(figure="long_term_density", of_case="_Re600")
+    for overlay in (False, True):
+        made = stages({"figures": {"published_overlay": overlay}})
+        drawn = FigureJobs(made, Sources(code_of(ROOT)), PUBLISHED)
+        assert drawn.case(job) == "Re600"
+        assert ("published" in drawn.files(job)) == overlay
+        assert drawn.labels(job) == {"figure": "long_term_density", "case": "Re600"}
+        assert drawn.category(job).endswith("Long-term statistics")
+
+
+def test_every_figure_and_table_has_a_caption(paper):
+    found = captions(paper.campaign)
+    assert all(text for texts in found.values() for text in texts.values())
+    assert {"figures", "tables"} == set(found)
+
+
+# -- the profile for Slurm -------------------------------------------------------------------------
+
+PROFILE = yaml.safe_load((ROOT / "profiles" / "slurm" / "config.yaml").read_text())
+DEFAULT = yaml.safe_load((ROOT / "profiles" / "default" / "config.yaml").read_text())
+
+
+def test_every_job_belongs_to_a_group_that_the_profile_describes():
+    assert len(groups()) > 20
+    described = (ROOT / "profiles" / "slurm" / "config.yaml").read_text()
+    for rule, name in groups().items():
+        assert re.search(rf"^#   {name} ", described, re.M), rule
+    # a profile's groups would replace those of the rules
+    assert "groups" not in PROFILE
+
+
+def test_groups_that_span_several_components_exist():
+    spanning = {entry.split("=")[0] for entry in PROFILE["group-components"]}
+    assert spanning
+    assert spanning <= set(groups().values())
+
+
+def test_what_makes_a_job_run_again_is_the_same_everywhere():
+    for option in ("rerun-triggers", "rerun-incomplete", "keep-going"):
+        assert PROFILE[option] == DEFAULT[option]
+
+
+def test_log_directory_is_the_one_that_the_summary_of_failures_reads():
+    common = (ROOT / "workflow" / "rules" / "common.smk").read_text()
+    assert f'SCHEDULER_LOGS = Path("{PROFILE["slurm-logdir"]}")' in common
+
+
+def test_a_failed_job_is_tried_again_with_more():
+    assert PROFILE["retries"] == 2

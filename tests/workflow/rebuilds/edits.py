@@ -1,15 +1,14 @@
 """Edits of settings and of code: one for every leaf of the config and every module."""
 
-import ast
 import copy
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import yaml
 from dependencies import ALL, and_what_follows, readers
-from helpers_rebuilds import ROOT, TINY
+from helpers_configs import ROOT, tiny_with
+from snakemake.utils import update_config
 
 from burstcast_workflow.config.model import Configuration
 
@@ -39,24 +38,12 @@ TABLES = {
 
 @dataclass(frozen=True)
 class ConfigEdit:
-    """Another value of one setting, and the rules that must run again.
-
-    Attributes
-    ----------
-    path
-        The setting.
-    value
-        What it becomes.
-    with_it
-        What must change with it for the config to stay valid.
-    expected
-        Jobs that run again for the tables, as the oracle calls them.
-    """
+    """Another value of one setting, and the rules that must run again."""
 
     path: tuple[str, ...]
     value: Any
-    expected: frozenset[str]
-    with_it: dict[str, Any] = field(default_factory=dict)
+    expected: frozenset[str]  # jobs that run again for the tables, as the oracle calls them
+    with_it: dict[str, Any] = field(default_factory=dict)  # for the config to stay valid
 
     @property
     def name(self) -> str:
@@ -71,28 +58,17 @@ class ConfigEdit:
             for key in self.path[2:-1]:
                 inner = inner[key]
             inner[self.path[-1]] = self.value
-            return merged(result, {"campaign": campaign})
+            return result | {"campaign": campaign}
         node: Any = self.value
         for key in reversed(self.path):
             node = {key: node}
-        return merged(result, node)
-
-
-def merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-    """Lay one config over another, as Snakemake does."""
-    result = copy.deepcopy(below)
-    for key, value in above.items():
-        if isinstance(value, dict) and isinstance(result.get(key), dict):
-            result[key] = merged(result[key], value)
-        else:
-            result[key] = copy.deepcopy(value)
-    return result
+        update_config(result, node)
+        return result
 
 
 def tiny_config() -> dict[str, Any]:
     """The tiny preset laid over config.yaml, with the defaults of sections that have any."""
-    texts = [(ROOT / name).read_text() for name in ("config.yaml", TINY)]
-    config = merged(*(yaml.safe_load(text) for text in texts))
+    config = tiny_with()
     whole = Configuration.model_validate(config).dump()
     return config | {name: whole[name] for name in ("case_defaults", "forecasters")}
 
@@ -318,26 +294,13 @@ def _another(value: Any) -> Any:
 # -- code ------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class CodeEdit:
-    """An edit of a module or a script: a number in it, or else a statement that is added."""
-
-    path: str  # from the project's root
-    text: str  # what the file becomes
-    what: str
-
-    @property
-    def name(self) -> str:
-        return self.path
-
-    @property
-    def module(self) -> str:
-        """Name of the module; of a script its path below ``workflow/scripts``."""
-        path = Path(self.path)
-        if path.parts[0] != "src":
-            return "/".join(path.parts[2:])
-        parts = [*path.parts[1:-1], path.stem]
-        return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+def module_of(path: str) -> str:
+    """Name of a module; of a script its path below ``workflow/scripts``."""
+    parts = Path(path).parts
+    if parts[0] != "src":
+        return "/".join(parts[2:])
+    name = ".".join(Path(*parts[1:]).with_suffix("").parts)
+    return name.removesuffix(".__init__")
 
 
 def code_files() -> list[str]:
@@ -347,87 +310,3 @@ def code_files() -> list[str]:
         for directory in ("src", "workflow/scripts")
         for path in sorted((ROOT / directory).rglob("*.py"))
     ]
-
-
-def added_statement(path: str) -> CodeEdit:
-    """An edit that changes no result: what the code is, is something else all the same."""
-    return CodeEdit(path, (ROOT / path).read_text() + "\n_EDITED = 1\n", "a constant added")
-
-
-def changed_meanings(path: str) -> Iterator[CodeEdit]:
-    """Edits that mean something else: of a fractional number, a sum, a comparison; one each."""
-    text = (ROOT / path).read_text()
-    tree = ast.parse(text)
-    # a loop that never ends would prove nothing; texts of errors and of the log change nothing
-    left_out = {
-        id(node)
-        for outer in ast.walk(tree)
-        for part in _without_meaning(outer)
-        for node in ast.walk(part)
-    }
-    nodes = [node for node in ast.walk(tree) if id(node) not in left_out]
-    lines = text.splitlines()
-    for found in (_number, _sum, _comparison):
-        for node in nodes:
-            change = found(node, lines)
-            if change is not None:
-                yield _edit(path, text, *change)
-
-
-def _without_meaning(node: ast.AST) -> list[ast.AST]:
-    if isinstance(node, ast.While):
-        return [node.test]
-    if isinstance(node, ast.Raise):
-        return [node]
-    logs = isinstance(node, ast.Expr) and ast.unparse(node.value).startswith("logger.")
-    return [node] if logs else []
-
-
-_Change = tuple[int, int, int, str]  # line, first and last column in bytes, what stands there then
-_OTHER_COMPARISONS = {">=": ">", ">": ">=", "<=": "<", "<": "<="}
-_OTHER_SUMS = {"+": "-", "-": "+"}
-
-
-def _number(node: ast.AST, lines: list[str]) -> _Change | None:
-    if not (isinstance(node, ast.Constant) and type(node.value) is float):
-        return None
-    if node.lineno != node.end_lineno or not 0 < abs(node.value) < 1e300:
-        return None
-    assert node.end_col_offset is not None
-    return node.lineno, node.col_offset, node.end_col_offset, repr(node.value * 1.0625)
-
-
-def _comparison(node: ast.AST, lines: list[str]) -> _Change | None:
-    if not (isinstance(node, ast.Compare) and len(node.ops) == 1):
-        return None
-    return _operator(node.left, node.comparators[0], lines, _OTHER_COMPARISONS)
-
-
-def _sum(node: ast.AST, lines: list[str]) -> _Change | None:
-    if not isinstance(node, ast.BinOp):
-        return None
-    return _operator(node.left, node.right, lines, _OTHER_SUMS)
-
-
-def _operator(
-    left: ast.expr, right: ast.expr, lines: list[str], others: dict[str, str]
-) -> _Change | None:
-    """Another operator between two expressions, where it stands on one line with both."""
-    if left.end_lineno != right.lineno:
-        return None
-    start, end = left.end_col_offset, right.col_offset
-    assert start is not None
-    between = lines[right.lineno - 1].encode()[start:end].decode()
-    operator = between.strip()
-    if operator not in others:
-        return None
-    return right.lineno, start, end, between.replace(operator, others[operator])
-
-
-def _edit(path: str, text: str, number: int, start: int, end: int, new: str) -> CodeEdit:
-    lines = text.splitlines(keepends=True)
-    line = lines[number - 1].encode()
-    changed = line[:start] + new.encode() + line[end:]
-    edited = "".join([*lines[: number - 1], changed.decode(), *lines[number:]])
-    what = f"line {number}: {line[start:end].decode().strip()} -> {new.strip()}"
-    return CodeEdit(path, edited, what)

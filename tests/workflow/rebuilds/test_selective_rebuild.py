@@ -1,53 +1,41 @@
 """What must run again after an edit does, nothing else does, and the results have the same bits.
 
 The long tests make every edit: pytest -m long tests/workflow/rebuilds. Plans (-k plan) take half an
-hour, all trials many hours: they go on where they were stopped if BURSTCAST_TRIALS names a
-directory; ``python trial.py DIRECTORY`` prints the table of docs/selective_rebuild_trials.md.
+hour, runs (-k every_setting) hours.
 """
 
 import os
 import random
 import shutil
 from collections.abc import Iterator
-from pathlib import Path
+from dataclasses import replace
 
 import pytest
 import yaml
 from dependencies import ALL
 from edits import code_files, config_edits
 from helpers_rebuilds import ROOT, TINY, Project
-from trial import TABLE_SCRIPTS, Laboratory, laboratory
+from laboratory import TABLE_SCRIPTS, Laboratory
 
 CONFIG_EDITS = {edit.name: edit for edit in config_edits()}
 
 
 @pytest.fixture(scope="module")
-def sample_lab(tmp_path_factory, finished):
-    directory = tmp_path_factory.mktemp("trials")
-    return Laboratory(directory, finished.project.server, base=finished.project)
+def lab(tmp_path_factory, finished):
+    return Laboratory(tmp_path_factory.mktemp("trials"), finished.project)
 
 
-@pytest.fixture(scope="module")
-def whole_lab(tmp_path_factory):
-    directory = os.environ.get("BURSTCAST_TRIALS")
-    with laboratory(Path(directory) if directory else tmp_path_factory.mktemp("trials")) as made:
-        yield made
+@pytest.mark.long
+def test_a_setting_and_a_module_of_the_scores(lab):
+    assert lab.run_of_setting(CONFIG_EDITS["classification.prediction_times_lt"]) == []
+    recall = "ratio(self.true_positive, self.true_positive + self.false_negative)"
+    edit = "src/burstcast/forecast/classification.py", recall, f"0.5 * {recall}"
+    assert lab.run_of_code(*edit) == []
+    assert replace(lab.base, directory=lab.directory / "work").tables() != lab.base.tables()
 
 
-# -- a sample --------------------------------------------------------------------------------------
-
-
-@pytest.mark.long  # two of the trials below
-def test_a_setting_and_a_module_of_the_scores(sample_lab):
-    trial = sample_lab.config_trial(CONFIG_EDITS["classification.prediction_times_lt"])
-    assert trial.problems == []
-    assert trial.tables_changed > 0
-    trial = sample_lab.code_trial("src/burstcast/forecast/classification.py")
-    assert trial.problems == []
-
-
-def test_edits_that_mean_nothing_run_nothing(sample_lab):
-    work = sample_lab.base.copy(sample_lab.directory / "nothing")
+def test_edits_that_mean_nothing_run_nothing(lab):
+    work = lab.base.copy(lab.directory / "nothing")
     for path in [
         *(work.directory / "src").rglob("*.py"),
         *(work.directory / "workflow/scripts").rglob("*.py"),
@@ -67,16 +55,16 @@ def test_edits_that_mean_nothing_run_nothing(sample_lab):
     assert work.dry_run("tables") == {}
 
 
-def test_an_edit_of_meaning_beside_those_without(sample_lab):
-    work = sample_lab.base.copy(sample_lab.directory / "meaning")
+def test_an_edit_of_meaning_beside_those_without(lab):
+    work = lab.base.copy(lab.directory / "meaning")
     path = work.directory / "src/burstcast/forecast/horizon.py"
     path.write_text(path.read_text() + "\nEDITED = 1\n")
     assert {"horizon", "horizon_table"} <= work.dry_run("tables").keys()
 
 
-def test_changed_settings_beside_the_outputs_of_other_networks(sample_lab):
+def test_changed_settings_beside_the_outputs_of_other_networks(lab):
     edit = CONFIG_EDITS["campaign.0.forecasters.esn.seeds"]
-    work = sample_lab.base.copy(sample_lab.directory / "seeds")
+    work = lab.base.copy(lab.directory / "seeds")
     jobs = work.dry_run("tables", overlay=edit.overlay())
     sizes, strategies = 2, 2
     assert jobs["scan"] == sizes
@@ -84,8 +72,8 @@ def test_changed_settings_beside_the_outputs_of_other_networks(sample_lab):
     assert "simulate" not in jobs
 
 
-def test_why_says_it_in_words(sample_lab):
-    work = sample_lab.base.copy(sample_lab.directory / "why")
+def test_why_says_it_in_words(lab):
+    work = lab.base.copy(lab.directory / "why")
     assert work.why("tables") == "Nothing would run: all results are up to date.\n"
     path = work.directory / "src/burstcast/forecast/classification.py"
     path.write_text(path.read_text() + "\nEDITED = 1\n")
@@ -100,11 +88,9 @@ def test_why_says_it_in_words(sample_lab):
 
 
 @pytest.mark.long
-def test_another_campaign_takes_from_the_cache_what_it_shares(sample_lab, tmp_path):
+def test_another_campaign_takes_from_the_cache_what_it_shares(lab, tmp_path):
     network = "Re400/esn-N30-RV-seed0/forecaster.nc"
-    first, second = (
-        sample_lab.base.without_results(sample_lab.directory / name) for name in ("one", "other")
-    )
+    first, second = (lab.base.without_results(lab.directory / name) for name in ("one", "other"))
     store = {"BURSTCAST_CACHE": str(tmp_path / "cache")}
     assert first.snakemake(f"results/tiny/{network}", **store).status == 0
     # elsewhere, with another threshold, which the networks do not depend on, and another noise
@@ -121,8 +107,8 @@ def test_another_campaign_takes_from_the_cache_what_it_shares(sample_lab, tmp_pa
         assert same == (noise == 0.01)
 
 
-def test_the_oracle_knows_every_rule_of_the_tables(sample_lab):
-    ran = {name.split("/")[0].removesuffix(".log") for name in sample_lab.base.logs()}
+def test_the_oracle_knows_every_rule_of_the_tables(lab):
+    ran = {name.split("/")[0].removesuffix(".log") for name in lab.base.logs()}
     assert ran == TABLE_SCRIPTS == {name.split("/")[0] for name in ALL}
 
 
@@ -150,29 +136,25 @@ def _otherwise(value):
 
 # -- everything ------------------------------------------------------------------------------------
 
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", CONFIG_EDITS)
-def test_every_setting(whole_lab, name):
-    assert whole_lab.config_trial(CONFIG_EDITS[name]).problems == []
+EVERY_SETTING = pytest.mark.parametrize("name", CONFIG_EDITS)
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("path", code_files())
-def test_every_module_and_script(whole_lab, path):
-    assert whole_lab.code_trial(path).problems == []
+@EVERY_SETTING
+def test_every_setting(lab, name):
+    assert lab.run_of_setting(CONFIG_EDITS[name]) == []
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", CONFIG_EDITS)
-def test_the_plan_of_every_setting(whole_lab, name):
-    assert whole_lab.plan_of_config_trial(CONFIG_EDITS[name]) == []
+@EVERY_SETTING
+def test_the_plan_of_every_setting(lab, name):
+    assert lab.plan_of_setting(CONFIG_EDITS[name]) == []
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("path", code_files())
-def test_the_plan_of_every_module_and_script(whole_lab, path):
-    assert whole_lab.plan_of_code_trial(path) == []
+def test_the_plan_of_every_module_and_script(lab, path):
+    assert lab.plan_of_code(path) == []
 
 
 def some_results(project: Project, name: str) -> Iterator[str]:
@@ -192,7 +174,7 @@ def assert_nothing_is_hidden(whole: Project, project: Project, overlay: dict) ->
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", CONFIG_EDITS)
+@EVERY_SETTING
 def test_deleted_files_hide_no_edit(finished, tmp_path, name):
     """Whatever files are deleted, an edit makes at least the jobs run that it would run anyway."""
     project = finished.project.copy(tmp_path / "project")
@@ -210,7 +192,7 @@ def another(finished, tmp_path_factory) -> Project:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", CONFIG_EDITS)
+@EVERY_SETTING
 def test_restored_files_hide_no_edit(finished, another, tmp_path, name):
     """Neither do files of another run, their records, or both."""
     project = finished.project.copy(tmp_path / "project")

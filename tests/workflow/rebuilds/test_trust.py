@@ -1,4 +1,4 @@
-"""Records and results belong together: whatever happens to files, nothing wrong is used."""
+"""Records and results belong together: whatever happens, nothing wrong is used."""
 
 import json
 import os
@@ -7,9 +7,10 @@ import subprocess
 import sys
 
 import pytest
-from helpers_rebuilds import RESULTS, Project
+from helpers_rebuilds import HERE, RESULTS, Project
 
 from burstcast_workflow.figures.registry import FIGURES
+from snaketrust.run import VARIABLE
 
 NETWORKS = [f"Re400/esn-N{neurons}-RV-seed0/forecaster.nc" for neurons in (30, 40)]
 NOTHING = "Nothing would run: all results are up to date.\n"
@@ -249,3 +250,94 @@ def test_a_clock_that_is_wrong_is_told(project):
     assert outcome.status == 1
     assert "This could indicate a clock skew problem" in outcome.text
     assert f"{RESULTS}/Re400/events.nc" in outcome.text
+
+
+# -- jobs of a cluster, for which Snakemake reads the workflow anew --------------------------------
+
+EVENTS = f"{RESULTS}/Re400/events.json"
+# as Snakemake's executors call it on a node
+ON_A_NODE = (
+    *("--mode", "remote", "--nolock", "--ignore-incomplete", "--force", "--no-hooks"),
+    *("--target-jobs", "events:case=Re400", "--allowed-rules", "events"),
+)
+
+
+def run_of(project: Project) -> dict[str, str]:
+    """What its jobs find in their environment."""
+    claim = json.loads((project.results / ".run.json").read_text())
+    return {VARIABLE: f"{claim['token']} {RESULTS}"}
+
+
+def settings_of(project: Project) -> dict:
+    record = project.results / ".records" / "Re400" / "events.json.json"
+    return json.loads(record.read_text())["parameters"]["settings"]
+
+
+def test_an_edit_of_the_config_during_a_campaign_counts_at_its_next_run(project):
+    edited = {"case_defaults": {"event_threshold": 0.08}}
+    outcome = project.snakemake(*ON_A_NODE, overlay=edited, **run_of(project))
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert "1 of 1 steps (100%) done" in outcome.text
+    assert settings_of(project)["case.event_threshold"] == 0.07
+    assert project.dry_run(EVENTS) == {}
+    assert project.dry_run(EVENTS, overlay=edited) == {"events": 1}
+
+
+def test_an_edit_of_the_code_during_a_campaign_fails_the_job(project):
+    project.edit(
+        "workflow/scripts/data/events.py",
+        "from burstcast import durations",
+        "from burstcast import durations; a=1",
+    )
+    outcome = project.snakemake(*ON_A_NODE, **run_of(project))
+    assert outcome.status == 1
+    assert "events.py changed after the workflow was planned" in outcome.text
+
+
+def test_a_job_that_waited_in_the_queue_for_too_long_does_nothing(project):
+    before = run_of(project)
+    target = f"{RESULTS}/Re400/statistics_data.nc"
+    assert project.snakemake(target, "--forcerun", "reference_statistics").status == 0
+    outcome = project.snakemake(*ON_A_NODE, **before)
+    assert outcome.status == 1
+    assert f"{RESULTS} belongs to a newer run now" in outcome.text
+
+
+def test_a_job_that_does_not_know_its_run_says_so(project):
+    outcome = project.snakemake(*ON_A_NODE, **{VARIABLE: ""})
+    assert outcome.status == 1
+    assert f"the environment variable {VARIABLE} does not reach jobs" in outcome.text
+
+
+# -- a copy of the project runs its own code, or none ----------------------------------------------
+
+
+def test_the_environment_of_another_copy_is_refused(finished, tmp_path):
+    one, other = (finished.project.without_results(tmp_path / name) for name in ("one", "other"))
+    path = f"{one.directory / 'src'}:{HERE / 'server'}"
+    outcome = other.snakemake("-n", PYTHONPATH=path)
+    assert outcome.status == 1
+    assert f"Python imports burstcast from {one.directory / 'src'}, another copy" in outcome.text
+    assert "Traceback" not in outcome.text
+    assert one.snakemake("-n").status == 0
+
+
+def test_an_edit_during_a_run_that_is_undone_before_the_next_leaves_nothing(finished, tmp_path):
+    project = finished.project.copy(tmp_path / "project")
+    tables = project.tables()
+    module = project.directory / "src/burstcast/forecast/horizon.py"
+    script = project.directory / "workflow/scripts/data/events.py"
+    texts = {path: path.read_text() for path in (module, script)}
+    # the job of the events edits what the jobs of the horizons import
+    edit = f"open({str(module)!r}, 'a').write('EDITED = 1')"
+    function = '    """Write the events'
+    assert texts[script].count(function) == 1
+    script.write_text(texts[script].replace(function, f"    {edit}\n{function}"))
+    target = "results/tiny/tables/horizon.csv"
+    outcome = project.snakemake(target)
+    assert outcome.status == 1
+    assert "burstcast.forecast.horizon changed after the workflow was planned" in outcome.text
+    for path, text in texts.items():
+        path.write_text(text)
+    assert project.snakemake("tables").status == 0
+    assert project.tables() == tables

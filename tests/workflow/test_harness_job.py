@@ -1,3 +1,5 @@
+"""The frame in which a script runs as a job: its files, its settings, its code, its failures."""
+
 import json
 import os
 import signal
@@ -7,6 +9,9 @@ import textwrap
 import time
 
 import pytest
+
+from burstcast_workflow.harness import environment
+from burstcast_workflow.harness.failures import failure_summary
 
 HEADER = """
 import os, sys, time
@@ -308,3 +313,67 @@ def test_code_that_is_edited_while_a_job_runs_fails_it(tmp_path):
     # a comment is no edit
     result, _ = run(tmp_path, body % "  # a comment")
     assert result.returncode == 0
+
+
+# -- the ends of logs ------------------------------------------------------------------------------
+
+
+def write(path, text, age=0.0):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+    os.utime(path, (time.time() - age, time.time() - age))
+    return path
+
+
+def test_nothing_failed(tmp_path):
+    write(tmp_path / "logs" / "train" / "a.log", "starts\nINFO train (seed=1) is done: 1.00 s\n")
+    assert failure_summary(tmp_path / "logs", tmp_path / "none", time.time() - 60) == ""
+
+
+def test_ends_of_the_logs_of_failed_and_killed_jobs_in_the_order_of_time(tmp_path):
+    lines = "".join(f"line {number}\n" for number in range(50))
+    failed = write(tmp_path / "logs" / "b.log", lines + "ValueError: bad\n", age=20)
+    killed = write(tmp_path / "logs" / "a.log", "", age=10)
+    write(tmp_path / "logs" / "fine.log", "x is done: 1 s\n\n", age=5)
+    of_slurm = write(tmp_path / "slurm" / "group" / "7.log", "exceeded memory limit\n")
+    text = failure_summary(tmp_path / "logs", tmp_path / "slurm", time.time() - 60)
+    assert text.index(str(failed)) < text.index(str(killed)) < text.index(str(of_slurm))
+    assert "ValueError: bad" in text
+    assert "(empty)" in text
+    assert "exceeded memory limit" in text
+    assert "line 49" in text
+    assert "line 39\n" in text  # twelve lines in all
+    assert "line 38\n" not in text
+    assert "fine.log" not in text
+
+
+def test_logs_of_earlier_runs_do_not_count(tmp_path):
+    write(tmp_path / "logs" / "old.log", "ValueError: long ago\n", age=3600)
+    assert failure_summary(tmp_path / "logs", tmp_path / "none", time.time() - 60) == ""
+
+
+def test_many_failures_are_listed_by_name_only(tmp_path):
+    for number in range(25):
+        write(tmp_path / "logs" / f"{number}.log", f"reason {number}\n", age=100 - number)
+    text = failure_summary(tmp_path / "logs", tmp_path / "none", time.time() - 1000)
+    assert "reason 0" in text
+    assert "15 more" in text
+    assert "24.log" in text
+    assert "reason 24" not in text
+
+
+# -- what numbers depend on beside settings, code and inputs ---------------------------------------
+
+
+def test_the_home_of_nobody_is_no_cache(monkeypatch, caplog):
+    monkeypatch.setenv(environment.CACHE, "~nosuchuser/cache")
+    assert environment.shared_results() is None
+    assert "the cache ~nosuchuser/cache is not used: " in caplog.text
+
+
+def test_a_cache_is_where_the_variable_says(monkeypatch, tmp_path):
+    monkeypatch.delenv(environment.CACHE, raising=False)
+    assert environment.shared_results() is None
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv(environment.CACHE, "~/cache")
+    assert environment.shared_results().directory == tmp_path / "cache"

@@ -1,0 +1,462 @@
+"""Figures of a campaign: which there are, what they show, and the script that draws them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers_configs import PRESETS, ROOT, TINY, campaign, read
+from helpers_rebuilds import loaded_script
+
+from burstcast.figures.registry import Declaration, available_figures, caption, declaration
+from burstcast.files.netcdf import Variable, write_netcdf
+from burstcast.statistics.densities import Histogram
+from burstcast.statistics.measures import best_network
+from burstcast.statistics.moments import StateMoments
+from burstcast.statistics.reductions import LongTermStatistics
+from burstcast.systems.registry import make_system, parameters_of
+from burstcast.tables.parameters import described_parameters
+from burstcast_workflow.config.cases import is_flow
+from burstcast_workflow.figures import registry
+from burstcast_workflow.figures.registry import (
+    FIGURES,
+    cases_of,
+    control_example,
+    figure_case,
+    figure_names,
+    files_of,
+    long_term_candidates,
+    settings_of,
+)
+from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.tables.declarations import TABLES
+from burstcast_workflow.tables.registry import cases_of_tables, latex_names, table_names, typeset
+
+PAPER = campaign()
+
+
+@pytest.fixture(scope="module")
+def script():
+    return loaded_script("figures/figure.py")
+
+
+def drawn(script, directory, symbol="k", **files):
+    """Files of the schematic of the horizon."""
+    figures = {"pdf": str(directory / "figure.pdf"), "png": str(directory / "figure.png")}
+    names = ("longest_lead_time_lt", "lead_time_step_lt", "tolerance")
+    said = {f"horizon.{name}": value for name, value in zip(names, (10, 0.5, 0.2), strict=True)}
+    identity = {"rule": "figure", "figure": "horizon_schematic"}
+    settings = Settings({**said, "shown.symbol": symbol}, identity)
+    script.figure(**figures, settings=settings, **files)
+    assert settings.unread() == []
+    return {path.name: path.read_bytes() for path in sorted(directory.glob("figure.*"))}
+
+
+def test_a_figure_is_written_as_pdf_and_png(script, tmp_path):
+    found = drawn(script, tmp_path)
+    assert list(found) == ["figure.pdf", "figure.png"]
+    assert found["figure.pdf"].startswith(b"%PDF")
+    assert found["figure.png"].startswith(b"\x89PNG")
+
+
+def test_nothing_is_written_of_a_figure_that_cannot_be_drawn(script, tmp_path):
+    with pytest.raises(ValueError, match="nosuchcommand"):
+        drawn(script, tmp_path, r"\nosuchcommand")
+    with pytest.raises(TypeError, match="unexpected keyword argument 'more'"):
+        drawn(script, tmp_path, more=[])
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_inputs_are_the_contents_of_files(script, tmp_path):
+    table, record, arrays = (str(tmp_path / f"x.{end}") for end in ("csv", "json", "nc"))
+    Path(table).write_text("case,value\nRe400,1.5\n")
+    write_json(record, {"tikhonov": 1e-9})
+    identity = {"identity": '{"rule": "train", "forecaster": "esn-N40-RV-seed0"}'}
+    write_netcdf(arrays, {"time": Variable(("time",), np.arange(3.0), "1", "")}, identity)
+    rows = [{"case": "Re400", "value": 1.5}]
+    assert script._content(table, "").to_dict("records") == rows
+    assert [one.to_dict("records") for one in script._content([table, table], "")] == [rows, rows]
+    assert script._content(record, "") == {"tikhonov": 1e-9}
+    found = script._content(arrays, "")
+    assert found["forecaster"] == "esn-N40-RV-seed0"
+    assert found["time"].tolist() == script._content(arrays, "time").tolist() == [0, 1, 2]
+    assert script._content([], "") is None
+
+
+# -- declarations ----------------------------------------------------------------------------------
+
+
+def test_declarations_and_captions_are_read_from_the_text():
+    with pytest.raises(ValueError, match=r"FIGURE = Declaration\(\.\.\.\) in burstcast/figures"):
+        declaration("registry")
+    said = "Measurement of the prediction horizon of an extreme event."
+    assert caption("horizon_schematic") == said
+    places = [(one.section, one.position) for one in map(declaration, available_figures())]
+    assert len(set(places)) == len(places)
+
+
+def test_an_unknown_section_names_those_that_there_are(monkeypatch):
+    new = {"new": Declaration("contrl", 10)}
+    monkeypatch.setattr(registry, "available_figures", lambda: [*new])
+    monkeypatch.setattr(registry, "declaration", new.__getitem__)
+    with pytest.raises(ValueError, match=r"the section 'contrl'.*did you mean 'control'"):
+        registry._declared()
+
+
+def asked(of, figure):
+    return cases_of(of, figure), files_of(of, figure, "Re400"), settings_of(of, figure, "Re400")
+
+
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        ({"inputs": {"x": "exampel/x.nc"}}, "place 'exampel' .did you mean 'example'"),
+        ({"settings": "x=shown.symbols"}, "setting to show 'symbols' .did you mean 'symbol'"),
+        ({"cases": "all"}, "choice of cases 'all'.*known are example, every"),
+    ],
+)
+def test_an_unknown_name_in_a_declaration_is_told(said, message):
+    figure = Declaration("control", 10, **said)
+    with pytest.raises(ValueError, match=message):
+        asked(PAPER, figure)
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_captions_are_sentences_that_the_report_shows_and_no_settings(name):
+    text = caption(name)
+    assert text == text.strip()
+    assert text.endswith(".")
+    assert "  " not in text
+    assert [other for other in FIGURES if caption(other) == text] == [name]
+    assert not {text} & {str(value) for one in FIGURES for value in shown(PAPER, one).values()}
+    assert "captions" in (WORKFLOW / "report" / "figure.rst").read_text()
+
+
+# -- of long-term statistics, flow and control -----------------------------------------------------
+
+FLOW = {"midplane_planes", "vorticity_isosurfaces"}
+STATISTICS = {
+    *("long_term_density", "profile_errors", "midplane_mean_square"),
+    "own_flow",
+}
+CONTROL = {"control_schematic", "suppressed_event", "control_density", "control_tradeoff"}
+LORENZ = {"system": "lorenz63", "actuation": {"parameters": {"rho": 10}}}
+
+
+def block(neurons, validation=("RV",), seeds=2, **cases):
+    networks = {"neurons": neurons, "validation": [*validation], "seeds": seeds}
+    return {**cases, "forecasters": {"esn": networks, "equations": {}, "equations_noisy": {}}}
+
+
+def of_blocks(blocks=None, **overlay):
+    return campaign(overlay, blocks=blocks)
+
+
+def stage_figures(of):
+    figures = figure_names(of)
+    assert len(set(figures)) == len(figures)
+    stages = FLOW | STATISTICS | CONTROL
+    assert stages < set(FIGURES)
+    return {
+        figure
+        for figure in figures
+        if any(figure == name or figure.startswith(f"{name}_") for name in stages)
+    }
+
+
+def shown(of, figure, case="Re400"):
+    """Settings of a figure's job."""
+    return settings_of(of, FIGURES[figure], case)
+
+
+OFF = {"forecasters": {"esn": None, "equations": None}}
+SSV = {"forecasters": {"esn": {"validation": ["SSV"]}}}
+ONE = [block([2000], reynolds=[400])]
+
+
+def test_one_reynolds_number_has_every_figure_once():
+    assert stage_figures(of_blocks(ONE)) == FLOW | STATISTICS | CONTROL
+
+
+def test_other_cases_have_their_own_statistics_and_share_the_densities_under_control():
+    found = stage_figures(of_blocks([block([2000], reynolds=[600, 400])]))
+    more = {f"{name}_Re600" for name in (*STATISTICS, "control_tradeoff")}
+    assert found == FLOW | STATISTICS | CONTROL | more
+
+
+def test_stages_that_are_switched_off_have_no_figures():
+    assert stage_figures(of_blocks(ONE, control=OFF)) == FLOW | STATISTICS
+    assert stage_figures(of_blocks(ONE, statistics=OFF)) == FLOW | CONTROL
+    uncontrolled = of_blocks(ONE, case_defaults={"actuation": None})
+    assert stage_figures(uncontrolled) == FLOW | STATISTICS
+
+
+def test_a_strategy_that_no_network_has_leaves_no_figures():
+    blocks = [*ONE, block([2000], validation=("SSV",), reynolds=[600])]
+    wanted = {"cases": {"Re600": {"actuation": None}}, "statistics": SSV}
+    control = {"forecasters": {**SSV["forecasters"], "equations": None}}
+    found = of_blocks(blocks, **wanted, control=control)
+    assert {one.case for one in found.long_term_forecasters} == {"Re600"}
+    assert stage_figures(found) == FLOW | STATISTICS
+    assert "control" not in table_names(found)
+
+
+def test_forecasters_that_are_no_networks_have_tables_and_no_figures_of_their_own():
+    choice = {"forecasters": {"esn": None, "equations": {}, "equations_noisy": {}}}
+    found = of_blocks(ONE, statistics=choice, control=choice)
+    assert stage_figures(found) == FLOW
+    assert {"control_percentiles", "statistics_percentiles"} <= set(table_names(found))
+    assert {run.controller.kind for run in found.control_runs} == {
+        "equations",
+        "equations_noisy",
+    }
+
+
+def lorenz(**overlay):
+    return of_blocks(
+        [block([2000], cases=["lorenz"])],
+        cases={"lorenz": LORENZ},
+        figures={"example_case": "lorenz", "flow_event": {"peak": 45}},
+        **overlay,
+    )
+
+
+def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
+    found = lorenz()
+    assert not is_flow(found.cases["lorenz"])
+    assert stage_figures(found) == {
+        "long_term_density",
+        "own_flow",
+        "control_schematic",
+        "control_density",
+        "control_tradeoff",
+    }
+    assert shown(found, "long_term_density", "lorenz")["shown.symbol"] == "z"
+
+
+def test_densities_of_different_systems_are_not_in_one_figure():
+    blocks = [block([2000], reynolds=[600, 400], cases=["lorenz"])]
+    found = of_blocks(blocks, cases={"lorenz": LORENZ}, figures={"example_case": "Re400"})
+    assert {"control_density", "control_density_lorenz"} <= stage_figures(found)
+    for case, cases in (("Re400", ["Re400", "Re600"]), ("lorenz", ["lorenz"])):
+        panels = shown(found, "control_density", case)["shown.panels"]
+        assert [panel["case"] for panel in panels] == cases
+
+
+def test_densities_leave_the_sweep_and_other_sizes_out():
+    found = of_blocks(
+        [block([500, 2000], reynolds=[400], seeds=3)],
+        control={
+            "forecasters": {"esn": {"neurons": [500, 2000]}},
+            "sweep": {"cases": ["Re400"], "seeds": 2},
+        },
+    )
+    assert {run.prediction_time_lt for run in found.control_runs} == {1, 2, 3, 4, 5}
+    assert shown(found, "control_density", "Re400")["shown.panels"] == [
+        {"case": "Re400", "event_threshold": 0.1, "neurons": 2000, "validation": "RV"}
+    ]
+    assert found.config.control.prediction_times_lt == [1, 2]
+
+
+def test_a_case_without_networks_of_the_fixed_size_shows_those_that_it_has():
+    blocks = [block([2000], reynolds=[400]), block([500], reynolds=[600])]
+    assert stage_figures(of_blocks(blocks)) == FLOW | STATISTICS | CONTROL
+    found = of_blocks(blocks, control={"forecasters": {"esn": {"neurons": []}}})
+    networks = shown(found, "control_tradeoff", "Re600")["shown.control_networks"]
+    assert networks == {"neurons": 500, "validation": "RV"}
+
+
+def test_the_suppressed_event_is_the_example_networks_if_it_controls():
+    seeds = [block([500, 2000], validation=("SSV", "RV"), reynolds=[600, 400], seeds=3)]
+    own = of_blocks(seeds, figures={"example_forecaster": "esn-N2000-RV-seed2"})
+    assert control_example(own).controller == own.example.name
+    other = of_blocks(
+        seeds,
+        figures={"example_forecaster": "esn-N500-RV-seed2"},
+        control={"forecasters": {"esn": {"neurons": [2000]}}},
+    )
+    run = control_example(other)
+    assert (run.case, run.controller.identifier) == ("Re400", "esn-N2000-RV-seed0")
+    assert run.prediction_time_lt == 2
+    assert control_example(of_blocks(seeds, control={"forecasters": {"esn": None}})) is None
+
+
+def test_the_best_network_is_of_the_examples_strategy():
+    both = {"statistics": {"forecasters": {"esn": {"validation": ["SSV", "RV"]}}}}
+    ssv = {"figures": {"example_forecaster": "esn-N2000-SSV-seed0"}}
+    blocks = [block([500, 2000], validation=("SSV", "RV"), reynolds=[400])]
+    for overlay, expected in (
+        (both, "RV"),
+        ({**both, **ssv}, "SSV"),
+        ({"statistics": SSV}, "SSV"),
+    ):
+        candidates = long_term_candidates(of_blocks(blocks, **overlay), "Re400")
+        assert {(one.name.neurons, one.name.validation) for one in candidates} == {(2000, expected)}
+        assert len(candidates) == 2
+
+
+def statistics(counts):
+    edges = np.linspace(0.0, 1.0, len(counts) + 1)
+    number = sum(counts)
+    moments = StateMoments(number, np.zeros(2), np.eye(2))
+    return LongTermStatistics(Histogram(edges, np.array(counts)), moments)
+
+
+NOTHING, NEAR, NEAREST = statistics([0, 0, 0]), statistics([10, 6, 5]), statistics([10, 6, 4])
+
+
+@pytest.mark.parametrize(
+    ("networks", "label"),
+    [
+        ([NOTHING, NOTHING], None),
+        ([NOTHING, NEAR], "ESN (500 neurons, best of 2: seed 7)"),
+        ([NEAREST, NEAR], "ESN (500 neurons, best of 2: seed 4)"),
+        ([NEAR], "ESN (500 neurons, seed 4)"),
+    ],
+)
+def test_the_best_network_is_the_nearest_to_the_data(networks, label):
+    best = best_network(NEAREST, dict(zip([(500, 4), (500, 7)], networks, strict=False)))
+    assert (best.label if best else None) == label
+
+
+# -- what the report consists of -------------------------------------------------------------------
+
+WORKFLOW = ROOT / "workflow"
+EVERYWHERE = {
+    *("observable_and_density", "validation_strategies", "network_schematic"),
+    *("prediction_schematic", "prediction_examples", "classification_scores"),
+    *("horizon_schematic", "horizon_evaluations", "horizon_by_size"),
+}
+
+
+def changed(overlay):
+    """Figures whose settings an overlay changes."""
+    other = campaign(overlay)
+    return {name for name in FIGURES if shown(PAPER, name) != shown(other, name)}
+
+
+def test_the_paper_has_all_figures_and_those_of_other_cases():
+    names = figure_names(PAPER)
+    # of other strategies than the paper's, of parts of a state, and of plane flows
+    assert set(FIGURES) - set(names) == {
+        *("burst_forecast", "burst_vorticity", "control_frontier"),
+        *("encoder_loss", "lost_skill", "skill_by_parameter"),
+    }
+    for case in ("Re600", "Re800", "Re1000"):
+        assert f"classification_scores_{case}" in names
+        # one size only: nothing to draw against
+        assert f"horizon_by_size_{case}" not in names
+    assert "classification_scores_Re400" not in names  # the example's case has the plain name
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=lambda path: path.stem)
+def test_every_campaign_of_networks_has_the_figures_of_the_method(preset):
+    assert set(figure_names(campaign(read(preset)))) >= EVERYWHERE
+
+
+def test_no_figure_over_one_reynolds_number_and_each_once():
+    overlay = read(TINY)
+    block = {**overlay["campaign"][0], "reynolds": [400]}
+    assert {*(names := figure_names(campaign({**overlay, "campaign": [block]})))} >= EVERYWHERE
+    assert "by_reynolds" not in names
+    blocks = PAPER.config.dump()["campaign"]
+    twins = {"Twin": {"parameters": {"reynolds": 600}, "lyapunov": {}}}
+    twin = {**blocks[1], "reynolds": [400], "cases": ["Twin"]}
+    found = campaign({"cases": twins}, blocks=[*blocks, twin])
+    assert "Twin" in found.case_names
+    assert files_of(found, FIGURES["by_reynolds"], "Re400")["horizons"] == [
+        f"Re{reynolds}/tables/horizon_percentiles.csv" for reynolds in (400, 600, 800, 1000)
+    ]
+
+
+def test_the_frontier_is_made_where_other_strategies_control():
+    frontier = campaign(read(WORKFLOW / "presets" / "beyond_the_paper.yaml"))
+    assert figure_names(frontier)[-1] == "control_frontier"
+    network = shown(frontier, "control_frontier")["shown.frontier_network"]
+    assert network == {"forecaster": "esn", "neurons": 1000, "validation": "RV", "seed": 0}
+    assert shown(PAPER, "control_frontier", "Re800")["shown.frontier_network"]["seed"] == 0
+
+
+@pytest.mark.parametrize(
+    ("overlay", "names"),
+    [
+        # the published values are an input of these figures, and no setting of any
+        ({"figures": {"published_overlay": True}}, ""),
+        # the example event is chosen where the forecasts are made
+        ({"figures": {"example_horizon_lt": 3}}, ""),
+        ({"horizon": {"tolerance": 0.1}}, "horizon_schematic"),
+        ({"horizon": {"events": 100}}, ""),
+        ({"search": {"interval_lt": 1}}, "validation_strategies"),
+        ({"forecasters": {"esn": {"connectivity": 10}}}, "network_schematic"),
+        ({"washout_lt": 0.6}, "validation_strategies prediction_schematic horizon_evaluations"),
+        (
+            {"figures": {"flow_points": [9, 9, 9]}},
+            "midplane_mean_square midplane_planes vorticity_isosurfaces suppressed_event",
+        ),
+    ],
+)
+def test_figures_read_what_they_need_and_nothing_else(overlay, names):
+    assert changed(overlay) == {*names.split()}
+
+
+def test_figures_show_the_case_in_their_name():
+    assert figure_case(PAPER, "classification_scores", "_Re800") == "Re800"
+    assert figure_case(PAPER, "classification_scores", "") == "Re400"
+    scores = "Re800/tables/classification_percentiles.csv"
+    assert files_of(PAPER, FIGURES["classification_scores"], "Re800") == {"percentiles": scores}
+    swept = {"control": {"sweep": {"cases": ["Re400"]}}}
+    other = campaign({"figures": {"example_case": "Re600"}, **swept})
+    assert figure_case(other, "classification_scores", "") == "Re600"
+
+
+def test_files_of_figures_are_those_of_the_example():
+    computed = campaign({"case_defaults": {"lyapunov": {"time_unit": "computed"}}})
+    network, exponents = "Re400/esn-N2000-RV-seed0", "Re400/lyapunov.json"
+    event = f"{network.replace('/', '/control/')}/prediction_triggered-prediction_time2-window1"
+    for of, name, files in (
+        (PAPER, "network_schematic", {"hyperparameters": f"{network}/hyperparameters.json"}),
+        (PAPER, "prediction_examples", {"examples": f"{network}/examples.nc"}),
+        (PAPER, "observable_and_density", {"observable": "Re400/ensemble.nc", "exponents": []}),
+        (PAPER, "suppressed_event", {"event": f"{event}/suppressed_event.nc"}),
+        (PAPER, "horizon_schematic", {}),
+        (
+            computed,
+            "observable_and_density",
+            {"observable": "Re400/ensemble.nc", "exponents": exponents},
+        ),
+    ):
+        assert files_of(of, FIGURES[name], "Re400") == files
+
+
+def test_the_paper_has_all_tables_but_those_of_other_training_series():
+    declared = {layout for table in TABLES.values() for layout in table.latex}
+    assert set(latex_names(PAPER)) == declared - {"control_choices"}
+    others = {"training_realisations", "control_choices", "ranking"}
+    assert set(TABLES) - set(table_names(PAPER)) == others
+
+
+def test_stages_that_are_switched_off_have_no_tables():
+    without = campaign({"control": OFF, "statistics": OFF})
+    gone = {
+        *("control", "control_percentiles", "control_density"),
+        *("control_strategies", "control_differences"),
+        *("statistics", "statistics_intervals", "statistics_percentiles"),
+        *("survival", "survival_percentiles", "survival_curve", "survival_curve_percentiles"),
+        *("lyapunov_spectrum", "lyapunov_spectrum_percentiles"),
+        *("kaplan_yorke", "kaplan_yorke_percentiles"),
+    }
+    assert set(table_names(PAPER)) - set(table_names(without)) == gone
+    assert not {typeset(TABLES)[name]["source"] for name in latex_names(without)} & gone
+    one = campaign({"statistics": {"forecasters": {"esn": {"neurons": [500]}}}})
+    cases = cases_of_tables(one)
+    assert cases["statistics"] == cases["statistics_percentiles"] == ["Re400"]
+    assert cases["horizon"] == ["Re400", "Re600", "Re800", "Re1000"]
+
+
+def test_parameters_are_those_of_the_paper_or_have_their_own_names():
+    rows = described_parameters("mfe", parameters_of(make_system("mfe", {"reynolds": 600.0})))
+    assert [row[0] for row in rows] == ["L_x", "L_y", "L_z", r"\mathrm{Re}"]
+    assert [row[2] for row in rows][1::2] == [2.0, 600.0]
+    rows = described_parameters("lorenz63", parameters_of(make_system("lorenz63", {"rho": 30.0})))
+    assert [r"\mathrm{rho}", "Parameter of the equations", 30.0] in rows

@@ -1,0 +1,221 @@
+"""Jobs of the data: lengths of series, units of time, other training series."""
+
+import json
+
+import numpy as np
+import pytest
+from helpers_rebuilds import loaded_script
+
+from burstcast.files.netcdf import Variable, read_netcdf, write_netcdf
+from burstcast_workflow.harness.settings import Settings, exponent_in
+from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
+
+# -- lengths ---------------------------------------------------------------------------------------
+
+FITTING = {
+    "case": "A",
+    "case.ensemble.time_step": 0.1,
+    "case.ensemble.sampling_stride": 1,
+    "case.lyapunov.time_unit": "computed",
+    "case.lyapunov.published_exponent": None,
+    "case.training.series": 3,
+    "case.recycle_validation.series": 2,
+    "case.recycle_validation.intervals_per_series": 2,
+    "washout_lt": 1,
+    "search.interval_lt": 3,
+    "search.single_shot_lead_steps": 5,
+    "classification.start_spacing_lt": 1,
+    "classification.resolution_lt": 0.1,
+    "classification.longest_prediction_time_lt": 4,
+    "classification.window_lt": 1,
+    "probability.start_spacing_lt": 1,
+    "horizon.longest_lead_time_lt": 5,
+    "horizon.lead_time_step_lt": 0.5,
+    "statistics.fixed_point_interval_lt": 2,
+    "statistics.duration": None,
+    "forecasters.quadratic.window_lt": 2,
+    "asked.kinds": ["esn", "quadratic"],
+    "asked.validations": ["RV"],
+    "asked.long_runs": True,
+}
+
+
+def problems(tmp_path, steps=20, samples=400, **changed):
+    """Message of the job over a series of so many samples, and so many steps of a Lyapunov time."""
+    script = loaded_script("data/lengths.py")
+    ensemble, lengths = tmp_path / "ensemble.nc", tmp_path / "lengths.json"
+    write_netcdf(ensemble, {"time": Variable(("time",), np.arange(samples) * 0.1, "1", "t")}, {})
+    settings = Settings({**FITTING, **changed}, {}, computed_exponent=10 / steps)
+    try:
+        script.lengths_of_case(ensemble=str(ensemble), lengths=str(lengths), settings=settings)
+    except ValueError as error:
+        assert not lengths.exists()
+        return str(error)
+    found = json.loads(lengths.read_text())
+    assert (found["steps_per_lyapunov_time"], found["samples"]) == (steps, samples)
+    return ""
+
+
+def test_what_fits_passes(tmp_path):
+    assert not problems(tmp_path)
+
+
+def test_all_that_does_not_fit_is_one_list(tmp_path):
+    message = problems(tmp_path, steps=100)
+    assert "a series of 400 samples has 4 Lyapunov times of 100 steps" in message
+    for named in ("search.interval_lt", "classification.longest_prediction_time_lt", "horizon."):
+        assert named in message
+    assert "quadratic" not in message
+    assert "statistics" not in message
+
+
+@pytest.mark.parametrize(
+    ("changed", "named"),
+    [
+        ({"classification.longest_prediction_time_lt": 30}, "classification.longest_"),
+        ({"horizon.longest_lead_time_lt": 25}, "horizon.longest_lead_time_lt"),
+        ({"statistics.duration": 0.1}, "statistics.duration"),
+        ({"forecasters.quadratic.window_lt": 30}, "forecasters.quadratic.window_lt"),
+        ({"classification.resolution_lt": 0.001}, "classification.resolution_lt"),
+    ],
+)
+def test_each_is_named_and_no_other(tmp_path, changed, named):
+    message = problems(tmp_path, **changed)
+    assert named in message
+    assert "; " not in message.partition("; ")[2]
+
+
+def test_only_what_the_case_has_is_asked_for(tmp_path):
+    window = {"forecasters.quadratic.window_lt": 30, "asked.kinds": ["esn"]}
+    assert not problems(tmp_path, **window)
+    assert not problems(tmp_path, **{"statistics.duration": 0.1, "asked.long_runs": False})
+    searched = {"search.interval_lt": 25, "asked.validations": []}
+    assert not problems(tmp_path, **searched)
+
+
+# -- units of time ---------------------------------------------------------------------------------
+
+
+def settings(published, time_unit="published", time_step=0.25, stride=4, file=""):
+    declared = {
+        "case.ensemble.time_step": time_step,
+        "case.ensemble.sampling_stride": stride,
+        "case.lyapunov.time_unit": time_unit,
+        "case.lyapunov.published_exponent": published,
+    }
+    return Settings(declared, {}, computed_exponent=exponent_in(file))
+
+
+def computed(tmp_path, exponent):
+    path = tmp_path / "lyapunov.json"
+    write_json(path, {"leading": {"mean": exponent, "low": 0.001, "high": 9}})
+    return str(path)
+
+
+def test_the_interval_of_the_networks():
+    assert sampling_interval(settings(None, time_step=0.01, stride=2)) == 0.02
+
+
+def test_the_config_is_believed_without_a_file():
+    assert lyapunov_time(settings(0.0163)) == 61
+    assert lyapunov_time(settings(0.9, time_step=0.01, stride=2)) == 55
+
+
+@pytest.mark.parametrize(
+    ("exponent", "time_step", "stride", "steps"),
+    [(0.0155, 0.25, 4, 64), (0.9, 0.01, 2, 55), (0.1, 0.1, 1, 100)],
+)
+def test_the_computed_exponent(tmp_path, exponent, time_step, stride, steps):
+    path = computed(tmp_path, exponent)
+    of_steps = {"time_step": time_step, "stride": stride, "file": path}
+    assert lyapunov_time(settings(None, **of_steps)) == steps
+    # where it sets the unit of time although there is a published one
+    assert lyapunov_time(settings(0.01, "computed", **of_steps)) == steps
+    published = round(1 / (0.01 * time_step * stride))
+    assert lyapunov_time(settings(0.01, **of_steps)) == published != steps
+
+
+@pytest.mark.parametrize(
+    ("exponent", "reason"), [(-0.01, "must be positive"), (0, "positive"), (2, "shorter than one")]
+)
+def test_an_exponent_without_a_time_unit_names_the_settings(tmp_path, exponent, reason):
+    with pytest.raises(ValueError, match=rf"lyapunov\.published_exponent.*: .*{reason}"):
+        lyapunov_time(settings(None, file=computed(tmp_path, exponent)))
+
+
+# -- other training series -------------------------------------------------------------------------
+
+KEPT, LENGTH, TRAINING, TEST = 90, 50, 4, 30
+SETTINGS = {
+    "case": "Re400-training2",
+    "case.system": "mfe",
+    "case.parameters": {"reynolds": 400, "length_x": 12.6, "length_z": 6.3},
+    "case.ensemble.time_step": 0.25,
+    "case.ensemble.sampling_stride": 4,
+    "case.training.series": TRAINING,
+    "case.test_series": TEST,
+    "probability.calibration_series": 1,
+    "random_seed": 7,
+    "realisation": 2,
+}
+
+
+@pytest.fixture
+def source(tmp_path):
+    """An ensemble in which each series says by its first component which one it is."""
+    generator = np.random.default_rng(1)
+    states = generator.normal(size=(KEPT, LENGTH, 9))
+    states[:, :, 0] = np.arange(KEPT)[:, np.newaxis]
+    happens = generator.random((KEPT, LENGTH)) < generator.beta(2, 12, size=(KEPT, 1))
+    # at the threshold itself, an event is under way
+    observable = np.where(happens, 0.1, 0.0999)
+    variables = {
+        "series": Variable(("series",), np.arange(KEPT), "1", "number"),
+        "lifetime": Variable(("generated",), np.full(KEPT, LENGTH - 1), "1", "steps"),
+        "state": Variable(("series", "time", "component"), states, "1", "state"),
+        "observable": Variable(("series", "time"), observable, "1", "observable"),
+    }
+    path = tmp_path / "source.nc"
+    write_netcdf(path, variables, {})
+    return path, happens
+
+
+def chosen(source, drawn, **settings):
+    """Numbers of the series in their new order."""
+    script = loaded_script("data/training_realisation.py")
+    ensemble, summary = source.with_name("ensemble.nc"), source.with_name("dataset.json")
+    script.choose_training_series(
+        source=str(source),
+        ensemble=str(ensemble),
+        summary=str(summary),
+        settings=Settings({**SETTINGS, "drawn": drawn, **settings}, {}),
+    )
+    assert json.loads(summary.read_text())["series_kept"] == KEPT
+    return read_netcdf(ensemble, "state")["state"][:, 0, 0].astype(int)
+
+
+def test_drawn_series_have_the_share_and_the_test_series_stay(source):
+    path, happens = source
+    shares = happens.mean(axis=1)
+    wanted = (0.2, float(shares.mean()))
+    rows = [chosen(path, {"shares": given, "threshold": 0.1}) for given in ([0.2], [0.2, "all"])]
+    held = slice(TRAINING, TRAINING + TEST + 1)
+    for order, share in zip(rows, wanted, strict=True):
+        assert sorted(order.tolist()) == list(range(KEPT))
+        np.testing.assert_array_equal(order[held], np.arange(KEPT)[held])
+        assert abs(shares[order[:TRAINING]].mean() - share) < 0.005
+    assert not set(rows[0][:TRAINING]) & set(rows[1][:TRAINING])
+    other_root = chosen(path, {"shares": [0.2], "threshold": 0.1}, random_seed=8)
+    assert other_root[:TRAINING].tolist() != rows[0][:TRAINING].tolist()
+
+
+def test_blocks_of_series_are_taken_where_none_are_drawn(source):
+    order = chosen(source[0], None)
+    assert order[:TRAINING].tolist() == [82, 83, 84, 85]
+    assert order[82:86].tolist() == [0, 1, 2, 3]
+
+
+def test_an_ensemble_without_enough_series_is_refused(source):
+    with pytest.raises(ValueError, match=r"only 90 series did not laminarise"):
+        chosen(source[0], {"shares": [0.2], "threshold": 0.1}, **{"case.test_series": 80})

@@ -1,0 +1,373 @@
+"""Data of one's own: five lines, records with gaps, and what is far simpler than networks."""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from helpers_rebuilds import Project
+
+from burstcast.arrays import FloatArray
+from burstcast.files.netcdf import read_netcdf
+from burstcast.files.tables import read_table
+from burstcast.forecast.windows import WindowSummaries, crosses
+from burstcast.probability.precursor import Precursor, PrecursorOptions, precursor_features
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast_workflow.harness.storage import read_json
+
+FIVE_LINES = """\
+results: results/own
+campaign: [{cases: [own], forecasters: {FORECASTERS}}]
+cases:
+  own: {event_threshold: {quantile: 0.95},
+        data: {files: [own.csv], observable: z, time_step: 0.02, blocks: {duration: 16}}}
+"""
+
+
+@pytest.fixture
+def project(tmp_path, job_server):
+    """A working copy with a table of three columns, times and a header, and nothing else."""
+    project = Project.create(tmp_path / "project", job_server, "own.yaml")
+    states = integrate(Lorenz63(), np.array([[1.0], [1.0], [20.0]]), 0.01, 2 * 14000, stride=2)
+    series = np.column_stack([0.02 * np.arange(len(states) - 1000), states[1000:, :, 0]])
+    header = {"delimiter": ",", "header": "time,x,y,z", "comments": ""}
+    np.savetxt(project.directory / "own.csv", series, **header)
+    return project
+
+
+def configure(project, forecasters):
+    text = FIVE_LINES.replace("FORECASTERS", forecasters)
+    assert len(text.splitlines()) == 5
+    (project.directory / "own.yaml").write_text(text)
+
+
+def test_own_data_with_five_lines_of_config(project):
+    configure(project, "esn: {neurons: [30], validation: [RV], seeds: 1}")
+    own = "results/own/own"
+    network = f"{own}/esn-N30-RV-seed0"
+    outcome = project.snakemake(
+        f"{network}/forecast.nc",
+        f"{network}/search.csv",
+        "results/own/tables/survival.csv",
+        "results/own/tables/statistics.csv",
+        "results/own/figures/validation_strategies.png",
+        "results/own/figures/observable_and_density.png",
+    )
+    assert outcome.status == 0, outcome.text[-3000:]
+    ensemble = read_netcdf(project.directory / own / "ensemble.nc")
+    assert ensemble["state"].shape == (16, 801, 3)
+    points = read_netcdf(project.directory / own / "evaluation_set.nc")
+    assert set(points["series"]) == set(range(6))  # all after those of the training
+    statistics = read_netcdf(project.directory / own / "statistics_data.nc")
+    assert statistics["edge"][0] == ensemble["observable"].min()
+    assert statistics["edge"][-1] == ensemble["observable"].max()
+    survival = read_table(project.directory / "results/own/tables/survival.csv")
+    assert set(survival["forecaster"]) >= {"esn", "data"}
+
+
+@pytest.mark.long
+def test_a_campaign_without_networks_is_a_campaign(project):
+    configure(project, "analogues: {}, quadratic: {}, persistence: {}")
+    outcome = project.snakemake()
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert "no networks in the campaign; off: " in outcome.text
+    tables = project.directory / "results/own/tables"
+    assert set(read_table(tables / "horizon.csv")["forecaster"]) == {
+        "analogues",
+        "persistence",
+        "quadratic",
+    }
+    assert not (tables / "hyperparameters.csv").exists()
+    figures = {path.stem for path in (project.directory / "results/own/figures").glob("*.png")}
+    assert "forecast_skill" in figures
+    assert "classification_scores" not in outcome.text.partition("look first at")[2]
+
+
+@pytest.mark.long
+def test_a_campaign_that_is_too_small_for_its_stages_ends(tmp_path, job_server):
+    """Series in whose washouts events are always under way: nothing to calibrate with."""
+    project = Project.create(tmp_path / "project", job_server, "small.yaml")
+    config = yaml.safe_load((project.directory / "workflow/presets/tiny.yaml").read_text())
+    networks = {"neurons": [40], "validation": ["RV"], "seeds": 2}
+    forecasters = {"esn": networks, "equations": {}, "quadratic_filtered": {}}
+    config["results"] = "results/small"
+    config["campaign"] = [{"reynolds": [1000, 400, 800], "forecasters": forecasters}]
+    config["case_defaults"]["test_series"] = 12
+    config["case_defaults"]["recycle_validation"] = {"series": 2, "intervals_per_series": None}
+    (project.directory / "small.yaml").write_text(yaml.safe_dump(config))
+    outcome = project.snakemake()
+    assert outcome.status == 0, outcome.text[-3000:]
+    results = project.directory / "results/small"
+    calibration = read_json(results / "Re1000/calibration.json")
+    (rule,) = calibration["alarms"]["climatology"]["1"].values()
+    assert rule["values"] == []
+    scores = read_table(results / "tables/probability_scores.csv")
+    scores = scores[scores["probability"] == "calibrated"]
+    undefined = scores[(scores["case"] == "Re1000") & (scores["metric"] == "brier_score")]
+    assert len(undefined) > 3
+    assert undefined["value"].isna().all()
+    warnings = read_table(results / "tables/warnings.csv")
+    told = {"few_events", "few_positives", "nothing_to_calibrate_with"}
+    assert told <= set(warnings[warnings["case"] == "Re1000"]["warning"])
+    assert "nothing_to_calibrate_with" not in set(warnings[warnings["case"] == "Re400"]["warning"])
+    assert "no calibration of probabilities" in outcome.text
+    assert (results / "figures/forecast_skill_Re1000.png").stat().st_size > 5000
+
+
+@pytest.mark.long
+def test_a_campaign_without_any_event_ends(tmp_path, job_server):
+    """Scores, horizons, probabilities and control have nothing to count."""
+    project = Project.create(tmp_path / "project", job_server, "quiet.yaml")
+    config = yaml.safe_load((project.directory / "workflow/presets/tiny.yaml").read_text())
+    config["results"] = "results/quiet"
+    config["case_defaults"]["event_threshold"] = 0.47
+    config["figures"] = {"flow_event": {"peak": 0.475}}
+    (project.directory / "quiet.yaml").write_text(yaml.safe_dump(config))
+    outcome = project.snakemake()
+    assert outcome.status == 0, outcome.text[-3000:]
+    results = project.directory / "results/quiet"
+    assert read_table(results / "tables/classification.csv")["recall"].isna().all()
+    assert set(read_table(results / "tables/dataset.csv")["events_per_series"]) == {0}
+    strategies = read_table(results / "tables/control_strategies.csv")
+    left = strategies[strategies["metric"] == "relative_exceedance"]
+    assert left["value"].isna().all()
+    assert "few_events" in set(read_table(results / "tables/warnings.csv")["warning"])
+    drawn = {path.stem for path in (results / "figures").glob("*.png")}
+    assert {"forecast_skill", "control_tradeoff", "reliability", "horizon_by_size"} <= drawn
+
+
+# -- a record with dates and gaps ------------------------------------------------------------------
+
+DATA = {
+    "files": ["plant.csv"],
+    "time_step": "1 hour",
+    "observable": "load",
+    "gaps": "cut",
+    "blocks": {"duration": 24},
+}
+CASE = {
+    "data": DATA,
+    "event_threshold": 2,
+    "lyapunov": {"published_exponent": 1},
+    "training": {"series": 4},
+}
+LOST = (100, 101, 500)
+
+
+def table():
+    time = pd.date_range("2010-03-20", periods=1000, freq="h", tz="Europe/Berlin", name="time")
+    values = np.random.default_rng(1).normal(size=(1000, 2))
+    return pd.DataFrame(values, columns=["load", "heat"], index=time)
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory, job_server):
+    """A record by a clock that is put forward on 28 March, with its offsets from UTC."""
+    recorded = Project.create(
+        tmp_path_factory.mktemp("record") / "recorded", job_server, "plant.yaml"
+    )
+    forecasters = {"persistence": {}, "linear_inverse": {}}
+    config = {
+        "results": "results/plant",
+        "campaign": [{"cases": ["plant"], "forecasters": forecasters}],
+        "washout_lt": 2,
+        "cases": {"plant": CASE},
+    }
+    (recorded.directory / "plant.yaml").write_text(yaml.safe_dump(config))
+    rows = table()
+    rows.drop(index=rows.index[list(LOST)]).to_csv(recorded.directory / "plant.csv")
+    return recorded
+
+
+def test_series_of_a_record(recorded):
+    outcome = recorded.snakemake("results/plant/plant/ensemble.nc")
+    assert outcome.status == 0, outcome.text[-3000:]
+    assert "gaps leave 3 parts of the record" not in outcome.text  # each is longer than a block
+    found = read_netcdf(recorded.directory / "results/plant/plant/ensemble.nc")
+    # 100, 398 and 499 hours make 4, 15 and 19 blocks of 25 samples
+    assert found["state"].shape == (4 + 15 + 19, 25, 2)
+    begin = pd.Timestamp("2010-03-20", tz="Europe/Berlin").timestamp() / 3600
+    assert found["start"][[0, 1, 4, 19]].tolist() == [begin, begin + 25, begin + 102, begin + 501]
+    np.testing.assert_array_equal(found["state"][4], table().to_numpy()[102:127])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "time,load,heat\n2010-03-28T02:00,1,2\n2010-03-28T02:00,1,2\n",
+            r"plant.csv, row 2: column 'time' stays at the time of row 1",
+        ),
+        (
+            "time,load,heat\n2010-03-20T00:00,1,2\n2010-03-20T05:00,1,2\n2010-03-20T03:00,1,2\n",
+            r"plant.csv, row 3: .* goes back by 2 from the time of row 2.*write times in UTC",
+        ),
+    ],
+)
+def test_a_clock_that_jumps_fails_with_file_and_row(recorded, text, message):
+    copy = recorded.copy(recorded.directory.parent / "copy")
+    (copy.directory / "plant.csv").write_text(text)
+    outcome = copy.snakemake("results/plant/plant/ensemble.nc")
+    assert outcome.status != 0
+    assert re.search(message, outcome.text), outcome.text[-2000:]
+
+
+# -- two data sets of others -----------------------------------------------------------------------
+
+GROWTH = np.array([[1.0], [0.72], [1.53], [1.27]])
+COMPETITION = np.array(
+    [[1, 1.09, 1.52, 0], [0, 1, 0.44, 1.36], [2.33, 0, 1, 0.47], [1.21, 0.51, 0.35, 1]]
+)
+
+
+def four_species(state: FloatArray) -> FloatArray:
+    """Competition of four species: Vano et al., Nonlinearity 19 (2006), with their parameters."""
+    return GROWTH * state * (1 - COMPETITION @ state)
+
+
+def bursting_neuron(state: FloatArray) -> FloatArray:
+    """Membrane potential, recovery, adaptation: Hindmarsh & Rose, Proc. R. Soc. B 221 (1984)."""
+    x, y, z = state
+    fast = y + 3 * x**2 - x**3 - z + 3.25, 1 - 5 * x**2 - y
+    return np.stack([*fast, 0.006 * (4 * (x + 1.6) - z)])
+
+
+@dataclass(frozen=True)
+class DataSet:
+    """Equations, how they are sampled, and what is known of them.
+
+    ``exponent`` is the leading one: Vano's, and that of perturbations followed for 64 series of
+    4000 time units, 0.01326 +- 0.00016.
+    """
+
+    rates: Callable[[FloatArray], FloatArray]
+    start: tuple[float, ...]
+    series: int
+    samples: int
+    step: float
+    stride: int
+    header: str
+    config: str
+    exponent: float
+
+    def integrate(self) -> FloatArray:
+        """Series ``(series, samples, component)`` by the classical Runge-Kutta method."""
+        generator = np.random.default_rng(1)
+        start = np.array(self.start)[:, np.newaxis]
+        state = start * (1 + 0.1 * generator.random((len(start), self.series)))
+        found = []
+        transient = 500 * self.stride
+        for number in range(transient + self.samples * self.stride):
+            if number >= transient and (number - transient) % self.stride == 0:
+                found.append(state)
+            one = self.rates(state)
+            two = self.rates(state + self.step / 2 * one)
+            three = self.rates(state + self.step / 2 * two)
+            four = self.rates(state + self.step * three)
+            state = state + self.step / 6 * (one + 2 * two + 2 * three + four)
+        return np.stack(found).transpose(2, 0, 1)
+
+
+DATA_SETS = {
+    "four species": DataSet(
+        four_species,
+        (0.301, 0.459, 0.131, 0.356),
+        1,
+        40_000,
+        0.1,
+        10,
+        "n1,n2,n3,n4",
+        """\
+results: results/own
+campaign: [{cases: [own], forecasters: {esn: {neurons: [100], validation: [RV], seeds: 3}}}]
+cases:
+  own: {event_threshold: {quantile: 0.95},
+        data: {files: ["own_*.csv"], observable: n1, time_step: 1, blocks: {duration: 800}}}
+""",
+        0.0203,
+    ),
+    "bursting neuron": DataSet(
+        bursting_neuron,
+        (-1.0, 0.3, 3.0),
+        24,
+        4_000,
+        0.05,
+        10,
+        "x,y,z",
+        """\
+results: results/own
+campaign: [{cases: [own], forecasters: {esn: {neurons: [300], validation: [RV], seeds: 3}}}]
+cases:
+  own: {event_threshold: {quantile: 0.95},
+        data: {files: ["own_*.csv"], observable: z, time_step: 0.5}}
+""",
+        0.0133,
+    ),
+}
+
+
+def logistic_f_score(own, threshold: float, windows: tuple[int, int]) -> float:
+    """F-score of alarms by a logistic regression of the present components and their products.
+
+    It learns from the starting points in the training series, and alarms from the probability on
+    that is best there. A point whose washout holds an event is no point, as for all forecasters.
+    """
+    sets = {}
+    for name in ("calibration_set", "evaluation_set"):
+        points = read_netcdf(own / f"{name}.nc")
+        truth = WindowSummaries(points["first"], points["largest"])
+        happened = crosses(truth, *windows, threshold)
+        kept = points["washout_maximum"] < threshold
+        sets[name] = precursor_features(points["washout"])[kept], happened[kept]
+    features, happened = sets["calibration_set"]
+    precursor = Precursor.fit(features, happened[:, np.newaxis], PrecursorOptions("logistic"))
+
+    def f_score(probability, truth, alarm):
+        alarms = probability >= alarm
+        return 2 * (alarms & truth).sum() / (alarms.sum() + truth.sum())
+
+    known = precursor.probabilities(features)[:, 0]
+    best = max(np.unique(known), key=lambda alarm: f_score(known, happened, alarm))
+    features, happened = sets["evaluation_set"]
+    return float(f_score(precursor.probabilities(features)[:, 0], happened, best))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", DATA_SETS)
+def test_from_generation_to_summary(name, tmp_path, job_server):
+    data = DATA_SETS[name]
+    project = Project.create(tmp_path / "project", job_server, "own.yaml")
+    assert len(data.config.splitlines()) == 5
+    (project.directory / "own.yaml").write_text(data.config)
+    for number, series in enumerate(data.integrate()):
+        rows = np.column_stack([data.step * data.stride * np.arange(len(series)), series])
+        header = {"delimiter": ",", "header": f"time,{data.header}", "comments": ""}
+        np.savetxt(project.directory / f"own_{number}.csv", rows, **header)
+    outcome = project.snakemake()
+    assert outcome.status == 0, outcome.text[-3000:]
+    summary = outcome.text.partition("F-score")[2]
+    assert "permanent alarm" in summary
+    results = project.directory / "results/own"
+
+    leading = read_json(results / "own/lyapunov.json")["leading"]
+    assert leading["low"] < data.exponent < leading["high"]
+    assert leading["mean"] == pytest.approx(data.exponent, rel=0.2)
+
+    table = read_table(results / "tables/classification.csv")
+    at_one = table[table["prediction_time_lt"] == 1].groupby("forecaster")["f_score"].median()
+    threshold = read_json(results / "own/event_threshold.json")["event_threshold"]
+    logistic = logistic_f_score(results / "own", threshold, (1, 2))
+    # the present says little more of this time than a permanent alarm does; the networks know
+    assert logistic > at_one["permanent_alarm"] - 0.05
+    assert at_one["esn"] > max(logistic, at_one["permanent_alarm"]) + 0.2
+
+    # networks that have learnt the system have its exponent, as far as a few runs tell
+    spectrum = read_table(results / "tables/lyapunov_spectrum.csv")
+    own = spectrum[(spectrum["forecaster"] == "esn") & (spectrum["number"] == 1)]
+    assert own["lyapunov_exponent"].median() == pytest.approx(data.exponent, rel=0.25)
+    warnings = read_table(results / "tables/warnings.csv")
+    assert "no_chaos_learnt" not in set(warnings["warning"])
