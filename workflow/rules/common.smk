@@ -58,7 +58,10 @@ TABLES = f"{RESULTS}/tables"
 TABLES_OF_CASE = f"{CASE}/tables"
 LOGS = f"{RESULTS}/logs"
 TIMES = f"{RESULTS}/benchmarks"
-ENVIRONMENT = "../envs/burstcast.yaml"
+# Only where Snakemake makes environments (--sdm): each job would look for the file.
+ENVIRONMENT = (
+    "../envs/burstcast.yaml" if workflow.deployment_settings.deployment_method else None
+)
 # Logs of jobs of a scheduler, as profiles/slurm says it.
 SCHEDULER_LOGS = Path("results/slurm-logs")
 STARTED = time.time()

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, TypeVar
 import netCDF4
 import numpy as np
 import pandas as pd
-from scipy.io import netcdf_file
+import scipy
 
 from burstcast.arrays import FloatArray, float_array
 from burstcast.data.measured_data import Run
@@ -383,7 +383,7 @@ def _time_of(path: str, variable: Any, unit: str | None) -> FloatArray:
 def _check_complete(path: str) -> None:
     """Check that a classic NetCDF file has all its bytes: netCDF4 reads zeros for missing ones."""
     try:
-        with netcdf_file(path):
+        with scipy.io.netcdf_file(path):  # loaded here alone: it takes a while
             pass
     except Exception as error:  # its parser has no errors of its own
         raise ValueError(
