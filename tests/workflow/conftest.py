@@ -1,23 +1,17 @@
-"""One run of the tiny preset for all tests that look at its results or go on from them."""
+"""Campaigns that several modules read, each run once, whatever processes the tests run in."""
 
+import fcntl
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
-from helpers_rebuilds import JobServer, Outcome, Project
+from helpers_rebuilds import TINY, JobServer, Outcome, Project
 
 
 @dataclass(frozen=True)
 class FinishedRun:
-    """A working copy in which results have been made. Tests change copies of it only.
-
-    Attributes
-    ----------
-    project
-        The working copy.
-    outcome
-        How the run ended, and what it said.
-    """
+    """A working copy in which results have been made. Tests change copies of it only."""
 
     project: Project
     outcome: Outcome
@@ -29,20 +23,34 @@ def job_server(tmp_path_factory) -> Iterator[JobServer]:
         yield server
 
 
+def run_once(place: Path, server: JobServer, preset: str, *targets: str) -> FinishedRun:
+    """A campaign below a directory; another process of pytest that wants it, too, waits for it."""
+    directory, said = place / "project", place / "said.txt"
+    place.mkdir(exist_ok=True)
+    with open(place / "lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not said.exists():
+            project = Project.create(directory, server, preset)
+            outcome = project.snakemake(*targets)
+            assert outcome.status == 0, outcome.text[-3000:]
+            said.write_text(outcome.text)
+    return FinishedRun(Project(directory, server, preset), Outcome(0, said.read_text()))
+
+
 @pytest.fixture(scope="session")
-def finished(tmp_path_factory, job_server) -> FinishedRun:
+def shared(tmp_path_factory, request) -> Path:
+    """A directory of all processes of this run of pytest."""
+    own = tmp_path_factory.getbasetemp()
+    return own.parent if hasattr(request.config, "workerinput") else own
+
+
+@pytest.fixture(scope="session")
+def finished(shared, job_server) -> FinishedRun:
     """All forecasters and tables of the tiny preset."""
-    project = Project.create(tmp_path_factory.mktemp("finished") / "project", job_server)
-    outcome = project.snakemake("forecasters", "tables")
-    assert outcome.status == 0, outcome.text[-3000:]
-    return FinishedRun(project, outcome)
+    return run_once(shared / "finished", job_server, TINY, "forecasters", "tables")
 
 
 @pytest.fixture(scope="session")
-def miniature(tmp_path_factory, job_server) -> FinishedRun:
+def miniature(shared, job_server) -> FinishedRun:
     """The paper's campaign in miniature, whole: all tables and figures."""
-    directory = tmp_path_factory.mktemp("miniature") / "project"
-    project = Project.create(directory, job_server, "workflow/presets/miniature.yaml")
-    outcome = project.snakemake()
-    assert outcome.status == 0, outcome.text[-3000:]
-    return FinishedRun(project, outcome)
+    return run_once(shared / "miniature", job_server, "workflow/presets/miniature.yaml")

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from fnmatch import fnmatch
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -20,10 +21,16 @@ SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*/*.py"))
 SOURCES = sorted((ROOT / "src").rglob("*.py"))
 
 
-def modules_of(path: Path) -> set[str]:
+SEEN = Sources(PROJECT)
+
+
+@cache
+def modules_of(path: Path) -> frozenset[str]:
     """Modules that a script reaches."""
-    sources = Sources(replace(PROJECT, scripts=path.parent))
-    return {entry.split("@")[0] for entry in sources.fingerprint(path.name)}
+    below = path.is_relative_to(PROJECT.scripts)
+    sources = SEEN if below else Sources(replace(PROJECT, scripts=path.parent))
+    name = str(path.relative_to(PROJECT.scripts)) if below else path.name
+    return frozenset(entry.partition("@")[0] for entry in sources.fingerprint(name))
 
 
 def test_all_packages_are_those_of_the_project():
@@ -67,10 +74,10 @@ def test_no_job_depends_on_what_fingerprints_leave_out():
         )
     }
     found_by_name = {name.replace("/", "."): modules for name, modules in registries.items()}
-    sources, paths = Sources(PROJECT), {}
+    paths = {}
     for script in SCRIPTS:
         name = str(script.relative_to(ROOT / "workflow" / "scripts"))
-        for entry in sources.fingerprint(name, found_by_name):
+        for entry in SEEN.fingerprint(name, found_by_name):
             module = entry.partition("@")[0]
             path = ROOT / "src" / module.replace(".", "/")
             inside = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
@@ -89,11 +96,10 @@ def test_no_job_depends_on_what_fingerprints_leave_out():
 
 
 def test_no_job_depends_on_the_checks_of_a_config():
-    sources = Sources(PROJECT)
     for script in SCRIPTS:
-        name = str(script.relative_to(ROOT / "workflow" / "scripts"))
-        modules = [entry.partition("@")[0] for entry in sources.fingerprint(name, {})]
-        assert [one for one in modules if one.startswith("burstcast_workflow.config")] == []
+        assert not {
+            one for one in modules_of(script) if one.startswith("burstcast_workflow.config")
+        }
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.name)
@@ -141,7 +147,7 @@ def test_every_script_carries_the_version_of_the_harness_and_nothing_else_of_it(
 @pytest.mark.parametrize("rule", ["control", "suppressed_event"])
 def test_control_does_not_depend_on_the_statistics_of_the_velocity(rule):
     strategy = {"burstcast.control.strategies": ["prediction_triggered"]}
-    entries = Sources(PROJECT).fingerprint(f"control/{rule}.py", strategy)
+    entries = SEEN.fingerprint(f"control/{rule}.py", strategy)
     modules = {entry.split("@")[0] for entry in entries}
     assert "burstcast.control.windows" in modules
     assert "burstcast.control.strategies.planned" not in modules
@@ -161,7 +167,7 @@ def test_what_is_no_control_does_not_depend_on_how_flows_are_controlled():
 def test_the_search_does_not_depend_on_other_forecasters(script):
     """An edit of a filter must not repeat the search."""
     modules = {"burstcast.forecasters": ["esn"], "burstcast.tuning.strategies": ["recycle"]}
-    entries = Sources(PROJECT).fingerprint(f"forecasters/{script}.py", modules)
+    entries = SEEN.fingerprint(f"forecasters/{script}.py", modules)
     names = {entry.split("@")[0] for entry in entries}
     assert "burstcast.esn.readout" in names
     others = ("burstcast.encoders", "burstcast.filters", "burstcast.observation")
@@ -178,10 +184,9 @@ def test_the_search_does_not_depend_on_other_forecasters(script):
     ],
 )
 def test_the_equations_do_not_depend_on_the_networks(script):
-    sources = Sources(PROJECT)
     for kind, expected in (("equations", False), ("esn", True)):
         modules = {"burstcast.forecasters": [kind], "burstcast.systems": ["mfe"]}
-        names = {entry.split("@")[0] for entry in sources.fingerprint(script, modules)}
+        names = {entry.split("@")[0] for entry in SEEN.fingerprint(script, modules)}
         assert f"burstcast.forecasters.{kind}" in names
         assert "burstcast.systems.lorenz63" not in names
         assert any(name.startswith("burstcast.esn.") for name in names) == expected
@@ -227,11 +232,9 @@ def libraries(path: Path) -> set[str]:
     return found
 
 
-def modules(script: Path) -> list[str]:
-    """Modules of ours that a script reaches through imports, at the top or in a function."""
-    sources = Sources(replace(code_of(ROOT), scripts=script.parent))
-    names = [entry.partition("@")[0] for entry in sources.fingerprint(script.name)]
-    return [name for name in names if name != script.name]
+def modules(started: Path) -> set[str]:
+    """Modules of ours that a script or a figure reaches, at the top or in a function."""
+    return {name for name in modules_of(started) if not name.endswith(".py")}
 
 
 def place(module: str) -> Path:

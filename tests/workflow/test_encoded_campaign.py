@@ -24,7 +24,6 @@ OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_encoded.yaml").rea
 FLOW = KolmogorovFlow(40.0, 4, 4)
 TARGETS = (
     "tables/ranking.csv",
-    "tables/dataset.csv",
     "tables/control_strategies.csv",
     "figures/forecast_skill_sensors.png",
 )
