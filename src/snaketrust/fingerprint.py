@@ -63,6 +63,7 @@ class Sources:
         self.codes = Codes(memory)
         self._located: dict[tuple[str, bool], _Module | None] = {}
         self._near: dict[tuple[str, Path | None], _Module | None] = {}
+        self._names: dict[Path, set[str]] = {}  # of what lies in a directory of scripts
         self._imported: dict[_Module, list[_Module]] = {}
         self._fingerprints: dict[object, list[str]] = {}
         self._beneath: dict[str, bool] = {}
@@ -177,11 +178,15 @@ class Sources:
     def _beside(self, module: str, scripts: Path | None) -> _Module | None:
         """The module of this name beside a script; None if Python finds another one first."""
         if scripts and (module, scripts) not in self._near:
-            path, first = _file_in(scripts, self._project.stand_in(module)), module.split(".")[0]
+            first, name = module.split(".")[0], self._project.stand_in(module)
+            if scripts not in self._names:
+                self._names[scripts] = {one.name.split(".")[0] for one in scripts.iterdir()}
             self._near[module, scripts] = None
-            if path and first not in sys.stdlib_module_names and not module_file(first):
-                name = f"{_BESIDE}{path.relative_to(scripts)}"
-                self._near[module, scripts] = _Module(name, path, False)
+            if first not in sys.stdlib_module_names and name.split(".")[0] in self._names[scripts]:
+                path = _file_in(scripts, name)
+                if path and not module_file(first):
+                    name = f"{_BESIDE}{path.relative_to(scripts)}"
+                    self._near[module, scripts] = _Module(name, path, False)
         return self._near[module, scripts] if scripts else None
 
     def _file(self, module: str) -> Path | None:

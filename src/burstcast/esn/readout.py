@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import blas, lapack
+import scipy
 
 from burstcast.arrays import FloatArray
 
@@ -63,7 +63,7 @@ class Moments:
         state_shift = other.mean_state - self.mean_state
         target_shift = other.mean_target - self.mean_target
         factor = self.count * share
-        gram = blas.dsyr(factor, state_shift, a=self.gram + other.gram, lower=1, overwrite_a=1)
+        gram = _with_outer(self.gram + other.gram, factor, state_shift)
         cross = self.cross + other.cross + factor * np.outer(state_shift, target_shift)
         return Moments(
             count,
@@ -120,7 +120,7 @@ class MomentsAccumulator:
         # in this order BLAS goes through the states row by row: up to twice as fast
         self._cross += (shifted_targets @ shifted_states.T).T
         # The transpose of the panel is column-major: BLAS takes it without a copy.
-        self._gram = blas.dsyrk(
+        self._gram = scipy.linalg.blas.dsyrk(
             1.0, shifted_states.T, beta=1.0, c=self._gram, trans=1, lower=1, overwrite_c=1
         )
 
@@ -130,9 +130,7 @@ class MomentsAccumulator:
             raise ValueError("no training data: the moments have no rows")
         state_offset = self._state_sum / self._count
         target_offset = self._target_sum / self._count
-        gram = blas.dsyr(
-            -float(self._count), state_offset, a=self._gram.copy(order="F"), lower=1, overwrite_a=1
-        )
+        gram = _with_outer(self._gram.copy(order="F"), -float(self._count), state_offset)
         cross = self._cross - self._count * np.outer(state_offset, target_offset)
         return Moments(
             self._count,
@@ -175,6 +173,7 @@ def solve_ridge(moments: Moments, tikhonov: float) -> Readout:
     if not (np.isfinite(norm) and np.isfinite(right_hand_side).all()):
         raise ValueError("the moments of the training data are not finite")
 
+    lapack = scipy.linalg.lapack  # loaded here: most of what imports this module solves nothing
     factor, info = lapack.dpotrf(matrix, lower=1, clean=0, overwrite_a=1)
     if info == 0:
         solver = "cholesky"
@@ -205,7 +204,12 @@ def _system_matrix(moments: Moments, tikhonov: float, kappa: float) -> FloatArra
     """Lower triangle of G + beta I + kappa r r^T, a fresh array in Fortran order."""
     matrix = moments.gram.copy(order="F")
     np.einsum("ii->i", matrix)[:] += tikhonov
-    return np.asarray(blas.dsyr(kappa, moments.mean_state, a=matrix, lower=1, overwrite_a=1))
+    return _with_outer(matrix, kappa, moments.mean_state)
+
+
+def _with_outer(matrix: FloatArray, factor: float, vector: FloatArray) -> FloatArray:
+    """``matrix + factor * outer(vector, vector)``, lower triangle, in the memory of the matrix."""
+    return np.asarray(scipy.linalg.blas.dsyr(factor, vector, a=matrix, lower=1, overwrite_a=1))
 
 
 def _symmetric_norm(lower: FloatArray, rows_per_block: int = 256) -> float:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from scipy.special import stdtrit
+import scipy
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.files.described import Described
@@ -81,7 +81,7 @@ def mean_with_interval(per_series: FloatArray, confidence: float = 0.95) -> Esti
         raise ValueError(f"the confidence must be between 0 and 1, not {confidence}")
     mean = np.asarray(per_series.mean(axis=0))
     error = np.asarray(per_series.std(axis=0, ddof=1) / np.sqrt(count))
-    margin = stdtrit(count - 1, 0.5 + 0.5 * confidence) * error
+    margin = scipy.special.stdtrit(count - 1, 0.5 + 0.5 * confidence) * error
     return Estimate(
         mean=mean,
         standard_error=error,
