@@ -19,7 +19,7 @@ from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.parameters import SystemParameters
 from burstcast.systems.runge_kutta import step
-from helpers_forecasters import MadeUpForecaster
+from helpers_library import MadeUpForecaster
 
 FLOW = MoehlisFaisstEckhardt(reynolds=400.0)
 RAISED = actuated_system(FLOW, {"reynolds": 2000.0})

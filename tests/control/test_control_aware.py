@@ -27,7 +27,7 @@ from burstcast.forecasters.persistence import Persistence
 from burstcast.systems.integration import integrate_switched
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.parameters import SystemParameters
-from helpers_forecasters import MadeUpForecaster
+from helpers_library import MadeUpForecaster
 
 WEAK = MoehlisFaisstEckhardt(800.0)
 REYNOLDS = SystemParameters.of(FLOW, ["reynolds"])

@@ -1,4 +1,4 @@
-"""What control costs and gains, by hand, and its intervals."""
+"""What control costs and gains, by hand: records, their differences, and what is chosen by them."""
 
 from dataclasses import replace
 
@@ -9,10 +9,13 @@ from helpers_control import FLOW, RAISED, SCHEDULE, simulation_of, turbulent_was
 
 from burstcast.arrays import FloatArray
 from burstcast.control.actuation import actuated_system
+from burstcast.control.choice import FlowSample, choose
+from burstcast.control.differences import COMPARED, ComparedRun, paired_differences
 from burstcast.control.energy import energy_means
 from burstcast.control.loop import ControlledFlows
 from burstcast.control.records import (
     FLOW_SCORES,
+    RECORDS,
     FlowRecords,
     Interval,
     Span,
@@ -22,10 +25,13 @@ from burstcast.control.records import (
 )
 from burstcast.control.strategies.random_decisions import RandomDecisions
 from burstcast.control.timing import Schedule
+from burstcast.forecasters._names import ForecasterName
+from burstcast.statistics.resampling import bootstrap_weights
 from burstcast.systems.base import EnergyBudget
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.tables.cells import medians_over_seeds, with_interval
 
 # the first forecast at step 0, steps 3 to 8 count; two steps in a Lyapunov time
 CLOCK = RandomDecisions(0.5, 0.5).timing(Schedule(1, 1.0, 3.0, 0.0, 0.0, 1.0, 2, 2, 0.1))
@@ -272,3 +278,194 @@ def test_strength_is_a_share_of_the_change(strength: float, reynolds: float) -> 
 def test_an_actuator_without_strength_is_refused(strength: float) -> None:
     with pytest.raises(ValueError, match="strength"):
         actuated_system(FLOW, {"reynolds": 2000.0}, None, strength)
+
+
+# -- differences between runs ----------------------------------------------------------------------
+
+OF_RUNS = Span(steps=40, integration_steps=160, steps_at_risk=50, steps_per_lyapunov_time=4)
+FLOWS, RESAMPLES = 30, 200
+
+
+def records_of(seed, effect=0.5, row=None):
+    """Flows of which all runs have the same without control."""
+    common, own = np.random.default_rng(0), np.random.default_rng(seed)
+    uncontrolled = common.integers(0, 20, FLOWS)
+    none = np.full(FLOWS, -1)
+    unknown = np.full(FLOWS, np.nan)
+    return FlowRecords(
+        row=np.arange(FLOWS) if row is None else row,
+        exceeding_uncontrolled=uncontrolled,
+        exceeding_controlled=own.binomial(uncontrolled, effect),
+        events_uncontrolled=none + 2,
+        events_controlled=none + 1,
+        actuated_integration_steps=own.integers(0, 80, FLOWS),
+        switchings=own.integers(0, 5, FLOWS),
+        laminar_step_uncontrolled=np.where(np.arange(FLOWS) == 3, 7, none),
+        laminar_step_controlled=none,
+        input_uncontrolled=unknown,
+        input_controlled=unknown,
+        dissipation_uncontrolled=unknown,
+        dissipation_controlled=unknown,
+    )
+
+
+def scored(found):
+    return score_flows(found, OF_RUNS, RESAMPLES, np.random.default_rng(11))
+
+
+def run(seed, forecaster="esn", strategy="a", span=OF_RUNS, **options):
+    found = records_of(seed, **options)
+    return ComparedRun(forecaster, strategy, found.row, span, scored(found))
+
+
+def by_hand(one, other):
+    """Differences of both scores in each resample, flow by flow."""
+    weights = bootstrap_weights(FLOWS, RESAMPLES, np.random.default_rng(11))
+    samples = {name: [] for name in COMPARED}
+    for sample in [np.ones(FLOWS, dtype=int), *weights]:
+        drawn = [flow for flow in np.repeat(np.arange(FLOWS), sample) if flow != 3]
+        left, spent = [], []
+        for found in (one, other):
+            free = sum(found.exceeding_uncontrolled[flow] for flow in drawn)
+            left.append(sum(found.exceeding_controlled[flow] for flow in drawn) / free)
+            steps = sum(found.actuated_integration_steps[flow] for flow in drawn)
+            spent.append(steps / (len(drawn) * OF_RUNS.integration_steps))
+        samples["relative_exceedance"].append(left[0] - left[1])
+        samples["control_fraction"].append(spent[0] - spent[1])
+    return samples
+
+
+def test_differences_are_those_of_each_resample():
+    pairs = list(paired_differences([run(1), run(2, "equations", effect=0.2)]))
+    assert [name for _, _, name, _ in pairs] == list(COMPARED)
+    expected = by_hand(records_of(1), records_of(2, effect=0.2))
+    for one, other, name, difference in pairs:
+        assert (one.forecaster, other.forecaster) == ("esn", "equations")
+        assert difference.value == pytest.approx(expected[name][0])
+        np.testing.assert_allclose(difference.samples, expected[name][1:], rtol=1e-12, atol=1e-14)
+        cells = with_interval(difference, 0.9)
+        np.testing.assert_allclose(
+            [cells["low"], cells["high"]], np.quantile(expected[name][1:], [0.05, 0.95])
+        )
+
+
+def test_what_runs_share_cancels():
+    """A difference of runs that err in the same flows is known better than either of them."""
+    one = records_of(1)
+    more = records_of(1)
+    more.exceeding_controlled[:] = np.minimum(one.exceeding_controlled + 1, 20)
+    first, second = scored(one), scored(more)
+    difference = second["relative_exceedance"] - first["relative_exceedance"]
+    assert difference.samples.std() < 0.5 * first["relative_exceedance"].samples.std()
+
+
+def test_who_is_compared():
+    runs = {
+        "network": run(1),
+        "equations": run(2, "equations"),
+        "network, other strategy": run(3, strategy="b"),
+        "equations, third": run(4, "equations", strategy="c"),
+        "reactive": run(5, None, strategy="reactive"),
+        "other flows": run(6, row=np.arange(1, FLOWS + 1)),
+        "other span": run(7, span=Span(80, 320, 90, 4)),
+    }
+    names = {id(found): name for name, found in runs.items()}
+    pairs = {
+        (names[id(one)], names[id(other)])
+        for one, other, _, _ in paired_differences(list(runs.values()))
+    }
+    assert pairs == {
+        ("network", "equations"),
+        ("network", "network, other strategy"),
+        ("equations", "equations, third"),
+        ("network", "reactive"),
+        ("equations", "reactive"),
+        ("network, other strategy", "reactive"),
+        ("equations, third", "reactive"),
+    }
+
+
+def test_networks_that_differ_by_their_seeds_are_their_median():
+    members = [
+        (ForecasterName("esn", 500, "RV", seed), scored(records_of(seed))) for seed in range(3)
+    ]
+    other = ForecasterName("equations"), scored(records_of(9))
+    found = medians_over_seeds([members[0], other, *members[1:]])
+    assert list(found) == ["median of esn-N500-RV", "equations"]
+    for name in COMPARED:
+        np.testing.assert_array_equal(
+            found["median of esn-N500-RV"][name].samples,
+            np.median([scores[name].samples for _, scores in members], axis=0),
+        )
+    (single,) = medians_over_seeds(members[:1])
+    assert single == "esn-N500-RV-seed0"
+
+
+# -- settings chosen on half of the flows ----------------------------------------------------------
+
+OF_CHOICE = Span(steps=100, integration_steps=100, steps_at_risk=100, steps_per_lyapunov_time=10)
+
+
+def sample(left, acting, effort=None, rows=None):
+    """Flows with 20 exceeding steps each without control; ``left`` steps and acting steps given."""
+    rows = np.arange(len(left)) if rows is None else np.asarray(rows)
+    values = {name: np.zeros(len(left), dtype=np.int64) for name in RECORDS}
+    values |= {
+        "row": rows,
+        "exceeding_uncontrolled": np.full(len(left), 20),
+        "exceeding_controlled": np.asarray(left),
+        "actuated_integration_steps": np.asarray(acting),
+        "laminar_step_uncontrolled": np.full(len(left), -1),
+        "laminar_step_controlled": np.full(len(left), -1),
+    }
+    costs = {} if effort is None else {"effort": np.asarray(effort, dtype=float)}
+    return FlowSample(FlowRecords(**values), OF_CHOICE, costs)
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "chosen"),
+    [
+        (0.0, 1),  # the only one that leaves nothing, at any cost
+        (0.06, 2),  # leaves 5 %, and acts less
+        (0.05, 2),  # just as much as may be left
+        (0.5, 0),  # leaves 40 %, and acts least
+    ],
+)
+def test_the_cheapest_within_the_tolerance_is_chosen(tolerance, chosen):
+    candidates = [sample([8, 8], [1, 1]), sample([0, 0], [9, 9]), sample([2, 0], [5, 5])]
+    assert choose(candidates, tolerance) == chosen
+
+
+def test_the_least_exceedance_counts_where_none_is_within_the_tolerance():
+    candidates = [sample([8, 8], [1, 1]), sample([4, 4], [9, 9]), sample([4, 4], [5, 5])]
+    assert choose(candidates, 0.1) == 2
+
+
+def test_effort_is_the_cost_where_it_was_recorded_for_all():
+    acting_longer, pushing_harder = sample([0], [9], [0.1]), sample([0], [1], [0.2])
+    assert choose([acting_longer, pushing_harder], 0.01) == 0
+    assert choose([sample([0], [9]), pushing_harder], 0.01) == 1
+
+
+def test_settings_whose_scores_are_not_defined_are_the_last_choice():
+    assert choose([sample([], []), sample([20], [50])], 0.01) == 1
+
+
+def test_nothing_to_choose_from_is_refused():
+    with pytest.raises(ValueError, match="nothing to choose from"):
+        choose([], 0.01)
+
+
+def test_the_row_of_a_series_decides_in_which_half_its_flow_is():
+    whole = sample([1, 2, 3, 4], [0, 0, 0, 0], [1, 2, 3, 4], rows=[7, 10, 12, 13])
+    choosing, scored = whole.halves()
+    assert choosing.records.row.tolist() == [10, 12]
+    assert scored.records.exceeding_controlled.tolist() == [1, 4]
+    assert scored.costs["effort"].tolist() == [1, 4]
+
+
+def test_values_are_those_of_the_flows():
+    values = sample([2, 6], [10, 30], [0.1, 0.3]).values()
+    assert values["relative_exceedance"] == pytest.approx(8 / 40)
+    assert values["control_fraction"] == pytest.approx(40 / 200)
+    assert values["effort"] == pytest.approx(0.2)

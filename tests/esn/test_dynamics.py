@@ -14,7 +14,7 @@ from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import Reservoir, make_reservoir
 from burstcast.esn.tangent import ClosedLoopTangent
-from helpers_forecasters import textbook_step
+from helpers_library import textbook_step
 
 BACKENDS = ["compiled", "scipy"]
 RANGE = np.array([2.0, 0.5, 1.0, 3.0])

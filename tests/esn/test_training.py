@@ -10,7 +10,7 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.readout import Moments, MomentsAccumulator, _symmetric_norm, solve_ridge
 from burstcast.esn.reservoir import make_reservoir
 from burstcast.esn.training import TrainingSeries, collect, train, train_leaving_one_out
-from helpers_forecasters import textbook_step
+from helpers_library import textbook_step
 
 
 def accumulate(states, targets, edges=()):

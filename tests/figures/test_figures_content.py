@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from gallery_figures import (
+from helpers_figures import (
     ARGUMENTS,
     EVENT,
     EXAMPLES,
@@ -14,24 +14,22 @@ from gallery_figures import (
     SERIES,
     TIME,
     alarm_rows,
+    as_published,
+    burst,
     control_tables,
     drawn,
+    drawn_texts,
     frontier_rows,
+    interval_rows,
+    overlapping_texts,
     own_flow,
+    percentile_rows,
     plane_event,
     plane_states,
     reliability_rows,
     reynolds_rows,
     score_rows,
     statistics_rows,
-)
-from helpers_figures import (
-    as_published,
-    burst,
-    drawn_texts,
-    interval_rows,
-    overlapping_texts,
-    percentile_rows,
 )
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection

@@ -5,8 +5,7 @@ import sys
 
 import matplotlib
 import pytest
-from gallery_figures import GALLERY
-from helpers_figures import drawn_texts, overlapping_texts, texts_outside
+from helpers_figures import GALLERY, drawn_texts, overlapping_texts, texts_outside
 
 from burstcast.figures.parts.style import DOUBLE_COLUMN, render
 from burstcast.figures.registry import available_figures

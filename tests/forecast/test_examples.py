@@ -25,7 +25,7 @@ from burstcast.forecast.examples import (
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.systems.measured import MeasuredSeries
-from helpers_forecasters import MadeUpForecaster
+from helpers_library import MadeUpForecaster
 
 CRITERION = EventCriterion(threshold=1.0, calm=0.5, quiet=10, longest=60, wanted_peak=2.0)
 

@@ -15,7 +15,7 @@ from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from helpers_forecasters import MadeUpForecaster
+from helpers_library import MadeUpForecaster
 
 SEARCH = HorizonSearch(
     longest_lead_time_lt=4.0,

@@ -34,7 +34,7 @@ from burstcast.probability.forecast_points import ForecastPoints
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.parameters import SystemParameters
-from helpers_forecasters import MadeUpForecaster
+from helpers_library import MadeUpForecaster
 
 THRESHOLD = 0.1
 

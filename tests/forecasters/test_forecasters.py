@@ -27,7 +27,7 @@ from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from helpers_forecasters import textbook_step
+from helpers_library import textbook_step
 
 SYSTEM = MoehlisFaisstEckhardt(reynolds=400.0)
 

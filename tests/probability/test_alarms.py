@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from helpers_probability import count_by_series, samples
 from hypothesis import given
 from hypothesis import strategies as st
 from sklearn.metrics import (
@@ -28,6 +27,7 @@ from burstcast.probability.alarms import (
 )
 from burstcast.probability.calibration import isotonic
 from burstcast.probability.lead_times import lead_time_scores, lead_times
+from helpers_library import count_by_series, samples
 
 
 @given(samples(), st.floats(0, 1))

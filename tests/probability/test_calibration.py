@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from helpers_probability import count_by_series, samples
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
@@ -32,7 +31,7 @@ from burstcast.probability.out_of_sample import out_of_sample_forecasts
 from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
 from burstcast.probability.scores import resampled_scores
 from burstcast.systems.lorenz63 import Lorenz63
-from helpers_forecasters import MadeUpForecaster
+from helpers_library import MadeUpForecaster, count_by_series, samples
 
 
 @given(st.lists(st.tuples(st.floats(-5, 5), st.floats(0.1, 10)), min_size=1, max_size=40))

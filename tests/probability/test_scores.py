@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from helpers_probability import SERIES, count_by_series, informative_sample, samples
 from hypothesis import given
 from hypothesis import strategies as st
 from sklearn.calibration import calibration_curve
@@ -24,6 +23,7 @@ from burstcast.probability.reliability import reliability_diagram
 from burstcast.probability.scores import probability_scores, resampled_scores
 from burstcast.probability.votes import share_of_votes
 from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
+from helpers_library import SERIES, count_by_series, informative_sample, samples
 
 
 @given(samples(), st.integers(0, 2**31))

@@ -28,7 +28,7 @@ from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lyapunov import kaplan_yorke_dimension, lyapunov_spectrum
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from helpers_forecasters import MadeUpForecaster
+from helpers_library import MadeUpForecaster
 
 ROTATION = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3))).Q
 STEP = 0.02

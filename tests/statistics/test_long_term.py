@@ -25,7 +25,7 @@ from burstcast.statistics.long_term import (
 from burstcast.statistics.reductions import reduce_series
 from burstcast.statistics.survival import Lifetimes, escape_rate, survival_curve
 from burstcast.systems.lorenz63 import Lorenz63
-from helpers_forecasters import MadeUpForecaster
+from helpers_library import MadeUpForecaster
 
 EDGES = np.linspace(0.0, 1.0, 11)
 FIXED_POINT = FixedPointCriterion(variation=0.01, above=0.05, interval=40)

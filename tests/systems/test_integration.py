@@ -7,7 +7,6 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from helpers_systems import FirstObserved
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
@@ -37,6 +36,7 @@ from burstcast.systems.lyapunov import (
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.runge_kutta import step
 from burstcast.systems.stiff import StiffSystem
+from helpers_library import FirstObserved
 
 MFE = MoehlisFaisstEckhardt(400.0)
 

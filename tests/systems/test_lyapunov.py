@@ -8,7 +8,6 @@ from typing import ClassVar
 import numpy as np
 import pytest
 import scipy.stats
-from helpers_systems import FirstObserved
 
 from burstcast.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem
@@ -26,6 +25,7 @@ from burstcast.systems.lyapunov import (
 )
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.runge_kutta import step
+from helpers_library import FirstObserved
 
 ROTATION = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
 

@@ -9,7 +9,6 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from helpers_systems import FirstObserved
 
 from burstcast.data.dataset import initial_states
 from burstcast.polynomials.system import PolynomialSystem
@@ -29,6 +28,7 @@ from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.registry import available_systems, make_system, system_module
 from burstcast_workflow.commands.command_line import main
+from helpers_library import FirstObserved
 
 
 def test_systems_are_made_by_name_with_defaults_and_integers():

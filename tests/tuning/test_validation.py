@@ -23,7 +23,7 @@ from burstcast.tuning.strategies.registry import (
 )
 from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import DIVERGED_ERROR, Validation, validate
-from helpers_forecasters import textbook_step
+from helpers_library import textbook_step
 
 NEURONS, DIMENSION = 40, 3
 SERIES, LENGTH = 4, 260

@@ -1,21 +1,17 @@
 """Which networks a campaign has, and which settings the rules read of it."""
 
-import copy
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
-import yaml
+from helpers_configs import ROOT, campaign, networks
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from snakemake.utils import update_config
 
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters.registry import available_kinds
 from burstcast.natural_order import natural_order
-from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
-from burstcast_workflow.config.loading import load
+from burstcast_workflow.campaign.campaign import CaseForecaster
 from burstcast_workflow.config.model import Choice, Configuration
 from burstcast_workflow.config.places import Place
 from burstcast_workflow.figures.registry import (
@@ -27,22 +23,6 @@ from burstcast_workflow.figures.registry import (
 )
 from burstcast_workflow.harness.canonical import canonical, canonical_json
 from burstcast_workflow.tables.registry import cases_of_tables, table_names
-
-ROOT = Path(__file__).parents[2]
-
-
-def campaign(*overlays, blocks=None):
-    config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
-    for overlay in overlays:
-        update_config(config, copy.deepcopy(overlay))
-    if blocks:
-        config["campaign"] = blocks
-    return Campaign(load(config))
-
-
-def networks(neurons, validation=("RV",), seeds=1):
-    return {"esn": {"neurons": [*neurons], "validation": [*validation], "seeds": seeds}}
-
 
 PAPER = campaign()
 
@@ -68,28 +48,21 @@ def test_the_papers_forecasters():
 
 
 def test_blocks_that_overlap_share_their_forecasters():
-    figures = {"example_forecaster": "esn-N100-RV-seed0", "fixed_neurons": 100}
     equations = {"equations": {}, "equations_noisy": None}
+    both = {**networks([100], ["RV", "SSV"]), "equations": {}}
     found = campaign(
-        {"figures": figures, "control": {"forecasters": {"esn": None}}},
+        {"control": {"forecasters": {"esn": None}}},
         blocks=[
             {"reynolds": [400], "forecasters": {**networks([100, 200], seeds=2), **equations}},
-            {
-                "reynolds": [400, 600],
-                "forecasters": {**networks([100], ["RV", "SSV"]), "equations": {}},
-            },
+            {"reynolds": [400, 600], "forecasters": both},
         ],
     )
+    of_400 = ("N100-RV-seed0", "N100-RV-seed1", "N100-SSV-seed0", "N200-RV-seed0", "N200-RV-seed1")
     assert found.forecasters == (
         of("Re400", "equations"),
-        of("Re400", "esn-N100-RV-seed0"),
-        of("Re400", "esn-N100-RV-seed1"),
-        of("Re400", "esn-N100-SSV-seed0"),
-        of("Re400", "esn-N200-RV-seed0"),
-        of("Re400", "esn-N200-RV-seed1"),
+        *(of("Re400", f"esn-{name}") for name in of_400),
         of("Re600", "equations"),
-        of("Re600", "esn-N100-RV-seed0"),
-        of("Re600", "esn-N100-SSV-seed0"),
+        *(of("Re600", f"esn-N100-{validation}-seed0") for validation in ("RV", "SSV")),
     )
 
 
@@ -131,14 +104,12 @@ def test_who_controls_in_the_paper():
     assert PAPER.strategy_runs == runs
 
 
-def test_random_alarms_can_be_switched_off():
+def test_random_alarms_a_case_and_a_sweep_are_chosen():
     found = campaign({"control": {"random_alarms": False}})
-    assert found.control_runs == tuple(
-        run for run in PAPER.control_runs if run.controller.role is None
-    )
-
-
-def test_the_sweep_adds_prediction_times_for_the_first_seeds():
+    without = tuple(run for run in PAPER.control_runs if run.controller.role is None)
+    assert found.control_runs == without
+    found = campaign({"cases": {"Re600": {"actuation": None}}})
+    assert {run.case for run in found.control_runs} == {"Re400", "Re800", "Re1000"}
     found = campaign({"control": {"sweep": {"cases": ["Re400"], "seeds": 1}}})
     more = set(found.control_runs) - set(PAPER.control_runs)
     assert {run.prediction_time_lt for run in more} == {3, 4, 5}
@@ -150,22 +121,13 @@ def test_the_sweep_adds_prediction_times_for_the_first_seeds():
 
 
 def test_committees_control_as_one():
-    networks = {"neurons": [500, 2000], "validation": ["RV"], "seeds": 3}
+    forecasters = {**networks([500, 2000], seeds=3), "quadratic_filtered": {}}
     settings = {"horizon_lt": [2], "decision_interval_lt": [0.25], "vote_share": [0.1, 1]}
-    block = {
-        "strategy": "receding_horizon",
-        "settings": settings,
-        "cases": ["Re400"],
-        "forecasters": {"esn": {"neurons": [2000]}, "quadratic_filtered": {}},
-        "committee": True,
-    }
-    forecasters = {"esn": networks, "quadratic_filtered": {}}
-    found = campaign(
-        {
-            "campaign": [{"reynolds": [400, 600], "forecasters": forecasters}],
-            "control": {"strategies": [block]},
-        }
-    )
+    block = {"strategy": "receding_horizon", "settings": settings, "cases": ["Re400"]}
+    block["forecasters"] = {"esn": {"neurons": [2000]}, "quadratic_filtered": {}}
+    strategies = [{**block, "committee": True}]
+    blocks = [{"reynolds": [400, 600], "forecasters": forecasters}]
+    found = campaign({"control": {"strategies": strategies}}, blocks=blocks)
     runs = set(found.strategy_runs) - set(found.control_runs)
     plan = "receding_horizon-decision_interval0.25-horizon2-vote_share"
     assert {run.directory for run in runs} == {
@@ -178,8 +140,8 @@ def test_committees_control_as_one():
         assert run.directory.endswith(f"vote_share{record['settings']['vote_share']:g}")
         assert run.controller.keys["forecaster"] == f"{run.controller.kind}_committee"
         assert run.controller.seed is None
-    networks = [one.name.identifier for one in found.controlling("Re400", "esn-N2000-RV-committee")]
-    assert networks == [f"esn-N2000-RV-seed{seed}" for seed in range(3)]
+    voters = [one.name.identifier for one in found.controlling("Re400", "esn-N2000-RV-committee")]
+    assert voters == [f"esn-N2000-RV-seed{seed}" for seed in range(3)]
     (alone,) = found.controlling("Re400", "quadratic_filtered-committee")
     assert alone.directory == "Re400/quadratic_filtered"
     # a job of a committee is about the kind of those who vote
@@ -190,11 +152,6 @@ def test_committees_control_as_one():
     modules = found.modules(wildcards)
     assert modules["burstcast.forecasters"] == ["esn"]
     assert found.settings(["control.run"], wildcards, {})["control.run"]["noise"] == 0.01
-
-
-def test_a_case_without_actuation_is_not_controlled():
-    found = campaign({"cases": {"Re600": {"actuation": None}}})
-    assert {run.case for run in found.control_runs} == {"Re400", "Re800", "Re1000"}
 
 
 @pytest.mark.parametrize(
@@ -225,70 +182,43 @@ def test_time_units():
 
 NETWORK = {"case": "Re600", "forecaster": "esn-N2000-SSV-seed7"}
 PATHS = (
-    "random_seed",
-    "case.training",
-    "case.training.noise",
-    "forecasters.esn.connectivity",
-    "forecaster.options",
-    "forecaster.divergence_bound",
-    "washout_lt",
-    "search",
+    *("random_seed", "case.training", "case.training.noise", "forecasters.esn.connectivity"),
+    *("forecaster.options", "forecaster.divergence_bound", "washout_lt", "search"),
 )
 
 
-def test_settings_are_found_by_their_path():
-    found = PAPER.settings(PATHS, NETWORK, {"neurons": 3.0})
+def test_settings_are_found_by_their_path_in_canonical_form():
+    found = PAPER.settings(PATHS, NETWORK, {"neurons": 3.0, "pair": (1.0, 2.5)})
     assert found == {
         "random_seed": 2022,
         "case.training": {"actuation": None, "noise": 0.01, "series": 10, "trained_on": []},
         "case.training.noise": 0.01,
         "forecasters.esn.connectivity": 20,
         "forecaster.options": {
-            "backend": "compiled",
-            "connectivity": 20,
-            "input_bias": 0.1,
-            "input_range": "all",
-            "leak_rate": [1],
-            "readout": "linear",
+            **{"backend": "compiled", "connectivity": 20, "input_bias": 0.1},
+            **{"input_range": "all", "leak_rate": [1], "readout": "linear"},
         },
         "forecaster.divergence_bound": 10,
         "washout_lt": 0.5,
         "search": PAPER.config.search.dump(),
-        "neurons": 3,
+        **{"neurons": 3, "pair": [1, 2.5]},
     }
-
-
-def test_settings_are_canonical():
-    settings = PAPER.settings(PATHS, NETWORK, {"pair": (1.0, 2.5)})
-    assert settings == canonical(settings)
-    assert repr(settings) == repr(canonical(settings))
-    assert repr(settings["pair"]) == "[1, 2.5]"
+    assert repr(found) == repr(canonical(found))
 
 
 def test_kinds_share_sections_of_options():
-    wildcards = {"case": "Re600", "forecaster": "quadratic_filtered"}
-    (options,) = PAPER.settings(["forecaster.options"], wildcards, {}).values()
+    def settings(kind):
+        paths = ["forecaster.options", "forecaster.divergence_bound"]
+        return PAPER.settings(paths, {"case": "Re600", "forecaster": kind}, {})
+
     forecasters = PAPER.config.forecasters.dump()
     sections = [forecasters[name] for name in ("observation", "quadratic", "filter")]
+    options = settings("quadratic_filtered")["forecaster.options"]
     assert options == {key: value for section in sections for key, value in section.items()}
     assert len(options) == sum(map(len, sections))
-    wildcards = {"case": "Re600", "forecaster": "equations_filtered"}
-    (options,) = PAPER.settings(["forecaster.options"], wildcards, {}).values()
+    options = settings("equations_filtered")["forecaster.options"]
     assert options.keys() == {"noise", "members", "inflation"}
-
-
-def test_a_kind_without_settings_has_no_options():
-    wildcards = {"case": "Re600", "forecaster": "equations"}
-    paths = ["forecaster.options", "forecaster.divergence_bound"]
-    assert list(PAPER.settings(paths, wildcards, {}).values()) == [None, {}]
-
-
-def test_only_who_judges_long_forecasts_depends_on_their_bound():
-    other = campaign({"forecasters": {"esn": {"divergence_bound": 20}}})
-    before, after = (one.settings(PATHS, NETWORK, {}) for one in (PAPER, other))
-    assert {path for path in before if before[path] != after[path]} == {
-        "forecaster.divergence_bound"
-    }
+    assert list(settings("equations").values()) == [None, {}]
 
 
 @pytest.mark.parametrize("kind", ["esn-N2000-SSV-seed7", "equations", "equations_noisy"])
@@ -308,10 +238,9 @@ def test_settings_that_the_config_does_not_have_are_an_error(path):
 @pytest.mark.parametrize(
     ("overlay", "paths"),
     [
-        (
-            {"case_defaults": {"training": {"noise": 0.02}}},
-            {"case.training", "case.training.noise"},
-        ),
+        ({"case_defaults": {"training": {"noise": 0.02}}}, set(PATHS[1:3])),
+        # only who judges long forecasts depends on their bound
+        ({"forecasters": {"esn": {"divergence_bound": 20}}}, {"forecaster.divergence_bound"}),
         ({"forecasters": {"esn": {"connectivity": 10}}}, set(PATHS[3:5])),
         ({"forecasters": {"esn": {"backend": "scipy"}}}, {"forecaster.options"}),
         ({"search": {"grid": 3}}, {"search"}),
@@ -337,46 +266,35 @@ def test_what_a_job_is_found_by_does_not_depend_on_who_else_is_in_the_campaign()
     assert one.scan_of(wildcards["forecaster"]) == PAPER.scan_of(wildcards["forecaster"])
 
 
+ALL = "equations equations_noisy esn", "recycle single_shot"
+SCAN = {"reservoir": "esn-N2000-seed1", "strategies": "RV+SSV"}
+
+
 @pytest.mark.parametrize(
     ("wildcards", "kinds", "strategies"),
     [
-        (NETWORK, ["esn"], ["single_shot"]),
-        ({"case": "Re600", "forecaster": "esn-N2000-RV-seed1"}, ["esn"], ["recycle"]),
-        ({"case": "Re600", "forecaster": "equations"}, ["equations"], []),
-        (
-            {"case": "Re600", "reservoir": "esn-N2000-seed1", "strategies": "RV+SSV"},
-            ["equations", "equations_noisy", "esn"],
-            ["recycle", "single_shot"],
-        ),
-        ({"case": "Re600"}, ["equations", "equations_noisy", "esn"], ["recycle", "single_shot"]),
-        ({}, ["equations", "equations_noisy", "esn"], ["recycle", "single_shot"]),
+        (NETWORK, "esn", "single_shot"),
+        ({"case": "Re600", "forecaster": "esn-N2000-RV-seed1"}, "esn", "recycle"),
+        ({"case": "Re600", "forecaster": "equations"}, "equations", ""),
+        ({"case": "Re600", **SCAN}, *ALL),
+        ({"case": "Re600"}, *ALL),
+        ({}, *ALL),
     ],
 )
 def test_modules_that_a_job_is_about(wildcards, kinds, strategies):
     assert PAPER.modules(wildcards) == {
         "burstcast.systems": ["mfe"],
-        "burstcast.forecasters": kinds,
+        "burstcast.forecasters": kinds.split(),
         "burstcast.control.strategies": [],
-        "burstcast.tuning.strategies": strategies,
+        "burstcast.tuning.strategies": strategies.split(),
     }
 
 
 @pytest.mark.parametrize(
-    ("identifier", "scan"),
-    [
-        ("esn-N500-RV-seed3", ("esn-N500-seed3", "RV+SSV")),
-        ("esn-N500-SSV-seed3", ("esn-N500-seed3", "RV+SSV")),
-        ("esn-N500-WFV-seed3", ("esn-N500-seed3", "WFV")),
-    ],
+    ("validation", "scan"), [("RV", "RV+SSV"), ("SSV", "RV+SSV"), ("WFV", "WFV")]
 )
-def test_strategies_that_share_their_sums_share_a_scan(identifier, scan):
-    assert PAPER.scan_of(identifier) == scan
-
-
-def test_the_forecasters_of_the_paper():
-    found = {(one.case, one.name.identifier) for one in PAPER.forecasters}
-    assert len(found) == len(PAPER.forecasters) == 188
-    assert {("Re400", "esn-N500-RV-seed0"), ("Re600", "equations")} < found
+def test_strategies_that_share_their_sums_share_a_scan(validation, scan):
+    assert PAPER.scan_of(f"esn-N500-{validation}-seed3") == ("esn-N500-seed3", scan)
 
 
 def test_runs_of_control_tell_random_alarms_apart():
@@ -393,11 +311,8 @@ def test_runs_of_control_tell_random_alarms_apart():
 
 
 def test_noise_of_a_plan_is_said_also_where_the_truth_is_seen():
-    block = {
-        "strategy": "reactive",
-        "settings": {"level": [0.05], "decision_interval_lt": [0.5]},
-        "noise": [0.03],
-    }
+    settings = {"level": [0.05], "decision_interval_lt": [0.5]}
+    block = {"strategy": "reactive", "settings": settings, "noise": [0.03]}
     found = campaign({"control": {"strategies": [block]}})
     run = next(run for run in found.strategy_runs if run.plan.noise)
     wildcards = {**run.identity, "controller": "equations"}
@@ -461,9 +376,9 @@ def test_natural_order():
 
 
 def test_realisations_are_cases_that_differ_by_their_training_series_only():
-    block = {"reynolds": [400], "realisations": 3, "forecasters": {"equations": {}}}
-    networks = {"esn": {"neurons": [2000], "validation": ["RV"], "seeds": 2}}
-    found = campaign({"campaign": [{**block, "forecasters": networks}]})
+    found = campaign(
+        blocks=[{"reynolds": [400], "realisations": 3, "forecasters": networks([2000], seeds=2)}]
+    )
     own, *others = found.case_names
     assert (own, others) == ("Re400", ["Re400-training1", "Re400-training2"])
     assert all(found.cases[case] == found.cases["Re400"] for case in others)
@@ -471,27 +386,24 @@ def test_realisations_are_cases_that_differ_by_their_training_series_only():
     assert found.simulated_cases == (own, *others)
     assert {one.case for one in found.networks} == {own, *others}
     assert "training_realisations" in table_names(found)
-    assert "training_realisations" not in table_names(campaign())
-
-
-DRAWN = {"reynolds": [400], "event_shares": [0.17, "all"]}
-NETWORKS = {"neurons": [500], "validation": ["RV"], "seeds": 2}
+    assert "training_realisations" not in table_names(PAPER)
 
 
 def test_drawn_training_sets_stand_in_the_place_of_the_cases_own():
     own = {"reynolds": [400], "forecasters": {"equations": {}}}
-    found = campaign({"campaign": [own, {**DRAWN, "forecasters": {"esn": NETWORKS}}]})
+    drawn = {"event_shares": [0.17, "all"], "forecasters": networks([500], seeds=2)}
+    found = campaign(blocks=[own, {"reynolds": [400], **drawn}])
     assert found.case_names == ("Re400", "Re400-training1", "Re400-training2")
     assert {one.case for one in found.networks} == set(found.realised_cases)
     first, both = map(found.drawn_shares, found.realised_cases)
     assert first == {"shares": [0.17], "threshold": 0.1}
     assert both == {"shares": [0.17, "all"], "threshold": 0.1}
-    assert campaign().drawn_shares("Re400") is None
+    assert PAPER.drawn_shares("Re400") is None
 
 
 def test_networks_with_true_washouts_share_the_search_of_the_others():
-    chosen = {"esn_true_washout": NETWORKS}
-    found = campaign({"campaign": [{"reynolds": [400], "forecasters": chosen}]})
+    chosen = {"esn_true_washout": networks([500], seeds=2)["esn"]}
+    found = campaign(blocks=[{"reynolds": [400], "forecasters": chosen}])
     assert len(found.networks) == 2
     assert found.searched_networks == ()
     searched = [found.searched(one).directory for one in found.networks]

@@ -2,10 +2,11 @@
 
 import json
 import re
+import shutil
+from contextlib import contextmanager
 
 import pytest
 import yaml
-from helpers_browser import opened
 from helpers_configs import ROOT, paper_with, read
 from helpers_rebuilds import digests
 from recomputation import Recomputation, assert_same_rows, percentiles
@@ -196,6 +197,45 @@ def test_a_permuted_campaign_from_scratch_gives_the_same_tables(miniature, tmp_p
 
 
 # -- the report ------------------------------------------------------------------------------------
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+
+@contextmanager
+def opened(path):
+    """Yield a page in a real browser, and what it asks for beside itself or says of errors."""
+    programs = [found for name in BROWSERS if (found := shutil.which(name))]
+    if not programs:
+        pytest.skip(f"no browser to open the report in: none of {', '.join(BROWSERS)}")
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(
+            # the sandbox needs rights that a container does not have; the page is our own
+            executable_path=programs[0],
+            args=["--no-sandbox", "--disable-dev-shm-usage"],
+        )
+        try:
+            page = browser.new_page(viewport={"width": 1400, "height": 900})
+            said: list[str] = []
+            own = path.resolve().as_uri()
+            page.on(
+                "request",
+                lambda request: (
+                    None
+                    if request.url.split("#")[0] == own
+                    or request.url.startswith(("data:", "blob:"))
+                    else said.append(request.url)
+                ),
+            )
+            page.on("pageerror", lambda error: said.append(str(error)))
+            page.on(
+                "console",
+                lambda message: said.append(message.text) if message.type == "error" else None,
+            )
+            page.goto(own)
+            yield page, said
+        finally:
+            browser.close()
 
 
 @pytest.fixture(scope="module")

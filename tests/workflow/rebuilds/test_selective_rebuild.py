@@ -13,9 +13,8 @@ from dataclasses import replace
 import pytest
 import yaml
 from dependencies import ALL
-from edits import code_files, config_edits
 from helpers_rebuilds import ROOT, TINY, Project
-from laboratory import TABLE_SCRIPTS, Laboratory
+from laboratory import TABLE_SCRIPTS, Laboratory, code_files, config_edits
 
 CONFIG_EDITS = {edit.name: edit for edit in config_edits()}
 

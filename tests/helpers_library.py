@@ -1,0 +1,77 @@
+"""What tests of the library make up: forecasters, systems, forecasts and their outcomes."""
+
+from typing import ClassVar
+
+import numpy as np
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as npst
+
+from burstcast.forecasters.base import Forecaster
+from burstcast.probability.outcomes import outcomes_by_series
+
+
+class MadeUpForecaster(Forecaster):
+    """Forecaster that is neither fitted nor kept in files: only its forecasts matter."""
+
+    @classmethod
+    def fit(cls, training, case, parameters=None):
+        raise NotImplementedError
+
+    def record(self):
+        raise NotImplementedError
+
+    @classmethod
+    def restore(cls, record, case):
+        raise NotImplementedError
+
+
+def textbook_step(dynamics, current, state):
+    """One step of one trajectory with dense matrices, number by number where neurons leak.
+
+    ``current``: input that is scaled already, ``(dimension,)``.
+    """
+    reservoir, leak = dynamics.reservoir, dynamics.leak_rate
+    input_matrix = np.zeros((reservoir.neurons, reservoir.dimension + 1))
+    input_matrix[np.arange(reservoir.neurons), reservoir.input_column] = reservoir.input_weight
+    fed = np.append(current, reservoir.input_bias)
+    recurrent = dynamics.spectral_radius * reservoir.recurrent.toarray() @ state
+    reached = np.tanh(dynamics.input_scaling * input_matrix @ fed + recurrent)
+    return np.array([(1 - leak) * x + leak * y for x, y in zip(state, reached, strict=True)])
+
+
+class FirstObserved:
+    """The observable is the first component."""
+
+    observable_name: ClassVar[str] = "x"
+    observable_symbol: ClassVar[str] = "x"
+
+    def observable(self, state):
+        return np.array(state[0])
+
+
+SERIES = 6
+
+
+def count_by_series(probability, happened, series, number=SERIES):
+    """Outcomes by series, all points scored."""
+    return outcomes_by_series(probability, happened, np.ones(len(series), bool), series, number)
+
+
+@st.composite
+def samples(draw, values=None, most=60):
+    """Probabilities, outcomes and the series of each forecast."""
+    count = draw(st.integers(1, most))
+    values = st.floats(0, 1, width=16) if values is None else values
+    return (
+        draw(npst.arrays(np.float64, count, elements=values)),
+        draw(npst.arrays(bool, count)),
+        draw(npst.arrays(np.int64, count, elements=st.integers(0, SERIES - 1))),
+    )
+
+
+def informative_sample():
+    """A thousand probabilities that are informative and not reliable, of forty series."""
+    generator = np.random.default_rng(8)
+    probability = np.round(generator.beta(0.4, 1.5, 1000), 2)
+    happened = generator.random(1000) < 0.7 * probability + 0.05
+    return probability, happened, generator.integers(0, 40, 1000)
