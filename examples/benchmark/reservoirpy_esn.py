@@ -9,22 +9,24 @@ the readout has not seen. The closed loops of all starting points run side by si
 the network's own matrices, since ReservoirPy runs them one after another.
 """
 
-import itertools
 import sys
+from functools import partial
 
-import netCDF4
 import numpy as np
+from closed_loop import enter
 from reservoirpy.nodes import Reservoir, Ridge
 
-HELD_OUT = 2
-"""Training series that hyperparameters are chosen on."""
-SPECTRAL_RADII, INPUT_SCALINGS, RIDGES = (0.2, 0.5, 0.9), (0.1, 0.3, 1.0), (1e-9, 1e-6, 1e-3)
+GRID = {
+    "spectral_radius": (0.2, 0.5, 0.9),
+    "input_scaling": (0.1, 0.3, 1.0),
+    "ridge": (1e-9, 1e-6, 1e-3),
+}
 
 
 class Network:
     """A trained network, whose closed loops run side by side."""
 
-    def __init__(self, training, washout, neurons, spectral_radius, input_scaling, ridge):
+    def __init__(self, training, washout, spectral_radius, input_scaling, ridge, neurons):
         self.mean, self.scale = training.mean(axis=(0, 1)), np.ptp(training, axis=(0, 1))
         reservoir = Reservoir(
             neurons,
@@ -73,49 +75,9 @@ def with_squares(states):
     return found
 
 
-def error(network, series, washout, lyapunov_time):
-    """Mean error of the forecasts of series, two Lyapunov times long, in units of their scale."""
-    reach = 2 * lyapunov_time
-    starts = np.arange(washout, series.shape[1] - reach, lyapunov_time)
-    washouts = np.concatenate([series[:, at - washout : at] for at in starts])
-    truth = np.concatenate([series[:, at : at + reach] for at in starts])
-    missed = (network.forecast(washouts, reach) - truth) / network.scale
-    return np.sqrt((missed**2).mean(axis=(1, 2))).mean()
-
-
-def chosen(training, washout, neurons, lyapunov_time):
-    """Network with the hyperparameters that forecast the series best that are held out."""
-    learnt, held_out = training[:-HELD_OUT], training[-HELD_OUT:]
-    errors = {}
-    for given in itertools.product(SPECTRAL_RADII, INPUT_SCALINGS, RIDGES):
-        with np.errstate(over="ignore", invalid="ignore"):
-            network = Network(learnt, washout, neurons, *given)
-            errors[given] = error(network, held_out, washout, lyapunov_time)
-        print(f"spectral radius, input scaling, ridge {given}: error {errors[given]:.4f}")
-    best = min(errors, key=lambda given: (np.isnan(errors[given]), errors[given]))
-    return Network(training, washout, neurons, *best)
-
-
 def main(case_path, path, neurons=500):
     """Write forecasts of a case."""
-    with netCDF4.Dataset(case_path) as case:
-        facts = {name: case.getncattr(name) for name in ("case", "case_version", "seed")}
-        names = ("training", "washout", "horizon_washout")
-        training, washouts, before_events = (np.asarray(case[name][:]) for name in names)
-        steps, horizon_steps = int(case.forecast_steps), int(case.horizon_steps)
-        lyapunov_time = int(case.steps_per_lyapunov_time)
-    network = chosen(training, washouts.shape[1], int(neurons), lyapunov_time)
-    with netCDF4.Dataset(path, "w") as file:
-        file.setncatts(facts)
-        file.createDimension("component", training.shape[2])
-        for before, given, length in (
-            ("", washouts, steps),
-            ("horizon_", before_events, horizon_steps),
-        ):
-            names = (f"{before}point", f"{before}step", "component")
-            for name, size in zip(names, (len(given), length), strict=False):
-                file.createDimension(name, size)
-            file.createVariable(f"{before}state", "f4", names)[:] = network.forecast(given, length)
+    enter(partial(Network, neurons=int(neurons)), GRID, case_path, path)
 
 
 if __name__ == "__main__":

@@ -69,7 +69,7 @@ def test_closed_loops_side_by_side_are_those_of_reservoirpy(monkeypatch):
     time = np.arange(400) * 0.1
     phases = np.array([0.0, 1.0, 2.5])[:, np.newaxis]
     training = np.stack([np.sin(time + phases), np.cos(time + phases)], axis=2)
-    network = reservoirpy_esn.Network(training, 30, 40, 0.5, 0.3, 1e-6)
+    network = reservoirpy_esn.Network(training, 30, 0.5, 0.3, 1e-6, 40)
     washouts = training[:, 100:120]
     found = network.forecast(washouts, 15)
     reservoir, readout = nodes

@@ -1,11 +1,16 @@
 """The frozen cases of the benchmark, and its leaderboard."""
 
+import json
 import runpy
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 import yaml
 
+from burstcast.event_forecaster.forecaster import EventForecaster
+from burstcast.files.netcdf import read_netcdf
 from burstcast_workflow.commands import benchmark
 from burstcast_workflow.commands.command_line import main
 from burstcast_workflow.commands.leaderboard import (
@@ -32,6 +37,13 @@ def test_frozen_campaigns_are_sound(name, tmp_path, monkeypatch):
     assert config["random_seed"] == 2026
 
 
+def extract_glucose():
+    """Write the record to the working directory."""
+    pytest.importorskip("bokeh_sampledata", reason="the record is not installed")
+    extract = runpy.run_path(str(ROOT / "examples" / "real_records" / "extract.py"))["glucose"]
+    extract().to_csv("glucose.csv", index=False, date_format="%Y-%m-%dT%H:%M:%S")
+
+
 LONG = ("Re1000", "Kolmogorov")
 
 
@@ -43,11 +55,41 @@ def test_the_data_of_each_case_are_frozen(name, tmp_path, monkeypatch):
     """A change of anything that data depend on must raise the version of the case."""
     monkeypatch.chdir(tmp_path)
     if name == "Glucose":
-        pytest.importorskip("bokeh_sampledata", reason="the record is not installed")
-        extract = runpy.run_path(str(ROOT / "examples" / "real_records" / "extract.py"))
-        form = "%Y-%m-%dT%H:%M:%S"
-        extract["glucose"]().to_csv("glucose.csv", index=False, date_format=form)
+        extract_glucose()
     assert main(["benchmark", "export", "--case", name]) == 0  # compares the digest
+
+
+def test_classifiers_of_a_notebook_have_the_alarms_of_the_frozen_campaign(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    extract_glucose()
+    target, small = "results/benchmark_glucose/Glucose", {"neurons": 60}
+    Path("small.yaml").write_text(yaml.safe_dump({"forecasters": {"esn_direct": small}}))
+    files = [str(benchmark.DIRECTORY / "glucose.yaml"), "small.yaml"]
+    targets = [f"{target}/forecast_task.nc", f"{target}/calibration.json"]
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")]
+    subprocess.run([*command, "--configfile", *files, "--", *targets], check=True)
+    rules = json.loads(Path(target, "calibration.json").read_text())["alarms"]
+    training = read_netcdf(f"{target}/forecast_task.nc")["training"]
+    for kind, options in (
+        ("precursor", {"classifier": "logistic", "lags_lt": [1, 2, 3]}),
+        ("esn_direct", small),
+    ):
+        fitted = EventForecaster(
+            lambda states: -states[..., 0],
+            -70.0,
+            prediction_times=(1.0, 2.0, 3.0),
+            lyapunov_time=20.0,
+            sampling_interval=5.0,
+            washout=6,
+            kind=kind,
+            calibration_spacing=1,
+            random_seed=2026,
+            options={**options, "start_spacing_lt": 1},
+        ).fit(training)
+        for time, alarm in fitted.alarms_.items():
+            rule = rules[kind][f"{time:g}"]["calibrated"]
+            assert alarm.calibration.probabilities.tolist() == rule["probabilities"]
+            assert alarm.threshold == rule["threshold"]
 
 
 def test_the_frozen_record_is_left_out_where_it_is_not_here(tmp_path, monkeypatch, capsys):

@@ -112,6 +112,10 @@ def test_a_module_that_a_file_names_is_not_imported(name, saved, tmp_path):
         {"options": [1]},
         {"options": {"nonsense": 1}},
         {"tikhonov": None},
+        {"sampling_stride": 10**9},
+        {"prediction_times": [0.5, 1e9]},
+        {"washout": 1e9},
+        {"options": {"neighbours": 10**9}},
     ],
     ids=str,
 )

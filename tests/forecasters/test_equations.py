@@ -284,3 +284,31 @@ def test_members_start_around_the_linear_estimate(setting):
     errors = case.maps.error_covariance(filtered.noise[:-1])
     variances = np.linalg.eigvalsh(errors)[::-1]
     assert np.cov(first[..., 0]).trace() == pytest.approx(variances[:6].sum())
+
+
+def test_an_ensemble_of_full_size_finds_components_that_are_hidden():
+    """Seven modes of the shear flow, and its energy, tell the two others better than the noise."""
+    flow = MoehlisFaisstEckhardt(400.0)
+    names = [f"a{number}" for number in range(1, 8)]
+    start = np.array([1.0, 0.0, 0.07066, -0.07076, *5 * [0.0]])[:, np.newaxis]
+    start = start + 0.01 * np.random.default_rng(3).normal(size=(9, 6))
+    states = integrate(flow, start, 0.25, 2400, 4)[-400:].transpose(2, 0, 1)
+    case = encoding_case(flow, {"components": names}, {})
+    readings = case.readings_of_series(states)
+    np.testing.assert_array_equal(readings, states[..., :7])
+    scales = component_scales(readings)
+    seen = observed_series(readings, 0, 0.01, scales, 1, "sensors")
+    case = replace(case, noise=0.01 * scales.standard_deviation)
+    maps = StateChannels.fit("identity", states, seen, case).maps(states)
+    observable = flow.observable(states.transpose(2, 0, 1))[..., np.newaxis]
+    space = MeasuredSeries(channel_names("identity", case), "observable")
+    options = {"noise": 0.01, "members": 40, "inflation": 1.02}
+    forecasting = ForecastingCase(space, 0.25, 4, 61, options, source=flow, maps=maps)
+    filtered = FilteredEquations.fit(np.concatenate([seen, observable], axis=2), forecasting)
+    washout = np.concatenate([seen, observable], axis=2)[:, 100:130].transpose(1, 2, 0)
+    error = np.abs(filtered.start(washout) - states[:, 129].T).mean(axis=1)
+    assert (error[:7] < scales.standard_deviation * 0.01).all()
+    assert (error[7:] < 0.05 * states[..., 7:].std(axis=(0, 1))).all()
+    for wrong in (["a1", "a1"], ["a10"]):
+        with pytest.raises(ValueError, match=r"components must be some of a1, a2, .*, each once"):
+            encoding_case(flow, {"components": wrong}, {})

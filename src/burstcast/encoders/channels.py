@@ -13,6 +13,7 @@ from burstcast.encoders.base import Encoder, EncodingCase
 from burstcast.encoders.registry import encoder_class
 from burstcast.encoders.state_estimate import StateEstimateEncoder
 from burstcast.encoders.state_maps import StateMaps
+from burstcast.observation.components import ObservedComponents
 from burstcast.observation.velocity_sensors import PlaneFlow, VelocitySensors
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.state_space import StateSpace, component_names
@@ -153,10 +154,13 @@ def encoding_case(
 ) -> EncodingCase:
     """Information for the encoder of a case.
 
-    ``sensors``: ``points`` of the `VelocitySensors`; None: the states are observed themselves.
+    ``sensors``: ``points`` of the `VelocitySensors`, or ``components``; None: the states are
+    observed themselves.
     """
     if sensors is None:
         return EncodingCase(space, options)
+    if seen := sensors.get("components"):
+        return EncodingCase(space, options, ObservedComponents(space, tuple(seen)))
     if not isinstance(space, PlaneFlow):
         raise ValueError(
             f"sensors measure the velocity in a plane, which {type(space).__name__} has not"

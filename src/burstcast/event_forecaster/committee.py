@@ -39,57 +39,37 @@ def trained_committee(
     washout: int,
     interval: int,
 ) -> tuple[list[Forecaster], list[dict[str, Any]]]:
-    """Search and train all networks of a committee; networks, and what each search found.
+    """Networks of a committee, each after its search, and what the searches found.
 
-    ``training``, ``knowledge``: As of `training_of`. ``said``: Parameters of an `EventForecaster`.
-    ``washout``, ``interval``: Steps of the washout, and of a validation interval.
+    ``training``, ``knowledge``: Of `training_of`. ``said``: Parameters of an `EventForecaster`.
     """
     if said["members"] < 1:
         raise ValueError(f"members must be 1 at least, not {said['members']}")
     strategy, options = make_strategy(said["validation"]), case.options
     together = [make_strategy(name) for name in scanned_with(strategy.name)]
     series, _, dimension = training.observed.shape
-    plan = ValidationPlan(
-        washout=washout,
-        interval=interval,
-        series=said["validation_series"] or min(_MOST_VALIDATION_SERIES, series),
-        intervals=said["intervals_per_series"],
-    )
-    (low, high), (weakest, strongest) = said["spectral_radius"], said["input_scaling"]
-    space = SearchSpace(
-        (float(low), float(high)),
-        (float(weakest), float(strongest)),
-        tuple(map(float, options["leak_rate"])),
-    )
+    validated = said["validation_series"] or min(_MOST_VALIDATION_SERIES, series)
+    plan = ValidationPlan(washout, interval, validated, said["intervals_per_series"])
+    ranges = said["spectral_radius"], said["input_scaling"], options["leak_rate"]
+    bounds: Any = [tuple(map(float, one)) for one in ranges]
+    space = SearchSpace(*bounds)
+    drawn = float(options["connectivity"]), float(options["input_bias"])
+    as_said = {name: options[name] for name in ("backend", "readout")}
     members: list[Forecaster] = []
     found = []
     for number in range(said["members"]):
-        drawn = float(options["connectivity"]), float(options["input_bias"])
         seed = ReservoirSeed(said["random_seed"], said["neurons"], number, *drawn)
+        reservoir, tikhonov = seed.reservoir(dimension), list(said["tikhonov"])
         validator = PointValidator(
-            seed.reservoir(dimension),
-            training,
-            case.system.observable,
-            plan,
-            list(said["tikhonov"]),
-            options["backend"],
-            options["readout"],
+            reservoir, training, case.system.observable, plan, tikhonov, **as_said
         )
         scanned = scan(validator, space, together, said["grid"])
         optimiser = optimiser_seed(seed, said["case"], strategy.name)
         points = search(validator, space, strategy, scanned, said["bayesian_points"], optimiser)
         record = best(points).record()
+        as_trained = {"washout": washout, "divergence_bound": options["divergence_bound"]}
         members += trained_networks(
-            kind,
-            seed,
-            validator.reservoir,
-            training,
-            [record],
-            washout=washout,
-            backend=options["backend"],
-            readout=options["readout"],
-            divergence_bound=options["divergence_bound"],
-            knowledge=knowledge,
+            kind, seed, reservoir, training, [record], knowledge=knowledge, **as_trained, **as_said
         )
         found.append({name: record[name] for name in _FOUND if name in record})
     return members, found
@@ -100,7 +80,6 @@ def training_of(
 ) -> tuple[TrainingSeries, dict[str, Any]]:
     """Training series, and what networks that know the parameters are given beside them.
 
-    ``states``, ``observed``: Series, and what is observed of them, ``(series, time, component)``.
     ``schedules``: Parameters in force, ``(series, time - 1, parameters)``; None for other networks.
     """
     scale = network_input_range(states, case.options["input_range"])
@@ -129,10 +108,7 @@ def in_turns(schedules: FloatArray) -> IntArray:
 def search_edges(
     found: Sequence[Mapping[str, Any]], said: Mapping[str, Any], samples: int
 ) -> Iterator[str]:
-    """Sentences about hyperparameters that most networks have on the edge of their search.
-
-    ``found``, ``said``: As of `trained_committee`. ``samples``: Of all training series.
-    """
+    """Sentences about hyperparameters that most networks have on the edge of their search."""
     least = negligible_ridge(said["neurons"], samples)
     for name in ("spectral_radius", "input_scaling", "tikhonov"):
         values, searched = [one[name] for one in found], said[name]

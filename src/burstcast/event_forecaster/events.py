@@ -1,4 +1,4 @@
-"""Events of an event forecaster: durations in samples, prediction windows, and outcomes."""
+"""Events of an event forecaster: durations in samples, prediction windows, outcomes, alarms."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,6 +11,9 @@ from burstcast.arrays import BoolArray, FloatArray
 from burstcast.forecast.observed_points import ObservedPoints
 from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.forecasters._event_classifier import LabelledPoints
+from burstcast.probability.alarm_rule import AlarmRule
+from burstcast.probability.alarms import useless_votes
+from burstcast.probability.calibration import isotonic, logistic
 from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.votes import share_of_votes
 
@@ -45,11 +48,9 @@ class EventTiming:
         """Samples of a duration that is called so in messages: 1 at least."""
         found = durations.steps(duration, self.unit)
         if found < 1:
-            counted = (
-                "durations are in samples unless lyapunov_time is given"
-                if self.lyapunov_time is None
-                else f"a Lyapunov time has {self.unit} samples"
-            )
+            counted = f"a Lyapunov time has {self.unit} samples"
+            if self.lyapunov_time is None:
+                counted = "durations are in samples unless lyapunov_time is given"
             raise ValueError(
                 f"{name} is {duration:g}, which is {found} samples; it must be 1 at least "
                 f"({counted})"
@@ -89,11 +90,8 @@ class Events:
 
     def shares(self, votes: Sequence[WindowSummaries]) -> ByTime:
         """Share of the votes for an event."""
-        windows = self.timing.windows
-        return {
-            time: share_of_votes(votes, *windows(time), self.threshold)
-            for time in self.timing.times
-        }
+        windows, times = self.timing.windows, self.timing.times
+        return {time: share_of_votes(votes, *windows(time), self.threshold) for time in times}
 
     def happened(self, points: ObservedPoints, time: float) -> BoolArray:
         """Points that an event follows, ``(points,)``."""
@@ -114,6 +112,27 @@ class Events:
     def by_time(self, probabilities: FloatArray) -> ByTime:
         """Probabilities of a classifier, from ``(points, windows)``."""
         return dict(zip(self.timing.times, probabilities.T, strict=True))
+
+    def calibrated(
+        self, points: ObservedPoints, values: ByTime, prior: float | None
+    ) -> tuple[dict[float, AlarmRule], list[str]]:
+        """Alarms at each prediction time, and sentences about votes that tell nothing.
+
+        ``prior``: Weight of the prior of shares of votes; None: the values are probabilities.
+        """
+        alarms, findings = {}, []
+        for time in self.timing.times:
+            outcomes = self.outcomes(points, values[time], time)
+            if not outcomes.levels.size:
+                raise ValueError(
+                    f"no starting point is left to calibrate with: the observable reaches the "
+                    f"event threshold {self.threshold:.4g} in every washout"
+                )
+            if text := useless_votes(outcomes):
+                findings.append(f"prediction time {time:g}: {text}")
+            rule = logistic(outcomes) if prior is None else isotonic(outcomes, prior)
+            alarms[time] = AlarmRule.chosen(outcomes, rule)
+        return alarms, findings
 
     def outcomes(self, points: ObservedPoints, values: FloatArray, time: float) -> Outcomes:
         """Outcomes at each of the values that probabilities are made from."""

@@ -27,6 +27,8 @@ _FORMAT = 2
 _TUPLES = ("prediction_times", "spectral_radius", "input_scaling", "tikhonov")
 _CONNECTIONS = 1000
 """Most connections of a reservoir, for each number that is in the file."""
+_MOST = 1_000_000
+"""Largest of a file's own numbers that time or memory grow with."""
 _WRONG = (
     *(ArithmeticError, AttributeError, LookupError, MemoryError, NotImplementedError),
     *(RecursionError, TypeError, ValueError),
@@ -43,10 +45,7 @@ class SavedForecaster:
 
 
 def write_saved(path: str | Path, saved: SavedForecaster) -> None:
-    """Write an event forecaster, but for an observable that is a function or a system of one's own.
-
-    The file replaces one that is there.
-    """
+    """Write an event forecaster, but for an observable of one's own; replaces a file."""
     # the NetCDF library takes a moment to load, which other forecasters need not wait for
     from burstcast.files.netcdf import Variable, write_netcdf
 
@@ -58,23 +57,19 @@ def write_saved(path: str | Path, saved: SavedForecaster) -> None:
             meaning = f"{name.replace('_', ' ')} of member {number}"
             variables[label] = Variable(axes, array, None, meaning)
     observable = _observable_record(saved.parameters["observable"])
-    parameters = {**saved.parameters, "observable": observable}
-    fitted = {**saved.fitted, "members": [dict(member.attributes) for member in saved.members]}
-    attributes: dict[str, str | int] = {
-        "event_forecaster": _FORMAT,
-        "parameters": json.dumps(parameters, sort_keys=True, default=_plain),
-        "fitted": json.dumps(fitted, sort_keys=True, default=_plain),
-    }
+    attributes: dict[str, str | int] = {"event_forecaster": _FORMAT}
+    for name, content in (
+        ("parameters", {**saved.parameters, "observable": observable}),
+        ("fitted", {**saved.fitted, "members": [dict(one.attributes) for one in saved.members]}),
+    ):
+        attributes[name] = json.dumps(content, sort_keys=True, default=_plain)
     arrays = {name: np.asarray(variable.data) for name, variable in variables.items()}
     attributes["digest"] = _digest(attributes, arrays)
     write_netcdf(path, variables, attributes)
 
 
 def read_saved(path: str | Path, observable: Observable | None) -> SavedForecaster:
-    """Read an event forecaster.
-
-    ``observable``: Observable, if it is a function or your own system: the file does not have it.
-    """
+    """Read an event forecaster, whose observable may be one that the file does not have."""
     from burstcast.files.netcdf import read_attributes, read_netcdf
 
     try:
@@ -96,19 +91,13 @@ def read_saved(path: str | Path, observable: Observable | None) -> SavedForecast
         raise ValueError(
             f"{path} has other reference states than {fitted['components']} components"
         )
-    parameters["observable"] = _observable_of(
-        parameters["observable"], components, observable, path
-    )
-    members = []
-    for number, found in enumerate(fitted["members"]):
-        prefix = f"member{number}_"
-        own = {
-            name.removeprefix(prefix): array
-            for name, array in arrays.items()
-            if name.startswith(prefix)
-        }
-        members.append(ForecasterRecord(own, found))
-    return SavedForecaster(parameters, fitted, members)
+    record = parameters["observable"]
+    parameters["observable"] = _observable_of(record, components, observable, path)
+    own: list[dict[str, Any]] = [{} for _ in fitted["members"]]
+    for name, array in arrays.items():
+        number, _, label = name.removeprefix("member").partition("_")
+        own[int(number)][label] = array
+    return SavedForecaster(parameters, fitted, list(map(ForecasterRecord, own, fitted["members"])))
 
 
 @contextmanager
@@ -119,10 +108,8 @@ def as_one_error(path: str | Path) -> Iterator[None]:
     except _WRONG as error:
         if isinstance(error, ValueError) and str(path) in str(error):
             raise
-        raise ValueError(
-            f"{path} holds no event forecaster that this version can read: "
-            f"{type(error).__name__}: {error}"
-        ) from error
+        told = f"{type(error).__name__}: {error}"
+        raise ValueError(f"{path} holds no event forecaster that can be read: {told}") from error
 
 
 def check_sizes(record: ForecasterRecord, case: ForecastingCase) -> None:
@@ -146,6 +133,17 @@ def check_sizes(record: ForecasterRecord, case: ForecastingCase) -> None:
         # the smaller number first: neither the binomial coefficient nor its computing is long
         if degree > stored or math.comb(of + degree, min(of, degree)) > stored + 1:
             raise ValueError(f"{stored} stored numbers are no polynomial of degree {degree}")
+
+
+def check_effort(case: ForecastingCase, steps: int, stride: int) -> None:
+    """Check that a forecast of a loaded forecaster is none that never ends.
+
+    ``steps``: Of a washout and the longest forecast. ``stride``: Integration steps in each of them.
+    """
+    numbers = {"steps of washout and forecast": steps, "sampling_stride": stride, **case.options}
+    for name, number in numbers.items():
+        if isinstance(number, int) and name != "random_seed" and abs(number) > _MOST:
+            raise ValueError(f"{name} is {number}, which is more than {_MOST}")
 
 
 def restored_rule(record: Mapping[str, Any]) -> AlarmRule:

@@ -35,8 +35,7 @@ from burstcast.forecasters._options import DEFAULTS, options_of_kind
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
 from burstcast.forecasters.registry import forecaster_class, kind_class, learns_parameters
 from burstcast.probability.alarm_rule import AlarmRule
-from burstcast.probability.alarms import useless_votes
-from burstcast.probability.calibration import UNCALIBRATED, isotonic, logistic
+from burstcast.probability.calibration import UNCALIBRATED
 from burstcast.probability.out_of_sample import out_of_sample_forecasts
 from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
 from burstcast.probability.scores import probability_scores
@@ -44,6 +43,11 @@ from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters
 
 _REFERENCE_STATES = 8
+_FITTED = (
+    *("components", "own_parameters", "reference_states", "reference_observable"),
+    *("event_threshold", "hyperparameters"),
+)
+"""Names of what a fit has found, beside members and alarms, without their underscores."""
 
 BINS = 11
 """Of the probability, for those scores that need them."""
@@ -155,9 +159,8 @@ class EventForecaster(Estimator):
         equal parameters, if most networks have a hyperparameter on the edge of its search, or if
         forecasts tell events from no events no better than chance in the training series.
         """
-        checked = checked_parameters(self)
+        checked, kind, timing = checked_parameters(self), self._kind, self._timing
         states = as_series(series, "the training series")
-        kind, timing = self._kind, self._timing
         learnt = self._told(parameters, len(states), states.shape[1] - 1, "fit")
         own = None if learnt is None else learnt.mean(axis=(0, 1)).tolist()
         case = self._case(states.shape[2], own)
@@ -194,45 +197,32 @@ class EventForecaster(Estimator):
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
         if self.calibrate:
             if labelled is None:
-                votes = _left_out(members, case, observed, points, timing.boundaries, learnt)
-                values = events.shares(votes)
+                values = events.shares(_left_out(members, case, observed, points, timing, learnt))
             else:
+                tuned, folds = members[0].tuned(case), case.options["folds"]
+                asked = points.washouts, points.points.series
                 values = events.by_time(
-                    out_of_sample_probabilities(
-                        cast(type[EventClassifier], kind),
-                        labelled,
-                        members[0].tuned(case),
-                        case.options["folds"],
-                        points.washouts,
-                        points.points.series,
-                    )
+                    out_of_sample_probabilities(cast(Any, kind), labelled, tuned, folds, *asked)
                 )
-            for time in timing.times:
-                outcomes = events.outcomes(points, values[time], time)
-                if not outcomes.levels.size:
-                    raise ValueError(
-                        f"no starting point is left to calibrate with: the observable reaches the "
-                        f"event threshold {events.threshold:.4g} in every washout"
-                    )
-                if text := useless_votes(outcomes):
-                    findings.append(f"prediction time {time:g}: {text}")
-                prior = checked["prior_forecasts"]
-                rule = isotonic(outcomes, prior) if labelled is None else logistic(outcomes)
-                alarms[time] = AlarmRule.chosen(outcomes, rule)
+            prior = None if labelled else checked["prior_forecasts"]
+            alarms, told = events.calibrated(points, values, prior)
+            findings += told
         # nothing of a former fit is left before all can be replaced
         self.members_, self.hyperparameters_, self.alarms_ = members, found, alarms
         self._stream = None
         self.components_, self.own_parameters_ = states.shape[2], own
-        every = states.reshape(-1, self.components_)
         # `load` compares its observable with these
-        rows = np.linspace(0, len(every) - 1, _REFERENCE_STATES).astype(int)
-        self.reference_states_ = every[rows]
+        rows = np.linspace(0, states[..., 0].size - 1, _REFERENCE_STATES).astype(int)
+        self.reference_states_ = states.reshape(-1, self.components_)[rows]
         self.reference_observable_ = case.system.observable(self.reference_states_.T)
-        self.event_threshold_ = events.threshold
-        self.classes_ = np.array([False, True])
-        self.warnings_ = findings
+        self.event_threshold_, self.warnings_ = events.threshold, findings
         self._warn_once(findings)
         return self
+
+    @property
+    def classes_(self) -> BoolArray:
+        """Columns of `predict_proba`: no event, and an event."""
+        return np.array([False, True])
 
     def forecast(self, series: Any, duration: float | None = None) -> FloatArray:
         """Forecasts of all members, ``(member, series, time, component)``.
@@ -377,17 +367,11 @@ class EventForecaster(Estimator):
         An observable that is a function or a system of your own is not written: pass it to `load`.
         """
         self._check_fitted()
-        alarms = [{"prediction_time": time, **one.record()} for time, one in self.alarms_.items()]
-        fitted = {
-            "components": self.components_,
-            "own_parameters": self.own_parameters_,
-            "reference_states": self.reference_states_,
-            "reference_observable": self.reference_observable_,
-            "event_threshold": self.event_threshold_,
-            "hyperparameters": self.hyperparameters_,
-            "alarms": alarms,
-            "stream": None if self._stream is None else self._stream.record(),
-        }
+        fitted = {name: getattr(self, f"{name}_") for name in _FITTED}
+        fitted["alarms"] = [
+            {"prediction_time": time, **one.record()} for time, one in self.alarms_.items()
+        ]
+        fitted["stream"] = None if self._stream is None else self._stream.record()
         members = [member.record() for member in self.members_]
         files.write_saved(path, files.SavedForecaster(self.get_params(), fitted, members))
 
@@ -406,31 +390,35 @@ class EventForecaster(Estimator):
         """
         with files.as_one_error(path):
             saved = files.read_saved(path, observable)
-            self, fitted = cls(**saved.parameters), saved.fitted
-            self.own_parameters_ = fitted.get("own_parameters")
-            case = self._case(int(fitted["components"]), self.own_parameters_)
+            self, fitted = cls(**saved.parameters), dict(saved.fitted)
+            self.warnings_ = []
+            for name in _FITTED:
+                setattr(self, f"{name}_", fitted[name])
+            for name in ("reference_states_", "reference_observable_"):
+                setattr(self, name, np.array(getattr(self, name), dtype=np.float64))
+            case, timing = self._case(self.components_, self.own_parameters_), self._timing
+            files.check_effort(
+                case, self._samples("washout") + timing.boundaries[-1], self.sampling_stride
+            )
             for record in saved.members:
                 files.check_sizes(record, case)
             self.members_ = [self._kind.restore(record, case) for record in saved.members]
-            self.hyperparameters_ = fitted["hyperparameters"]
-            self.components_ = int(fitted["components"])
-            self.reference_states_ = np.array(fitted["reference_states"], dtype=np.float64)
-            self.reference_observable_ = np.array(fitted["reference_observable"], dtype=np.float64)
-            given = case.system.observable(self.reference_states_.T)
-            same = np.allclose(given, self.reference_observable_, rtol=1e-9, atol=0, equal_nan=True)
-            if not same:
+            given, stored = (
+                case.system.observable(self.reference_states_.T),
+                self.reference_observable_,
+            )
+            if not np.allclose(given, stored, rtol=1e-9, atol=0, equal_nan=True):
                 raise ValueError(
                     f"the observable that load was given differs from {path}: for states of the "
-                    f"training series it is {given}, and was {self.reference_observable_}"
+                    f"training series it is {given}, and was {stored}"
                 )
-            self.event_threshold_ = float(fitted["event_threshold"])
-            self.classes_, self.warnings_ = np.array([False, True]), []
-            alarms = {one["prediction_time"]: files.restored_rule(one) for one in fitted["alarms"]}
+            self.alarms_ = {
+                one["prediction_time"]: files.restored_rule(one) for one in fitted["alarms"]
+            }
             sound = np.isfinite(self.event_threshold_) and self.members_
-            if not sound or list(alarms) != self._timing.times:
+            if not sound or list(self.alarms_) != timing.times:
                 raise ValueError("it has no event threshold, no member, or other prediction times")
-            self.alarms_ = alarms
-            if fitted.get("stream"):
+            if fitted["stream"]:
                 self._stream = self._new_stream().restored(fitted["stream"])
         return self
 
@@ -605,16 +593,16 @@ def _left_out(
     case: ForecastingCase,
     training: FloatArray,
     points: ObservedPoints,
-    boundaries: tuple[int, ...],
+    timing: EventTiming,
     parameters: FloatArray | None,
 ) -> list[WindowSummaries]:
     """Votes at points of training series, by members refitted without that series."""
-    washout, schedules = points.washouts.shape[1], None
+    washout, series, schedules = points.washouts.shape[1], points.points.series, None
     if parameters is not None:
-        around = points.points.step[:, np.newaxis] + np.arange(1 - washout, boundaries[-1])
-        schedules = parameters[points.points.series[:, np.newaxis], around]
+        around = points.points.step[:, np.newaxis] + np.arange(1 - washout, timing.boundaries[-1])
+        schedules = parameters[series[:, np.newaxis], around]
     known = training, case, washout, case.system.observable
-    asked = points.washouts, points.points.series, boundaries
+    asked = points.washouts, series, timing.boundaries
     found = [
         out_of_sample_forecasts(one, *known, *asked, parameters=parameters, schedules=schedules)
         for one in members

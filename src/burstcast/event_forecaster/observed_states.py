@@ -13,11 +13,7 @@ Observable = int | Callable[[FloatArray], FloatArray] | DynamicalSystem
 
 
 class ObservedStates:
-    """Series of which an observable is known, and no equations (a `StateSpace`).
-
-    ``observable``: The index of a component, or a function from states ``(..., component)`` to
-    ``(...)``.
-    """
+    """Series of which an observable is known, and no equations (a `StateSpace`)."""
 
     observable_name = "observable"
     observable_symbol = "q"

@@ -13,11 +13,7 @@ _TOLERANCE = 0.1
 
 
 class ObservationStream:
-    """The latest observations of one series, without a gap between them.
-
-    An observation has ``components``; a forecast takes ``length`` observations, which are an
-    ``interval`` apart.
-    """
+    """The latest observations of one series: ``length`` of them, an ``interval`` apart."""
 
     def __init__(self, components: int, length: int, interval: float) -> None:
         self.components, self.length, self.interval = components, length, interval
@@ -28,10 +24,8 @@ class ObservationStream:
         """Take the next observation (`burstcast.EventForecaster.update`)."""
         values = float_array(observation, "the observation")
         if values.shape != (self.components,):
-            raise ValueError(
-                f"an observation has the shape ({self.components},), as the components of the "
-                f"training series; this one has {values.shape}"
-            )
+            shape = f"({self.components},), as the components of the training series"
+            raise ValueError(f"an observation has the shape {shape}; this one has {values.shape}")
         self._advance(time)
         if np.isfinite(values).all():
             self.latest.append(values.copy())
@@ -70,10 +64,10 @@ class ObservationStream:
         if self.time is not None:
             passed = (time - self.time) / self.interval
             if passed < 1.0 - _TOLERANCE:
+                later = f"it is {time - self.time:g} later, and the sampling interval is"
                 raise ValueError(
-                    f"an observation at time {time!r} cannot follow one at time {self.time!r}: it "
-                    f"is {time - self.time:g} later, and the sampling interval is "
-                    f"{self.interval:g}"
+                    f"an observation at time {time!r} cannot follow one at time {self.time!r}: "
+                    f"{later} {self.interval:g}"
                 )
             if passed > 1.0 + _TOLERANCE:
                 self._reset(f"no observation came between the times {self.time!r} and {time!r}")
@@ -81,6 +75,5 @@ class ObservationStream:
 
     def _reset(self, reason: str) -> None:
         self.latest = []
-        warnings.warn(
-            f"{reason}: the washout of {self.length} observations begins again", stacklevel=4
-        )
+        told = f"{reason}: the washout of {self.length} observations begins again"
+        warnings.warn(told, stacklevel=4)

@@ -27,9 +27,9 @@ Estimates of the Kolmogorov flow from sensors are equally good for shares from 3
 class FilteredEquations(FilteredForecaster):
     """Integrates the equations from the estimate of an ensemble filter.
 
-    If the case has encoded states of a flow, or observes it by sensors, members are fewer than
-    twice the components of a state: the ensemble starts in the leading directions of the error of
-    the first estimate, and a static gain corrects its mean for the remaining innovation
+    If the case has encoded states of a flow, or observes it by sensors, the ensemble starts in the
+    leading directions of the error of the first estimate. Where members are fewer than twice the
+    components of a state, a static gain corrects their mean for the remaining innovation
     (`burstcast.filters.static_gain`).
     """
 
@@ -61,9 +61,9 @@ class FilteredEquations(FilteredForecaster):
         return np.ascontiguousarray(members.reshape(len(estimate), -1))
 
     def corrected(self, ensemble: FloatArray, observation: FloatArray) -> FloatArray:
-        """Members after an observation, with their mean corrected by the static gain, too."""
+        """Members after an observation; the static gain corrects the mean of few of them."""
         updated = super().corrected(ensemble, observation)
-        if self._maps is not None:
+        if self._maps is not None and self.members < 2 * len(self._maps.gain):
             channels = len(observation) - 1
             left = observation[:-1] - mean(updated[:channels])
             updated[channels + 1 :] += (self._static_gain @ left)[:, np.newaxis]

@@ -32,6 +32,7 @@ from burstcast_workflow.project import project_root, snakefile, source_revision
 
 DIRECTORY = project_root() / "workflow" / "benchmark"
 LEADERBOARD = DIRECTORY / "leaderboard.csv"
+TASK, PAGE = "forecast_task.nc", "forecast_task.md"
 _SCORED = "scored"
 
 
@@ -58,9 +59,10 @@ def _made(
     seed: int | None = None,
     external: Mapping[str, Any] | None = None,
 ) -> tuple[Path, int]:
-    """Let a frozen campaign make files of a case; the directory of the case, and the seed.
+    """Let a frozen campaign make files; its results, and the seed.
 
-    ``seed``: Of other data. ``external``: Forecasts that are scored in place of the campaign's own.
+    ``files``: Below the results. ``seed``: Of other data. ``external``: Forecasts that are scored
+    in place of the campaign's own.
     """
     path, config = _campaign(name)
     results, frozen = Path(config["results"]), config["random_seed"]
@@ -77,20 +79,20 @@ def _made(
         laid_over = Path(directory) / "benchmark.yaml"
         laid_over.write_text(yaml.safe_dump(overlay), encoding="utf-8")
         command = [sys.executable, "-m", "snakemake", "--snakefile", snakefile(), "--configfile"]
-        targets = [f"{results}/{name}/{file}" for file in ("forecast_task.nc", *files)]
+        targets = [f"{results}/{file}" for file in (f"{name}/{TASK}", *files)]
         status = subprocess.run(
             [*command, str(path), str(laid_over), "--", *targets],
             env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
         ).returncode
     if status:
         raise SystemExit(status)
-    digest = read_attributes(results / name / "forecast_task.nc")["case_version"]
+    digest = read_attributes(results / name / TASK)["case_version"]
     if seed in (None, frozen) and digest != cases()[name]["data"]:
         raise ValueError(
             f"this machine makes other data of the case {name} (digest {digest}) than the frozen "
             f"ones ({cases()[name]['data']}): scores could not be compared with the leaderboard"
         )
-    return results / name, frozen if seed is None else seed
+    return results, frozen if seed is None else seed
 
 
 def export_cases(case: Sequence[str] | None, seed: int | None) -> None:
@@ -101,9 +103,8 @@ def export_cases(case: Sequence[str] | None, seed: int | None) -> None:
         if missing and case is None:
             print(f"left out: {name}, since {', '.join(missing)} is not here", file=sys.stderr)
             continue
-        files = "forecast_task.nc", "forecast_task.md"
-        directory, _ = _made(name, files[1:], seed)
-        print(*(directory / file for file in files), sep="\n")
+        results, _ = _made(name, [f"{name}/{PAGE}"], seed)
+        print(results / name / TASK, results / name / PAGE, sep="\n")
 
 
 def score(
@@ -115,17 +116,20 @@ def score(
     leaderboard: Path | None,
 ) -> None:
     """Score forecasts in files, or by a forecaster of the frozen campaign; print and write them."""
-    tables = [f"tables/{table}.csv" for table in TABLES]
     if forecaster:
         case, alarm = forecaster
-        name, (directory, seed) = name or alarm, _made(case, tables)
+        source, _, alarm = f"{case}/{alarm}".rpartition("/")
+        source = source.rpartition("/")[2]  # another case of the campaign
+        name, external, seed = name or alarm, None, None
         target = Path(f"{case}_{name}.scores.csv")
     else:
-        alarm, (case, _, seed) = f"external-{_SCORED}", facts_of(files[0])
+        case, _, seed = facts_of(files[0])
+        source, alarm, name = case, f"external-{_SCORED}", name or files[0].stem
         external = {"files": list(map(str, files)), "alarm_threshold": alarm_threshold}
-        name, (directory, _) = name or files[0].stem, _made(case, tables, seed, external)
         target = files[0].with_suffix(".scores.csv")
-    scores = scores_of(directory / "tables", alarm)
+    tables = [f"{source}/tables/{table}.csv" for table in TABLES]
+    results, seed = _made(case, tables, seed, external)
+    scores = scores_of(results / source / "tables", alarm)
     scores.to_csv(target, index=False)
     row = row_of(
         scores,

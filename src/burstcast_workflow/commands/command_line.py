@@ -67,7 +67,7 @@ def _parser() -> argparse.ArgumentParser:
         "--forecaster",
         nargs=2,
         metavar=("CASE", "NAME"),
-        help="of the frozen campaign, instead of files, such as Re400 esn_direct",
+        help="of the frozen campaign, instead of files: Re400 esn_direct; or OTHER_CASE/NAME",
     )
     score.add_argument("--name", help="of the forecaster; by default as in the first file")
     score.add_argument("--about", default="", help="the forecaster in one line")

@@ -414,11 +414,12 @@ class DataOfCase(Data):
 
 
 class Sensors(Section):
-    """Probes of the velocity at the points of a regular grid, in place of the whole state."""
+    """What is observed in place of the whole state; equations with a filter estimate the rest."""
 
     points: Annotated[list[Annotated[Count, Field(le=20)]], Field(min_length=2, max_length=2)] = (
-        setting("number of probes along x and y", default=[8, 8])
+        setting("number of probes of the velocity along x and y", default=[8, 8])
     )
+    components: list[str] | None = optional("components that are observed, in place of probes")
 
 
 class CaseEncoder(Section):
