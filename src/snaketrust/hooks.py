@@ -1,4 +1,4 @@
-"""Changes to Snakemake: six of its functions are replaced, for which there is no setting.
+"""Changes to Snakemake: nine of its functions are replaced, for which there is no setting.
 
 `HOOKS` lists them with the reasons. With a release of Snakemake that is not among `TESTED` a run
 warns, and continues if the functions have the same parameters. If they differ, it does without the
@@ -7,12 +7,16 @@ replacements that only save time or lines on the terminal, and refuses to start 
 
 import inspect
 import logging
+import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, BinaryIO, NamedTuple
 
 import snakemake.api  # noqa: F401 - other modules of Snakemake cannot be imported before it
 from snakemake.common import __version__
+from snakemake.dag import DAG
 from snakemake.exceptions import WorkflowError
+from snakemake.jobs import Job
 from snakemake.persistence import (
     RECORD_FORMAT_VERSION,
     MetadataRecord,
@@ -22,7 +26,9 @@ from snakemake.persistence import (
 from snakemake.scheduling.job_scheduler import JobScheduler
 from snakemake.script import PythonScript
 
+from snaketrust.checks import RefusedError
 from snaketrust.planning import Jobs, KnownResults
+from snaketrust.run import OvertakenError, Run, check_ownership
 
 logger = logging.getLogger(__name__)
 
@@ -82,6 +88,31 @@ HOOKS = (
         "inputs are compared in their order, by content, whatever their paths are spelt like",
     ),
     Hook(
+        Job,
+        "remove_existing_output",
+        getattr(Job, "remove_existing_output", None),
+        ("self",),
+        "a group that is submitted again keeps what its members have finished; a run that another "
+        "has overtaken removes nothing",
+        "all members of such a group run again; an overtaken run makes jobs of the other fail",
+    ),
+    Hook(
+        Job,
+        "cleanup",
+        getattr(Job, "cleanup", None),
+        ("self", "skip_outputs"),
+        "where a member of a group has failed, the results of the others stay",
+        "all members of such a group run again",
+    ),
+    Hook(
+        DAG,
+        "check_output_mtime",
+        getattr(DAG, "check_output_mtime", None),
+        ("self", "job", "expanded_output"),
+        "a result that a slow clock dates before its inputs is dated as they are",
+        "such jobs fail",
+    ),
+    Hook(
         JobScheduler,
         "__init__",
         getattr(JobScheduler, "__init__", None),
@@ -118,7 +149,7 @@ def install(known: KnownResults, planning_is_over: Callable[[Any], None]) -> Non
     """
     jobs = Jobs(known)
     replacements: Sequence[Callable[..., Any]] = (
-        *(metadata_of, _params_changed, _input_changed),
+        *_OF_JOBS,
         *(_scheduler, _incomplete, _write_script),
     )
     if __version__ not in TESTED:
@@ -138,11 +169,11 @@ def install(known: KnownResults, planning_is_over: Callable[[Any], None]) -> Non
 
 
 def plan_by(known: KnownResults) -> None:
-    """Replace only what Snakemake plans by, as in the process of a single job."""
+    """Replace only what Snakemake plans and removes by, as in the process of a single job."""
     jobs = Jobs(known)
-    replacements = metadata_of, _params_changed, _input_changed
-    for hook, replacement in zip(HOOKS[:3], replacements, strict=True):
-        setattr(hook.owner, hook.name, replacement(hook.own, jobs))
+    for hook, replacement in zip(HOOKS, _OF_JOBS, strict=False):
+        if hook.fits():
+            setattr(hook.owner, hook.name, replacement(hook.own, jobs))
 
 
 def metadata_of(own: Any, jobs: Jobs, *_: object) -> Callable[..., MetadataRecord | None]:
@@ -177,10 +208,10 @@ class _Checksums(dict[str, str]):
 
 def record_of(known: KnownResults, path: str) -> MetadataRecord | None:
     """Record of a result in the form of Snakemake's own."""
-    record, problem, changed = known.of(path)
+    record, problem, state = known.of(path)
     if record is None:
         return MetadataRecord(record_format_version=RECORD_FORMAT_VERSION) if problem else None
-    end = (changed or 0) / 1e9
+    end = state[1] / 1e9 if state else 0.0
     found = MetadataRecord(
         record_format_version=RECORD_FORMAT_VERSION,
         rule=record.identity["rule"],
@@ -217,6 +248,57 @@ def _input_changed(own: Any, jobs: Jobs, *_: object) -> Any:
         return bool(own(self, job, file))
 
     return input_changed
+
+
+def _remove_existing_output(own: Any, jobs: Jobs, *_: object) -> Any:
+    """Remove what a job is about to make, unless this run has made it, or is overtaken."""
+
+    async def remove_existing_output(self: Job) -> None:
+        try:
+            check_ownership()
+        except OvertakenError as error:
+            raise RefusedError(str(error)) from None
+        run = Run.current()
+        if run is None or not jobs.known.records.made_by(run.token, [*map(str, self.output)]):
+            await own(self)
+
+    return remove_existing_output
+
+
+def _cleanup(own: Any, jobs: Jobs, *_: object) -> Any:
+    """Remove what a failed job leaves, but no results, and nothing of a newer run."""
+
+    async def cleanup(self: Job, skip_outputs: Any) -> None:
+        known = jobs.known
+        with suppress(OvertakenError):
+            check_ownership()
+            results = {
+                path for path in self.output if str(path) in known and known.of(str(path)).record
+            }
+            await own(self, {*skip_outputs, *results})
+
+    return cleanup
+
+
+def _check_output_mtime(own: Any, jobs: Jobs, *_: object) -> Any:
+    """Date results no earlier than their inputs, whose times may be those of another clock."""
+
+    async def check_output_mtime(self: DAG, job: Any, expanded_output: Any) -> None:
+        read, made = ([*filter(os.path.exists, files)] for files in (job.input, expanded_output))
+        newest = max((os.stat(path).st_mtime_ns for path in read), default=0)
+        for path in made:
+            if str(path) in jobs.known and os.stat(path).st_mtime_ns < newest:
+                os.utime(path, ns=(newest, newest))
+        await own(self, job, expanded_output)
+
+    return check_output_mtime
+
+
+_OF_JOBS = (
+    *(metadata_of, _params_changed, _input_changed),
+    *(_remove_existing_output, _cleanup, _check_output_mtime),
+)
+"""Replacements of the first of `HOOKS`, which the processes of jobs have, too."""
 
 
 def _scheduler(own: Any, _: Jobs, planning_is_over: Callable[[Any], None]) -> Any:

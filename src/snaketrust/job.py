@@ -77,6 +77,17 @@ def run_job(
     places = [groups(snakemake.input, read), groups(snakemake.output, made)]
     job = {"identity": identity, "parameters": repr(parameters), "places": repr(places)}
     digests = {one: inputs.by_path[path] for one, path in zip(read, paths, strict=True)}
+    if run is not None and records is not None:
+        texts = {key: repr(value) for key, value in parameters.items()}
+        before = records.made_by(run.token, [*snakemake.output])
+        same = [
+            (one.represented(), one.inputs, one.shape) == (texts, digests, told) for one in before
+        ]
+        if before and all(same):
+            logger.info("this run has made the outputs before: they are kept")
+            return
+        for path in outputs.values() if before else ():
+            path.unlink()
     entry = shelf.entry(**job, inputs=[*digests.values()]) if shelf else None
     cached = entry is not None and restore(entry, outputs)
     if not cached:
@@ -88,10 +99,8 @@ def run_job(
     seconds = time.monotonic() - start
     if records is not None:
         log = snakemake.log[0] if snakemake.log else ""
-        noted = plan["revision"], environment()
-        records.write(
-            snakemake.output, identity, parameters, inputs.by_path, log, seconds, *noted, told
-        )
+        noted = plan["revision"], environment(), told, plan["token"]
+        records.write(snakemake.output, identity, parameters, inputs.by_path, log, seconds, *noted)
     if entry is not None and not cached:
         store(entry, identity["rule"], outputs, seconds)
 

@@ -10,10 +10,10 @@ record of any other file: its job runs again if settings, code or inputs have ch
 waits until a job needs the file.
 """
 
-import os
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from snaketrust.files import digest
+from snaketrust.files import digest, stamp
 from snaketrust.plain import named, plain
 from snaketrust.records import Record, Records, shape
 
@@ -23,7 +23,7 @@ class Known(NamedTuple):
 
     record: Record | None  # if it is what its job wrote, or was deleted
     problem: str  # what is wrong otherwise; empty for a file that was never made
-    changed: int | None  # time of its last change, in nanoseconds; None if it is missing
+    stamp: Sequence[int]  # its state (`snaketrust.files.stamp`); empty if it is missing
 
 
 class KnownResults:
@@ -32,21 +32,20 @@ class KnownResults:
     def __init__(self, results: str) -> None:
         self.results, self.records = results, Records(results)
         self._known: dict[str, Known] = {}
-        self._others: dict[tuple[str, int], str] = {}
+        self._others: dict[tuple[str | int, ...], str] = {}
 
     def __contains__(self, path: str) -> bool:
         return path in self.records
 
     def of(self, path: str) -> Known:
         """Knowledge of a result; its record is read anew when the file has changed."""
-        changed = _time_of_change(path)
+        state = _stamp(path)
         known = self._known.get(path)
-        if known is None or known.changed != changed:
-            read = self.records.read if changed is None else self.records.found
-            record, problem = read(path)
-            if changed is None and record is None:
+        if known is None or known.stamp != state:
+            record, problem = self.records.found(path) if state else self.records.read(path)
+            if not state and record is None:
                 problem = ""  # never made; what was made from it nevertheless, does not fit
-            known = self._known[path] = Known(record, problem, changed)
+            known = self._known[path] = Known(record, problem, state)
         return known
 
     def inputs(self, record: Record) -> dict[str, bool]:
@@ -62,19 +61,19 @@ class KnownResults:
         if path in self:
             known = self.of(path)
             return bool(known.problem) if known.record is None else known.record.digest == value
-        changed = _time_of_change(path)
-        if changed is None:
+        state = _stamp(path)
+        if not state:
             return True  # a source that is missing: Snakemake says so
-        if (path, changed) not in self._others:
-            self._others[path, changed] = digest(path)
-        return self._others[path, changed] == value
+        if (path, *state) not in self._others:
+            self._others[path, *state] = digest(path)
+        return self._others[path, *state] == value
 
 
-def _time_of_change(path: str) -> int | None:
+def _stamp(path: str) -> list[int]:
     try:
-        return os.stat(path).st_mtime_ns
+        return stamp(path)
     except FileNotFoundError:
-        return None
+        return []
 
 
 class Jobs:
@@ -101,15 +100,15 @@ class Jobs:
         record, problem, _ = self.known.of(path)
         if record is None:
             return ({problem} if problem else set()), set()
-        parameters, values = named(job.params), record.parameters
+        parameters, values = named(job.params), record.represented()
         now = [
             # what Snakemake cannot tell yet, since an input is missing, is not compared
-            f"{key}: {record.texts.get(key) or repr(values.get(key))}"
+            f"{key}: {values.get(key)}"
             if type(value).__name__ == "TBDString"
             else f"{key}: {self.text(value, f'params.{key} of the rule {job.rule.name}')}"
             for key, value in parameters.items()
         ]
-        then = [f"{key}: {record.texts.get(key) or repr(one)}" for key, one in values.items()]
+        then = [f"{key}: {value}" for key, value in values.items()]
         if {*now} == {*then} and now != then:
             return {f"the order {', '.join(values)}"}, {f"the order {', '.join(parameters)}"}
         told = ""

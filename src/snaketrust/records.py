@@ -57,12 +57,17 @@ class Record:
     shape: str = ""
     #: Representations of parameters that JSON cannot hold, with whole numbers as keys.
     texts: Mapping[str, str] = field(default_factory=dict)
+    run: str = ""  # token of the run that made it
 
     def __post_init__(self) -> None:
         texts = self.digest, self.log, self.identity["rule"], *self.inputs.values()
         held, kinds = (self.stamp, self.parameters, self.seconds, *texts), (list, dict, float)
         if not all(map(isinstance, held, (*kinds, *[str] * len(texts)))):
             raise TypeError("an entry is not of its type")
+
+    def represented(self) -> dict[str, str]:
+        """Representations of the parameters by name, in the order of the rule."""
+        return {key: self.texts.get(key) or repr(one) for key, one in self.parameters.items()}
 
 
 def shape(
@@ -143,7 +148,7 @@ class Records:
         if record is None:
             return None, problem
         state = stamp(path)
-        if record.stamp == state and not (read and state[0] < _LARGE):
+        if record.stamp == state and not (_is_coarse(state) or (read and state[0] < _LARGE)):
             return record, ""
         if state[:1] != record.stamp[:1] or digest(path) != record.digest:
             return None, f"{path} is not what its job wrote"
@@ -151,6 +156,15 @@ class Records:
             with suppress(OSError):  # results that others have made may be read-only
                 self._write(replace(record, stamp=state))
         return record, ""
+
+    def made_by(self, run: str, outputs: Sequence[str]) -> list[Record]:
+        """Records of a job's outputs, if this run (its token) has made all; empty otherwise."""
+        found = [
+            self.found(path)[0] if path in self and os.path.exists(path) else None
+            for path in outputs
+        ]
+        made = [record for record in found if record is not None and run == record.run != ""]
+        return made if len(made) == len(found) else []
 
     def write(
         self,
@@ -163,6 +177,7 @@ class Records:
         revision: str = "",
         environment: Sequence[str] = (),
         shape: str = "",
+        run: str = "",
     ) -> None:
         """Write the records (`Record`) of a job's outputs; inputs by their paths in the rules."""
         held = json.loads(json.dumps(parameters))
@@ -181,6 +196,7 @@ class Records:
                 environment=list(environment),
                 shape=shape,
                 texts=texts,
+                run=run,
             )
             check_ownership()
             self._write(record)
@@ -189,6 +205,11 @@ class Records:
         # Not flushed to the disk: a record that is lost, or that outlives its file, is no harm.
         with replaced(self.file(self.path(record.path))) as partial:
             partial.write_text(json.dumps(asdict(record)))
+
+
+def _is_coarse(state: list[int]) -> bool:
+    """Whether a stamp is of a file system with times of whole seconds: edits may leave it alone."""
+    return state[2] % 10**9 == 0
 
 
 @dataclass(frozen=True)
@@ -214,7 +235,9 @@ class Inputs:
             path
             for path, before in self.stamps.items()
             if not os.path.exists(path)
-            or (stamp(path) != before and digest(path) != self.by_path[path])
+            or (
+                (_is_coarse(before) or stamp(path) != before) and digest(path) != self.by_path[path]
+            )
         ]
         if changed:
             raise DamagedFileError(f"{', '.join(changed)} changed while the job ran: run again")

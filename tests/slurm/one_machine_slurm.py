@@ -27,6 +27,8 @@ SlurmdPort={node_port}
 SlurmUser=root
 SlurmdUser=root
 AuthType=auth/munge
+# a job that is requeued waits for this long
+AuthInfo=cred_expire=5
 CredType=cred/munge
 StateSaveLocation={directory}/state
 SlurmdSpoolDir={directory}/spool
@@ -213,6 +215,10 @@ class OneMachineSlurm:
     def cancel(self, job: Job) -> None:
         """Kill a running job."""
         subprocess.run(["scancel", str(job.number)], check=True)
+
+    def requeue(self, job: Job) -> None:
+        """Stop a running job, and start it again under its number."""
+        subprocess.run(["scontrol", "requeue", str(job.number)], check=True)
 
     def cancel_run(self, name: str) -> None:
         """Kill all jobs of a run of Snakemake, and wait until they are gone."""

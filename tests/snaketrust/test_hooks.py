@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from snakemake.cli import get_argument_parser
 from snakemake.iocontainers import Namedlist
+from snakemake.jobs import Job
 from snakemake.persistence import PersistenceBase
 from snakemake.scheduling.job_scheduler import JobRateLimiter, JobScheduler
 from snakemake.script import PythonScript
@@ -22,6 +23,7 @@ from snakemake.settings.types import MaxJobsPerTimespan
 from snakemake.workflow import Workflow
 
 from snaketrust import hooks
+from snaketrust.checks import RefusedError
 from snaketrust.files import digest
 from snaketrust.hooks import FIRST_LINE, HOOKS, UnfitSnakemakeError, install
 from snaketrust.plain import groups, named, plain
@@ -84,7 +86,8 @@ def test_what_is_not_needed_is_left_out(another):
     text = another("incomplete", "write_script")
     assert "another PersistenceBase.incomplete now: such jobs run again" in text
     assert "tracebacks on the terminal" in text
-    assert (PersistenceBase.incomplete, PythonScript.write_script) == (HOOKS[4].own, HOOKS[5].own)
+    assert PersistenceBase.incomplete == HOOKS[-2].own
+    assert PythonScript.write_script == HOOKS[-1].own
 
 
 @pytest.mark.parametrize("name", ["metadata", "params_changed", "_input_changed", "__init__"])
@@ -222,6 +225,52 @@ def test_outputs_without_a_record_are_incomplete(tmp_path, monkeypatch):
     install(KnownResults(str(tmp_path / "results")), print)
     found = asyncio.run(PersistenceBase.incomplete(None, None))
     assert found == [str(path) for path in made[1:]]
+
+
+# -- what Snakemake removes ------------------------------------------------------------------------
+def removed(monkeypatch, name, *arguments):
+    """Outputs that a function of Snakemake's jobs is left to remove."""
+    told = []
+
+    async def own(self, skip_outputs=()):
+        told.extend(path for path in self.output if path not in skip_outputs)
+
+    signature = inspect.signature(getattr(Job, name))
+    own.__signature__ = signature
+    known_as(monkeypatch, name, own)
+    install(KnownResults("results"), print)
+    asyncio.run(getattr(Job, name)(job(outputs=["results/a.nc", "results/b.nc"]), *arguments))
+    return told
+
+
+def run_as(monkeypatch, token):
+    Path("results/.run.json").write_text('{"token": "new"}')
+    monkeypatch.setenv(VARIABLE, f"{token} results")
+
+
+def test_a_failed_job_leaves_results_and_what_a_newer_run_makes(made, monkeypatch):
+    Path("results/b.nc").write_text("half")
+    made.write(["results/a.nc"], {"rule": "train"}, {}, {}, "", 1.0)
+    assert removed(monkeypatch, "cleanup", ()) == ["results/b.nc"]
+    run_as(monkeypatch, "new")
+    assert removed(monkeypatch, "cleanup", ()) == ["results/b.nc"]
+    run_as(monkeypatch, "old")
+    assert removed(monkeypatch, "cleanup", ()) == []
+
+
+def test_a_job_keeps_what_its_run_has_made_and_an_overtaken_one_stops(made, monkeypatch):
+    outputs = ["results/a.nc", "results/b.nc"]
+    Path("results/b.nc").write_text("b")
+    run_as(monkeypatch, "new")
+    made.write(outputs, {"rule": "train"}, {}, {}, "", 1.0, run="old")
+    assert removed(monkeypatch, "remove_existing_output") == outputs
+    made.write(outputs, {"rule": "train"}, {}, {}, "", 1.0, run="new")
+    assert removed(monkeypatch, "remove_existing_output") == []
+    Path("results/b.nc").write_text("damaged")
+    assert removed(monkeypatch, "remove_existing_output") == outputs
+    run_as(monkeypatch, "old")
+    with pytest.raises(RefusedError, match="belongs to a newer run now"):
+        removed(monkeypatch, "remove_existing_output")
 
 
 # -- when planning is over -------------------------------------------------------------------------

@@ -171,6 +171,20 @@ def test_an_input_that_is_verified_and_changes_while_the_job_runs_is_an_error(pl
         inputs.check()
 
 
+def test_where_times_are_whole_seconds_equal_stamps_say_nothing(place, monkeypatch):
+    """FAT has even ones: an edit within the same two seconds leaves size and times alone."""
+    even = 10**18
+    monkeypatch.setattr(module, "stamp", lambda path: [os.stat(path).st_size, even, even, 1])
+    monkeypatch.setattr(module, "_LARGE", 0)
+    write(path_of(1), "network 1")
+    assert problem(path_of(1)) == ""
+    inputs = read(path_of(1))
+    Path(path_of(1)).write_text("network 7")
+    assert problem(path_of(1)) == f"{path_of(1)} is not what its job wrote"
+    with pytest.raises(DamagedFileError, match="changed while the job ran"):
+        inputs.check()
+
+
 def test_a_damaged_input_is_an_error_that_says_how_to_repair_it(place):
     change(path_of(1), "network 7")
     with pytest.raises(DamagedFileError) as error:

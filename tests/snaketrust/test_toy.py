@@ -3,10 +3,14 @@
 import json
 import os
 import shutil
+import time
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
 from helpers_toy import Toy
+
+from snaketrust.files import digest
 
 EVERYTHING = {"draw": 2, "double": 2, "total": 1}
 
@@ -130,12 +134,34 @@ def test_a_job_of_a_cluster_does_what_was_planned(toy):
         *("--target-jobs", "double:case=one", "--allowed-rules", "double"),
     )
     toy.edit("config.yaml", "factor: 2", "factor: 3")
+    doubled = toy.directory / "results" / "doubled" / "one.txt"
+    doubled.unlink()
     assert toy.run(*on_a_node, **run) == {"double": 1}
-    assert (toy.directory / "results" / "doubled" / "one.txt").read_text() == "2\n"
+    assert doubled.read_text() == "2\n"
+    # submitted again, it keeps what it has made, unless an input is another one now
+    inode = doubled.stat().st_ino
+    assert toy.run(*on_a_node, **run) == {"double": 1}
+    assert doubled.stat().st_ino == inode
+    drawn = toy.directory / "results" / "drawn" / "one.txt"
+    record = toy.directory / "results" / ".records" / "drawn" / "one.txt.json"
+    record.write_text(record.read_text().replace(digest(drawn), sha256(b"5\n").hexdigest()))
+    drawn.write_text("5\n")
+    toy.run(*on_a_node, **run)
+    assert doubled.read_text() == "10\n"
     toy.edit("lib/toy/scaling.py", "number * factor", "number + factor")
     said = toy.run(*on_a_node, fails=True, **run)
     assert "toy.scaling changed after the workflow was planned" in said
     assert "does not reach jobs" in toy.run(*on_a_node, fails=True)
+
+
+def test_a_result_of_a_machine_whose_clock_is_ahead_settles(toy):
+    drawn = toy.directory / "results" / "drawn" / "one.txt"
+    ahead = time.time() + 3600
+    os.utime(drawn, (ahead, ahead))
+    toy.edit("config.yaml", "factor: 2", "factor: 3")
+    assert toy.run() == {"double": 2, "total": 1}
+    assert toy.total() == 9
+    assert toy.run() == {}
 
 
 def test_what_nothing_makes_is_an_error(toy):

@@ -1,0 +1,152 @@
+"""A group of five jobs of a small workflow on a real Slurm, interrupted in three ways.
+
+Each job says that it ran in ``ran.txt``, and waits as long as a file ``hang<number>`` is there.
+"""
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from helpers_toy import Toy
+
+pytestmark = pytest.mark.slurm
+
+PROFILE = Path(__file__).parents[2] / "profiles" / "slurm"
+OPTIONS = (
+    f"--workflow-profile {PROFILE} --slurm-no-account --default-resources mem_mb=300 "
+    "--slurm-init-seconds-before-status-checks 3 --seconds-between-status-checks 2 --latency-wait 5"
+).split()
+SNAKEFILE = """
+from pathlib import Path
+from snaketrust.project import Project
+from snaketrust.start import start
+
+ROOT = Path(str(workflow.current_basedir))
+PROJECT = Project(root=ROOT, scripts=ROOT / "scripts", sources=ROOT / "lib", packages=("toy",))
+sources = start(workflow, PROJECT, lambda config: "results", lambda: dict(config)).sources
+
+rule all:
+    input: "results/total/6.txt"
+    localrule: True
+
+rule step:
+    input: lambda wildcards: [f"results/step/{int(wildcards.n) - 1}.txt"][: int(wildcards.n) - 1]
+    output: "results/step/{n}.txt"
+    wildcard_constraints: n="[1-5]"
+    params: code=sources.fingerprint("step.py")
+    group: "five"
+    resources: runtime=lambda wildcards: int(int(wildcards.n) > 4)
+    script: "scripts/step.py"
+
+rule total:
+    input: "results/step/5.txt"
+    output: "results/total/{n}.txt"
+    params: code=sources.fingerprint("step.py")
+    resources: runtime=1
+    script: "scripts/step.py"
+"""
+SCRIPT = """
+import time
+from pathlib import Path
+
+from snaketrust.job import run_job
+
+
+def compute():
+    with open("ran.txt", "a") as file:
+        file.write(f"{snakemake.wildcards.n} ")
+    while Path(f"hang{snakemake.wildcards.n}").exists():
+        time.sleep(0.2)
+    before = "".join(Path(path).read_text() for path in snakemake.input)
+    Path(snakemake.output[0]).write_text(f"{before} {snakemake.wildcards.n}")
+
+
+run_job(snakemake, compute)
+"""
+FILES = {"Snakefile": SNAKEFILE, "scripts/step.py": SCRIPT, "lib/toy/__init__.py": ""}
+
+
+class Submitted(Toy):
+    """A workflow whose jobs a Slurm runs."""
+
+    def submit(self):
+        self.log = self.directory / "snakemake.log"
+        with self.log.open("w") as log:
+            command = [sys.executable, "-m", "snakemake", *OPTIONS]
+            options = {"cwd": self.directory, "env": self.environment}
+            return subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, **options)
+
+    def hang(self, number):
+        (self.directory / f"hang{number}").touch()
+
+    def go_on(self, number):
+        (self.directory / f"hang{number}").unlink()
+
+    def ran(self):
+        path = self.directory / "ran.txt"
+        return path.read_text().split() if path.exists() else []
+
+    def wait(self, done, seconds=240):
+        deadline = time.monotonic() + seconds
+        while not done():
+            assert time.monotonic() < deadline, (self.ran(), self.log.read_text())
+            time.sleep(0.5)
+
+    def finish(self, process):
+        """Wait for a run's end, and check its result and that nothing is left to do."""
+        self.wait(lambda: process.poll() is not None)
+        assert process.returncode == 0, self.log.read_text()
+        assert (self.directory / "results/total/6.txt").read_text() == " 1 2 3 4 5 6"
+        assert not self.run()
+
+
+@pytest.fixture
+def toy(slurm, tmp_path):
+    return Submitted(tmp_path, FILES)
+
+
+def test_a_group_that_slurm_starts_again_keeps_what_its_members_have_finished(slurm, toy):
+    toy.hang(3)
+    process = toy.submit()
+    toy.wait(lambda: "3" in toy.ran())
+    (job,) = slurm.jobs()[-1:]
+    slurm.requeue(job)
+    toy.wait(lambda: toy.ran().count("3") == 2)
+    toy.go_on(3)
+    toy.finish(process)
+    assert toy.ran() == ["1", "2", "3", "3", "4", "5", "6"]
+    assert [one.number for one in slurm.jobs() if "five" in one.rules][-1] == job.number
+
+
+def test_four_finished_members_of_a_group_are_kept_if_the_last_runs_out_of_time(slurm, toy):
+    toy.hang(5)
+    process, before = toy.submit(), len(slurm.jobs())
+    toy.wait(lambda: "TIMEOUT" in [job.state for job in slurm.jobs()[before:]])
+    toy.go_on(5)
+    toy.finish(process)
+    assert toy.ran() == ["1", "2", "3", "4", "5", "5", "6"]
+    first, second, _ = slurm.jobs()[before:]
+    assert (first.state, second.state) == ("TIMEOUT", "COMPLETED")
+
+
+def test_a_run_that_is_started_again_while_a_group_of_the_killed_one_runs_gets_its_results(
+    slurm, toy
+):
+    toy.hang(3)
+    process, before = toy.submit(), len(slurm.jobs())
+    toy.wait(lambda: "3" in toy.ran())
+    process.kill()
+    process.wait()
+    assert "--unlock" in toy.run(fails=True)
+    toy.run("--unlock")
+    process = toy.submit()
+    toy.wait(lambda: toy.ran().count("3") == 2)
+    toy.go_on(3)
+    toy.finish(process)
+    assert toy.ran() == ["1", "2", "3", "3", "4", "5", "6"]
+    old, new, _ = slurm.jobs()[before:]
+    assert (old.state, new.state) == ("FAILED", "COMPLETED")
+    (log,) = (toy.directory / "results/slurm-logs").rglob(f"{old.number}.log")
+    assert "belongs to a newer run now" in log.read_text()
