@@ -1,4 +1,4 @@
-"""Modules that stand alone below burstcast: durations, events, laminarisation, random streams."""
+"""Modules that stand alone: durations, events, laminarisation, random streams, names."""
 
 import ast
 import itertools
@@ -14,6 +14,7 @@ from hypothesis.extra import numpy as npst
 
 import burstcast
 from burstcast import durations, random_streams
+from burstcast.control.setting_names import as_columns, options_in
 from burstcast.events import upward_crossings
 from burstcast.laminarisation import first_laminar_step, is_laminar
 
@@ -191,3 +192,11 @@ def test_what_is_no_name_is_refused():
         random_streams.stream(1)
     with pytest.raises(TypeError):
         random_streams.stream(1, 0.5)
+
+
+@given(st.text(), st.text())
+def test_any_text_in_a_name_is_put_back(one, other):
+    assert options_in(as_columns({"watch": one, "push": other})["options"]) == {
+        "watch": one,
+        "push": other,
+    }

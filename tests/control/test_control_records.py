@@ -178,6 +178,14 @@ def test_flows_that_do_not_count_need_no_defined_energy() -> None:
     assert scores["laminarisation_hazard_controlled"].value == pytest.approx(1 / 76)
 
 
+def test_flows_that_do_not_count_need_no_defined_cost() -> None:
+    laminar = np.where(np.arange(20) == 7, 0, -1)
+    records = replace(random_records(20, 0, 0.5), laminar_step_controlled=laminar)
+    effort = np.where(laminar < 0, 2.0, np.nan)
+    found = score_flows(records, SPAN, 9, np.random.default_rng(0), {"effort": effort})["effort"]
+    assert (found.value, *found.samples) == (2.0,) * 10
+
+
 def test_no_flow_at_all_has_no_scores() -> None:
     empty = record_flows(flows_of([series()], [series()]), None)
     none = FlowRecords(**{name: value[:0] for name, value in vars(empty).items()})

@@ -29,6 +29,7 @@ from burstcast.probability.calibration import (
 from burstcast.probability.logistic_readout import event_probability, fit_logistic
 from burstcast.probability.out_of_sample import out_of_sample_forecasts
 from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
+from burstcast.probability.outcomes import Outcomes
 from burstcast.probability.scores import resampled_scores
 from burstcast.systems.lorenz63 import Lorenz63
 from helpers_library import MadeUpForecaster, count_by_series, samples
@@ -84,14 +85,23 @@ def test_a_strong_prior_believes_the_votes():
 
 def test_what_cannot_be_learnt_from():
     whole = count_by_series(np.array([0.5]), np.array([True]), np.array([0])).total()
-    with pytest.raises(ValueError, match="0 forecasts or more"):
-        isotonic(whole, -1)
+    for prior in (-1, np.inf, np.nan):
+        with pytest.raises(ValueError, match="0 forecasts or more"):
+            isotonic(whole, prior)
     training = np.zeros((1, 30, 3))
     with pytest.raises(ValueError, match="two training series"):
         list(MeanForecaster(0.0).leave_one_out(training, CASE, 5))
     points = labelled(series=1)
     with pytest.raises(ValueError, match="two training series and two folds at least, not 1 and 9"):
         out_of_sample_probabilities(LearntPrecursor, points, LABELLED_CASE, 9, *asked(points))
+
+
+def test_values_that_fall_are_refused_and_unknown_ones_do_not_hide_that():
+    whole = Outcomes(np.array([0.0, 0.5, 1.0]), np.array([3, 2, 1]), np.array([1, 1, 1]))
+    assert whole.at(np.array([0.2, np.nan, 0.2])).points.tolist() == [4]
+    for values in ([0.5, 0.4, 0.6], [0.5, np.nan, 0.4]):
+        with pytest.raises(ValueError, match="would change the order"):
+            whole.at(np.array(values))
 
 
 def test_without_any_forecast_no_probability_is_known():

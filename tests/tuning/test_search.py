@@ -237,6 +237,18 @@ def test_one_interval_says_nothing_about_its_error():
         objective_uncertainty(np.empty((0, 5)))
 
 
+def test_infinite_errors_have_no_standard_error_and_no_difference():
+    """Closed loops that diverge have them."""
+    errors = np.full((2, 3), np.inf)
+    found = objective_uncertainty(errors)
+    np.testing.assert_array_equal(found.standard_error, [np.nan, np.nan])
+    np.testing.assert_array_equal(found.excess, [0, np.nan])
+    np.testing.assert_array_equal(found.paired_standard_error, [0, np.nan])
+    found = objective_uncertainty(np.vstack([errors[:1], [1.0, 2.0, 3.0]]))
+    np.testing.assert_array_equal(found.excess, [np.inf, 0])
+    np.testing.assert_array_equal(found.paired_standard_error, [np.nan, 0])
+
+
 # -- the choice by escape rates --------------------------------------------------------------------
 
 

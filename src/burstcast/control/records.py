@@ -176,9 +176,11 @@ def weighted_scores(
     ``weights``: Weights of the flows in each resample, ``(resamples, flows)``.
     """
     values = _scores(records, span, weights)
-    weighted = weights * neither(records)
+    counts = neither(records)
+    weighted = weights * counts
     for name, of_flows in (costs or {}).items():
-        values[name] = _quotient((weighted * of_flows).sum(axis=1), weighted.sum(axis=1))
+        kept = np.where(counts, of_flows, 0.0)  # costs of other flows may be infinite or NaN
+        values[name] = _quotient((weighted * kept).sum(axis=1), weighted.sum(axis=1))
     return {name: values[name] for name in (*FLOW_SCORES, *(costs or {}))}
 
 

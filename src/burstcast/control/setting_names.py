@@ -15,14 +15,18 @@ def named(value: Any) -> str:
 
     Examples
     --------
-    >>> named("-a2"), named((0, 0.25)), named(0.5), named("a1*a2")
-    ('-a2', '0+0.25', '0.5', 'a1_2aa2')
+    >>> named("-a2"), named((0, 0.25)), named(0.5), named("a1*a2"), named("θ")
+    ('-a2', '0+0.25', '0.5', 'a1_2aa2', '_u0003b8')
     """
     if isinstance(value, tuple | list):
         return "+".join(map(named, value))
     whole = isinstance(value, float) and value.is_integer()
     text = str(int(value) if whole else value)
-    return re.sub(r"[^A-Za-z0-9.+-]", lambda found: f"_{ord(found[0]):x}", text)
+    return re.sub(r"[^A-Za-z0-9.+-]", lambda found: _code(ord(found[0])), text)
+
+
+def _code(number: int) -> str:
+    return f"_{number:02x}" if number < 256 else f"_u{number:06x}"
 
 
 def as_columns(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -73,4 +77,5 @@ def option_words(column: str) -> str:
 
 def _unnamed(name: str) -> str:
     """Text whose characters `named` has replaced."""
-    return re.sub(r"_([0-9a-f]{2})", lambda found: chr(int(found[1], 16)), name)
+    code = r"_(?:u([0-9a-f]{6})|([0-9a-f]{2}))"
+    return re.sub(code, lambda found: chr(int(found[1] or found[2], 16)), name)

@@ -72,7 +72,7 @@ def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
     Raises
     ------
     ValueError
-        If the prior is negative.
+        If the prior is negative or infinite.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
     >>> isotonic(votes)(np.array([0.0, 0.5, 1.0])).round(2).tolist()
     [0.05, 0.3, 0.9]
     """
-    if not prior >= 0:
+    if not 0 <= prior < np.inf:
         raise ValueError(f"a prior counts as 0 forecasts or more, not as {prior}")
     weights = outcomes.points + np.float64(prior)
     frequency = ratio(outcomes.events + prior * outcomes.levels, weights)

@@ -45,9 +45,9 @@ class Outcomes:
         ``values``: New value of each level, never falling, ``(levels,)``; forecasts of a level
         whose value is not known, NaN, do not count.
         """
-        if (np.diff(values) < 0).any():
-            raise ValueError("values that fall would change the order of the forecasts")
         known = ~np.isnan(values)
+        if (np.diff(values[known]) < 0).any():
+            raise ValueError("values that fall would change the order of the forecasts")
         points, events = self.points[..., known], self.events[..., known]
         levels, first = np.unique(values[known], return_index=True)
         if not levels.size:

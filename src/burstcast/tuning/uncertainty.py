@@ -29,21 +29,25 @@ def objective_uncertainty(log_errors: FloatArray) -> ObjectiveUncertainty:
 
     ``log_errors``: log10 of the mean square error of each point (and Tikhonov parameter) in each
     interval, ``(points, intervals)``; the objective is the mean over the intervals. With a single
-    interval, all standard errors but the best point's paired one are NaN.
+    interval, all standard errors but the best point's paired one are NaN; so are differences and
+    errors of infinite objectives (diverged forecasts) where they are not defined.
     """
     points, intervals = log_errors.shape
     if points == 0:
         raise ValueError("the search has no point")
     objectives = log_errors.mean(axis=1)
     best = int(np.argmin(objectives))
-    difference = log_errors - log_errors[best]
+    with np.errstate(invalid="ignore"):
+        difference = log_errors - log_errors[best]
+    difference[best] = 0.0
     if intervals < 2:
         unknown = np.full(points, np.nan)
         error = np.where(np.arange(points) == best, 0.0, np.nan)
         return ObjectiveUncertainty(unknown, difference.mean(axis=1), error)
     root = np.sqrt(intervals)
-    return ObjectiveUncertainty(
-        log_errors.std(axis=1, ddof=1) / root,
-        difference.mean(axis=1),
-        difference.std(axis=1, ddof=1) / root,
-    )
+    with np.errstate(invalid="ignore"):
+        return ObjectiveUncertainty(
+            log_errors.std(axis=1, ddof=1) / root,
+            difference.mean(axis=1),
+            difference.std(axis=1, ddof=1) / root,
+        )

@@ -240,16 +240,14 @@ def test_a_source_that_is_missing_is_an_error(project):
     assert "source file is missing" in outcome.text
 
 
-def test_a_clock_that_is_wrong_is_told(project):
+def test_a_clock_that_is_wrong_does_no_harm(project):
     """An input that another machine has written an hour from now."""
     path = project.results / "Re400" / "events.nc"
     later = path.stat().st_mtime + 3600
     os.utime(path, (later, later))
     target, overlay = f"{RESULTS}/Re400/equations/horizon.nc", {"horizon": {"tolerance": 0.3}}
-    outcome = project.snakemake(target, overlay=overlay)
-    assert outcome.status == 1
-    assert "This could indicate a clock skew problem" in outcome.text
-    assert f"{RESULTS}/Re400/events.nc" in outcome.text
+    assert project.snakemake(target, overlay=overlay).status == 0
+    assert project.dry_run(target, overlay=overlay) == {}
 
 
 # -- jobs of a cluster, for which Snakemake reads the workflow anew --------------------------------
