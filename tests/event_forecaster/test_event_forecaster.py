@@ -1,5 +1,6 @@
 """The library's face in a notebook: `burstcast.EventForecaster`."""
 
+import math
 import subprocess
 import sys
 
@@ -447,6 +448,11 @@ def test_another_file_is_no_forecaster(attributes, message, tmp_path):
         ({"members": 0}, "members must be 1 at least"),
         ({"options": {"conectivity": 3}}, r"no option 'conectivity' \(did you mean 'connectivity'"),
         ({"intervals_per_series": 99}, "99 validation intervals"),
+        ({"washout": math.inf}, "washout must be finite"),
+        ({"prediction_times": (1.0, math.inf)}, "prediction_times must be finite"),
+        ({"noise": math.nan}, "noise must be finite"),
+        ({"calibration_spacing": 1e20}, "calibration_spacing must be finite, and below"),
+        ({"sampling_stride": 0}, "sampling_stride must be 1 at least, not 0"),
     ],
 )
 def test_a_mistake_is_told_by_the_parameters_name(change, message, training):
@@ -459,6 +465,10 @@ def test_what_cannot_be_done_is_said(training, fitted, test_series):
         burstcast.EventForecaster(**SMALL).fit(training[:1])
     with pytest.raises(RuntimeError, match="not fitted yet"):
         burstcast.EventForecaster().predict(test_series)
+    with pytest.raises(RuntimeError, match="not fitted yet"):
+        burstcast.EventForecaster().rule()
+    with pytest.raises(ValueError, match="do not know the parameters: leave them out"):
+        fitted.what_if(test_series[:, :200], {"push": {"reynolds": 400.0}})
     with pytest.raises(ValueError, match=r"fitted were the prediction_times 0\.5, 1"):
         fitted.predict(test_series, 2.0)
     with pytest.raises(ValueError, match="have 2 components, the training series had 3"):

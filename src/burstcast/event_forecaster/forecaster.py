@@ -295,6 +295,7 @@ class EventForecaster(Estimator):
 
     def rule(self, prediction_time: float | None = None) -> AlarmRule:
         """Calibration and alarm threshold at a prediction time."""
+        self._check_fitted()
         return self.alarms_[self._time(prediction_time)]
 
     def update(self, observation: Any, time: float | None = None) -> Self:
@@ -443,6 +444,8 @@ class EventForecaster(Estimator):
 
     def _case(self, components: int, own: Sequence[float] | None = None) -> ForecastingCase:
         """Knowledge of forecasters beside the series, with their ``own`` parameter values."""
+        if self.sampling_stride < 1:
+            raise ValueError(f"sampling_stride must be 1 at least, not {self.sampling_stride}")
         system = state_space(self.observable, components)
         options, is_classifier = options_of_kind(self.kind), not self._kind.has_trajectories
         if is_classifier:
@@ -493,7 +496,8 @@ class EventForecaster(Estimator):
         series, steps = washouts.shape[:2]
         if parameters is None and planned is None and not learns_parameters(self.kind):
             return None
-        known = self.own_parameters_ if parameters is None else parameters
+        known = self.own_parameters_ if learns_parameters(self.kind) else planned  # refused
+        known = known if parameters is None else parameters
         past = self._told(known, series, steps - 1, "predict_proba")
         assert past is not None
         reach = self._timing.boundaries[-1]

@@ -49,4 +49,6 @@ def _number(name: str, value: Any, *, whole: bool = False) -> Any:
     is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
     if not is_number or (whole and not (math.isfinite(value) and value == int(value))):
         raise TypeError(f"{name} must be a {'whole ' if whole else ''}number, not {value!r}")
+    if not whole and not abs(value) < 2**53:  # nor NaN
+        raise ValueError(f"{name} must be finite, and below 2^53, not {value!r}")
     return int(value) if whole else value
