@@ -4,11 +4,13 @@ Forecasters and jobs are things: a noun names them. Code is not looked at, excep
 docstrings and messages.
 """
 
+import ast
 import re
 import tokenize
 from pathlib import Path
 
 import pytest
+import snakemake
 
 ROOT = Path(__file__).parents[1]
 PEOPLE = ("people", "maintainer", "user", "author", "authors", "authors'", "reader", "person")
@@ -86,3 +88,27 @@ def test_sentences_keep_to_nouns(folder):
             if turns := offences(text):
                 found[f"{name}:{line}"] = turns
     assert found == {}
+
+
+def messages_of_sources():
+    """Texts of the product and of Snakemake, with … where values stand."""
+    found = []
+    for root in (ROOT / "src", ROOT / "workflow" / "scripts", Path(snakemake.__file__).parent):
+        for path in root.rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text())):
+                parts = node.values if isinstance(node, ast.JoinedStr) else [node]
+                texts = [one.value if isinstance(one, ast.Constant) else "…" for one in parts]
+                if isinstance(node, ast.JoinedStr | ast.Constant):
+                    found.append("".join(text if isinstance(text, str) else "" for text in texts))
+    return "\n".join(found)
+
+
+def test_each_message_of_the_page_of_errors_is_one_of_the_sources():
+    sources = messages_of_sources()
+    page = (ROOT / "docs" / "errors.md").read_text()
+    cells = [line.split("|")[1] for line in page.splitlines() if line.startswith("| `")]
+    messages = [message for cell in cells for message in re.findall(r"`(.+?)`", cell)]
+    assert len(messages) > 25
+    for message in messages:
+        parts = [re.escape(part) for part in message.split("…")]
+        assert re.search("[^\n]*…[^\n]*".join(parts), sources), message
