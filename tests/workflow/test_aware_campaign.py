@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from helpers_rebuilds import Project, tiny_with
+from helpers_configs import tiny_with
+from helpers_rebuilds import Project
 
 from burstcast.files.netcdf import read_netcdf
 from burstcast.files.tables import read_table

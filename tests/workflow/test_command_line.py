@@ -112,15 +112,15 @@ COMMAND = [sys.executable, "-m", "burstcast_workflow"]
 TINY = ROOT / "workflow" / "presets" / "tiny.yaml"
 
 
-def test_a_study_in_a_directory_of_its_own_plans(tmp_path):
+def test_a_study_in_a_directory_of_its_own_plans(tmp_path, job_server):
     options = ["-s", snakefile(), "--configfile", TINY]
     why = said_by([*COMMAND, "why", "results/tiny/tables/horizon.csv", *options], tmp_path)
     assert "not made yet" in why
     assert "train (4)" in why
-    snakemake = [sys.executable, "-m", "snakemake", "-n", *options, "--config", "random_seed=-4"]
-    said = said_by(snakemake, tmp_path, status=1)
-    assert "a mistake: random_seed is -4; it must be" in said
-    assert ".smk" not in said  # no lines of the rules below it
+    outcome = job_server.snakemake(tmp_path, "-n", *options, "--config", "random_seed=-4")
+    assert outcome.status == 1
+    assert "a mistake: random_seed is -4; it must be" in outcome.text
+    assert ".smk" not in outcome.text  # no lines of the rules below it
 
 
 def test_cleaning_removes_what_make_has_made(tmp_path):
@@ -145,13 +145,13 @@ def test_the_page_has_all_commands(capsys):
     assert len(known) == 7
 
 
-def test_the_module_of_the_page_plans(tmp_path):
+def test_the_module_of_the_page_plans(tmp_path, job_server):
     (module,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
     (tmp_path / "Snakefile").write_text(module)
     shutil.copy(TINY, tmp_path / "config.yaml")
-    command = [sys.executable, "-m", "snakemake", "--dry-run", "--cores", "1"]
-    said = said_by([*command, "results/tiny/tables/horizon.csv"], tmp_path)
-    assert re.search(r"^burstcast_train +4$", said, re.MULTILINE)
+    command = ["--dry-run", "--cores", "1", "results/tiny/tables/horizon.csv"]
+    outcome = job_server.snakemake(tmp_path, *command)
+    assert re.search(r"^burstcast_train +4$", outcome.text, re.MULTILINE)
 
 
 @pytest.mark.long

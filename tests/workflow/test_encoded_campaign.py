@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from helpers_rebuilds import Project, tiny_with
+from helpers_configs import tiny_with
+from helpers_rebuilds import Project
 from sklearn.metrics import average_precision_score
 
 from burstcast import random_streams

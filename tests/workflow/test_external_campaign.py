@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from helpers_rebuilds import Project, rules_of, tiny_with
+from helpers_configs import tiny_with
+from helpers_rebuilds import Project, rules_of
 
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load

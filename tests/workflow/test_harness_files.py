@@ -3,8 +3,6 @@
 import hashlib
 import json
 import math
-import subprocess
-import sys
 from pathlib import Path
 
 import netCDF4
@@ -47,18 +45,6 @@ def test_json_refuses_what_it_cannot_say(tmp_path, value, error):
     with pytest.raises(error, match=r"record\.json"):
         write_json(tmp_path / "record.json", {"a": [value]})
     assert list(tmp_path.iterdir()) == []
-
-
-def test_the_harness_loads_nothing_that_is_slow():
-    code = (
-        "import sys, burstcast_workflow.harness.job\n"
-        "slow = ('pandas', 'matplotlib', 'scipy', 'netCDF4')\n"
-        "print([name for name in slow if name in sys.modules])"
-    )
-    result = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert result.stdout.strip() == "[]"
 
 
 # -- tables ----------------------------------------------------------------------------------------

@@ -7,67 +7,99 @@ import subprocess
 import sys
 import textwrap
 import time
+import warnings
+from dataclasses import replace
+from tempfile import TemporaryFile
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from helpers_configs import ROOT
+from snakemake.iocontainers import Namedlist
 
 from burstcast_workflow.harness import environment
 from burstcast_workflow.harness.failures import failure_summary
-
-HEADER = """
-import os, sys, time
-import numpy as np
-from pathlib import Path
-from types import SimpleNamespace
-from dataclasses import replace
-from snakemake.iocontainers import Namedlist
-import burstcast
-from burstcast_workflow.project import code_of
-from snaketrust.fingerprint import Sources
 from burstcast_workflow.harness.job import run_job
 from burstcast_workflow.harness.storage import atomic, write_json
+from burstcast_workflow.project import code_of
+from snaketrust.fingerprint import Sources
+from snaketrust.run import Run
 
-def Files(**items):
-    return Namedlist(fromdict=items)
+HEADER = """
+from pathlib import Path
+from types import SimpleNamespace
 
 Path("data.nc").write_text("data")
 script = Path("train.py").resolve()
 script.write_text("import burstcast.durations")
-project = code_of(Path(burstcast.__path__[0]).parents[1])
-sources = Sources(replace(project, scripts=script.parent))
-code = sources.fingerprint("train.py")
+sources = Sources(replace(PROJECT, scripts=script.parent))
 
 snakemake = SimpleNamespace(
     rule="train", resources={}, scriptdir=str(script.parent), log=["logs/train.log"],
     wildcards={"case": "Re400", "seed": "3"},
-    input=Files(data="data.nc"), output=Files(network="deep/er/network.json"),
-    params=Files(settings={"number": 3.0, "name": "Re400"}, code=code),
+    input=files(data="data.nc"), output=files(network="deep/er/network.json"),
+    params=files(
+        settings={"number": 3.0, "name": "Re400"}, code=sources.fingerprint("train.py")
+    ),
 )
 """
+MAIN = "def main(*, data, network, settings):\n"
+# what a script finds beside its own text
+GIVEN = {
+    **{"os": os, "time": time, "np": np, "files": lambda **items: Namedlist(fromdict=items)},
+    **{"PROJECT": code_of(ROOT), "Sources": Sources, "replace": replace, "Run": Run},
+    **{"atomic": atomic, "write_json": write_json, "run_job": run_job},
+}
 
 
-def script(body: str) -> list[str]:
-    code = HEADER + textwrap.dedent(body) + "\nrun_job(snakemake, main)\n"
-    return [sys.executable, "-c", code]
+def started(directory, body, said):
+    """A process that runs a job in a directory; its outputs are appended to files."""
+    child = os.fork()
+    if child:
+        return child
+    status = 1
+    try:
+        os.chdir(directory)
+        for number, file in enumerate(said, 1):
+            os.dup2(file.fileno(), number)
+        sys.stdout, sys.stderr = (open(n, "w", closefd=False) for n in (1, 2))  # noqa: SIM115
+        warnings.resetwarnings()
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            signal.signal(number, signal.SIG_DFL)  # whatever the shell of these tests ignores
+        names = {"__name__": "__main__", **GIVEN}
+        exec(f"{HEADER}{textwrap.dedent(body)}\nrun_job(snakemake, main)\n", names)
+        status = 0
+    except SystemExit as stop:
+        status = stop.code if isinstance(stop.code, int) else 1
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
 
 
-def run(tmp_path, body: str):
-    result = subprocess.run(script(body), cwd=tmp_path, capture_output=True, text=True)
-    return result, (tmp_path / "logs" / "train.log").read_text()
+def run(directory, body):
+    """Run a job: how it ended, with what it said on both channels, and its log."""
+    with TemporaryFile("w+") as out, TemporaryFile("w+") as error:
+        _, status = os.waitpid(started(directory, body, (out, error)), 0)
+        said = []
+        for file in (out, error):
+            file.seek(0)
+            said.append(file.read())
+    result = SimpleNamespace(returncode=os.waitstatus_to_exitcode(status))
+    result.stdout, result.stderr = said
+    return result, (directory / "logs" / "train.log").read_text()
 
 
 def test_success(tmp_path):
-    result, log = run(
-        tmp_path,
-        """
-        def main(*, data, network, settings):
-            print("from print")
-            os.system("echo from a child")
-            os.write(2, b"from compiled code")
-            np.log(np.zeros(1))
-            assert data == "data.nc"
-            write_json(network, {"settings": dict(settings), "provenance": settings.provenance})
-        """,
-    )
+    body = f"""{MAIN}
+    print("from print")
+    os.system("echo from a child")
+    os.write(2, b"from compiled code")
+    np.log(np.zeros(1))
+    assert data == "data.nc"
+    write_json(network, {{"settings": dict(settings), "provenance": settings.provenance}})
+    """
+    result, log = run(tmp_path, body)
     assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
     record = json.loads((tmp_path / "deep" / "er" / "network.json").read_text())
     assert record["settings"] == {"name": "Re400", "number": 3}
@@ -81,18 +113,15 @@ def test_success(tmp_path):
 def test_a_job_of_a_run_finds_own_modules_and_records_how_long_it_took(tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "own_flow.py").write_text("RATE = 2")
-    result, log = run(
-        tmp_path,
-        """
-        from snaketrust.run import Run
-        Run.new("results").claim({}, sources.all_code(), [os.path.abspath("mine")])
-        snakemake.output = Files(network="results/network.json")
-        def main(*, data, network, settings):
-            import own_flow
-            time.sleep(0.2)
-            write_json(network, {"rate": own_flow.RATE})
-        """,
-    )
+    body = f"""
+Run.new("results").claim({{}}, sources.all_code(), [os.path.abspath("mine")])
+snakemake.output = files(network="results/network.json")
+{MAIN}
+    import own_flow
+    time.sleep(0.2)
+    write_json(network, {{"rate": own_flow.RATE}})
+    """
+    result, log = run(tmp_path, body)
     assert result.returncode == 0, log
     record = json.loads((tmp_path / "results" / ".records" / "network.json.json").read_text())
     assert 0.2 <= record["seconds"] < 60
@@ -103,13 +132,7 @@ def test_provenance_has_versions_and_nothing_of_time_machine_or_path(tmp_path):
     records = []
     for name in ("first", "second"):
         (tmp_path / name).mkdir()
-        run(
-            tmp_path / name,
-            """
-            def main(*, data, network, settings):
-                write_json(network, settings.provenance)
-            """,
-        )
+        run(tmp_path / name, f"{MAIN}    write_json(network, settings.provenance)")
         records.append((tmp_path / name / "deep" / "er" / "network.json").read_bytes())
     assert records[0] == records[1]
     record = json.loads(records[0])
@@ -122,15 +145,8 @@ def test_provenance_has_versions_and_nothing_of_time_machine_or_path(tmp_path):
 
 
 def test_failure_is_one_line_and_a_traceback_in_the_log(tmp_path):
-    result, log = run(
-        tmp_path,
-        """
-        def main(*, data, network, settings):
-            raise ValueError("series are\\n  too short")
-        """,
-    )
-    assert result.returncode == 1
-    assert result.stdout == ""
+    result, log = run(tmp_path, f'{MAIN}    raise ValueError("series are\\n  too short")')
+    assert (result.returncode, result.stdout) == (1, "")
     assert result.stderr == (
         "train (case=Re400, seed=3) failed: ValueError: series are too short "
         "(log: logs/train.log)\n"
@@ -139,60 +155,65 @@ def test_failure_is_one_line_and_a_traceback_in_the_log(tmp_path):
     assert "train (case=Re400, seed=3) failed: 0." in log
 
 
-def test_settings_that_snakemake_does_not_track_are_refused(tmp_path):
-    result, _ = run(
-        tmp_path,
-        """
-        snakemake.params.settings["neurons"] = np.int64(3)
-        def main(*, data, network, settings):
-            raise AssertionError("must not run")
-        """,
-    )
+def main_with(parameters):
+    return f"def main({parameters}): open('ran', 'w')"
+
+
+@pytest.mark.parametrize(
+    ("body", "complaint"),
+    [
+        (
+            f'snakemake.params.settings["neurons"] = np.int64(3)\n{MAIN}    open("ran", "w")',
+            "TypeError: params.settings.neurons is",
+        ),
+        (
+            f'{MAIN}    settings["neurons"]',
+            "UndeclaredSettingError: train reads the setting neurons, which its rule does not "
+            "declare; it declares: name, number (log:",
+        ),
+        (main_with("*, network, settings"), "TypeError: main takes no argument data"),
+        (main_with("*, data, settings"), "TypeError: main takes no argument network"),
+        (main_with("*, data, network, other"), "missing 1 required keyword-only argument: 'other'"),
+        (
+            f'script.write_text("import burstcast.durations; EDITED = 1")\n{MAIN}    open("ran")',
+            "UnlikeCodeError: train.py changed after the workflow was planned",
+        ),
+        (
+            f'{MAIN}    script.write_text("import burstcast.durations; EDITED = 1")',
+            "train.py changed after the workflow was planned",
+        ),
+    ],
+)
+def test_a_job_that_is_not_what_its_rule_says_fails(tmp_path, body, complaint):
+    """Settings, files, and the code that was planned, before and after its work."""
+    result, _ = run(tmp_path, body)
     assert result.returncode == 1
-    assert "TypeError: params.settings.neurons is" in result.stderr
+    assert complaint in result.stderr
+    assert not (tmp_path / "ran").exists()
 
 
-def test_a_setting_that_the_rule_does_not_declare_is_an_error(tmp_path):
-    result, _ = run(
-        tmp_path,
-        """
-        def main(*, data, network, settings):
-            settings["neurons"]
-        """,
-    )
-    assert result.returncode == 1
-    assert (
-        "UndeclaredSettingError: train reads the setting neurons, which its rule does not "
-        "declare; it declares: name, number (log:"
-    ) in result.stderr
+def test_a_comment_is_no_edit_while_a_job_runs(tmp_path):
+    edit = '    script.write_text("import burstcast.durations  # a comment")'
+    assert run(tmp_path, MAIN + edit)[0].returncode == 0
 
 
-def test_settings_that_nobody_reads_are_in_the_log(tmp_path):
-    for body, said in (
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
         ("settings['name']", True),
         ("settings['name'], settings['number']", False),
         ("settings['name'], dict(settings)", False),
-    ):
-        _, log = run(
-            tmp_path,
-            f"""
-            def main(*, data, network, settings):
-                {body}
-            """,
-        )
-        assert ("settings not read: number" in log) == said
-        assert "is done" in log
+    ],
+)
+def test_settings_that_nobody_reads_are_in_the_log(tmp_path, body, said):
+    _, log = run(tmp_path, f"{MAIN}    {body}")
+    assert ("settings not read: number" in log) == said
+    assert "is done" in log
 
 
 def test_outputs_from_the_cache_say_nothing_about_settings(tmp_path):
-    body = """
-        os.environ["BURSTCAST_CACHE"] = "cache"
-        snakemake.resources = {"cached": 1}
-
-        def main(*, data, network, settings):
-            settings["name"]
-            write_json(network, {})
-        """
+    cached = 'os.environ["BURSTCAST_CACHE"] = "cache"\nsnakemake.resources = {"cached": 1}\n'
+    body = f"{cached}{MAIN}    settings['name'], write_json(network, {{}})"
     _, first = run(tmp_path, body)
     _, second = run(tmp_path, body)
     assert "outputs put into the cache" in first
@@ -201,118 +222,48 @@ def test_outputs_from_the_cache_say_nothing_about_settings(tmp_path):
     assert "not read" not in second
 
 
-@pytest.mark.parametrize(
-    ("parameters", "complaint"),
-    [
-        ("*, network, settings", "main takes no argument data"),
-        ("*, data, settings", "main takes no argument network"),
-        ("*, data, network, other", "missing 1 required keyword-only argument: 'other'"),
-    ],
-)
-def test_a_function_takes_all_files_of_its_rule_and_no_others(tmp_path, parameters, complaint):
-    result, _ = run(
-        tmp_path,
-        f"""
-        def main({parameters}):
-            open("ran", "w")
-        """,
-    )
-    assert result.returncode == 1
-    assert "TypeError: " in result.stderr
-    assert complaint in result.stderr
-    assert not (tmp_path / "ran").exists()
-
-
 def test_leftovers_of_killed_jobs_are_removed(tmp_path):
     leftover = tmp_path / "deep" / "er" / ".network.json.0123.partial"
     leftover.parent.mkdir(parents=True)
     leftover.write_text("half")
-    run(tmp_path, "def main(*, data, network, settings): pass")
+    run(tmp_path, f"{MAIN}    pass")
     assert not leftover.exists()
 
 
-WAIT = """
-def main(*, data, network, settings):
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGKILL])
+def test_a_stopped_job_cleans_up_and_a_killed_one_leaves_nothing_finished(tmp_path, number):
+    waiting = """
     with atomic(network) as partial:
         partial.write_text("half")
         open("ready", "w").close()
         time.sleep(30)
-"""
-
-
-def start_and_signal(tmp_path, number):
-    def not_ignored():
-        # as it is for what runs in the background of a shell, or under nohup
-        if number != signal.SIGKILL:
-            signal.signal(number, signal.SIG_DFL)
-
-    process = subprocess.Popen(
-        script(WAIT), cwd=tmp_path, stderr=subprocess.PIPE, text=True, preexec_fn=not_ignored
-    )
-    deadline = time.monotonic() + 20
-    while not (tmp_path / "ready").exists():
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
-    process.send_signal(number)
-    process.communicate(timeout=10)
-    return process.returncode, sorted(os.listdir(tmp_path / "deep" / "er"))
-
-
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
-def test_a_stopped_job_cleans_up(tmp_path, number):
-    status, files = start_and_signal(tmp_path, number)
+    """
+    with TemporaryFile() as said:
+        job = started(tmp_path, MAIN + waiting, (said, said))
+        deadline = time.monotonic() + 20
+        while not (tmp_path / "ready").exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+        os.kill(job, number)
+        _, status = os.waitpid(job, 0)
+    files = [path.name for path in (tmp_path / "deep" / "er").iterdir()]
+    if number == signal.SIGKILL:
+        assert os.waitstatus_to_exitcode(status) == -number
+        files = [name for name in files if not name.endswith(".partial")]
     assert status != 0
     assert files == []
-
-
-def test_a_killed_job_leaves_nothing_that_looks_finished(tmp_path):
-    status, files = start_and_signal(tmp_path, signal.SIGKILL)
-    assert status == -signal.SIGKILL
-    assert [name for name in files if not name.endswith(".partial")] == []
 
 
 def test_importing_it_is_cheap():
     code = (
         "import sys, burstcast_workflow.harness.job\n"
-        "slow = ('scipy', 'pandas', 'pydantic', 'yaml', 'llvmlite')\n"
+        "slow = ('scipy', 'pandas', 'pydantic', 'yaml', 'llvmlite', 'matplotlib', 'netCDF4')\n"
         "print([name for name in slow if name in sys.modules])"
     )
     result = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert result.stdout.strip() == "[]"
-
-
-# -- the code that a job runs is the one that was planned ------------------------------------------
-
-
-def test_code_that_was_edited_after_planning_is_not_run(tmp_path):
-    result, _ = run(
-        tmp_path,
-        """
-        script.write_text("import burstcast.durations; EDITED = 1")
-
-        def main(*, data, network):
-            write_json(network, {})
-        """,
-    )
-    assert result.returncode == 1
-    assert "UnlikeCodeError: train.py changed after the workflow was planned" in result.stderr
-    assert not (tmp_path / "deep" / "er" / "network.json").exists()
-
-
-def test_code_that_is_edited_while_a_job_runs_fails_it(tmp_path):
-    body = """
-        def main(*, data, network):
-            write_json(network, {})
-            script.write_text("import burstcast.durations%s")
-        """
-    result, _ = run(tmp_path, body % "; EDITED = 1")
-    assert result.returncode == 1
-    assert "train.py changed after the workflow was planned" in result.stderr
-    # a comment is no edit
-    result, _ = run(tmp_path, body % "  # a comment")
-    assert result.returncode == 0
 
 
 # -- the ends of logs ------------------------------------------------------------------------------

@@ -292,19 +292,22 @@ module burstcast:
 use rule * from burstcast"""
 
 
-def planned_jobs(directory, *arguments):
+@pytest.fixture(scope="module")
+def planned_jobs(job_server):
     """How many jobs of each rule Snakemake plans in a directory."""
-    command = [sys.executable, "-m", "snakemake", "--dry-run", "--cores", "1", *arguments]
-    result = subprocess.run(command, cwd=directory, capture_output=True, text=True, check=False)
-    assert result.returncode == 0, result.stdout + result.stderr
-    if "Nothing to be done" in result.stdout + result.stderr:
-        return {}
-    found = re.findall(r"^(\w+) +(\d+)$", result.stdout + result.stderr, re.MULTILINE)
-    return {rule: int(count) for rule, count in found}
+
+    def planned(directory, *arguments):
+        outcome = job_server.snakemake(directory, "--dry-run", "--cores", "1", *arguments)
+        assert outcome.status == 0, outcome.text
+        found = re.findall(r"^(\w+) +(\d+)$", outcome.text, re.MULTILINE)
+        assert found or "Nothing to be done" in outcome.text
+        return {rule: int(count) for rule, count in found}
+
+    return planned
 
 
 @pytest.fixture(scope="module")
-def expected(tmp_path_factory):
+def expected(planned_jobs, tmp_path_factory):
     """What is planned where nothing has been computed yet, with the project's own Snakefile."""
     arguments = ["-s", ROOT / "Snakefile", "--configfile", PRESET]
     jobs = planned_jobs(tmp_path_factory.mktemp("elsewhere"), *arguments)
@@ -313,7 +316,7 @@ def expected(tmp_path_factory):
 
 
 @pytest.mark.parametrize("prefix", ["", "flow_"])
-def test_another_workflow_takes_it_as_a_module(tmp_path, expected, prefix):
+def test_another_workflow_takes_it_as_a_module(tmp_path, planned_jobs, expected, prefix):
     naming = f" as {prefix}*" if prefix else ""
     (tmp_path / "Snakefile").write_text(f"{AS_MODULE}{naming}\n", encoding="utf-8")
     assert planned_jobs(tmp_path) == {
@@ -321,7 +324,7 @@ def test_another_workflow_takes_it_as_a_module(tmp_path, expected, prefix):
     }
 
 
-def test_a_snakefile_below_workflow(tmp_path, expected):
+def test_a_snakefile_below_workflow(tmp_path, planned_jobs, expected):
     arguments = ["-s", ROOT / "workflow" / "Snakefile", "--configfile", PRESET]
     assert planned_jobs(tmp_path, *arguments) == expected
 
@@ -331,7 +334,7 @@ FLOWS = "Re400/control/esn-N40-RV-seed0/prediction_triggered-prediction_time1-wi
 
 @pytest.mark.long
 @pytest.mark.parametrize("prefix", ["", "below"])
-def test_a_module_runs_and_its_results_are_known(tmp_path, finished, prefix):
+def test_a_module_runs_and_its_results_are_known(tmp_path, planned_jobs, finished, prefix):
     """Files say the stages that made them, whatever the rules are called; where they are, too."""
     where = f"\n    prefix: {prefix!r}" if prefix else ""
     module = AS_MODULE.replace("    config: config", f"    config: config{where}")

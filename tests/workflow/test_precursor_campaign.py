@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from helpers_rebuilds import Project, tiny_with
+from helpers_configs import tiny_with
+from helpers_rebuilds import Project
 from sklearn.ensemble import HistGradientBoostingClassifier
 from sklearn.metrics import average_precision_score, f1_score, recall_score
 from snakemake.utils import update_config

@@ -1,6 +1,5 @@
 """Working copies of the project in which the tests edit and run the workflow."""
 
-import copy
 import hashlib
 import importlib.util
 import json
@@ -10,30 +9,19 @@ import shutil
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import yaml
-from snakemake.utils import update_config
 
 ROOT = Path(__file__).parents[3]
 HERE = Path(__file__).parent
 PARTS = ("Snakefile", "config.yaml", "profiles", "resources", "src", "workflow")
 TINY = "workflow/presets/tiny.yaml"
 RESULTS = "results/tiny"
-
-
-def tiny_with(*overlays: Mapping[str, Any]) -> dict[str, Any]:
-    """The tiny preset with overlays, as Snakemake merges them."""
-    tiny = yaml.safe_load((ROOT / TINY).read_text(encoding="utf-8"))
-    whole: dict[str, Any] = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
-    for overlay in (tiny, *overlays):
-        update_config(whole, copy.deepcopy(overlay))
-    return whole
 
 
 @dataclass(frozen=True)
@@ -79,6 +67,12 @@ class JobServer:
             finally:
                 process.kill()
 
+    def snakemake(self, directory: Path, *arguments: object) -> Outcome:
+        """Run Snakemake with this project's code in any directory."""
+        request = {"arguments": [*map(str, arguments)]}
+        environment = {**Project(directory).environment(), "PYTHONPATH": str(ROOT / "src")}
+        return Project(directory, self)._request(request, environment)
+
 
 THREADS = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
 # as in the shell of a notebook
@@ -98,21 +92,11 @@ def loaded_script(name: str) -> ModuleType:
 
 @dataclass(frozen=True)
 class Project:
-    """A working copy.
-
-    Attributes
-    ----------
-    directory
-        Where it is.
-    server
-        What runs its jobs; None for processes of their own, as users run them.
-    preset
-        The config that its runs lay over config.yaml.
-    """
+    """A working copy."""
 
     directory: Path
-    server: JobServer | None = None
-    preset: str = TINY
+    server: JobServer | None = None  # what runs its jobs; or processes of their own, as for users
+    preset: str = TINY  # the config that its runs lay over config.yaml
 
     @classmethod
     def create(
@@ -209,10 +193,7 @@ class Project:
         return outcome.jobs
 
     def planned(self, overlay: dict | None = None) -> set[str]:
-        """Jobs that would run, by the paths of their logs without their ends, or of new files.
-
-        Of a file that is not there yet Snakemake does not say the log.
-        """
+        """Jobs that would run, by the paths of their logs, or of new files, which have none."""
         outcome = self.snakemake("--summary", overlay=overlay)
         assert outcome.status == 0, outcome.text
         rows = [line.split("\t") for line in outcome.text.splitlines() if line.count("\t") == 5]
