@@ -137,6 +137,7 @@ statistics.forecasters: null | statistics.forecasters is empty | a mapping
 control.random_alarms: 1 | control.random_alarms is 1 | true or false
 figures.example_forecaster: RV-seed0 | example_forecaster | esn-N2000-RV-seed0
 figures.example_forecaster: equations | example_forecaster | name of a network
+figures.example_forecaster: esn_aware-N1000-RV-seed0 | network of kind esn, no variant
 figures.published_overlay: 'no' | figures.published_overlay | true or false
 case_defaults.parameters: {reynolds: x} | case_defaults.parameters.reynolds
 case_defaults.ensemble: [] | case_defaults.ensemble is [] | a mapping

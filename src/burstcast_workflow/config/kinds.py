@@ -149,7 +149,7 @@ ControlStrategyName = Annotated[
 ]
 NetworkOrNull = Annotated[
     Annotated[str, Field(pattern=r"^esn-N\d+-[A-Z]+-seed\d+\Z")] | None,
-    Words("the name of a network, such as esn-N2000-RV-seed0, or null"),
+    Words("the name of a network of kind esn, no variant, such as esn-N2000-RV-seed0, or null"),
 ]
 StrategyValue = Annotated[
     float | bool | str | list[float],
