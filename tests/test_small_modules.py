@@ -17,6 +17,7 @@ from burstcast import durations, random_streams
 from burstcast.control.setting_names import as_columns, options_in
 from burstcast.events import upward_crossings
 from burstcast.laminarisation import first_laminar_step, is_laminar
+from burstcast.natural_order import natural_order
 
 
 @pytest.mark.parametrize(
@@ -200,3 +201,10 @@ def test_any_text_in_a_name_is_put_back(one, other):
         "watch": one,
         "push": other,
     }
+
+
+def test_natural_order():
+    names = ["Zeta", "alpha", "Re1000", "Re400", "Re412.5", "zeta", "b10", "b9"]
+    assert sorted(names, key=natural_order) == [
+        *("alpha", "b9", "b10", "Re400", "Re412.5", "Re1000", "Zeta", "zeta"),
+    ]

@@ -33,6 +33,11 @@ def tiny_with(*overlays: Mapping[str, Any]) -> dict[str, Any]:
     return paper_with(read(TINY), *overlays)
 
 
+def tiny_campaign(name: str, *overlays: Mapping[str, Any]) -> dict[str, Any]:
+    """The config of a campaign beside these tests: aware, encoded or precursor."""
+    return tiny_with(read(ROOT / "tests" / "workflow" / f"tiny_{name}.yaml"), *overlays)
+
+
 def campaign(*overlays: Mapping[str, Any], blocks: list | None = None) -> Campaign:
     """Campaign of the paper with overlays."""
     return Campaign(load(paper_with(*overlays, blocks=blocks)))

@@ -6,14 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from helpers_configs import tiny_with
 from helpers_rebuilds import Project
 
 from burstcast.files.netcdf import read_netcdf
 from burstcast.files.tables import read_table
-from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.aware_checks import extrapolations
-from burstcast_workflow.config.loading import load
 
 ROOT = Path(__file__).parents[2]
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_aware.yaml").read_text())
@@ -26,38 +22,6 @@ TARGETS = (
     "figures/skill_by_parameter.png",
     "Re400/tables/control_choices.csv",
 )
-
-
-def config(change=None):
-    """The tiny campaign of these tests with a change."""
-    return tiny_with(OVERLAY, change or {})
-
-
-def test_what_is_extrapolated_is_told_with_the_range():
-    found = list(extrapolations(Campaign(load(config())).config))
-    assert found == []  # Re = 2000 is in the actuated series of Re800
-    free = {"cases": {"Re800": {"training": {"actuation": None}}}}
-    told = list(extrapolations(Campaign(load(config(free))).config))
-    said = "lies outside of the values in training, 400 to 800: forecasts are extrapolated"
-    assert [one.removesuffix(said) for one in told] == [
-        "Re400switched: reynolds = 2000 ",
-        "Re400: reynolds = 2000 ",
-        "Re600: reynolds = 950 ",  # the actuator at a quarter of its strength
-        "Re600: reynolds = 2000 ",
-        "Re800: reynolds = 2000 ",
-    ]
-
-
-def test_only_forecasters_that_know_the_parameters_are_given_them():
-    campaign = Campaign(load(config()))
-    paths = ["RESERVOIR", "control.cost"]
-    plain, aware = (
-        campaign.settings(paths, {"case": "Re600", "forecaster": f"{kind}-N40-RV-seed0"}, {})
-        for kind in ("esn", "esn_aware")
-    )
-    assert "forecasters.aware" not in plain
-    assert aware["forecasters.aware"]["own"] == [600]
-    assert plain["control.cost"] is True
 
 
 # -- a run -----------------------------------------------------------------------------------------

@@ -2,16 +2,18 @@
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
-from helpers_configs import ROOT, campaign, networks
+from helpers_configs import ROOT, campaign, networks, tiny_campaign, tiny_with
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters.registry import available_kinds
-from burstcast.natural_order import natural_order
-from burstcast_workflow.campaign.campaign import CaseForecaster
+from burstcast.systems.kolmogorov import KolmogorovFlow
+from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
+from burstcast_workflow.config.loading import load
 from burstcast_workflow.config.model import Choice, Configuration
 from burstcast_workflow.config.places import Place
 from burstcast_workflow.figures.registry import (
@@ -368,13 +370,6 @@ def test_settings_do_not_depend_on_the_order_of_the_config(generator):
     assert found == plain.settings_of_cases("case.parameters")
 
 
-def test_natural_order():
-    names = ["Zeta", "alpha", "Re1000", "Re400", "Re412.5", "zeta", "b10", "b9"]
-    assert sorted(names, key=natural_order) == [
-        *("alpha", "b9", "b10", "Re400", "Re412.5", "Re1000", "Zeta", "zeta"),
-    ]
-
-
 def test_realisations_are_cases_that_differ_by_their_training_series_only():
     found = campaign(
         blocks=[{"reynolds": [400], "realisations": 3, "forecasters": networks([2000], seeds=2)}]
@@ -523,3 +518,63 @@ def test_the_example_of_the_config_is_an_identifier():
     )
     (example,) = re.findall(r"esn-[\w-]+", place.allowed())
     assert parsed(example).identifier == example
+
+
+def test_only_forecasters_that_know_the_parameters_are_given_them():
+    campaign = Campaign(load(tiny_campaign("aware")))
+    paths = ["RESERVOIR", "control.cost"]
+    plain, aware = (
+        campaign.settings(paths, {"case": "Re600", "forecaster": f"{kind}-N40-RV-seed0"}, {})
+        for kind in ("esn", "esn_aware")
+    )
+    assert "forecasters.aware" not in plain
+    assert aware["forecasters.aware"]["own"] == [600]
+    assert plain["control.cost"] is True
+
+
+def test_who_has_trajectories():
+    campaign = Campaign(load(tiny_campaign("precursor")))
+    assert [one.directory for one in campaign.classifiers] == [
+        "modes_4/precursor",
+        "Re400/esn_direct",
+        "Re400/precursor",
+    ]
+    assert [one.name.kind for one in campaign.trajectory_forecasters] == ["equations_noisy"]
+
+
+def test_channels_are_known_beforehand():
+    campaign, flow = Campaign(load(tiny_campaign("encoded"))), KolmogorovFlow(40.0, 4, 4)
+    assert {name: campaign.space(name).dimension for name in campaign.cases} == {
+        "turbulence": 80,
+        "sensors": 49,
+        "invariants": len(flow.invariant_names) + 1,
+        "sensors_pod": 9,
+    }
+    components = campaign.cases["invariants"].parameters["components"]
+    assert components == list(flow.invariant_names)
+
+
+def test_who_takes_part_in_what(tmp_path, monkeypatch):
+    """Of forecasts from files."""
+    monkeypatch.chdir(tmp_path)
+    external = {"b": {"files": ["right.csv"]}, "a": {"files": ["{case}.csv", "right.csv"]}}
+    for name in ("right.csv", "Re400.csv"):
+        Path(name).write_text("# case=Re400 case_version=0123456789abcdef seed=2022\n")
+    forecasters = {"persistence": {}, "analogues": {}, "external": external}
+    off = {"forecasters": {"esn": None, "equations": None}}
+    blocks = [{"reynolds": [400], "forecasters": forecasters}]
+    campaign = Campaign(
+        load(
+            tiny_with({"campaign": blocks, "control": {**off, "strategies": []}, "statistics": off})
+        )
+    )
+    names = [one.name.identifier for one in campaign.external_forecasters]
+    assert names == ["external-a", "external-b"]
+    for others in (
+        *(campaign.trajectory_forecasters, campaign.classifiers, campaign.fitted_forecasters),
+        *(campaign.long_term_forecasters, campaign.networks, campaign.spectrum_forecasters),
+    ):
+        assert not {one.name.kind for one in others} & {"external"}
+    assert {one.name.kind for one in campaign.horizon_forecasters} == {
+        *("external", "persistence", "analogues")
+    }

@@ -5,11 +5,21 @@ import re
 
 import numpy as np
 import pytest
-from helpers_configs import PRESETS, campaign, networks, paper_with, put, read, records_of
+from helpers_configs import (
+    PRESETS,
+    campaign,
+    networks,
+    paper_with,
+    put,
+    read,
+    records_of,
+    tiny_campaign,
+)
 from snakemake.utils import update_config
 
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.config.aware_checks import extrapolations
 from burstcast_workflow.config.cases import block_cases, case_name, case_of, is_flow
 from burstcast_workflow.config.lengths import few_points
 from burstcast_workflow.config.loading import ConfigError, load
@@ -510,3 +520,18 @@ def test_what_is_left_out_of_a_case_follows_from_the_data(measured):
     costs.classes["forecast"] = "forecast"
     network = {"case": "lab", "forecaster": "esn-N2000-RV-seed0"}
     assert costs.predicted("forecast", network).minutes_for(1) >= 0
+
+
+def test_what_is_extrapolated_is_told_with_the_range():
+    found = list(extrapolations(Campaign(load(tiny_campaign("aware"))).config))
+    assert found == []  # Re = 2000 is in the actuated series of Re800
+    free = {"cases": {"Re800": {"training": {"actuation": None}}}}
+    told = list(extrapolations(Campaign(load(tiny_campaign("aware", free))).config))
+    said = "lies outside of the values in training, 400 to 800: forecasts are extrapolated"
+    assert [one.removesuffix(said) for one in told] == [
+        "Re400switched: reynolds = 2000 ",
+        "Re400: reynolds = 2000 ",
+        "Re600: reynolds = 950 ",  # the actuator at a quarter of its strength
+        "Re600: reynolds = 2000 ",
+        "Re800: reynolds = 2000 ",
+    ]

@@ -8,7 +8,7 @@ import copy
 
 import pytest
 import yaml
-from helpers_configs import ROOT, paper_with, put, read, tiny_with
+from helpers_configs import paper_with, put, tiny_campaign, tiny_with
 
 from burstcast_workflow.config.loading import ConfigError, load
 
@@ -70,9 +70,10 @@ FILES = {
 def config_of(table):
     """The config that the lines of a table change."""
     name, _, plan = table.partition(" ")
-    if name in ("aware", "encoded", "precursor", "external"):
-        said = OVERLAYS.get(name) or read(ROOT / "tests" / "workflow" / f"tiny_{name}.yaml")
-        config = tiny_with(said)
+    if name in ("aware", "encoded", "precursor"):
+        config = tiny_campaign(name)
+    elif name == "external":
+        config = tiny_with(OVERLAYS[name])
     else:
         config = paper_with(OVERLAYS.get(name, {}))
     if name == "lorenz":

@@ -35,18 +35,6 @@ def config(change=None):
     return tiny_with(OVERLAY, change or {})
 
 
-def test_channels_are_known_beforehand():
-    campaign = Campaign(load(config()))
-    assert {name: campaign.space(name).dimension for name in campaign.cases} == {
-        "turbulence": 80,
-        "sensors": 49,
-        "invariants": len(FLOW.invariant_names) + 1,
-        "sensors_pod": 9,
-    }
-    components = campaign.cases["invariants"].parameters["components"]
-    assert components == list(FLOW.invariant_names)
-
-
 # -- a run -----------------------------------------------------------------------------------------
 
 

@@ -2,18 +2,13 @@
 
 import copy
 import re
-from pathlib import Path
 
 import netCDF4
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from helpers_configs import tiny_with
 from helpers_rebuilds import Project, rules_of
-
-from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import load
 
 RESULTS, CASE = "results/external", "Re400"
 TIMES, UNIT, THRESHOLD = (1, 2, 3), 61, 0.07
@@ -216,19 +211,3 @@ def files(tmp_path, monkeypatch):
         "headless": "point,step,observable",
     }.items():
         (tmp_path / f"{name}.csv").write_text(head + "\n", encoding="utf-8")
-
-
-def test_who_takes_part_in_what(files):
-    external = {"b": {"files": ["right.csv"]}, "a": {"files": ["{case}.csv", "right.csv"]}}
-    Path("Re400.csv").write_text(Path("right.csv").read_text())
-    campaign = Campaign(load(tiny_with(overlay(external))))
-    names = [one.name.identifier for one in campaign.external_forecasters]
-    assert names == ["external-a", "external-b"]
-    for others in (
-        *(campaign.trajectory_forecasters, campaign.classifiers, campaign.fitted_forecasters),
-        *(campaign.long_term_forecasters, campaign.networks, campaign.spectrum_forecasters),
-    ):
-        assert not {one.name.kind for one in others} & {"external"}
-    assert {one.name.kind for one in campaign.horizon_forecasters} == {
-        *("external", "persistence", "analogues")
-    }

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from helpers_configs import tiny_with
 from helpers_rebuilds import Project
 from sklearn.ensemble import HistGradientBoostingClassifier
 from sklearn.metrics import average_precision_score, f1_score, recall_score
@@ -21,28 +20,11 @@ from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.registry import classifier_class
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import load
 
 ROOT = Path(__file__).parents[2]
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_precursor.yaml").read_text())
 LAGS, WASHOUT, SPACING, UNIT, REACH = (0, 6, 12, 18, 24), 30, 6, 61, 4 * 61
 TRAINING, TIMES, THRESHOLD = 8, (1, 2, 3), 0.07
-
-
-def config(change=None):
-    """The tiny campaign of these tests with a change."""
-    return tiny_with(OVERLAY, change or {})
-
-
-def test_who_has_trajectories():
-    campaign = Campaign(load(config()))
-    assert [one.directory for one in campaign.classifiers] == [
-        "modes_4/precursor",
-        "Re400/esn_direct",
-        "Re400/precursor",
-    ]
-    assert [one.name.kind for one in campaign.trajectory_forecasters] == ["equations_noisy"]
 
 
 # -- a run -----------------------------------------------------------------------------------------

@@ -16,7 +16,6 @@ from burstcast.tables.makers.warnings_table import ADVICE, OF_NETWORKS
 from burstcast.tables.wide import typeset as typeset_tables
 from burstcast.tables.wide import wide_tables
 from burstcast_report import tables_page
-from burstcast_workflow.jobs.tables import as_declared, write_tables
 from burstcast_workflow.tables import registry
 from burstcast_workflow.tables.declarations import COLUMNS, SECTIONS, TABLES
 from burstcast_workflow.tables.registry import plain, table_of, typeset, with_percentiles, written
@@ -122,56 +121,6 @@ def test_what_is_written_is_what_is_declared(finished):
         assert set(columns_of(path.stem, optional=False)) <= set(there), path.stem
         if "metric" in there:
             assert set(table["metric"]) <= set(table_of(path.stem).metrics), path.stem
-
-
-ROWS = [
-    {"f_score": 0.5, "case": "a", "seed": 1, "nrmse_u": None},
-    {"case": "b", "seed": None, "f_score": None},
-]
-DECLARED = ["case", "reynolds*", "seed", "nrmse_u*", "f_score"]
-
-
-def test_columns_are_those_declared_in_their_order():
-    table = as_declared(ROWS, DECLARED, "scores")
-    assert list(table.columns) == ["case", "seed", "f_score"]
-    assert table["seed"].dtype == "Int64"
-    more = [*ROWS, {"case": "c", "seed": 3, "f_score": np.nan, "reynolds": 400, "nrmse_u": 0.1}]
-    for rows in (more, []):
-        assert list(as_declared(rows, DECLARED, "scores").columns) == plain(DECLARED)
-
-
-def test_other_columns_than_those_declared_are_refused():
-    with pytest.raises(ValueError, match="table scores declares no column f_score"):
-        as_declared(ROWS, DECLARED[:-1], "scores")
-    with pytest.raises(ValueError, match="table scores declares recall, which no row has"):
-        as_declared(ROWS, [*DECLARED, "recall"], "scores")
-
-
-def test_tables_and_their_percentiles_are_written_where_they_are_declared(tmp_path):
-    settings = {
-        "tables": {
-            "scores": {"columns": DECLARED, "percentiles": ["f_score"], "by": ["case", "reynolds"]},
-            "events": {"columns": ["case"]},
-        }
-    }
-    names = ("events", "scores_percentiles", "scores")
-    paths = [str(tmp_path / f"{name}.csv") for name in names]
-    with pytest.raises(ValueError, match=r"writes \['scores'\]; its rule declares \['events'"):
-        write_tables(paths, settings, scores=ROWS)
-    write_tables(paths, settings, scores=ROWS, events=[{"case": "a"}])
-    assert [Path(path).read_text().splitlines()[:2] for path in paths] == [
-        ["case", "a"],
-        ["case,metric,p25,p50,p75,networks", "a,f_score,0.5,0.5,0.5,1"],
-        ["case,seed,f_score", "a,1,0.5"],
-    ]
-
-
-def test_other_metrics_than_those_declared_are_refused(tmp_path):
-    settings = {"tables": {"scores": {"columns": ["metric", "value"], "metrics": ["recall"]}}}
-    rows = [{"metric": name, "value": 0.5} for name in ("recall", "specificity")]
-    with pytest.raises(ValueError, match="table scores declares no metric specificity"):
-        write_tables([str(tmp_path / "scores.csv")], settings, scores=rows)
-    write_tables([str(tmp_path / "scores.csv")], settings, scores=rows[:1])
 
 
 def test_rows_of_all_cases_have_the_columns_of_any():

@@ -1,6 +1,7 @@
 """Files of many jobs: each is what it says it is, and so are the rows of tables made from it."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +14,8 @@ from burstcast.probability.alarm_sources import BASELINES, alarm_sources
 from burstcast_workflow.harness.job import job_identity, provenance
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.gather import origins
-from burstcast_workflow.jobs.tables import gathered, of_case
+from burstcast_workflow.jobs.tables import as_declared, gathered, of_case, write_tables
+from burstcast_workflow.tables.registry import plain
 
 CASE = {"case": "Re400", "case.parameters": {"reynolds": 400}}
 NAMES = ["esn-N30-RV-seed0", "esn-N30-RV-seed1", "esn-N40-SSV-seed0", "equations", "quadratic"]
@@ -150,3 +152,55 @@ def test_committees_are_of_seeds_and_of_members_of_an_ensemble():
 def test_without_an_ensemble_there_is_no_committee():
     found = alarm_sources(forecasts("esn-N2000-RV-seed0", "quadratic", "equations"))
     assert not any(source.committee for source in found)
+
+
+ROWS = [
+    {"f_score": 0.5, "case": "a", "seed": 1, "nrmse_u": None},
+    {"case": "b", "seed": None, "f_score": None},
+]
+
+
+DECLARED = ["case", "reynolds*", "seed", "nrmse_u*", "f_score"]
+
+
+def test_columns_are_those_declared_in_their_order():
+    table = as_declared(ROWS, DECLARED, "scores")
+    assert list(table.columns) == ["case", "seed", "f_score"]
+    assert table["seed"].dtype == "Int64"
+    more = [*ROWS, {"case": "c", "seed": 3, "f_score": np.nan, "reynolds": 400, "nrmse_u": 0.1}]
+    for rows in (more, []):
+        assert list(as_declared(rows, DECLARED, "scores").columns) == plain(DECLARED)
+
+
+def test_other_columns_than_those_declared_are_refused():
+    with pytest.raises(ValueError, match="table scores declares no column f_score"):
+        as_declared(ROWS, DECLARED[:-1], "scores")
+    with pytest.raises(ValueError, match="table scores declares recall, which no row has"):
+        as_declared(ROWS, [*DECLARED, "recall"], "scores")
+
+
+def test_tables_and_their_percentiles_are_written_where_they_are_declared(tmp_path):
+    settings = {
+        "tables": {
+            "scores": {"columns": DECLARED, "percentiles": ["f_score"], "by": ["case", "reynolds"]},
+            "events": {"columns": ["case"]},
+        }
+    }
+    names = ("events", "scores_percentiles", "scores")
+    paths = [str(tmp_path / f"{name}.csv") for name in names]
+    with pytest.raises(ValueError, match=r"writes \['scores'\]; its rule declares \['events'"):
+        write_tables(paths, settings, scores=ROWS)
+    write_tables(paths, settings, scores=ROWS, events=[{"case": "a"}])
+    assert [Path(path).read_text().splitlines()[:2] for path in paths] == [
+        ["case", "a"],
+        ["case,metric,p25,p50,p75,networks", "a,f_score,0.5,0.5,0.5,1"],
+        ["case,seed,f_score", "a,1,0.5"],
+    ]
+
+
+def test_other_metrics_than_those_declared_are_refused(tmp_path):
+    settings = {"tables": {"scores": {"columns": ["metric", "value"], "metrics": ["recall"]}}}
+    rows = [{"metric": name, "value": 0.5} for name in ("recall", "specificity")]
+    with pytest.raises(ValueError, match="table scores declares no metric specificity"):
+        write_tables([str(tmp_path / "scores.csv")], settings, scores=rows)
+    write_tables([str(tmp_path / "scores.csv")], settings, scores=rows[:1])
