@@ -59,6 +59,7 @@ class Sources:
         memory: Path | None = None,
     ) -> None:
         self._project, self._own_modules = project, dict(own_modules or {})
+        self.scripts, self.packages = project.scripts, project.sources
         self._own_packages = {name.partition(".")[0] for name in self._own_modules}
         self.codes = Codes(memory)
         self._located: dict[tuple[str, bool], _Module | None] = {}

@@ -13,6 +13,7 @@ from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters.registry import available_kinds
 from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
+from burstcast_workflow.campaign.job_settings import settings_of_cases, settings_of_job
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.config.model import Choice, Configuration
 from burstcast_workflow.config.places import Place
@@ -24,6 +25,7 @@ from burstcast_workflow.figures.registry import (
     settings_of,
 )
 from burstcast_workflow.harness.canonical import canonical, canonical_json
+from burstcast_workflow.jobs.networks import Networks
 from burstcast_workflow.tables.registry import cases_of_tables, table_names
 
 PAPER = campaign()
@@ -138,7 +140,7 @@ def test_committees_control_as_one():
         for share in ("0.1", "1")
     }
     for run in runs:
-        record = found.settings(["control.run"], run.identity, {})["control.run"]
+        record = settings_of_job(found, ["control.run"], run.identity)["control.run"]
         assert run.directory.endswith(f"vote_share{record['settings']['vote_share']:g}")
         assert run.controller.keys["forecaster"] == f"{run.controller.kind}_committee"
         assert run.controller.seed is None
@@ -153,7 +155,7 @@ def test_committees_control_as_one():
     assert first.identity == wildcards
     modules = found.modules(wildcards)
     assert modules["burstcast.forecasters"] == ["esn"]
-    assert found.settings(["control.run"], wildcards, {})["control.run"]["noise"] == 0.01
+    assert settings_of_job(found, ["control.run"], wildcards)["control.run"]["noise"] == 0.01
 
 
 @pytest.mark.parametrize(
@@ -163,7 +165,7 @@ def test_names_of_cases_are_the_reynolds_numbers_in_full(reynolds, name):
     found = campaign(blocks=[{"reynolds": [400, reynolds], "forecasters": networks([2000])}])
     assert found.case_names == ("Re400", name)
     assert found.cases[name].parameters.get("reynolds") == reynolds
-    settings = found.settings(["case.parameters"], {"case": name}, {})
+    settings = settings_of_job(found, ["case.parameters"], {"case": name})
     assert settings["case.parameters"]["reynolds"] == reynolds
     # the workflow's rules accept it
     rules = (ROOT / "workflow" / "rules" / "common.smk").read_text()
@@ -190,7 +192,7 @@ PATHS = (
 
 
 def test_settings_are_found_by_their_path_in_canonical_form():
-    found = PAPER.settings(PATHS, NETWORK, {"neurons": 3.0, "pair": (1.0, 2.5)})
+    found = settings_of_job(PAPER, PATHS, NETWORK, {"neurons": 3.0, "pair": (1.0, 2.5)})
     assert found == {
         "random_seed": 2022,
         "case.training": {"actuation": None, "noise": 0.01, "series": 10, "trained_on": []},
@@ -211,7 +213,7 @@ def test_settings_are_found_by_their_path_in_canonical_form():
 def test_kinds_share_sections_of_options():
     def settings(kind):
         paths = ["forecaster.options", "forecaster.divergence_bound"]
-        return PAPER.settings(paths, {"case": "Re600", "forecaster": kind}, {})
+        return settings_of_job(PAPER, paths, {"case": "Re600", "forecaster": kind})
 
     forecasters = PAPER.config.forecasters.dump()
     sections = [forecasters[name] for name in ("observation", "quadratic", "filter")]
@@ -225,8 +227,8 @@ def test_kinds_share_sections_of_options():
 
 @pytest.mark.parametrize("kind", ["esn-N2000-SSV-seed7", "equations", "equations_noisy"])
 def test_who_sees_the_truth_is_given_no_noise(kind):
-    found = PAPER.settings(
-        ["random_seed", "case.training.noise"], {"case": "Re600", "forecaster": kind}, {}
+    found = settings_of_job(
+        PAPER, ["random_seed", "case.training.noise"], {"case": "Re600", "forecaster": kind}, {}
     )
     assert ("case.training.noise" in found) == (kind != "equations")
 
@@ -234,7 +236,7 @@ def test_who_sees_the_truth_is_given_no_noise(kind):
 @pytest.mark.parametrize("path", ["horizon.evnts", "no_such_section", "case.trainig"])
 def test_settings_that_the_config_does_not_have_are_an_error(path):
     with pytest.raises(KeyError):
-        PAPER.settings([path], NETWORK, {})
+        settings_of_job(PAPER, [path], NETWORK)
 
 
 @pytest.mark.parametrize(
@@ -253,7 +255,7 @@ def test_settings_that_the_config_does_not_have_are_an_error(path):
     ],
 )
 def test_a_change_of_the_config_changes_the_settings_at_its_path_only(overlay, paths):
-    before, after = (one.settings(PATHS, NETWORK, {}) for one in (PAPER, campaign(overlay)))
+    before, after = (settings_of_job(one, PATHS, NETWORK) for one in (PAPER, campaign(overlay)))
     assert {path for path in PATHS if before[path] != after[path]} == paths
 
 
@@ -263,7 +265,7 @@ def test_what_a_job_is_found_by_does_not_depend_on_who_else_is_in_the_campaign()
         blocks=[{"reynolds": [600], "forecasters": networks([2000])}],
     )
     wildcards = {"case": "Re600", "forecaster": "esn-N2000-RV-seed0"}
-    assert one.settings(PATHS, wildcards, {}) == PAPER.settings(PATHS, wildcards, {})
+    assert settings_of_job(one, PATHS, wildcards) == settings_of_job(PAPER, PATHS, wildcards)
     assert one.modules(wildcards) == PAPER.modules(wildcards)
     assert one.scan_of(wildcards["forecaster"]) == PAPER.scan_of(wildcards["forecaster"])
 
@@ -305,7 +307,7 @@ def test_runs_of_control_tell_random_alarms_apart():
     identities = {canonical_json(run.identity) for run in PAPER.control_runs}
     assert len(identities) == len(PAPER.control_runs)
     for run in PAPER.control_runs:
-        record = PAPER.settings(["control.run"], run.identity, {})["control.run"]
+        record = settings_of_job(PAPER, ["control.run"], run.identity)["control.run"]
         assert record["settings"]["prediction_time_lt"] == run.prediction_time_lt
         assert f"-prediction_time{run.prediction_time_lt:g}-" in run.identity["strategy"]
         # equations see the truth
@@ -318,11 +320,11 @@ def test_noise_of_a_plan_is_said_also_where_the_truth_is_seen():
     found = campaign({"control": {"strategies": [block]}})
     run = next(run for run in found.strategy_runs if run.plan.noise)
     wildcards = {**run.identity, "controller": "equations"}
-    assert found.settings(["control.run"], wildcards, {})["control.run"]["noise"] == 0.03
+    assert settings_of_job(found, ["control.run"], wildcards)["control.run"]["noise"] == 0.03
 
 
 def test_settings_of_cases():
-    found = PAPER.settings_of_cases("case.event_threshold", "case.test_series")
+    found = settings_of_cases(PAPER, ["case.event_threshold", "case.test_series"])
     assert list(found) == list(PAPER.case_names)
     assert [one["case.test_series"] for one in found.values()] == [150, 300, 300, 300]
 
@@ -365,9 +367,9 @@ def test_settings_do_not_depend_on_the_order_of_the_config(generator):
             assert files_of(other, figure, case) == files_of(plain, figure, case), name
             assert settings_of(other, figure, case) == settings_of(plain, figure, case), name
     sections = ("classification", "control", "search", "bootstrap")
-    assert other.settings(sections, {}, {}) == plain.settings(sections, {}, {})
-    found = other.settings_of_cases("case.parameters")
-    assert found == plain.settings_of_cases("case.parameters")
+    assert settings_of_job(other, sections, {}) == settings_of_job(plain, sections, {})
+    found = settings_of_cases(other, ["case.parameters"])
+    assert found == settings_of_cases(plain, ["case.parameters"])
 
 
 def test_realisations_are_cases_that_differ_by_their_training_series_only():
@@ -405,7 +407,9 @@ def test_networks_with_true_washouts_share_the_search_of_the_others():
     assert searched == ["Re400/esn-N500-RV-seed0", "Re400/esn-N500-RV-seed1"]
     # they have learnt from noisy series
     wildcards = {"case": "Re400", "forecaster": "esn_true_washout-N500-RV-seed0"}
-    assert found.settings(["case.training.noise"], wildcards, {}) == {"case.training.noise": 0.01}
+    assert settings_of_job(found, ["case.training.noise"], wildcards) == {
+        "case.training.noise": 0.01
+    }
 
 
 def test_variants_are_networks_with_other_settings():
@@ -430,7 +434,9 @@ def test_variants_are_networks_with_other_settings():
     said = []
     for name in names[::2]:
         wildcards = {"case": "Re400", "forecaster": name.identifier}
-        readout, leak_rate, options = (found.settings(paths, wildcards, {})[path] for path in paths)
+        readout, leak_rate, options = (
+            settings_of_job(found, paths, wildcards)[path] for path in paths
+        )
         assert (options["readout"], options["leak_rate"]) == (readout, leak_rate)
         assert options["connectivity"] == 20
         said.append((readout, leak_rate))
@@ -522,9 +528,9 @@ def test_the_example_of_the_config_is_an_identifier():
 
 def test_only_forecasters_that_know_the_parameters_are_given_them():
     campaign = Campaign(load(tiny_campaign("aware")))
-    paths = ["RESERVOIR", "control.cost"]
+    paths = [*Networks.paths(), "control.cost"]
     plain, aware = (
-        campaign.settings(paths, {"case": "Re600", "forecaster": f"{kind}-N40-RV-seed0"}, {})
+        settings_of_job(campaign, paths, {"case": "Re600", "forecaster": f"{kind}-N40-RV-seed0"})
         for kind in ("esn", "esn_aware")
     )
     assert "forecasters.aware" not in plain

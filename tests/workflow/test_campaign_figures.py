@@ -27,7 +27,7 @@ from burstcast_workflow.figures.registry import (
     long_term_candidates,
     settings_of,
 )
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.settings import JobSettings
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.tables.declarations import TABLES
 from burstcast_workflow.tables.registry import cases_of_tables, latex_names, table_names, typeset
@@ -46,7 +46,7 @@ def drawn(script, directory, symbol="k", **files):
     names = ("longest_lead_time_lt", "lead_time_step_lt", "tolerance")
     said = {f"horizon.{name}": value for name, value in zip(names, (10, 0.5, 0.2), strict=True)}
     identity = {"rule": "figure", "figure": "horizon_schematic"}
-    settings = Settings({**said, "shown.symbol": symbol}, identity)
+    settings = JobSettings({**said, "shown.symbol": symbol}, identity)
     script.figure(**figures, settings=settings, **files)
     assert settings.unread() == []
     return {path.name: path.read_bytes() for path in sorted(directory.glob("figure.*"))}

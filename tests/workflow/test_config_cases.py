@@ -19,6 +19,7 @@ from snakemake.utils import update_config
 
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.config.aware_checks import extrapolations
 from burstcast_workflow.config.cases import block_cases, case_name, case_of, is_flow
 from burstcast_workflow.config.lengths import few_points
@@ -424,7 +425,7 @@ def test_past_values_are_components(measured):
     assert found.noise_of_data("part") == {"level": 0.01, "random_seed": 2022}
     assert found.noise_of_data("lab") is found.noise_of_data("Re400") is None
     for case, noise in (("part", 0), ("Re400", 0.01)):
-        settings = found.settings(["case.training.noise"], {"case": case}, {})
+        settings = settings_of_job(found, ["case.training.noise"], {"case": case})
         assert settings == {"case.training.noise": noise}
     # measured series have their own
     put(measured, "cases.lab.data.delays", [3])
@@ -473,7 +474,7 @@ def test_long_runs_are_as_long_as_the_series(measured):
     measured["statistics"]["duration"] = None
     found = Campaign(load(measured))
     for case, duration in (("lab", None), ("Re400", 4000)):
-        settings = found.settings(["statistics.duration"], {"case": case}, {})
+        settings = settings_of_job(found, ["statistics.duration"], {"case": case})
         assert settings == {"statistics.duration": duration}
     put(measured, "cases.lab.data.blocks", {"duration": 50})
     assert records_of(load(measured))["lab"]["data"]["blocks"] == {"duration": 50, "gap": 0}

@@ -16,6 +16,7 @@ from helpers_rebuilds import ROOT, Project
 from snakemake.utils import update_config
 
 from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.job_settings import settings_of_cases, settings_of_job
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.costs.model import CostModel
@@ -131,17 +132,17 @@ def planned(config: dict) -> int:
     records = [
         *(one.directory for one in campaign.forecasters),
         *(
-            campaign.settings(["control.run"], run.identity, {})
+            settings_of_job(campaign, ["control.run"], run.identity)
             for run in (*campaign.control_runs, *campaign.strategy_runs)
         ),
-        campaign.settings_of_cases("case.ensemble", "case.event_threshold"),
+        settings_of_cases(campaign, ["case.ensemble", "case.event_threshold"]),
         table_names(campaign),
         latex_names(campaign),
     ]
     canonical_json(records)
     for one in {(one.case, one.name.kind): one for one in campaign.forecasters}.values():
         campaign.modules(one.identity)
-        campaign.settings(["forecaster.options", "case.training"], one.identity, {})
+        settings_of_job(campaign, ["forecaster.options", "case.training"], one.identity)
         for cost_class in ("training", "forecast"):
             cost = costs.predicted(cost_class, one.identity)
             assert cost.mib_for(1) > 0

@@ -19,7 +19,7 @@ from snakemake.iocontainers import Namedlist
 
 from burstcast_workflow.harness import environment
 from burstcast_workflow.harness.failures import failure_summary
-from burstcast_workflow.harness.job import run_job
+from burstcast_workflow.harness.job import JobSettings, at, run_job
 from burstcast_workflow.harness.storage import atomic, write_json
 from burstcast_workflow.project import code_of
 from snaketrust.fingerprint import Sources
@@ -43,12 +43,21 @@ snakemake = SimpleNamespace(
     ),
 )
 """
-MAIN = "def main(*, data, network, settings):\n"
+MAIN = "def main(*, data, network, settings: Named):\n"
+
+
+class Named(JobSettings):
+    name: str = at("name")
+    number: int = at("number")
+    neurons: int = at("neurons")
+
+
 # what a script finds beside its own text
 GIVEN = {
     **{"os": os, "time": time, "np": np, "files": lambda **items: Namedlist(fromdict=items)},
     **{"PROJECT": code_of(ROOT), "Sources": Sources, "replace": replace, "Run": Run},
     **{"atomic": atomic, "write_json": write_json, "run_job": run_job},
+    **{"Named": Named},
 }
 
 
@@ -97,7 +106,8 @@ def test_success(tmp_path):
     os.write(2, b"from compiled code")
     np.log(np.zeros(1))
     assert data == "data.nc"
-    write_json(network, {{"settings": dict(settings), "provenance": settings.provenance}})
+    found = {{"name": settings.name, "number": settings.number}}
+    write_json(network, {{"settings": found, "provenance": settings.provenance}})
     """
     result, log = run(tmp_path, body)
     assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
@@ -167,9 +177,9 @@ def main_with(parameters):
             "TypeError: params.settings.neurons is",
         ),
         (
-            f'{MAIN}    settings["neurons"]',
-            "UndeclaredSettingError: train reads the setting neurons, which its rule does not "
-            "declare; it declares: name, number (log:",
+            f"{MAIN}    settings.neurons",
+            "UndeclaredSettingError: train reads the setting neurons, which does not concern it; "
+            "its settings are: name, number (log:",
         ),
         (main_with("*, network, settings"), "TypeError: main takes no argument data"),
         (main_with("*, data, settings"), "TypeError: main takes no argument network"),
@@ -200,9 +210,8 @@ def test_a_comment_is_no_edit_while_a_job_runs(tmp_path):
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ("settings['name']", True),
-        ("settings['name'], settings['number']", False),
-        ("settings['name'], dict(settings)", False),
+        ("settings.name", True),
+        ("settings.name, settings.number", False),
     ],
 )
 def test_settings_that_nobody_reads_are_in_the_log(tmp_path, body, said):
@@ -213,7 +222,7 @@ def test_settings_that_nobody_reads_are_in_the_log(tmp_path, body, said):
 
 def test_outputs_from_the_cache_say_nothing_about_settings(tmp_path):
     cached = 'os.environ["BURSTCAST_CACHE"] = "cache"\nsnakemake.resources = {"cached": 1}\n'
-    body = f"{cached}{MAIN}    settings['name'], write_json(network, {{}})"
+    body = f"{cached}{MAIN}    settings.name, write_json(network, {{}})"
     _, first = run(tmp_path, body)
     _, second = run(tmp_path, body)
     assert "outputs put into the cache" in first

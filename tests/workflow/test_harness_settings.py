@@ -1,4 +1,4 @@
-"""Settings of jobs: read by their paths, and equal when they are written differently."""
+"""Settings of jobs: fields of classes, and equal when they are written differently."""
 
 import json
 from collections import OrderedDict
@@ -10,7 +10,26 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from burstcast_workflow.harness.canonical import canonical, canonical_json
-from burstcast_workflow.harness.settings import Settings, UndeclaredSettingError
+from burstcast_workflow.harness.settings import (
+    JobSettings,
+    UndeclaredSettingError,
+    at,
+    concerning,
+    names,
+)
+
+
+class Training(JobSettings):
+    series: int = at("case.training", "series")
+    kind: str = at("case.training", "noise", "kind")
+    actuation: dict[str, float] = at("case.actuation.parameters")
+
+
+class Search(Training):
+    grid: int = at("search.grid")
+    tikhonov: tuple[float, ...] = at("search.tikhonov", make=tuple)
+    sensor: str | None = at("control.sensor", otherwise=None)
+
 
 DECLARED = {
     "case.training": {"series": 10, "noise": {"level": 0.01, "kind": "white"}},
@@ -23,40 +42,66 @@ IDENTITY = {"rule": "train", "case": "Re400", "forecaster": "esn-N30-RV-seed0"}
 
 @pytest.fixture
 def settings():
-    return Settings(DECLARED, IDENTITY)
+    return Search(DECLARED, IDENTITY)
 
 
-def test_settings_are_read_by_their_path(settings):
-    assert settings["search.grid"] == 4
-    assert settings["case.training"] == DECLARED["case.training"]
-    assert settings["case.training.series"] == 10
-    assert settings["case.training.noise.kind"] == "white"
+def test_fields_have_the_values_at_their_paths(settings):
+    assert (settings.grid, settings.series, settings.kind) == (4, 10, "white")
+    assert settings.tikhonov == (1e-6, 1e-9)
+    assert settings.value_of("case.training.noise.level") == 0.01
 
 
 def test_wildcards_are_there_by_their_names(settings):
-    assert (settings["case"], settings["rule"]) == ("Re400", "train")
-    assert settings["forecaster"] == "esn-N30-RV-seed0"
+    assert (settings.case, settings.rule) == ("Re400", "train")
+    assert settings.forecaster == settings.value_of("forecaster") == "esn-N30-RV-seed0"
 
 
-@pytest.mark.parametrize("path", ["search", "search.gri", "search.tikhonov_", "seed", "training"])
-def test_what_is_not_declared_is_an_error_that_names_rule_path_and_what_is(settings, path):
+def test_a_class_has_the_paths_of_its_bases():
+    paths = ["search.grid", "search.tikhonov", "control.sensor", "case.training"]
+    assert Search.paths() == [*paths, "case.actuation.parameters"]
+
+
+def test_messages_name_the_settings_as_the_config_does():
+    assert names(Search.grid, Training.kind) == "search.grid, training.noise.kind"
+    with pytest.raises(ValueError, match=r"^search\.grid: too fine"), concerning(Search.grid):
+        raise ValueError("too fine")
+
+
+def test_what_does_not_concern_a_job_is_an_error_unless_the_field_says_otherwise(settings):
+    assert settings.sensor is None
     with pytest.raises(UndeclaredSettingError) as error:
-        settings[path]
+        _ = Search({"search.tikhonov": [1]}, IDENTITY).grid
     assert str(error.value) == (
-        f"train reads the setting {path}, which its rule does not declare; it declares: "
-        "case.actuation.parameters, case.training, search.grid, search.tikhonov"
+        "train reads the setting search.grid, which does not concern it; its settings are: "
+        "search.tikhonov"
     )
 
 
-def test_a_rule_that_declares_nothing():
-    with pytest.raises(UndeclaredSettingError, match="it declares: none"):
-        Settings({}, IDENTITY)["search.grid"]
+def test_a_job_changes_no_setting(settings):
+    with pytest.raises(AttributeError, match=r"search\.grid is a setting"):
+        settings.grid = 5
 
 
-@pytest.mark.parametrize("path", ["case.training.sereis", "case.training.noise.sigma"])
-def test_what_a_declared_section_does_not_have_is_an_error(settings, path):
-    with pytest.raises(KeyError):
-        settings[path]
+@pytest.mark.parametrize(
+    ("bases", "name", "value"),
+    [
+        ((JobSettings,), "reservoir", at("search.grid")),
+        ((JobSettings,), "case", property(lambda settings: "Re400")),
+        ((Search,), "grid", at("search.points")),
+        ((Search,), "grid", property(lambda settings: 3)),
+    ],
+)
+def test_a_name_means_one_thing(bases, name, value):
+    with pytest.raises(TypeError, match=f"Wrong has the name {name} twice, or of a wildcard"):
+        type("Wrong", bases, {name: value})
+
+
+def test_two_bases_may_have_one_setting_but_not_two_of_one_name():
+    same = type("Same", (JobSettings,), {"grid": at("search.grid")})
+    assert type("Both", (Search, same), {}).paths().count("search.grid") == 1
+    other = type("Other", (JobSettings,), {"grid": at("other.grid")})
+    with pytest.raises(TypeError, match="the name grid twice"):
+        type("Both", (Search, other), {})
 
 
 def test_what_nobody_has_read(settings):
@@ -69,34 +114,21 @@ def test_what_nobody_has_read(settings):
         "search.tikhonov",
     ]
     assert settings.unread() == leaves
-    settings["case.training.noise"]
-    settings["case"]
+    assert settings.case
+    assert settings.value_of("case.training.noise")
     assert settings.unread() == [leaves[0], *leaves[3:]]
-    settings["case.training.series"]
-    settings["search.grid"]
-    settings["case.actuation.parameters"]
+    assert settings.series
+    assert settings.grid
+    assert settings.actuation == {}
     assert settings.unread() == ["search.tikhonov"]
-    settings["search.tikhonov"]
+    assert settings.tikhonov
     assert settings.unread() == []
 
 
 def test_a_path_is_not_read_with_one_that_begins_alike():
-    settings = Settings({"a.b": 1, "a.bc": 2}, IDENTITY)
-    settings["a.b"]
+    settings = JobSettings({"a.b": 1, "a.bc": 2}, IDENTITY)
+    assert settings.value_of("a.b") == 1
     assert settings.unread() == ["a.bc"]
-
-
-def test_what_could_not_be_read_counts_as_unread(settings):
-    with pytest.raises(UndeclaredSettingError):
-        settings["search"]
-    assert "search.grid" in settings.unread()
-
-
-def test_they_are_a_mapping_of_what_is_declared(settings):
-    assert list(settings) == list(DECLARED)
-    assert len(settings) == 4
-    assert dict(settings) == DECLARED
-    assert settings.unread() == []
 
 
 # -- canonical form --------------------------------------------------------------------------------

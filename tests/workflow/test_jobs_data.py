@@ -7,14 +7,13 @@ import pytest
 from helpers_rebuilds import loaded_script
 
 from burstcast.files.netcdf import Variable, read_netcdf, write_netcdf
-from burstcast_workflow.harness.settings import Settings, exponent_in
+from burstcast_workflow.harness.settings import exponent_in
 from burstcast_workflow.harness.storage import write_json
-from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
+from burstcast_workflow.jobs.time_unit import Clock
 
 # -- lengths ---------------------------------------------------------------------------------------
 
 FITTING = {
-    "case": "A",
     "case.ensemble.time_step": 0.1,
     "case.ensemble.sampling_stride": 1,
     "case.lyapunov.time_unit": "computed",
@@ -46,7 +45,9 @@ def problems(tmp_path, steps=20, samples=400, **changed):
     script = loaded_script("data/lengths.py")
     ensemble, lengths = tmp_path / "ensemble.nc", tmp_path / "lengths.json"
     write_netcdf(ensemble, {"time": Variable(("time",), np.arange(samples) * 0.1, "1", "t")}, {})
-    settings = Settings({**FITTING, **changed}, {}, computed_exponent=10 / steps)
+    settings = script.LengthsOfCase(
+        {**FITTING, **changed}, {"case": "A"}, computed_exponent=10 / steps
+    )
     try:
         script.lengths_of_case(ensemble=str(ensemble), lengths=str(lengths), settings=settings)
     except ValueError as error:
@@ -104,7 +105,7 @@ def settings(published, time_unit="published", time_step=0.25, stride=4, file=""
         "case.lyapunov.time_unit": time_unit,
         "case.lyapunov.published_exponent": published,
     }
-    return Settings(declared, {}, computed_exponent=exponent_in(file))
+    return Clock(declared, {}, computed_exponent=exponent_in(file))
 
 
 def computed(tmp_path, exponent):
@@ -114,12 +115,12 @@ def computed(tmp_path, exponent):
 
 
 def test_the_interval_of_the_networks():
-    assert sampling_interval(settings(None, time_step=0.01, stride=2)) == 0.02
+    assert settings(None, time_step=0.01, stride=2).sampling_interval == 0.02
 
 
 def test_the_config_is_believed_without_a_file():
-    assert lyapunov_time(settings(0.0163)) == 61
-    assert lyapunov_time(settings(0.9, time_step=0.01, stride=2)) == 55
+    assert settings(0.0163).lyapunov_time == 61
+    assert settings(0.9, time_step=0.01, stride=2).lyapunov_time == 55
 
 
 @pytest.mark.parametrize(
@@ -129,11 +130,11 @@ def test_the_config_is_believed_without_a_file():
 def test_the_computed_exponent(tmp_path, exponent, time_step, stride, steps):
     path = computed(tmp_path, exponent)
     of_steps = {"time_step": time_step, "stride": stride, "file": path}
-    assert lyapunov_time(settings(None, **of_steps)) == steps
+    assert settings(None, **of_steps).lyapunov_time == steps
     # where it sets the unit of time although there is a published one
-    assert lyapunov_time(settings(0.01, "computed", **of_steps)) == steps
+    assert settings(0.01, "computed", **of_steps).lyapunov_time == steps
     published = round(1 / (0.01 * time_step * stride))
-    assert lyapunov_time(settings(0.01, **of_steps)) == published != steps
+    assert settings(0.01, **of_steps).lyapunov_time == published != steps
 
 
 @pytest.mark.parametrize(
@@ -141,14 +142,13 @@ def test_the_computed_exponent(tmp_path, exponent, time_step, stride, steps):
 )
 def test_an_exponent_without_a_time_unit_names_the_settings(tmp_path, exponent, reason):
     with pytest.raises(ValueError, match=rf"lyapunov\.published_exponent.*: .*{reason}"):
-        lyapunov_time(settings(None, file=computed(tmp_path, exponent)))
+        _ = settings(None, file=computed(tmp_path, exponent)).lyapunov_time
 
 
 # -- other training series -------------------------------------------------------------------------
 
 KEPT, LENGTH, TRAINING, TEST = 90, 50, 4, 30
 SETTINGS = {
-    "case": "Re400-training2",
     "case.system": "mfe",
     "case.parameters": {"reynolds": 400, "length_x": 12.6, "length_z": 6.3},
     "case.ensemble.time_step": 0.25,
@@ -189,7 +189,9 @@ def chosen(source, drawn, **settings):
         source=str(source),
         ensemble=str(ensemble),
         summary=str(summary),
-        settings=Settings({**SETTINGS, "drawn": drawn, **settings}, {}),
+        settings=script.Realisation(
+            {**SETTINGS, "drawn": drawn, **settings}, {"case": "Re400-training2"}
+        ),
     )
     assert json.loads(summary.read_text())["series_kept"] == KEPT
     return read_netcdf(ensemble, "state")["state"][:, 0, 0].astype(int)

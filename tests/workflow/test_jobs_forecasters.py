@@ -20,26 +20,11 @@ from burstcast.tuning.strategies.recycle import RecycleValidation
 from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import validate
 from burstcast_workflow.harness.storage import write_netcdf
-from burstcast_workflow.jobs.data import training_states
-from burstcast_workflow.jobs.forecasters import (
-    forecasting_case,
-    learnt_rows,
-    read_forecaster,
-    seen,
-    seen_rows,
-    write_forecaster,
-)
-from burstcast_workflow.jobs.networks import (
-    point_validator,
-    reservoir_seed,
-    search_space,
-    training_series,
-)
+from burstcast_workflow.jobs.forecasters import Observing, seen, seen_rows, write_forecaster
+from burstcast_workflow.jobs.networks import Networks, Search
 
 IDENTIFIER = "esn-N40-RV-seed2"
 SETTINGS = {
-    "case": "lorenz",
-    "forecaster": IDENTIFIER,
     "case.system": "lorenz63",
     "case.parameters": {"rho": 30},
     "case.ensemble.time_step": 0.01,
@@ -65,6 +50,14 @@ SETTINGS = {
 }
 
 
+class Job(Observing, Networks):
+    """A job that does what several do."""
+
+
+def job(settings=SETTINGS, case="lorenz", forecaster=IDENTIFIER):
+    return Job(settings, {"case": case, "forecaster": forecaster})
+
+
 @pytest.fixture
 def ensemble(tmp_path):
     path = tmp_path / "ensemble.nc"
@@ -85,7 +78,7 @@ def write(path, states):
 
 def test_training_series_are_the_first_with_noise(tmp_path):
     states = write(tmp_path / "e.nc", np.random.default_rng(1).normal(size=(7, 90, 3)))
-    training = training_series(SETTINGS, tmp_path / "e.nc")
+    training = job().learnt(tmp_path / "e.nc")
     flat = states[:3].reshape(-1, 3)
     np.testing.assert_array_equal(training.input_range, np.ptp(flat, axis=0))
     assert training.observed.shape == (3, 90, 3)
@@ -98,30 +91,30 @@ def test_training_series_are_the_first_with_noise(tmp_path):
 def test_the_series_after_them_change_nothing(tmp_path):
     states = write(tmp_path / "a.nc", np.random.default_rng(1).normal(size=(7, 90, 3)))
     write(tmp_path / "b.nc", states[:4])
-    first, second = (training_series(SETTINGS, tmp_path / name) for name in ("a.nc", "b.nc"))
+    first, second = (job().learnt(tmp_path / name) for name in ("a.nc", "b.nc"))
     np.testing.assert_array_equal(first.observed, second.observed)
 
 
 def test_an_ensemble_that_is_too_small_names_the_setting(ensemble):
     settings = {**SETTINGS, "case.training.series": 8}
     with pytest.raises(ValueError, match=r"training\.series is 8, but only 7 series"):
-        training_series(settings, ensemble)
+        job(settings).learnt(ensemble)
 
 
 def test_a_reservoir_is_its_size_and_seed_whatever_the_case_and_strategy():
     expected = ReservoirSeed(2022, 40, 2, 6, 0.1)
-    assert reservoir_seed(SETTINGS, IDENTIFIER) == expected
-    assert reservoir_seed({**SETTINGS, "case": "Re600"}, "esn-N40-SSV-seed2") == expected
+    assert job().reservoir_seed(IDENTIFIER) == expected
+    assert job(case="Re600").reservoir_seed("esn-N40-SSV-seed2") == expected
     # that of the scan, which several strategies share
-    assert reservoir_seed(SETTINGS, "esn-N40-seed2") == expected
-    assert reservoir_seed(SETTINGS, "esn-N41-RV-seed3") == ReservoirSeed(2022, 41, 3, 6, 0.1)
+    assert job().reservoir_seed("esn-N40-seed2") == expected
+    assert job().reservoir_seed("esn-N41-RV-seed3") == ReservoirSeed(2022, 41, 3, 6, 0.1)
 
 
 @pytest.fixture
 def network(ensemble):
     """A trained network, as the job that trains makes it."""
-    training = training_series(SETTINGS, ensemble)
-    seed = reservoir_seed(SETTINGS, IDENTIFIER)
+    training = job().learnt(ensemble)
+    seed = job().reservoir_seed(IDENTIFIER)
     dynamics = Dynamics(seed.reservoir(3), 0.7, 1.3, "scipy")
     readout = train(dynamics, training, washout=10, tikhonov=1e-6)
     return NetworkForecaster(
@@ -133,15 +126,15 @@ def network(ensemble):
 def test_a_forecaster_comes_back_bit_for_bit(kind, network, ensemble, tmp_path):
     found = forecaster_class(kind)
     identifier = IDENTIFIER.replace("esn", kind) if found.has_search else kind
-    settings = {**SETTINGS, "forecaster": identifier}
+    settings = job(forecaster=identifier)
     if issubclass(found, NetworkForecaster):
         made = found(network.network, network.seed, network.divergence_bound)
     else:
-        training = training_series(settings, ensemble).observed
-        made = forecaster_class(kind).fit(training, forecasting_case(settings))
+        training = settings.learnt(ensemble).observed
+        made = forecaster_class(kind).fit(training, settings.forecasting_case())
     path = str(tmp_path / "forecaster.nc")
     write_forecaster(path, made, {"source": "test"})
-    back = read_forecaster(path, settings)
+    back = settings.read_forecaster(path)
     assert type(back) is type(made) is forecaster_class(kind)
     washout = np.random.default_rng(5).normal(size=(12, 3, 3))
     outputs = [one.advance(one.start(washout), 20)[0] for one in (made, back)]
@@ -158,7 +151,7 @@ def test_a_forecaster_comes_back_bit_for_bit(kind, network, ensemble, tmp_path):
 def test_a_network_keeps_what_training_told_of_it(network, tmp_path):
     path = str(tmp_path / "forecaster.nc")
     write_forecaster(path, network, {})
-    back = read_forecaster(path, SETTINGS)
+    back = job().read_forecaster(path)
     assert back.seed == network.seed
     assert back.network.dynamics.reservoir.input_bias == 0.1
     for name in ("tikhonov", "solver", "reciprocal_condition"):
@@ -181,7 +174,7 @@ def test_a_forecaster_has_its_bound(network, tmp_path):
     write_forecaster(path, network, {})
     outputs = np.full((2, 3, 1), 3.0) * network.network.input_range[:, np.newaxis]
     for bound, lost in ((2.0, True), (4.0, False)):
-        forecaster = read_forecaster(path, SETTINGS, bound)
+        forecaster = job().read_forecaster(path, bound)
         assert forecaster.diverged(outputs).tolist() == [lost]
     assert network.diverged(outputs).tolist() == [False]
 
@@ -191,11 +184,11 @@ def test_unknown_backends_are_refused(network, tmp_path):
     write_forecaster(path, network, {})
     options = {"backend": "fortran"}
     with pytest.raises(ValueError, match="backend"):
-        read_forecaster(path, {**SETTINGS, "forecaster.options": options})
+        job({**SETTINGS, "forecaster.options": options}).read_forecaster(path)
 
 
 def test_what_forecasters_may_know_of_their_case():
-    case = forecasting_case({**SETTINGS, "forecaster.options": {}})
+    case = job({**SETTINGS, "forecaster.options": {}}).forecasting_case()
     assert (case.system.rho, case.system.dimension) == (30, 3)
     assert (case.time_step, case.sampling_stride, case.steps_per_lyapunov_time) == (0.01, 4, 27)
     assert case.options == {}
@@ -208,7 +201,7 @@ def test_only_the_bound_is_given_the_truth(kind, network):
         made = kind_of_it(network.network, network.seed, network.divergence_bound)
     else:
         series = np.random.default_rng(4).normal(size=(3, 90, 3)).cumsum(axis=1)
-        made = kind_of_it.fit(series, forecasting_case(SETTINGS))
+        made = kind_of_it.fit(series, job().forecasting_case())
     observed, true = np.zeros(3), np.ones(3)
     bounds = ("equations", "esn_true_washout")
     assert seen(made, observed, true) is (true if kind in bounds else observed)
@@ -216,18 +209,18 @@ def test_only_the_bound_is_given_the_truth(kind, network):
 
 def test_networks_with_true_washouts_learn_from_noisy_series(ensemble):
     classes = map(forecaster_class, ("equations", "esn", "esn_true_washout"))
-    true, noisy, same = (learnt_rows(kind, SETTINGS, str(ensemble)) for kind in classes)
-    np.testing.assert_array_equal(true, training_states(SETTINGS, str(ensemble)))
-    np.testing.assert_array_equal(noisy, training_series(SETTINGS, ensemble).observed)
+    true, noisy, same = (job().learnt_rows(kind, str(ensemble)) for kind in classes)
+    np.testing.assert_array_equal(true, job().training_states(str(ensemble)))
+    np.testing.assert_array_equal(noisy, job().learnt(ensemble).observed)
     np.testing.assert_array_equal(same, noisy)
 
 
 def test_who_sees_the_truth_reads_no_noise(ensemble):
-    states = training_states(SETTINGS, str(ensemble))
+    states = job().training_states(str(ensemble))
     unread = {key: value for key, value in SETTINGS.items() if key != "case.training.noise"}
     kinds = [forecaster_class(kind) for kind in ("equations", "equations_noisy")]
-    assert seen_rows(kinds[0], unread, str(ensemble), 0, states) is states
-    seen_by_others = seen_rows(kinds[1], SETTINGS, str(ensemble), 0, states)
+    assert seen_rows(kinds[0], job(unread), str(ensemble), 0, states) is states
+    seen_by_others = seen_rows(kinds[1], job(), str(ensemble), 0, states)
     assert 0 < np.abs(seen_by_others - states).max() < 1
 
 
@@ -236,7 +229,6 @@ def test_who_sees_the_truth_reads_no_noise(ensemble):
 STEPS = 25  # in a Lyapunov time
 RESERVOIR = "esn-N40-seed0"  # the reservoir of a scan
 OF_SEARCH = {
-    "case": "lorenz",
     "case.system": "lorenz63",
     "case.parameters": {},
     "case.ensemble.time_step": 0.01,
@@ -276,8 +268,12 @@ def searched(tmp_path_factory):
     return str(path)
 
 
+def search(settings):
+    return Search(settings, {"case": "lorenz"})
+
+
 def validator(settings, searched):
-    return point_validator(settings, RESERVOIR, searched, [])
+    return search(settings).point_validator(RESERVOIR, searched, [])
 
 
 def test_durations_are_those_of_the_settings(searched):
@@ -285,7 +281,7 @@ def test_durations_are_those_of_the_settings(searched):
     plan = ValidationPlan(washout=12, interval=50, series=2, intervals=4)
     expected = validate(
         Dynamics(ReservoirSeed(2022, 40, 0, 6, 0.1).reservoir(3), 0.5, 2.0, "scipy"),
-        training_series(OF_SEARCH, searched),
+        search(OF_SEARCH).learnt(searched),
         Lorenz63().observable,
         plan,
         [1e-6, 1e-9],
@@ -325,7 +321,7 @@ def test_intervals_that_just_fit_are_accepted(searched):
 def test_evaluations_are_read_as_they_were_written(searched, tmp_path):
     """Also where strategies have different numbers of intervals."""
     strategies = [SingleShotValidation(), RecycleValidation()]
-    found = scan(validator(OF_SEARCH, searched), search_space(OF_SEARCH), strategies, 2)
+    found = scan(validator(OF_SEARCH, searched), search(OF_SEARCH).search_space, strategies, 2)
     assert [one.number for one in found[::4]] == [0, 1, 2, 3]
     path = str(tmp_path / "errors.nc")
     write_netcdf(path, log_error_variables(found), {"rule": "scan"})
@@ -340,6 +336,7 @@ def test_evaluations_are_read_as_they_were_written(searched, tmp_path):
 
 def test_the_search_space_is_that_of_the_settings():
     corners = {
-        (point.spectral_radius, point.input_scaling) for point in search_space(OF_SEARCH).grid(2)
+        (point.spectral_radius, point.input_scaling)
+        for point in search(OF_SEARCH).search_space.grid(2)
     }
     assert corners == {(0.1, 0.5), (0.1, 5), (1, 0.5), (1, 5)}

@@ -14,10 +14,10 @@ from burstcast.probability.alarm_sources import BASELINES, alarm_sources
 from burstcast_workflow.harness.job import job_identity, provenance
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.gather import origins
-from burstcast_workflow.jobs.tables import as_declared, gathered, of_case, write_tables
+from burstcast_workflow.jobs.tables import Tables, TablesOfCase, as_declared
 from burstcast_workflow.tables.registry import plain
 
-CASE = {"case": "Re400", "case.parameters": {"reynolds": 400}}
+CASE = TablesOfCase({}, {"case": "Re400"})
 NAMES = ["esn-N30-RV-seed0", "esn-N30-RV-seed1", "esn-N40-SSV-seed0", "equations", "quadratic"]
 LABELS = {
     "esn-N30-RV-seed0": ("esn", 30, "RV", 0),
@@ -55,7 +55,7 @@ def test_rows_are_labelled_by_the_files_in_any_order_and_at_any_place(
         path = directory / f"{place}.json"
         written(directory, forecaster(name)).rename(path)
         paths.append(path)
-    rows = [{**one.name.keys, **one.content} for one in gathered(CASE, paths)]
+    rows = [{**one.name.keys, **one.content} for one in CASE.gathered(paths)]
     assert [row["value"] for row in rows] == list(names)
     for row in rows:
         assert tuple(row[key] for key in KEYS[2:]) == LABELS[row["value"]]
@@ -66,23 +66,26 @@ def test_what_a_job_was_told_is_known_of_its_files(tmp_path):
     wildcards = {"case": "Re400", "controller": "esn-N30-RV-seed0-random", "strategy": "reactive"}
     for suffix in (".json", ".nc"):
         path = written(tmp_path, wildcards, suffix, "control", {"control.run": plan})
-        (one,) = gathered(CASE, [path])
+        (one,) = CASE.gathered([path])
         keys = one.name.keys
         assert (keys["forecaster"], keys["neurons"], keys["seed"]) == ("random", 30, 0)
         assert (one.plan, one.strategy) == (plan, "reactive")
         assert origins([path])[0].identity == {"rule": "control", **wildcards}
 
 
+def tables_of(case, parameters, declared):
+    return TablesOfCase({"case.parameters": parameters, "tables": declared}, {"case": case})
+
+
 def test_key_columns_of_a_case():
     declared = {"scores": {"columns": ["case", "reynolds*", "value"]}}
     rows = {"scores": [{"value": 1}]}
-    found = of_case({**CASE, "tables": declared}, rows)
+    found = tables_of("Re400", {"reynolds": 400}, declared).with_keys(rows)
     assert found == {"scores": [{"case": "Re400", "reynolds": 400, "value": 1}]}
-    lorenz = {"case": "lorenz", "case.parameters": {"sigma": 10}}
-    (row,) = of_case({**lorenz, "tables": declared}, rows)["scores"]
+    (row,) = tables_of("lorenz", {"sigma": 10}, declared).with_keys(rows)["scores"]
     assert row == {"case": "lorenz", "reynolds": None, "value": 1}
     declared = {"scores": {"columns": ["value"]}}
-    assert of_case({**lorenz, "tables": declared}, rows) == rows
+    assert tables_of("lorenz", {"sigma": 10}, declared).with_keys(rows) == rows
 
 
 def test_two_files_of_one_forecaster(tmp_path):
@@ -96,7 +99,7 @@ def test_a_file_of_another_case(tmp_path):
     paths = [written(tmp_path, forecaster(case=case)) for case in ("Re400", "Re600")]
     assert [one.identity["case"] for one in origins(paths)] == ["Re400", "Re600"]
     with pytest.raises(ValueError, match="is of the case Re600"):
-        gathered(CASE, paths)
+        CASE.gathered(paths)
 
 
 def test_a_file_that_does_not_say_what_it_is(tmp_path):
@@ -106,7 +109,7 @@ def test_a_file_that_does_not_say_what_it_is(tmp_path):
 
 
 def test_nothing_is_gathered():
-    assert gathered(CASE, []) == []
+    assert CASE.gathered([]) == []
 
 
 # -- sources of alarms -----------------------------------------------------------------------------
@@ -188,9 +191,10 @@ def test_tables_and_their_percentiles_are_written_where_they_are_declared(tmp_pa
     }
     names = ("events", "scores_percentiles", "scores")
     paths = [str(tmp_path / f"{name}.csv") for name in names]
+    tables = Tables(settings, {})
     with pytest.raises(ValueError, match=r"writes \['scores'\]; its rule declares \['events'"):
-        write_tables(paths, settings, scores=ROWS)
-    write_tables(paths, settings, scores=ROWS, events=[{"case": "a"}])
+        tables.write(paths, scores=ROWS)
+    tables.write(paths, scores=ROWS, events=[{"case": "a"}])
     assert [Path(path).read_text().splitlines()[:2] for path in paths] == [
         ["case", "a"],
         ["case,metric,p25,p50,p75,networks", "a,f_score,0.5,0.5,0.5,1"],
@@ -202,5 +206,5 @@ def test_other_metrics_than_those_declared_are_refused(tmp_path):
     settings = {"tables": {"scores": {"columns": ["metric", "value"], "metrics": ["recall"]}}}
     rows = [{"metric": name, "value": 0.5} for name in ("recall", "specificity")]
     with pytest.raises(ValueError, match="table scores declares no metric specificity"):
-        write_tables([str(tmp_path / "scores.csv")], settings, scores=rows)
-    write_tables([str(tmp_path / "scores.csv")], settings, scores=rows[:1])
+        Tables(settings, {}).write([str(tmp_path / "scores.csv")], scores=rows)
+    Tables(settings, {}).write([str(tmp_path / "scores.csv")], scores=rows[:1])

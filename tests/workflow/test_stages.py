@@ -3,11 +3,13 @@
 import ast
 import inspect
 import re
+import textwrap
 from functools import cache
 from pathlib import Path
 
 import pytest
 import yaml
+from helpers_rebuilds import loaded_script
 from helpers_rules import Wildcards, groups, workflow
 from snakemake.utils import update_config
 
@@ -21,8 +23,9 @@ from burstcast_workflow.config.loading import load
 from burstcast_workflow.costs.model import CostModel
 from burstcast_workflow.figures.jobs import FigureJobs, captions
 from burstcast_workflow.figures.registry import FIGURES, settings_of
-from burstcast_workflow.harness.settings import THRESHOLDS
+from burstcast_workflow.harness.settings import THRESHOLDS, Setting
 from burstcast_workflow.project import code_of
+from burstcast_workflow.stages.declared import declared_settings
 from burstcast_workflow.stages.stages import Stages, of_job, one_of
 from snaketrust.fingerprint import Sources
 
@@ -83,12 +86,13 @@ def test_the_rules_are_those_of_the_text():
 @pytest.mark.parametrize("rule", WRITTEN)
 def test_a_rule_says_its_name_wherever_it_is_asked_for(rule):
     """Settings are found by it, and files of logs and costs are named by it."""
-    asked = r"(?:unknowns_of|needs|settings_of)\(\s*\"(\w+)\"|\{(?:LOGS|TIMES)\}/(\w+)"
+    asked = r"(?:unknowns_of|needs)\(\s*\"(\w+)\"|\{(?:LOGS|TIMES)\}/(\w+)"
     found = [one or other for one, other in re.findall(asked, WRITTEN[rule])]
-    assert len(found) >= 4
+    assert len(found) >= 3
     assert {*found} == {rule}
     script = script_of(rule).relative_to(SCRIPTS)
     assert f'code_of("{script}")' in WRITTEN[rule]
+    assert re.search(rf'settings_of\(\s*"{script}"', WRITTEN[rule])
 
 
 @pytest.mark.parametrize("rule", WRITTEN)
@@ -219,101 +223,74 @@ def test_settings_of_figures_are_those_of_the_config_and_of_the_campaign():
 
 # -- settings --------------------------------------------------------------------------------------
 
-# What names a job's settings in a function: a parameter, or an attribute of an object of control.
-HOLDERS = ("settings", "self.settings")
-
-
-def module_path(name):
-    path = SOURCE.joinpath(*name.split(".")).with_suffix(".py")
-    return path if path.is_file() else None
-
 
 @cache
-def imported(path):
-    """Files of ours that names of a file come from."""
-    return {
-        alias.asname or alias.name: module_path(node.module)
-        for node in tree(path).body
-        if isinstance(node, ast.ImportFrom) and node.module.startswith("burstcast_workflow.jobs")
-        for alias in node.names
-    }
+def script(path):
+    return loaded_script(str(path.relative_to(SCRIPTS)))
 
 
-def definition(path, name):
-    """Function or class of a name in a file, and the file that it is defined in."""
-    place = imported(path).get(name, path)
-    found = [
-        node
-        for node in tree(place).body
-        if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name
-    ]
-    return (place, found[0]) if found else None
+def class_of(rule):
+    """Class of the settings of a rule's script."""
+    path = script_of(rule)
+    function = getattr(script(path), main_of(path).name)
+    return inspect.signature(function).parameters["settings"].annotation
 
 
-def settings_read(path, node, seen=None):
-    """Literal paths that a function or class, and those that it hands its settings to, read."""
-    seen = set() if seen is None else seen
-    if (path, node.name) in seen:
+def fields_read(function, cls, seen):
+    """Fields that a function reads of settings of a class, in what it is handed on to as well."""
+    if function in seen:
         return set()
-    seen.add((path, node.name))
+    seen.add(function)
     found = set()
-    for part in ast.walk(node):
-        if isinstance(part, ast.Subscript) and ast.unparse(part.value) in HOLDERS:
-            assert isinstance(part.slice, ast.Constant), f"{path}: {ast.unparse(part)}"
-            found.add(part.slice.value)
-        elif isinstance(part, ast.Call) and isinstance(part.func, ast.Name | ast.Attribute):
-            handed = [*part.args, *(keyword.value for keyword in part.keywords)]
-            if not any(ast.unparse(argument) in HOLDERS for argument in handed):
-                continue
-            # of ControlSetting.read the whole class: its methods read settings, too
-            name = ast.unparse(part.func).partition(".")[0]
-            if name == "cls":
-                continue
-            place = definition(path, name)
-            assert place, f"{path}: {name} is handed the settings, and nothing is known about it"
-            found |= settings_read(*place, seen)
+    for node in ast.walk(ast.parse(textwrap.dedent(inspect.getsource(function)))):
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            of_class = function.__globals__.get(node.value.id)
+            if node.value.id in ("settings", "self") or (of_class in cls.__mro__):
+                value = inspect.getattr_static(cls, node.attr, None)
+                if isinstance(value, Setting):
+                    found.add(node.attr)
+                elif inspect.isfunction(made := getattr(value, "fget", value)):
+                    found |= fields_read(made, cls, seen)
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            handed = [*node.args, *(keyword.value for keyword in node.keywords)]
+            if {"settings", "self"} & {*map(ast.unparse, handed)}:
+                helper = function.__globals__.get(node.func.id)
+                found |= fields_read(helper, cls, seen) if inspect.isfunction(helper) else set()
     return found
 
 
-def reads_of(rule):
-    """Settings that the script of a rule reads, or the module that makes its tables."""
-    path = script_of(rule)
-    if path != TABLES:
-        return settings_read(path, main_of(path))
-    shared = (definition(path, name) for name in ("of_case", "write_tables"))
-    of_all = set().union(*(settings_read(*place) for place in shared))
-    return of_all | {*maker(rule).TABLES.paths.values()}
+def fields_of(cls):
+    every = {name for one in cls.__mro__ for name in vars(one)}
+    return {name for name in every if isinstance(inspect.getattr_static(cls, name), Setting)}
+
+
+@pytest.mark.parametrize("rule", STAGES)
+def test_a_script_reads_every_setting_that_it_declares(rule):
+    path, cls = script_of(rule), class_of(rule)
+    assert fields_read(getattr(script(path), main_of(path).name), cls, set()) == fields_of(cls)
+
+
+@pytest.mark.parametrize("rule", [*STAGES, "figure"])
+def test_a_job_is_given_the_settings_that_its_script_declares(rule):
+    """Those that do not concern the job are left out; what is read off the text is the class."""
+    path, cls = script_of(rule), class_of(rule)
+    assert {*declared_settings(path, SOURCE)} == {*cls.paths()}
+    if rule == "figure":
+        return
+    of_maker = {*maker(rule).TABLES.paths.values()} if path == TABLES else set()
+    left = {path for path in declared(rule) - {*cls.paths()} if not covered(path, of_maker)}
+    assert left == set()
 
 
 def covered(path, paths):
-    """Whether one of the paths is this one, or a section that it lies in."""
-    return any(path == other or path.startswith(f"{other}.") for other in paths)
+    """Whether one of the paths is this one, or lies in it."""
+    return any(path == other or other.startswith(f"{path}.") for other in paths)
 
 
-@pytest.mark.parametrize("rule", STAGES)
-def test_every_setting_that_a_script_reads_is_declared_by_its_rule(rule):
-    known = declared(rule) | set(wildcards_of(rule))
-    # only kinds that know the parameters are given this, and the paper's campaign has none
-    known |= {"forecasters.aware"}
-    undeclared = {path for path in reads_of(rule) if not covered(path, known)}
-    assert not undeclared
-
-
-@pytest.mark.parametrize("rule", STAGES)
-def test_every_setting_that_a_rule_declares_is_read_by_its_script(rule):
-    read = reads_of(rule)
-    unread = {
-        path
-        for path in declared(rule)
-        if not covered(path, read) and not any(covered(other, {path}) for other in read)
-    }
-    assert not unread
-
-
-def test_what_is_read_is_found_through_helpers():
-    found = reads_of("control")
-    # in what the script is handed to, and helpers of theirs
-    assert {"control.run.span_lt", "control.flows", "case.system", "forecaster.options"} <= found
+def test_what_is_read_is_found_through_methods_and_helpers():
+    path, cls = script_of("survival_choice"), class_of("survival_choice")
+    found = fields_read(getattr(script(path), main_of(path).name), cls, set())
+    assert {"connectivity", "time_unit", "density", "washout_lt", "system", "backend"} <= found
 
 
 # -- forecasters -----------------------------------------------------------------------------------
@@ -398,8 +375,8 @@ def test_tables_of_a_case_that_has_none(paper):
 def test_thresholds_are_inputs_where_they_are_quantiles(paper):
     assert paper.unknowns_of("events") == {}
     other = stages(QUANTILE)
-    other.settings_of("events", "case.event_threshold")
-    other.settings_of("simulate", "case.ensemble")
+    other.settings_of("data/events.py")
+    other.settings_of("data/simulate.py")
     thresholds = other.unknowns_of("events")[THRESHOLDS]
     assert thresholds(JOB) == ["results/paper/Re600/event_threshold.json"]
     assert other.unknowns_of("simulate")[THRESHOLDS](JOB) == []
@@ -407,8 +384,9 @@ def test_thresholds_are_inputs_where_they_are_quantiles(paper):
 
 def test_values_of_a_stage_are_given_or_asked_for(paper):
     values = {"given": 3, "asked": of_job(lambda wildcards: wildcards["case"])}
-    settings = paper.settings_of("events", "case.event_threshold", **values)(JOB)
-    assert dict(settings) == {"case.event_threshold": 0.1, "given": 3, "asked": "Re600"}
+    settings = paper.settings_of("data/training_set.py", **values)(JOB)
+    expected = {"given": 3, "asked": "Re600", "washout_lt": 0.5}
+    assert {name: settings[name] for name in expected} == expected
 
 
 def test_more_memory_for_each_attempt_and_what_the_cache_keeps(paper):

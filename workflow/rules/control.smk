@@ -24,11 +24,7 @@ rule control:
     resources:
         **needs("control", "control", cached=True),
     params:
-        settings=settings_of(
-            "control",
-            "CONTROL case.controlled_density forecaster.options forecasters.aware "
-            "control.cost control.sensor",
-        ),
+        settings=settings_of("control/control.py"),
         code=code_of("control/control.py"),
     message:
         "{wildcards.case}, {wildcards.controller}, {wildcards.strategy}: control"
@@ -55,7 +51,7 @@ rule suppressed_event:
     resources:
         **needs("suppressed_event", "control"),
     params:
-        settings=settings_of("suppressed_event", "CONTROL forecaster.options"),
+        settings=settings_of("control/suppressed_event.py"),
         code=code_of("control/suppressed_event.py"),
     message:
         "{wildcards.case}, {wildcards.controller}, {wildcards.strategy}: a suppressed event"

@@ -20,10 +20,7 @@ rule simulate:
     resources:
         **needs("simulate", "integration", cached=True),
     params:
-        settings=settings_of(
-            "simulate",
-            "SYSTEM random_seed case.ensemble case.laminarisation_threshold",
-        ),
+        settings=settings_of("data/simulate.py"),
         code=code_of("data/simulate.py"),
     message:
         "{wildcards.case}: integrate the ensemble"
@@ -51,10 +48,7 @@ rule import_data:
         **needs("import_data", "data"),
     params:
         settings=settings_of(
-            "import_data",
-            "SYSTEM STEPS case.data case.laminarisation_threshold case.training.series "
-            "case.test_series",
-            noise=of_case(Campaign.noise_of_data),
+            "data/import_data.py", noise=of_case(Campaign.noise_of_data)
         ),
         code=code_of("data/import_data.py"),
     message:
@@ -87,8 +81,7 @@ rule encode:
         **needs("encode", "data"),
     params:
         settings=settings_of(
-            "encode",
-            "SYSTEM STEPS random_seed case.training.series case.sensors case.encoder",
+            "data/encode.py",
             noise=of_case(Campaign.noise_of_data),
             source=of_case(Campaign.source_system),
         ),
@@ -121,9 +114,7 @@ rule training_realisation:
         **needs("training_realisation", "data"),
     params:
         settings=settings_of(
-            "training_realisation",
-            "SYSTEM STEPS random_seed case.training.series case.test_series "
-            "probability.calibration_series",
+            "data/training_realisation.py",
             realisation=of_case(lambda campaign, case: realisation_of(case)[1]),
             drawn=of_case(Campaign.drawn_shares),
         ),
@@ -151,9 +142,7 @@ rule event_threshold:
         **needs("event_threshold", "data"),
     params:
         settings=settings_of(
-            "event_threshold",
-            "case.training.series",
-            quantile=of_case(Campaign.event_quantile),
+            "data/event_threshold.py", quantile=of_case(Campaign.event_quantile)
         ),
         code=code_of("data/event_threshold.py"),
     message:
@@ -183,9 +172,7 @@ rule scheduled_series:
         **needs("scheduled_series", "data"),
     params:
         settings=settings_of(
-            "scheduled_series",
-            "SYSTEM TIME OBSERVED case.training.actuation case.actuation "
-            "case.laminarisation_threshold",
+            "data/scheduled_series.py",
             parameters=campaign.config.forecasters.aware.parameters,
         ),
         code=code_of("data/scheduled_series.py"),
@@ -214,11 +201,7 @@ rule lyapunov:
     resources:
         **needs("lyapunov", "tangent", cached=True),
     params:
-        settings=settings_of(
-            "lyapunov",
-            "SYSTEM STEPS random_seed case.lyapunov.series case.lyapunov.perturbation "
-            "case.lyapunov.saturation case.lyapunov.orthonormalisation_interval",
-        ),
+        settings=settings_of("data/lyapunov.py"),
         code=code_of("data/lyapunov.py"),
     message:
         "{wildcards.case}: Lyapunov exponents"
@@ -245,8 +228,7 @@ rule neighbour_divergence:
         **needs("neighbour_divergence", "data"),
     params:
         settings=settings_of(
-            "neighbour_divergence",
-            "STEPS random_seed bootstrap case.training.series",
+            "data/neighbour_divergence.py",
             sets_time_unit=of_case(Campaign.estimates_time_unit),
         ),
         code=code_of("data/neighbour_divergence.py"),
@@ -277,26 +259,12 @@ rule lengths:
     resources:
         **needs("lengths", "data"),
     params:
-        settings=settings_of(
-            "lengths",
-            "TIME washout_lt search.interval_lt search.single_shot_lead_steps WINDOWS "
-            "classification.start_spacing_lt probability.start_spacing_lt "
-            "horizon.longest_lead_time_lt horizon.lead_time_step_lt case.training.series "
-            "case.recycle_validation statistics.fixed_point_interval_lt statistics.duration "
-            "forecasters.quadratic.window_lt",
-            asked=of_case(Campaign.asked_of_series),
-        ),
+        settings=settings_of("data/lengths.py", asked=of_case(Campaign.asked_of_series)),
         code=code_of("data/lengths.py"),
     message:
         "{wildcards.case}: compare what the config needs with the lengths of the series"
     script:
         "../scripts/data/lengths.py"
-
-
-EVALUATED = (
-    "SYSTEM TIME OBSERVED WINDOWS case.test_series washout_lt "
-    "classification.start_spacing_lt"
-)
 
 
 rule evaluation_set:
@@ -318,7 +286,7 @@ rule evaluation_set:
     resources:
         **needs("evaluation_set", "data"),
     params:
-        settings=settings_of("evaluation_set", EVALUATED),
+        settings=settings_of("data/evaluation_set.py"),
         code=code_of("data/evaluation_set.py"),
     message:
         "{wildcards.case}: starting points of the forecasts"
@@ -346,9 +314,7 @@ rule switched_evaluation_set:
         **needs("switched_evaluation_set", "data"),
     params:
         settings=settings_of(
-            "switched_evaluation_set",
-            f"{EVALUATED} case.training.actuation case.actuation "
-            "case.laminarisation_threshold",
+            "data/switched_evaluation_set.py",
             parameters=campaign.config.forecasters.aware.parameters,
         ),
         code=code_of("data/switched_evaluation_set.py"),
@@ -376,11 +342,7 @@ rule events:
     resources:
         **needs("events", "data"),
     params:
-        settings=settings_of(
-            "events",
-            "TIME OBSERVED case.event_threshold washout_lt horizon.events "
-            "horizon.longest_lead_time_lt",
-        ),
+        settings=settings_of("data/events.py"),
         code=code_of("data/events.py"),
     message:
         "{wildcards.case}: extreme events"
@@ -410,7 +372,7 @@ rule forecast_task:
     resources:
         **needs("forecast_task", "data"),
     params:
-        settings=settings_of("forecast_task", "TASK", noise=of_case(Campaign.noise)),
+        settings=settings_of("data/forecast_task.py", noise=of_case(Campaign.noise)),
         code=code_of("data/forecast_task.py"),
     message:
         "{wildcards.case}: export the washouts for other programs"
@@ -437,11 +399,7 @@ rule reference_statistics:
     resources:
         **needs("reference_statistics", "data"),
     params:
-        settings=settings_of(
-            "reference_statistics",
-            "SYSTEM random_seed case.density case.training.series "
-            "statistics.profile_points statistics.floor_splits",
-        ),
+        settings=settings_of("data/reference_statistics.py"),
         code=code_of("data/reference_statistics.py"),
     message:
         "{wildcards.case}: long-term statistics of the data"

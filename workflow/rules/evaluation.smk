@@ -21,10 +21,7 @@ rule forecast:
     resources:
         **needs("forecast", "forecast", cached=True),
     params:
-        settings=settings_of(
-            "forecast",
-            "OPTIONS forecaster.divergence_bound forecasters.aware WINDOWS",
-        ),
+        settings=settings_of("evaluation/forecast.py"),
         code=code_of("evaluation/forecast.py"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: forecast the evaluation set"
@@ -57,7 +54,7 @@ rule external_forecasts:
         **needs("external_forecasts", "data"),
     params:
         settings=settings_of(
-            "external_forecasts", "TASK", noise=of_case(Campaign.noise)
+            "evaluation/external_forecasts.py", noise=of_case(Campaign.noise)
         ),
         code=code_of("evaluation/external_forecasts.py"),
     message:
@@ -87,9 +84,7 @@ rule horizon:
     resources:
         **needs("horizon", "horizon", cached=True),
     params:
-        settings=settings_of(
-            "horizon", "OPTIONS HORIZON case.event_threshold washout_lt"
-        ),
+        settings=settings_of("evaluation/horizon.py"),
         code=code_of("evaluation/horizon.py"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: prediction horizons"
@@ -115,7 +110,7 @@ rule long_term:
     resources:
         **needs("long_term", "long_term", cached=True),
     params:
-        settings=settings_of("long_term", "LONG_TERM"),
+        settings=settings_of("evaluation/long_term.py"),
         code=code_of("evaluation/long_term.py"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: long-term runs"
@@ -142,11 +137,7 @@ rule lyapunov_spectrum:
     resources:
         **needs("lyapunov_spectrum", "spectrum", cached=True),
     params:
-        settings=settings_of(
-            "lyapunov_spectrum",
-            "LONG_RUNS case.lyapunov.orthonormalisation_interval "
-            "statistics.lyapunov_exponents statistics.lyapunov_runs",
-        ),
+        settings=settings_of("evaluation/lyapunov_spectrum.py"),
         code=code_of("evaluation/lyapunov_spectrum.py"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: Lyapunov exponents of its own flow"
@@ -178,10 +169,7 @@ rule examples:
         **needs("examples", "examples"),
     params:
         settings=settings_of(
-            "examples",
-            "OPTIONS HORIZON WINDOWS case.event_threshold case.training.series washout_lt "
-            "figures.example_horizon_lt",
-            prediction_time_lt=campaign.prediction_time(2),
+            "evaluation/examples.py", prediction_time_lt=campaign.prediction_time(2)
         ),
         code=code_of("evaluation/examples.py"),
     message:
@@ -209,11 +197,7 @@ rule flow_event:
     resources:
         **needs("flow_event", "examples"),
     params:
-        settings=settings_of(
-            "flow_event",
-            "OPTIONS OBSERVED case.test_series "
-            "case.event_threshold washout_lt figures.flow_event",
-        ),
+        settings=settings_of("evaluation/flow_event.py"),
         code=code_of("evaluation/flow_event.py"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: an event whose flow is worth seeing"

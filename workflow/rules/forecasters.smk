@@ -27,7 +27,7 @@ rule scan:
     resources:
         **needs("scan", "search_grid", cached=True),
     params:
-        settings=settings_of("scan", "SEARCH search.grid"),
+        settings=settings_of("forecasters/scan.py"),
         code=code_of("forecasters/scan.py"),
     message:
         "{wildcards.case}, {wildcards.reservoir}, {wildcards.strategies}: objectives on the grid"
@@ -56,7 +56,7 @@ rule search:
     resources:
         **needs("search", "search_points", cached=True),
     params:
-        settings=settings_of("search", "SEARCH search.bayesian_points search.surrogate"),
+        settings=settings_of("forecasters/search.py"),
         code=code_of("forecasters/search.py"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: Bayesian search"
@@ -87,9 +87,7 @@ rule survival_choice:
     resources:
         **needs("survival_choice", "search_points", cached=True),
     params:
-        settings=settings_of(
-            "survival_choice", "LONG_TERM RESERVOIR bootstrap.confidence"
-        ),
+        settings=settings_of("forecasters/survival_choice.py"),
         code=code_of("forecasters/survival_choice.py"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: choose hyperparameters by survival"
@@ -118,7 +116,7 @@ rule train:
     resources:
         **needs("train", "training", cached=True),
     params:
-        settings=settings_of("train", "TIME OBSERVED RESERVOIR washout_lt"),
+        settings=settings_of("forecasters/train.py"),
         code=code_of("forecasters/train.py"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: train"
@@ -147,7 +145,7 @@ rule fit:
     resources:
         **needs("fit", "training", cached=True),
     params:
-        settings=settings_of("fit", "OPTIONS OBSERVED"),
+        settings=settings_of("forecasters/fit.py"),
         code=code_of("forecasters/fit.py"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: fit"

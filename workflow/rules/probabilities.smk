@@ -18,11 +18,7 @@ rule calibration_set:
     resources:
         **needs("calibration_set", "data"),
     params:
-        settings=settings_of(
-            "calibration_set",
-            "SYSTEM TIME OBSERVED WINDOWS washout_lt case.test_series "
-            "probability.calibration_series probability.start_spacing_lt",
-        ),
+        settings=settings_of("data/calibration_set.py"),
         code=code_of("data/calibration_set.py"),
     message:
         "{wildcards.case}: starting points of the calibration"
@@ -52,11 +48,7 @@ rule calibration_forecast:
     resources:
         **needs("calibration_forecast", "leave_one_out", cached=True),
     params:
-        settings=settings_of(
-            "calibration_forecast",
-            "OPTIONS forecaster.divergence_bound OBSERVED WINDOWS washout_lt "
-            "probability.calibration_series",
-        ),
+        settings=settings_of("evaluation/calibration_forecast.py"),
         code=code_of("evaluation/calibration_forecast.py"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: forecast the calibration set out of sample"
@@ -81,10 +73,7 @@ rule training_set:
     resources:
         **needs("training_set", "data"),
     params:
-        settings=settings_of(
-            "training_set",
-            "SYSTEM TIME OBSERVED WINDOWS washout_lt forecasters.classifiers.start_spacing_lt",
-        ),
+        settings=settings_of("data/training_set.py"),
         code=code_of("data/training_set.py"),
     message:
         "{wildcards.case}: starting points that classifiers learn from"
@@ -115,12 +104,7 @@ rule event_probabilities:
     resources:
         **needs("event_probabilities", "classifiers", cached=True),
     params:
-        settings=settings_of(
-            "event_probabilities",
-            "OPTIONS random_seed case.event_threshold classification.prediction_times_lt "
-            "classification.window_lt classification.resolution_lt probability.calibration_series "
-            "forecasters.classifiers.folds",
-        ),
+        settings=settings_of("evaluation/event_probabilities.py"),
         code=code_of("evaluation/event_probabilities.py"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: train a classifier, probabilities of events"
@@ -149,10 +133,7 @@ rule calibrate:
         **needs("calibrate", "gather"),
     params:
         settings=settings_of(
-            "calibrate",
-            "TIME case.event_threshold classification.prediction_times_lt "
-            "classification.window_lt classification.resolution_lt "
-            "probability.prior_forecasts",
+            "probabilities/calibrate.py",
             uncalibrated=of_case(Campaign.alarm_thresholds),
         ),
         code=code_of("probabilities/calibrate.py"),

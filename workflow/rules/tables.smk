@@ -1,5 +1,6 @@
 """Tables: each case's, gathered from the files of many jobs; then of all cases, and LaTeX."""
 
+from burstcast_workflow.campaign.job_settings import settings_of_cases
 from burstcast_workflow.tables.registry import (
     cases_of,
     cases_of_tables,
@@ -19,7 +20,7 @@ PROBABILITIES = {
     "calibration": f"{CASE}/calibration.json",
 }
 # Rules that make tables of a case, by the name of their module in burstcast.tables.makers:
-# what the rule does, its inputs, the settings that it reads, and the class of its work.
+# what the rule does, and its inputs.
 TABLE_RULES = {
     "dataset_table": {
         "does": "table of the dataset",
@@ -31,7 +32,6 @@ TABLE_RULES = {
                 lambda campaign, case: f"{RESULTS}/{campaign.source_case(case)}/lyapunov.json"
             ),
         },
-        "settings": "KEYS TIME",
     },
     "hyperparameters_table": {
         "does": "table of the hyperparameters",
@@ -40,7 +40,6 @@ TABLE_RULES = {
                 campaign.hyperparameters_file, campaign.searched_networks
             )
         },
-        "settings": "KEYS",
     },
     "classification_table": {
         "does": "score the forecasts",
@@ -57,35 +56,28 @@ TABLE_RULES = {
                 },
             ),
         },
-        "settings": "KEYS SCORED case.event_threshold",
     },
     "probability_scores": {
         "does": "score the probabilities",
         "inputs": PROBABILITIES,
-        "settings": "KEYS SCORED case.event_threshold probability.bins",
     },
     "probability_diagrams": {
         "does": "reliability, curves over all thresholds",
         "inputs": PROBABILITIES,
-        "settings": "KEYS SCORED case.event_threshold probability.bins",
     },
     "ranking_table": {
         "does": "rank the starting points of flows that are encoded",
         "inputs": PROBABILITIES,
-        "settings": "KEYS SCORED SYSTEM case.event_threshold",
     },
     "lead_times": {
         "does": "how early events were warned of",
         "inputs": {"ensemble": f"{CASE}/ensemble.nc", **PROBABILITIES},
-        "settings": "KEYS SCORED case.event_threshold case.training.series "
-        "classification.start_spacing_lt",
     },
     "horizon_table": {
         "does": "table of the prediction horizons",
         "inputs": {
             "horizons": files_in_case("horizon.nc", campaign.horizon_forecasters)
         },
-        "settings": "KEYS random_seed bootstrap",
     },
     "statistics_table": {
         "does": "table of the long-term statistics",
@@ -95,7 +87,6 @@ TABLE_RULES = {
             "floor": f"{CASE}/statistics_floor.nc",
             "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
         },
-        "settings": "SYSTEM random_seed bootstrap statistics.profile_points",
     },
     "survival_table": {
         "does": "table of escapes from the chaotic phase",
@@ -103,7 +94,6 @@ TABLE_RULES = {
             "ensemble": f"{CASE}/ensemble.nc",
             "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
         },
-        "settings": "KEYS STEPS statistics.duration bootstrap.confidence",
     },
     "lyapunov_spectrum_table": {
         "does": "table of the Lyapunov exponents",
@@ -115,27 +105,22 @@ TABLE_RULES = {
                 "lyapunov_spectrum.nc", campaign.spectrum_forecasters
             ),
         },
-        "settings": "KEYS random_seed bootstrap",
     },
     "control_table": {
         "does": "table of control",
         "inputs": {"flows": files_in_case("flows.nc", campaign.control_runs)},
-        "settings": "KEYS",
     },
     "control_density_table": {
         "does": "densities with and without control",
         "inputs": {"flows": files_in_case("flows.nc", campaign.control_runs)},
-        "settings": "KEYS random_seed bootstrap",
     },
     "control_strategies_table": {
         "does": "costs and gains of control",
         "inputs": {"flows": files_in_case("flows.nc", campaign.strategy_runs)},
-        "settings": "KEYS case.training.noise random_seed bootstrap",
     },
     "control_choice_table": {
         "does": "strategies at their best",
         "inputs": {"flows": files_in_case("flows.nc", campaign.chosen_runs)},
-        "settings": "KEYS case.training.noise control.tolerated_exceedance random_seed bootstrap",
     },
     "warnings_table": {
         "does": "look for warning signs",
@@ -154,8 +139,6 @@ TABLE_RULES = {
                 & set(filter(campaign.estimates_time_unit, campaign.case_names)),
             ),
         },
-        "settings": "KEYS SYSTEM case.event_threshold case.training.series case.training.noise "
-        "horizon.events search.spectral_radius search.input_scaling search.tikhonov",
     },
 }
 # Tables that each rule makes (workflow/tables.yaml declares them), percentiles beside them.
@@ -195,8 +178,9 @@ for name, made in TABLE_RULES.items():
             **needs(name, "gather"),
         params:
             settings=settings_of(
+                "tables/table.py",
                 name,
-                made["settings"],
+                maker=name,
                 tables=written(made_by(name), campaign.unused_columns),
             ),
             code=code_of("tables/table.py", {"burstcast.tables.makers": [name]}),
@@ -230,7 +214,9 @@ for name in [name for name in OF_CASES if OF_CASES[name] and not LAYOUTS[name]]:
             **needs(f"all_{name}", "gather"),
         params:
             settings=settings_of(
-                f"all_{name}", columns=joined(FILES[name], campaign.unused_columns)
+                "tables/all_cases.py",
+                f"all_{name}",
+                columns=joined(FILES[name], campaign.unused_columns),
             ),
             code=code_of("tables/all_cases.py"),
         message:
@@ -262,6 +248,7 @@ for name in [name for name in OF_CASES if OF_CASES[name] and LAYOUTS[name]]:
             **needs(f"all_{name}", "gather"),
         params:
             settings=settings_of(
+                "tables/all_cases_latex.py",
                 f"all_{name}",
                 columns=joined(FILES[name], campaign.unused_columns),
                 latex=LAYOUTS[name],
@@ -295,13 +282,12 @@ rule data_generation_parameters:
         **needs("data_generation_parameters", "gather"),
     params:
         settings=settings_of(
-            "data_generation_parameters",
+            "tables/data_generation_parameters.py",
             caption=caption_of("data_generation_parameters"),
-            cases=campaign.settings_of_cases(
-                *("SYSTEM", "case.ensemble.time_step", "case.ensemble.duration"),
-                *("case.training.series", "case.laminarisation_threshold"),
-                "case.event_threshold",
-                cases=campaign.simulated_cases,
+            cases=settings_of_cases(
+                campaign,
+                stages.declared("tables/data_generation_parameters.py", "CaseData"),
+                campaign.simulated_cases,
             ),
         ),
         code=code_of("tables/data_generation_parameters.py"),
@@ -327,11 +313,12 @@ rule network_hyperparameters:
         **needs("network_hyperparameters", "gather"),
     params:
         settings=settings_of(
-            "network_hyperparameters",
-            "forecasters.esn.connectivity forecasters.esn.input_bias "
-            "search.spectral_radius search.input_scaling search.tikhonov",
+            "tables/network_hyperparameters.py",
             caption=caption_of("network_hyperparameters"),
-            cases=campaign.settings_of_cases("case.training.noise"),
+            cases=settings_of_cases(
+                campaign,
+                stages.declared("tables/network_hyperparameters.py", "CaseNoise"),
+            ),
         ),
         code=code_of("tables/network_hyperparameters.py"),
     message:
@@ -365,7 +352,7 @@ rule training_realisations:
         **needs("training_realisations", "gather"),
     params:
         settings=settings_of(
-            "training_realisations",
+            "tables/training_realisations.py",
             tables=written(["training_realisations"]),
             scattered=written(SCATTERED),
             kinds=sorted(

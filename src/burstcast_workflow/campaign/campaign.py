@@ -1,13 +1,13 @@
-"""The campaign: its cases, forecasters and control runs, and the settings that stages read."""
+"""The campaign: its cases, forecasters and control runs."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import product
 from typing import Any
 
 from burstcast.control.setting_names import is_option
-from burstcast.control.strategies.registry import make_strategy, strategy_class
+from burstcast.control.strategies.registry import strategy_class
 from burstcast.data.measured_data import Quantity
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import ForecasterName, parsed
@@ -20,11 +20,7 @@ from burstcast.systems.registry import make_system
 from burstcast.systems.state_space import StateSpace
 from burstcast.tuning.strategies.registry import scanned_with, strategy_module
 from burstcast_workflow.config.cases import block_cases, cases_of, event_shares_of
-from burstcast_workflow.config.control_plans import (
-    ControlPlan,
-    block_plans,
-    paper_plan,
-)
+from burstcast_workflow.config.control_plans import ControlPlan, block_plans, paper_plan
 from burstcast_workflow.config.external_files import external_forecasts
 from burstcast_workflow.config.kinds import Quantile, Section
 from burstcast_workflow.config.measured_cases import is_encoded, space_of
@@ -36,48 +32,6 @@ from burstcast_workflow.config.model import (
     Simulated,
     StrategyBlock,
 )
-from burstcast_workflow.harness.canonical import canonical
-
-GROUPS = {
-    "KEYS": "case.parameters",
-    "SYSTEM": "case.system case.parameters",
-    "STEPS": "case.ensemble.time_step case.ensemble.sampling_stride",
-    # from which a Lyapunov time follows, if the config knows it
-    "TIME": "STEPS case.lyapunov.time_unit case.lyapunov.published_exponent",
-    # observations: the true states with noise
-    "OBSERVED": "random_seed case.training.noise case.training.series",
-    # how forecasts are cut into windows
-    "WINDOWS": "classification.resolution_lt classification.window_lt "
-    "classification.longest_prediction_time_lt",
-    "HORIZON": "horizon.longest_lead_time_lt horizon.lead_time_step_lt horizon.tolerance",
-    # what scores of probabilities are made with
-    "SCORED": "random_seed bootstrap classification.prediction_times_lt "
-    "classification.window_lt classification.resolution_lt",
-    "RESERVOIR": "random_seed forecasters.esn.connectivity forecasters.esn.input_bias "
-    "forecasters.esn.readout forecasters.esn.input_range forecasters.esn.backend forecasters.aware",
-    "SEARCH": "SYSTEM TIME OBSERVED RESERVOIR case.recycle_validation washout_lt "
-    "search.interval_lt search.single_shot_lead_steps search.tikhonov search.spectral_radius "
-    "search.input_scaling forecasters.esn.leak_rate",
-    # of a kind of forecaster
-    "OPTIONS": "SYSTEM TIME forecaster.options",
-    # long runs: where they start and how long they are
-    "LONG_RUNS": "OPTIONS OBSERVED washout_lt statistics.starting_points "
-    "statistics.start_spacing_lt statistics.duration",
-    # what forecasts of other programs are compared with
-    "TASK": "SYSTEM TIME OBSERVED WINDOWS HORIZON case.event_threshold washout_lt "
-    "classification.prediction_times_lt",
-    "LONG_TERM": "LONG_RUNS forecaster.divergence_bound case.density "
-    "case.laminarisation_threshold case.fixed_point statistics.fixed_point_interval_lt",
-    "CONTROL": "SYSTEM TIME random_seed case.training.series case.event_threshold "
-    "case.laminarisation_threshold case.actuation washout_lt control.flows control.run",
-}
-"""Settings that several stages read, by one name for all of them."""
-
-NOISE = "case.training.noise"
-AWARE = "forecasters.aware"
-COST = "control.cost"
-DENSITY = "case.controlled_density"
-SENSOR = "control.sensor"
 
 
 @dataclass(frozen=True)
@@ -407,89 +361,14 @@ class Campaign:
             times.update(sweep.prediction_times_lt)
         return sorted(times)
 
-    # -- what stages are given ---------------------------------------------------------------------
+    # -- what settings of jobs are made of ---------------------------------------------------------
 
-    def settings(
-        self, paths: Iterable[str], wildcards: Mapping[str, str], values: Mapping[str, Any]
-    ) -> dict[str, Any]:
-        """Settings of a job by their paths in the config, in canonical form.
-
-        ``paths``: And names of `GROUPS`. ``case.`` stands for the job's case,
-        ``forecaster.options`` for its kind's settings without ``forecaster.divergence_bound``,
-        which only jobs that judge long forecasts read (None where the kind has none; left out for
-        controllers that ask no forecaster), ``control.run`` for its plan of control. Kinds that see
-        the truth are given no noise, ``forecasters.aware`` is for forecasters that know the
-        parameters, with the case's own values (``own``), and ``control.cost`` is left out where it
-        is false.
-        """
-        name = name_of(wildcards)
-        left_out = {NOISE} if _sees_truth(name) else set()
-        if not (name.asks_forecasters and self._tells(name, wildcards)):
-            left_out.add(AWARE)
-        if not self.config.control.cost:
-            left_out.add(COST)
-        if "strategy" in wildcards:
-            plan = self.plan(wildcards["strategy"])
-            # densities are made of the paper's control alone
-            left_out |= {SENSOR} if not plan.observed else set()
-            left_out |= {DENSITY} if not plan.is_of_the_paper else set()
-        if "controller" in wildcards and not name.asks_forecasters:
-            left_out.add("forecaster.options")
-        found = {
-            path: self._setting(path, wildcards, name)
-            for path in _listed(*paths)
-            if path not in left_out
-        }
-        result: dict[str, Any] = canonical({**found, **values})
-        return result
-
-    def _setting(self, path: str, wildcards: Mapping[str, str], name: ForecasterName) -> Any:
-        section, *rest = path.split(".")
-        if section == "forecaster":
-            options = self.options(name.kind, wildcards.get("case", ""), name.label)
-            bound = options.pop("divergence_bound", None)
-            value: Any = {"options": options, "divergence_bound": bound}
-            if self._decodes(wildcards, name):
-                value["options"]["source"] = self.source_system(wildcards["case"])
-        elif path == AWARE:
-            aware = self._sections(wildcards["case"])["aware"]
-            return {**aware, "own": self.own_values(wildcards["case"])}
-        elif section == "forecasters":
-            value = self._sections(wildcards.get("case", ""), name.label)
-        elif section == "case":
-            value = self._plain_cases[wildcards["case"]]
-        elif path == "statistics.duration" and self.config.statistics.duration is None:
-            value = self._plain_cases[wildcards["case"]]["ensemble"]
-        elif path == SENSOR:
-            return self._sensor(self.plan(wildcards["strategy"]).observed)
-        elif path == "control.run":
-            value = {"run": self._control_record(wildcards, name)}
-        else:
-            value = self._plain[section]
-        for key in rest:
-            value = value[key]
-        return value
-
-    def _decodes(self, wildcards: Mapping[str, str], name: ForecasterName) -> bool:
-        """Whether a forecaster goes on with equations from decoded states of another case."""
-        part = self.plan(wildcards["strategy"]).observed if "strategy" in wildcards else ""
-        case = self.cases.get(part or wildcards.get("case", ""))
-        solves = name.asks_forecasters and kind_class(name.kind).needs_equations
-        return solves and case is not None and is_encoded(case)
-
-    def _tells(self, name: ForecasterName, wildcards: Mapping[str, str]) -> bool:
-        """Whether a job's forecaster learns about parameters, or is given those in force."""
-        plan = self.plan(wildcards["strategy"]) if "strategy" in wildcards else None
-        told = plan and make_strategy(plan.strategy, dict(plan.settings)).told
-        switched = wildcards.get("case") in self.switched_cases
-        return bool(told) or switched or learns_parameters(name.kind)
-
-    def _sections(self, case: str, label: str | None = None) -> dict[str, Any]:
+    def sections(self, case: str, label: str | None = None) -> dict[str, Any]:
         """Settings of kinds of forecasters in a case; records have known columns as parameters.
 
         Networks with the label of a variant have its settings.
         """
-        sections: dict[str, Any] = self._plain["forecasters"]
+        sections: dict[str, Any] = self.plain["forecasters"]
         if label in sections["variants"]:
             sections = {**sections, "esn": {**sections["esn"], **sections["variants"][label]}}
         if case not in self.known_cases:
@@ -508,11 +387,12 @@ class Campaign:
         return [*SystemParameters.of(make_system(one.system, one.parameters), names).own]
 
     @cached_property
-    def _plain(self) -> dict[str, Any]:
+    def plain(self) -> dict[str, Any]:
+        """The whole configuration as plain data."""
         return self.config.dump()
 
     @cached_property
-    def _plain_cases(self) -> dict[str, dict[str, Any]]:
+    def plain_cases(self) -> dict[str, dict[str, Any]]:
         """Settings of each case as its jobs are given them."""
         found = {}
         for name, case in self.cases.items():
@@ -526,23 +406,7 @@ class Campaign:
 
     def options(self, kind: str, case: str = "", label: str | None = None) -> dict[str, Any]:
         """Settings of a kind of forecasters, in a case, from all of its sections."""
-        return options_of_kind(kind, self._sections(case, label))
-
-    def _control_record(self, wildcards: Mapping[str, str], name: ForecasterName) -> dict[str, Any]:
-        run = self.plan(wildcards["strategy"]).record(self.config.control.span_lt)
-        if run["noise"] is None:  # the case's: unused, and left out, where the truth is seen
-            del run["noise"]
-            if not _sees_truth(name):
-                run["noise"] = self.cases[wildcards["case"]].training.noise
-        return run
-
-    def _sensor(self, part: str) -> dict[str, Any]:
-        """Observations of a controlled case for forecasters of one of its parts."""
-        case = self._plain_cases[part]
-        parameters = case["parameters"]
-        if not is_encoded(self.cases[part]):
-            return {"components": self.data(part).components, "of": parameters["observable_of"]}
-        return {"parameters": parameters} | {name: case[name] for name in ("sensors", "encoder")}
+        return options_of_kind(kind, self.sections(case, label))
 
     def modules(self, wildcards: Mapping[str, str]) -> dict[str, list[str]]:
         """Modules that a job reaches by a name, by the package whose registry finds them.
@@ -576,13 +440,6 @@ class Campaign:
                 strategy_module(name).rpartition(".")[2] for name in validations if name
             ),
         }
-
-    def settings_of_cases(
-        self, *paths: str, cases: Iterable[str] | None = None
-    ) -> dict[str, dict[str, Any]]:
-        """Settings of all cases, or of some, by the name of the case."""
-        cases = self.case_names if cases is None else cases
-        return {case: self.settings(paths, {"case": case}, {}) for case in cases}
 
     # -- facts about cases -------------------------------------------------------------------------
 
@@ -680,7 +537,7 @@ class Campaign:
     def source_system(self, case: str) -> dict[str, Any]:
         """Name, system and parameters of the case that a case is a part of."""
         name = self.source_case(case)
-        source = self._plain_cases[name]
+        source = self.plain_cases[name]
         return {"name": name, "system": source["system"], "parameters": source["parameters"]}
 
     def data(self, case: str) -> Data:
@@ -713,22 +570,6 @@ WHOSE = ("forecaster", "controller", "reservoir")
 def name_of(wildcards: Mapping[str, str]) -> ForecasterName:
     """Forecaster or controller of a job, or the network that its reservoir is for."""
     return parsed(next(filter(None, map(wildcards.get, WHOSE)), "none"))
-
-
-@cache
-def _listed(*names: str) -> tuple[str, ...]:
-    """Paths of settings that paths and names of groups stand for, each once."""
-    paths: list[str] = []
-    for name in names:
-        paths += _listed(*GROUPS[name].split()) if name in GROUPS else [name]
-    return tuple(dict.fromkeys(paths))
-
-
-@cache
-def _sees_truth(name: ForecasterName) -> bool:
-    """Whether no noise concerns a forecaster: networks have learnt from noisy series."""
-    kind = kind_class(name.kind) if name.asks_forecasters else None
-    return kind is not None and kind.sees_truth and not kind.has_search
 
 
 def _names(kind: str, axes: Section | dict[str, Section]) -> Iterator[ForecasterName]:

@@ -17,9 +17,10 @@ from burstcast.discovery import suggestion
 from burstcast.files.netcdf import read_rows
 from burstcast.forecasters.base import Forecaster
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
-from burstcast_workflow.harness.settings import Settings, exponent_in
-from burstcast_workflow.jobs.data import kept_series, observed_rows
-from burstcast_workflow.jobs.forecasters import read_forecaster
+from burstcast_workflow.campaign.job_settings import settings_of_job
+from burstcast_workflow.harness.settings import at, exponent_in
+from burstcast_workflow.jobs.data import Observed, kept_series
+from burstcast_workflow.jobs.forecasters import Forecasting
 from snaketrust.run import CLAIM
 
 if TYPE_CHECKING:
@@ -57,6 +58,10 @@ class Shelf(Mapping[str, Found], Generic[Found]):
 
     def _ipython_key_completions_(self) -> list[str]:
         return self._names
+
+
+class _Opened(Forecasting):
+    divergence_bound: float | None = at("forecaster.divergence_bound")
 
 
 class OpenedCampaign:
@@ -136,8 +141,8 @@ class OpenedCampaign:
         if not observed:
             return np.asarray(states)
         identity = {"case": case}
-        settings = Settings(self._campaign.settings(["OBSERVED"], identity, {}), identity)
-        return observed_rows(settings, str(path), start, states)
+        settings = Observed(settings_of_job(self._campaign, Observed.paths(), identity), identity)
+        return settings.observed_rows(str(path), start, states)
 
     def _stems(self, directory: str, suffix: str) -> list[str]:
         return sorted(path.stem for path in (self.results / directory).glob(f"*.{suffix}"))
@@ -151,22 +156,16 @@ class OpenedCampaign:
         return Shelf(what, there, lambda name: self._forecaster(there[name]))
 
     def _forecaster(self, one: CaseForecaster) -> Forecaster:
-        paths = ["OPTIONS", "forecaster.divergence_bound"]
         time_unit = self._campaign.time_unit(one.case)
-        settings = Settings(
-            self._campaign.settings(paths, one.identity, {}),
+        settings = _Opened(
+            settings_of_job(self._campaign, _Opened.paths(), one.identity),
             one.identity,
             computed_exponent=exponent_in(f"{self.results}/{time_unit}" if time_unit else ""),
         )
-        if "backend" in settings["forecaster.options"]:
-            settings["forecaster.options"]["backend"] = usable_backend(
-                settings["forecaster.options"]["backend"]
-            )
-        return read_forecaster(
-            str(self.results / one.directory / "forecaster.nc"),
-            settings,
-            settings["forecaster.divergence_bound"],
-        )
+        if "backend" in settings.options:
+            settings.options["backend"] = usable_backend(settings.options["backend"])
+        path = str(self.results / one.directory / "forecaster.nc")
+        return settings.read_forecaster(path, settings.divergence_bound)
 
 
 def open_campaign(results: str | Path) -> OpenedCampaign:

@@ -7,7 +7,6 @@ import math
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import suppress
 from operator import attrgetter
-from typing import Any
 
 from burstcast import durations
 from burstcast.control.strategies.registry import make_strategy as make_control_strategy
@@ -18,22 +17,20 @@ from burstcast.forecasters.precursor import lag_steps
 from burstcast.statistics.warning_signs import FEW_POSITIVES
 from burstcast_workflow.config.cases import campaign_cases, case_of, sound_case
 from burstcast_workflow.config.control_plans import block_plans
+from burstcast_workflow.config.kinds import Section
 from burstcast_workflow.config.measured_cases import space_of
 from burstcast_workflow.config.model import Case, Configuration, Ensemble, Simulated
-from burstcast_workflow.harness.settings import CLASSIFICATION
-from burstcast_workflow.jobs import lengths
-from burstcast_workflow.jobs.lengths import listing
+from burstcast_workflow.jobs.lengths import FORECASTS, Lengths, listing
 
 
-class _Settings(dict[str, Any]):
-    """Settings of a case by their paths, as its jobs are given them."""
-
-    def __init__(self, config: Configuration, case: Simulated) -> None:
-        self.config, self.case = config, case
-
-    def __missing__(self, path: str) -> Any:
+def _lengths(config: Configuration, case: Simulated) -> Lengths:
+    """What a case asks of its series, as its job would be given it."""
+    found = {}
+    for path in Lengths.paths():
         below = path.removeprefix("case.")
-        return attrgetter(below)(self.config if below == path else self.case)
+        value = attrgetter(below)(config if below == path else case)
+        found[path] = value.dump() if isinstance(value, Section) else value
+    return Lengths(found, {})
 
 
 FINE = 1000
@@ -61,10 +58,8 @@ def misfits(
     if steps is None or steps:
         _control(config, name, case, steps or FINE, problems)
     if steps:
-        interval, samples = ensemble.sampling_interval, _samples(ensemble)
-        found = lengths.misfits(
-            _Settings(config, case), steps, samples, interval, kinds, validations
-        )
+        asked = _lengths(config, case)
+        found = asked.misfits(steps, _samples(ensemble), kinds, validations)
         problems = [*found, *problems]
     return list(dict.fromkeys(problems))
 
@@ -133,7 +128,7 @@ def room_misfits(config: Configuration, case: Case) -> Iterator[str]:
         samples = round(blocks.duration / interval) + 1
         starting_points(1, samples, 1, washout, durations.steps(reach_lt, steps))
     except ValueError as error:
-        yield f"{CLASSIFICATION} or data.blocks.duration: {error}"
+        yield f"{FORECASTS} or data.blocks.duration: {error}"
 
 
 def _control(

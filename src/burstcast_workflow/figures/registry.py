@@ -13,6 +13,7 @@ from burstcast.figures.registry import Declaration, available_figures, declarati
 from burstcast.forecasters.registry import learns_parameters
 from burstcast.observation.velocity_sensors import PlaneFlow
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun, nearest
+from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.config.cases import is_flow
 from burstcast_workflow.config.measured_cases import undecoded
 from burstcast_workflow.tables.declarations import SECTIONS
@@ -101,7 +102,7 @@ def _panels(campaign: Campaign, case: str) -> list[dict[str, Any]]:
     return [
         {
             "case": other,
-            "event_threshold": campaign.settings([path], {"case": other}, {})[path],
+            "event_threshold": settings_of_job(campaign, [path], {"case": other})[path],
             **_control_kind(campaign, other),
         }
         for other in _controlled_cases(campaign, case)
@@ -367,7 +368,7 @@ def settings_of(campaign: Campaign, figure: Declaration, case: str) -> dict[str,
         path: _named(_SHOWN, name, "setting to show")(campaign, case)
         for path, name in shown.items()
     }
-    return campaign.settings(sorted(paths - shown.keys()), {"case": case}, values)
+    return settings_of_job(campaign, sorted(paths - shown.keys()), {"case": case}, values)
 
 
 def is_of_several_cases(figure: Declaration) -> bool:

@@ -3,11 +3,11 @@
 A script is one function with explicit arguments, at its end::
 
     @job
-    def train(*, ensemble: str, forecaster: str, settings: Settings) -> None: ...
+    def scan(*, ensemble: str, scan: str, settings: Scan) -> None: ...
 
-The arguments are the rule's inputs and outputs by their names, and ``settings``, which the rule
-declares. Settings that other jobs determine, event thresholds and the unit of time, have their
-values already.
+The arguments are the rule's inputs and outputs by their names, and ``settings``, whose class
+declares them (`burstcast_workflow.harness.settings`). Settings that other jobs determine, event
+thresholds and the unit of time, have their values already.
 """
 
 import atexit
@@ -38,8 +38,9 @@ from burstcast_workflow.harness.environment import (
 from burstcast_workflow.harness.settings import (
     THRESHOLDS,
     TIME_UNIT,
+    JobSettings,
     Provenance,
-    Settings,
+    at,
     concerning,
     exponent_in,
     with_thresholds,
@@ -56,7 +57,8 @@ from snaketrust import job as trust
 from snaketrust.fingerprint import script_of
 
 __all__ = [
-    "Settings",
+    "JobSettings",
+    "at",
     "atomic",
     "concerning",
     "job",
@@ -134,7 +136,8 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
         files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
         known = _known(declared, files.pop(THRESHOLDS, []))
         exponent = exponent_in(files.pop(TIME_UNIT, ""))
-        settings = Settings(known, identity, provenance(identity, declared), exponent)
+        of_job = function.__annotations__.get("settings", JobSettings)
+        settings = of_job(known, identity, provenance(identity, declared), exponent)
         function(**arguments_for(function, {**files, "settings": settings}))
         if unread := settings.unread():
             logger.info("settings not read: %s", ", ".join(unread))

@@ -1,4 +1,13 @@
-"""The settings of a job, by the names that they have in the config."""
+"""The settings of a job: fields of a class that its script declares, each with a name and a type.
+
+A script's function takes ``settings: Scan``, and that class says what the script reads::
+
+    class Scan(Search):
+        grid: int = at("search.grid")
+
+The parameters of the rule are made from it (`burstcast_workflow.stages.declared`). What several
+jobs share is a base in `burstcast_workflow.jobs`, with what follows from its settings.
+"""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -10,24 +19,82 @@ Provenance = dict[str, str]
 
 
 class UndeclaredSettingError(KeyError):
-    """A script reads what its rule does not declare, so that nothing would track it."""
+    """A script reads what is no setting of its job, so that nothing would track it."""
 
     def __str__(self) -> str:
         return str(self.args[0])
 
 
-class Settings(Mapping[str, Any]):
-    """Settings of a job by their path in the config: ``settings["search.grid"]``.
+_RAISE = object()
 
-    A rule declares the paths that its script reads; a path below a declared one may be read, too
-    (``case.training.noise`` where ``case.training`` is declared). ``case.`` stands for the job's
-    case, ``forecaster.options`` for the section of its kind of forecaster. The wildcards of the job
-    are there by their names.
 
+def at(
+    path: str, *below: str, otherwise: Any = _RAISE, make: Callable[[Any], Any] | None = None
+) -> Any:
+    """Declare a field of a class of settings.
+
+    ``path``: Where its value stands in the config. ``case.`` stands for the job's case,
+    ``forecaster.options`` for the section of its kind of forecaster; other paths that the config
+    does not have are values that the rule gives. ``below``: Keys in that value. ``otherwise``: The
+    value where the setting does not concern a job; without one, it is an error to read it then.
+    ``make``: Makes the field of the value.
+    """
+    return Setting(path, below, otherwise, make)
+
+
+class Setting:
+    """A field of a class of settings (`at`)."""
+
+    def __init__(
+        self,
+        path: str,
+        below: tuple[str, ...],
+        otherwise: Any,
+        make: Callable[[Any], Any] | None,
+    ) -> None:
+        self.path, self._otherwise, self._make = path, otherwise, make
+        self._whole = ".".join([path, *below])
+
+    def __str__(self) -> str:
+        """Its name in messages: the path in the config, or in the section of a case."""
+        return self._whole.removeprefix("case.")
+
+    def __get__(self, settings: "JobSettings | None", _: type) -> Any:
+        if settings is None:
+            return self
+        try:
+            value = settings.value_of(self._whole)
+        except KeyError:
+            if self._otherwise is _RAISE:
+                raise
+            return self._otherwise
+        return self._make(value) if self._make else value
+
+    def __set__(self, _: "JobSettings", value: Any) -> None:
+        raise AttributeError(f"{self} is a setting: a job does not change it")
+
+
+def _wildcard(name: str) -> Any:
+    return property(lambda settings: settings.identity[name])
+
+
+class JobSettings:
+    """Settings of a job, and the wildcards that it was called with.
+
+    ``declared``: Values by the paths that the rule declares. ``identity``: Rule and wildcards.
     ``provenance``: Origin of the job's outputs, which every NetCDF and JSON file carries.
     ``computed_exponent``: Lyapunov exponent that sets the unit of time; None where the config knows
     it.
     """
+
+    rule: str = _wildcard("rule")
+    case: str = _wildcard("case")
+    forecaster: str = _wildcard("forecaster")
+    controller: str = _wildcard("controller")
+    reservoir: str = _wildcard("reservoir")
+    strategy: str = _wildcard("strategy")
+    strategies: str = _wildcard("strategies")
+    figure: str = _wildcard("figure")
 
     def __init__(
         self,
@@ -36,13 +103,25 @@ class Settings(Mapping[str, Any]):
         provenance: Provenance | None = None,
         computed_exponent: float | None = None,
     ) -> None:
-        self._declared, self._identity = declared, identity
+        self._declared, self.identity = declared, identity
         self.provenance, self.computed_exponent = provenance or {}, computed_exponent
         self._read: set[str] = set()
 
-    def __getitem__(self, path: str) -> Any:
-        if path in self._identity:
-            return self._identity[path]
+    def __init_subclass__(cls) -> None:
+        known: dict[str, str] = {}
+        for one in cls.__mro__[:-1]:
+            for name, value in vars(one).items():
+                if not name.startswith("__") and known.setdefault(name, str(value)) != str(value):
+                    raise TypeError(f"{cls.__name__} has the name {name} twice, or of a wildcard")
+
+    @classmethod
+    def paths(cls) -> list[str]:
+        """Paths of all settings of the class."""
+        fields = [field for one in cls.__mro__ for field in vars(one).values()]
+        return [*dict.fromkeys(one.path for one in fields if isinstance(one, Setting))]
+
+    def value_of(self, path: str) -> Any:
+        """Value of a setting by its path, which may lie below one that the rule declares."""
         parts = path.split(".")
         for count in range(len(parts), 0, -1):
             name = ".".join(parts[:count])
@@ -53,15 +132,9 @@ class Settings(Mapping[str, Any]):
                     value = value[part]
                 return value
         raise UndeclaredSettingError(
-            f"{self._identity.get('rule', 'this')} reads the setting {path}, which its rule does "
-            f"not declare; it declares: {', '.join(sorted(self._declared)) or 'none'}"
+            f"{self.identity.get('rule', 'this')} reads the setting {path}, which does not concern "
+            f"it; its settings are: {', '.join(sorted(self._declared)) or 'none'}"
         )
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._declared)
-
-    def __len__(self) -> int:
-        return len(self._declared)
 
     def unread(self) -> list[str]:
         """Declared settings, down to their leaves, that have not been read."""
@@ -82,19 +155,18 @@ def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
         yield path, value
 
 
-VALIDATION = "recycle_validation.intervals_per_series, search.interval_lt, washout_lt"
-CLASSIFICATION = "classification.longest_prediction_time_lt, classification.window_lt, washout_lt"
-HORIZON = "horizon.longest_lead_time_lt, washout_lt"
-LONG_RUNS = "statistics.duration, statistics.fixed_point_interval_lt"
+def names(*fields: object) -> str:
+    """Names of settings in messages, of fields as their class has them: ``Scan.grid``."""
+    return ", ".join(map(str, fields))
 
 
 @contextmanager
-def concerning(settings: str) -> Iterator[None]:
-    """Put the affected settings before the message of the library."""
+def concerning(*fields: object) -> Iterator[None]:
+    """Put the names of the affected settings before the message of the library."""
     try:
         yield
     except ValueError as error:
-        raise ValueError(f"{settings}: {error}") from error
+        raise ValueError(f"{names(*fields)}: {error}") from error
 
 
 THRESHOLDS = "event_thresholds"

@@ -1,12 +1,11 @@
 """Runs of control: what the scripts of control set up."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.control.actuation import ActuationValues, actuated_system, reversed_actuation
 from burstcast.control.experiment import ControlExperiment, controlled_series, noise_of_flows
@@ -21,55 +20,17 @@ from burstcast.files.netcdf import read_netcdf, read_record, read_rows
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import kind_class
 from burstcast.observation.part import ObservedPart
+from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import SHARE, SystemParameters
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import MEASURED
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.settings import at
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.jobs.forecasters import read_kind
-from burstcast_workflow.jobs.systems import equations_of, parameters_of
-from burstcast_workflow.jobs.time_unit import lyapunov_time
+from burstcast_workflow.jobs.data import Training
+from burstcast_workflow.jobs.forecasters import Forecasting, read_kind
+from burstcast_workflow.jobs.time_unit import Washed
 
-
-def control_setup(
-    settings: Settings,
-    ensemble: str,
-    summary: str,
-    forecasters: Sequence[str],
-    encoder: str | Sequence[str] = (),
-) -> tuple[ControlStrategy, ControlExperiment, list[Any], FloatArray | None]:
-    """Set up a job of control from its settings and inputs.
-
-    Returns the strategy, the experiment, the forecasters that are asked, and the observation noise
-    of each flow at each step, ``(flows, steps, dimension)``; None for forecasters that see the
-    truth.
-    """
-    strategy = make_strategy(settings["control.run.strategy"], settings["control.run.settings"])
-    experiment = control_experiment(settings, ensemble, summary)
-    experiment = replace(experiment, sensor=_sensor(settings, experiment, encoder))
-    if strategy.told:
-        names = settings["forecasters.aware"]["parameters"]
-        experiment = replace(experiment, values=_values(settings, experiment, names))
-    kind = parsed(settings["controller"]).kind
-    sensor = experiment.sensor
-    asked: list[Any] = [
-        read_kind(kind_class(kind), path, settings, space=experiment.observed_space)
-        for path in forecasters
-    ]
-    noise = None
-    if not any(forecaster.sees_truth for forecaster in asked):
-        seen = read_rows(ensemble, "state", 0, settings["case.training.series"])
-        if sensor is not None:
-            seen = np.moveaxis(sensor(np.moveaxis(seen, -1, 0)), 0, -1)
-        noise = noise_of_flows(
-            experiment.series,
-            strategy.timing(experiment.schedule).length,
-            settings["control.run.noise"],
-            component_scales(seen),
-            experiment.root_seed,
-            settings["control.run"].get("observed", experiment.case),
-        )
-    return strategy, experiment, asked, noise
+Sensor: TypeAlias = ObservedPart | EncodedFlow
 
 
 def alarm_rate(flows: str) -> float:
@@ -79,60 +40,116 @@ def alarm_rate(flows: str) -> float:
     return int(counts.alarms[kept].sum()) / forecasts if forecasts else 0.0
 
 
-def control_experiment(settings: Settings, ensemble: str, summary: str) -> ControlExperiment:
-    """Experiment of a control job, from its settings and inputs.
+class Controlled(Forecasting, Washed, Training):
+    """Runs of control: how flows are controlled, and by whom."""
 
-    Quiet flows begin with the first states of the kept series, unselected ones with the last:
-    what follows them has had no say in what is kept.
-    """
-    system, steps = equations_of(settings), lyapunov_time(settings)
-    actuation, strength = settings["case.actuation"], settings["control.run.strength"]
-    of_strategy = settings["control.run.settings"]
-    reverses = bool(of_strategy.get("push") or of_strategy.get("reversible"))
-    washout = durations.steps(settings["washout_lt"], steps)
-    training = settings["case.training.series"]
-    kept = read_json(summary)["series_kept"]
-    series = controlled_series(kept, training, settings["control.flows"])
-    states = read_rows(ensemble, "state", series.start, series.stop)
-    quiet = settings["control.run.starts"] == "quiet"
-    return ControlExperiment(
-        system=system,
-        actuated_system=actuated_system(
-            system,
-            actuation["parameters"],
-            actuation["force"],
-            strength,
-        ),
-        reversed_system=(
-            reversed_actuation(system, actuation["force"], strength)
-            if reverses and actuation["force"] is not None
-            else None
-        ),
-        threshold=settings["case.event_threshold"],
-        series=series,
-        washouts=np.ascontiguousarray(states[:, :washout] if quiet else states[:, -washout:]),
-        quiet_starts=quiet,
-        schedule=Schedule(
-            washout=washout,
-            quiet_lt=settings["control.run.quiet_lt"],
-            span_lt=settings["control.run.span_lt"],
-            delay_lt=settings["control.run.delay_lt"],
-            actuation_start_lt=actuation["start_lt"],
-            actuation_duration_lt=actuation["duration_lt"],
-            steps_per_lyapunov_time=steps,
-            sampling_stride=settings["case.ensemble.sampling_stride"],
-            time_step=settings["case.ensemble.time_step"],
-        ),
-        root_seed=settings["random_seed"],
-        case=settings["case"],
-    )
+    random_seed: int = at("random_seed")
+    event_threshold: float = at("case.event_threshold")
+    laminarisation_threshold: float | None = at("case.laminarisation_threshold")
+    actuation: dict[str, Any] = at("case.actuation")
+    flows: int = at("control.flows")
+    kind_of_strategy: str = at("control.run", "strategy")
+    strategy_settings: dict[str, Any] = at("control.run", "settings")
+    starts: str = at("control.run", "starts")
+    quiet_lt: float = at("control.run", "quiet_lt")
+    span_lt: float = at("control.run", "span_lt")
+    delay_lt: float = at("control.run", "delay_lt")
+    strength: float = at("control.run", "strength")
+    noise: float = at("control.run", "noise")
+    observed: str | None = at("control.run", "observed", otherwise=None)
+
+    def setup(
+        self,
+        ensemble: str,
+        summary: str,
+        forecasters: Sequence[str],
+        sensor: Sensor | None = None,
+        aware: Mapping[str, Any] | None = None,
+    ) -> tuple[ControlStrategy, ControlExperiment, list[Any], FloatArray | None]:
+        """Set up the job from its inputs.
+
+        Returns the strategy, the experiment, the forecasters that are asked, and the observation
+        noise of each flow at each step, ``(flows, steps, dimension)``; None for forecasters that
+        see the truth. ``aware`` is what forecasters are told of parameters.
+        """
+        strategy = make_strategy(self.kind_of_strategy, self.strategy_settings)
+        experiment = replace(self.experiment(ensemble, summary), sensor=sensor)
+        if strategy.told:
+            assert aware is not None
+            experiment = replace(experiment, values=self._values(experiment, aware["parameters"]))
+        asked: list[Any] = []
+        if forecasters:  # the options of none concern no job
+            case = self.forecasting_case(aware=aware, actuation=self.actuation)
+            case = replace(case, system=experiment.observed_space)
+            kind = kind_class(parsed(self.controller).kind)
+            asked = [read_kind(kind, path, case) for path in forecasters]
+        noise = None
+        if not any(forecaster.sees_truth for forecaster in asked):
+            seen = read_rows(ensemble, "state", 0, self.training_series)
+            if sensor is not None:
+                seen = np.moveaxis(sensor(np.moveaxis(seen, -1, 0)), 0, -1)
+            noise = noise_of_flows(
+                experiment.series,
+                strategy.timing(experiment.schedule).length,
+                self.noise,
+                component_scales(seen),
+                experiment.root_seed,
+                self.observed or experiment.case,
+            )
+        return strategy, experiment, asked, noise
+
+    def experiment(self, ensemble: str, summary: str) -> ControlExperiment:
+        """Experiment of the job.
+
+        Quiet flows begin with the first states of the kept series, unselected ones with the last:
+        what follows them has had no say in what is kept.
+        """
+        system, washout, of_strategy = self.equations, self.washout, self.strategy_settings
+        force, strength = self.actuation["force"], self.strength
+        reverses = bool(of_strategy.get("push") or of_strategy.get("reversible"))
+        kept = read_json(summary)["series_kept"]
+        series = controlled_series(kept, self.training_series, self.flows)
+        states = read_rows(ensemble, "state", series.start, series.stop)
+        quiet = self.starts == "quiet"
+        return ControlExperiment(
+            system=system,
+            actuated_system=actuated_system(system, self.actuation["parameters"], force, strength),
+            reversed_system=(
+                reversed_actuation(system, force, strength)
+                if reverses and force is not None
+                else None
+            ),
+            threshold=self.event_threshold,
+            series=series,
+            washouts=np.ascontiguousarray(states[:, :washout] if quiet else states[:, -washout:]),
+            quiet_starts=quiet,
+            schedule=Schedule(
+                washout=washout,
+                quiet_lt=self.quiet_lt,
+                span_lt=self.span_lt,
+                delay_lt=self.delay_lt,
+                actuation_start_lt=self.actuation["start_lt"],
+                actuation_duration_lt=self.actuation["duration_lt"],
+                steps_per_lyapunov_time=self.lyapunov_time,
+                sampling_stride=self.sampling_stride,
+                time_step=self.time_step,
+            ),
+            root_seed=self.random_seed,
+            case=self.case,
+        )
+
+    def _values(self, experiment: ControlExperiment, names: Sequence[str]) -> ActuationValues:
+        """Parameter values for forecasters, with the actuator off and on."""
+        off = self.known(names, self.actuation)
+        if list(names) == [SHARE]:
+            return ActuationValues(off.own, (self.strength,), (-self.strength,))
+        return ActuationValues(off.own, SystemParameters.of(experiment.actuated_system, names).own)
 
 
-def _sensor(
-    settings: Settings, experiment: ControlExperiment, encoder: str | Sequence[str]
-) -> ObservedPart | EncodedFlow | None:
+def sensor_of(
+    said: Mapping[str, Any] | None, system: DynamicalSystem, encoder: str | Sequence[str]
+) -> Sensor | None:
     """Sensor of the flows, with the encoder that its case has fitted; None: all is observed."""
-    said, system = settings.get("control.sensor"), experiment.system
     if said is None:
         return None
     if not isinstance(encoder, str):
@@ -141,14 +158,3 @@ def _sensor(
     case = encoding_case(system, said["sensors"], options)
     channels = StateChannels.restore(options.get("kind", IDENTITY), case, read_netcdf(encoder))
     return EncodedFlow(channels, system, make_space(MEASURED, said["parameters"]))
-
-
-def _values(
-    settings: Settings, experiment: ControlExperiment, names: Sequence[str]
-) -> ActuationValues:
-    """Parameter values for forecasters, with the actuator off and on."""
-    off = parameters_of(settings, names)
-    if list(names) == [SHARE]:
-        strength = settings["control.run.strength"]
-        return ActuationValues(off.own, (strength,), (-strength,))
-    return ActuationValues(off.own, SystemParameters.of(experiment.actuated_system, names).own)

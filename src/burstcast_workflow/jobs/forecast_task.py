@@ -3,39 +3,42 @@
 from burstcast.benchmark.task import TaskData, campaign_task
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.files.netcdf import read_netcdf
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import kept_series, known_rows, observed_rows, training_states
-from burstcast_workflow.jobs.forecasts import boundaries_of, horizon_search
-from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import sampling_interval
+from burstcast_workflow.harness.settings import at
+from burstcast_workflow.jobs.data import Observed, kept_series, known_rows
+from burstcast_workflow.jobs.forecasts import Horizons, Windows
+from burstcast_workflow.jobs.systems import System
 
 
-def task_data(
-    settings: Settings, ensemble: str, evaluation_set: str, events: str, summary: str
-) -> TaskData:
-    """Observed data of the case; the settings are ``TASK`` of the rules, and ``noise``."""
-    known = known_rows(ensemble, 0, kept_series(ensemble))
-    in_force = {} if known is None else read_netcdf(evaluation_set, "parameter")
-    found = read_netcdf(evaluation_set, "series", "step", "washout")
-    before = read_netcdf(events, "series", "step", "observed")
-    return campaign_task(
-        case=settings["case"],
-        seed=settings["random_seed"],
-        space=system_of(settings),
-        boundaries=boundaries_of(settings),
-        prediction_times_lt=settings["classification.prediction_times_lt"],
-        window_lt=settings["classification.window_lt"],
-        resolution_lt=settings["classification.resolution_lt"],
-        training=observed_rows(settings, ensemble, 0, training_states(settings, ensemble)),
-        points=SeriesPoints(found["series"], found["step"]),
-        washouts=found["washout"],
-        events=SeriesPoints(before["series"], before["step"]),
-        before_events=before["observed"],
-        search=horizon_search(settings, summary),
-        known=known,
-        known_of_points=in_force.get("parameter"),
-        noise=settings["noise"],
-        event_threshold=settings["case.event_threshold"],
-        sampling_interval=sampling_interval(settings),
-        tolerance=settings["horizon.tolerance"],
-    )
+class Task(System, Observed, Windows, Horizons):
+    """What forecasts of other programs are compared with."""
+
+    prediction_times_lt: list[float] = at("classification.prediction_times_lt")
+    noise_of_case: float = at("noise")
+
+    def data(self, ensemble: str, evaluation_set: str, events: str, summary: str) -> TaskData:
+        """Observed data of the case."""
+        known = known_rows(ensemble, 0, kept_series(ensemble))
+        in_force = {} if known is None else read_netcdf(evaluation_set, "parameter")
+        found = read_netcdf(evaluation_set, "series", "step", "washout")
+        before = read_netcdf(events, "series", "step", "observed")
+        return campaign_task(
+            case=self.case,
+            seed=self.random_seed,
+            space=self.space,
+            boundaries=self.boundaries,
+            prediction_times_lt=self.prediction_times_lt,
+            window_lt=self.window_lt,
+            resolution_lt=self.resolution_lt,
+            training=self.observed_rows(ensemble, 0, self.training_states(ensemble)),
+            points=SeriesPoints(found["series"], found["step"]),
+            washouts=found["washout"],
+            events=SeriesPoints(before["series"], before["step"]),
+            before_events=before["observed"],
+            search=self.horizon_search(summary),
+            known=known,
+            known_of_points=in_force.get("parameter"),
+            noise=self.noise_of_case,
+            event_threshold=self.event_threshold,
+            sampling_interval=self.sampling_interval,
+            tolerance=self.tolerance,
+        )

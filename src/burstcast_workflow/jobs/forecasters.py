@@ -16,32 +16,13 @@ from burstcast.forecasters.base import (
 )
 from burstcast.forecasters.registry import forecaster_class
 from burstcast.systems.registry import make_system
-from burstcast.systems.state_space import StateSpace
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.settings import at
 from burstcast_workflow.harness.storage import write_netcdf
-from burstcast_workflow.jobs.data import observed_rows, training_states
-from burstcast_workflow.jobs.systems import parameters_of, system_of
-from burstcast_workflow.jobs.time_unit import lyapunov_time
+from burstcast_workflow.jobs.data import Observed
+from burstcast_workflow.jobs.systems import System
+from burstcast_workflow.jobs.time_unit import Clock
 
 Kind = TypeVar("Kind", bound=ForecasterKind)
-
-
-def forecasting_case(settings: Settings, ensemble: str | None = None) -> ForecastingCase:
-    """Knowledge of a job's forecasters beside the data; with ``ensemble``, to fit them."""
-    options = settings["forecaster.options"]
-    source = options.get("source")
-    told: Mapping[str, Any] = settings.get("forecasters.aware") or options
-    names = told.get("parameters")
-    return ForecastingCase(
-        system=system_of(settings),
-        time_step=settings["case.ensemble.time_step"],
-        sampling_stride=settings["case.ensemble.sampling_stride"],
-        steps_per_lyapunov_time=lyapunov_time(settings),
-        options=options,
-        parameters=parameters_of(settings, names) if names else None,
-        source=make_system(source["system"], source["parameters"]) if source else None,
-        maps=read_record(ensemble, StateMaps) if source and ensemble else None,
-    )
 
 
 def kind_of(identifier: str) -> type[Forecaster]:
@@ -64,55 +45,79 @@ def write_forecaster(path: str, forecaster: ForecasterKind, provenance: Mapping[
     write_netcdf(path, variables, {**provenance, **record.attributes})
 
 
-def read_forecaster(
-    path: str, settings: Settings, divergence_bound: float | None = None
-) -> Forecaster:
-    """Read a job's own forecaster of trajectories.
+class Forecasting(System, Clock):
+    """What forecasters of a kind know beside the data."""
 
-    ``divergence_bound``: Given where diverged forecasts must be recognised.
-    """
-    return read_kind(kind_of(settings["forecaster"]), path, settings, divergence_bound)
+    options: dict[str, Any] = at("forecaster.options")
+
+    def forecasting_case(
+        self,
+        ensemble: str | None = None,
+        aware: Mapping[str, Any] | None = None,
+        actuation: Mapping[str, Any] | None = None,
+    ) -> ForecastingCase:
+        """Knowledge of the job's forecasters; with ``ensemble``, to fit them.
+
+        ``aware`` is what forecasters are told of parameters, beside what their kinds ask for, and
+        ``actuation`` the actuator whose share they may know.
+        """
+        source = self.options.get("source")
+        names = (aware or self.options).get("parameters")
+        return ForecastingCase(
+            system=self.space,
+            time_step=self.time_step,
+            sampling_stride=self.sampling_stride,
+            steps_per_lyapunov_time=self.lyapunov_time,
+            options=self.options,
+            parameters=self.known(names, actuation) if names else None,
+            source=make_system(source["system"], source["parameters"]) if source else None,
+            maps=read_record(ensemble, StateMaps) if source and ensemble else None,
+        )
+
+    def read_forecaster(
+        self,
+        path: str,
+        divergence_bound: float | None = None,
+        aware: Mapping[str, Any] | None = None,
+    ) -> Forecaster:
+        """Read the job's own forecaster of trajectories.
+
+        ``divergence_bound``: Given where diverged forecasts must be recognised.
+        """
+        case = self.forecasting_case(aware=aware)
+        return read_kind(kind_of(self.forecaster), path, case, divergence_bound)
 
 
 def read_kind(
-    kind: type[Kind],
-    path: str,
-    settings: Settings,
-    divergence_bound: float | None = None,
-    space: StateSpace | None = None,
+    kind: type[Kind], path: str, case: ForecastingCase, divergence_bound: float | None = None
 ) -> Kind:
-    """Read a forecaster of a kind (see `read_forecaster`), by default of the case's states."""
+    """Read a forecaster of a kind (see `Forecasting.read_forecaster`)."""
     record = ForecasterRecord(read_netcdf(path), read_attributes(path))
-    case = forecasting_case(settings)
     options = {**case.options, "divergence_bound": divergence_bound}
-    case = dataclasses.replace(case, options=options, system=space or case.system)
-    return kind.restore(record, case)
+    return kind.restore(record, dataclasses.replace(case, options=options))
 
 
-def learnt_rows(
-    forecaster: Forecaster | type[Forecaster], settings: Settings, ensemble: str
-) -> FloatArray:
-    """Series that a forecaster learns from: with noise, or true ones for the exact equations.
+class Observing(Forecasting, Observed):
+    """And what they learn from."""
 
-    Networks with true washouts learn from noisy series: they differ in their inputs alone.
-    """
-    states = training_states(settings, ensemble)
-    if forecaster.sees_truth and not forecaster.has_search:
-        return states
-    return observed_rows(settings, ensemble, 0, states)
+    def learnt_rows(self, forecaster: Forecaster | type[Forecaster], ensemble: str) -> FloatArray:
+        """Series that a forecaster learns from: with noise, or true ones for the exact equations.
+
+        Networks with true washouts learn from noisy series: they differ in their inputs alone.
+        """
+        states = self.training_states(ensemble)
+        if forecaster.sees_truth and not forecaster.has_search:
+            return states
+        return self.observed_rows(ensemble, 0, states)
 
 
 def seen_rows(
-    forecaster: Forecaster | type[Forecaster],
-    settings: Settings,
-    ensemble: str,
-    first: int,
-    states: FloatArray,
+    forecaster: Forecaster, settings: Observed, ensemble: str, first: int, states: FloatArray
 ) -> FloatArray:
-    """Inputs of a forecaster from kept series: `observed_rows`, or the true states."""
+    """Inputs of a forecaster from kept series: as they were observed, or the true states."""
     if forecaster.sees_truth:
         return states
-    return observed_rows(settings, ensemble, first, states)
+    return settings.observed_rows(ensemble, first, states)
 
 
 def seen(forecaster: Forecaster, observed: FloatArray, true: FloatArray) -> FloatArray:

@@ -1,91 +1,101 @@
 """Forecasts of a job's case: the sets of their starting points, their windows."""
 
-from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.files.netcdf import read_rows
 from burstcast.forecast.forecast_files import point_variables, schedule_variables
 from burstcast.forecast.horizon import HorizonSearch
 from burstcast.forecast.observed_points import observed_points
 from burstcast.forecast.windows import window_boundaries
-from burstcast_workflow.harness.settings import CLASSIFICATION, Settings, concerning
+from burstcast_workflow.harness.settings import at, concerning
 from burstcast_workflow.harness.storage import read_json, write_netcdf
-from burstcast_workflow.jobs.data import (
-    check_kept_series,
-    kept_series,
-    known_rows,
-    observed_rows,
-    test_series,
-)
-from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import lyapunov_time
+from burstcast_workflow.jobs.data import Observed, Tested, known_rows
+from burstcast_workflow.jobs.systems import System
+from burstcast_workflow.jobs.time_unit import Clock, Washed
 
 
-def boundaries_of(settings: Settings) -> tuple[int, ...]:
-    """Boundaries of the windows of a forecast, in steps."""
-    resolution = settings["classification.resolution_lt"]
-    longest = settings["classification.longest_prediction_time_lt"]
-    reach = longest + settings["classification.window_lt"]
-    return window_boundaries(resolution, round(reach / resolution) - 1, lyapunov_time(settings))
+class Windows(Clock):
+    """How forecasts are cut into windows."""
+
+    resolution_lt: float = at("classification.resolution_lt")
+    window_lt: float = at("classification.window_lt")
+    longest_prediction_time_lt: float = at("classification.longest_prediction_time_lt")
+
+    @property
+    def boundaries(self) -> tuple[int, ...]:
+        """Boundaries of the windows of a forecast, in steps."""
+        reach = self.longest_prediction_time_lt + self.window_lt
+        count = round(reach / self.resolution_lt) - 1
+        return window_boundaries(self.resolution_lt, count, self.lyapunov_time)
 
 
-def test_rows(settings: Settings, ensemble: str) -> range:
-    """Test series: the kept series after the training series."""
-    kept, first = kept_series(ensemble), settings["case.training.series"]
-    series = test_series(settings, kept)
-    check_kept_series(kept, {"training.series": first, "test_series": series})
-    return range(first, first + series)
+class Horizons(Washed):
+    """How prediction horizons are measured."""
 
+    longest_lead_time_lt: float = at("horizon.longest_lead_time_lt")
+    lead_time_step_lt: float = at("horizon.lead_time_step_lt")
+    tolerance: float = at("horizon.tolerance")
+    event_threshold: float = at("case.event_threshold")
 
-def horizon_search(settings: Settings, summary: str) -> HorizonSearch:
-    """Search for prediction horizons, with the mean of all data from their summary."""
-    steps, mean = lyapunov_time(settings), read_json(summary)["mean_observable"]
-    return HorizonSearch(
-        longest_lead_time_lt=settings["horizon.longest_lead_time_lt"],
-        lead_time_step_lt=settings["horizon.lead_time_step_lt"],
-        tolerance=settings["horizon.tolerance"] * (settings["case.event_threshold"] - mean),
-        washout=durations.steps(settings["washout_lt"], steps),
-        steps_per_lyapunov_time=steps,
-    )
-
-
-def write_point_set(
-    path: str, settings: Settings, ensemble: str, rows: range, spacing: tuple[str, float]
-) -> None:
-    """Write starting points in kept series of an ensemble (see `write_points`)."""
-    states = read_rows(ensemble, "state", rows.start, rows.stop)
-    observed = observed_rows(settings, ensemble, rows.start, states)
-    observable = read_rows(ensemble, "observable", rows.start, rows.stop)
-    known = known_rows(ensemble, rows.start, rows.stop)
-    write_points(path, settings, (states, observed, observable), spacing, known)
-
-
-def write_points(
-    path: str,
-    settings: Settings,
-    series: tuple[FloatArray, FloatArray, FloatArray],
-    spacing: tuple[str, float],
-    schedules: FloatArray | None = None,
-) -> None:
-    """Write starting points, observed washouts, and the true window summaries.
-
-    ``series``: True states and observed ones, ``(series, time, dimension)`` each, and the true
-    observable, ``(series, time)``. ``spacing``: Name of the setting with the distance of two
-    points, and its value in Lyapunov times. ``schedules``: Parameters in force in each step,
-    ``(series, time - 1, parameters)``; None: the parameters of the case.
-    """
-    system, steps = system_of(settings), lyapunov_time(settings)
-    states, observed, observable = series
-    (name, spacing_lt), boundaries = spacing, boundaries_of(settings)
-    with concerning(CLASSIFICATION):
-        found = observed_points(
-            observed,
-            observable,
-            system.observable,
-            spacing=durations.positive_steps(spacing_lt, steps, name),
-            washout=durations.positive_steps(settings["washout_lt"], steps, "washout_lt"),
-            boundaries=boundaries,
+    def horizon_search(self, summary: str) -> HorizonSearch:
+        """Search for prediction horizons, with the mean of all data from their summary."""
+        mean = read_json(summary)["mean_observable"]
+        return HorizonSearch(
+            longest_lead_time_lt=self.longest_lead_time_lt,
+            lead_time_step_lt=self.lead_time_step_lt,
+            tolerance=self.tolerance * (self.event_threshold - mean),
+            washout=self.washout,
+            steps_per_lyapunov_time=self.lyapunov_time,
         )
-    variables = point_variables(found, states, system.observable_name)
-    if schedules is not None:
-        variables |= schedule_variables(found, schedules, boundaries[-1])
-    write_netcdf(path, variables, settings.provenance)
+
+
+class Points(System, Washed, Windows, Observed):
+    """Starting points of forecasts."""
+
+    def write_point_set(self, path: str, ensemble: str, rows: range, spacing: int) -> None:
+        """Write starting points in kept series of an ensemble (see `write_points`)."""
+        states = read_rows(ensemble, "state", rows.start, rows.stop)
+        observed = self.observed_rows(ensemble, rows.start, states)
+        observable = read_rows(ensemble, "observable", rows.start, rows.stop)
+        known = known_rows(ensemble, rows.start, rows.stop)
+        self.write_points(path, (states, observed, observable), spacing, known)
+
+    def write_points(
+        self,
+        path: str,
+        series: tuple[FloatArray, FloatArray, FloatArray],
+        spacing: int,
+        schedules: FloatArray | None = None,
+    ) -> None:
+        """Write starting points, observed washouts, and the true window summaries.
+
+        ``series``: True states and observed ones, ``(series, time, dimension)`` each, and the true
+        observable, ``(series, time)``. ``spacing``: Steps between two points. ``schedules``:
+        Parameters in force in each step, ``(series, time - 1, parameters)``; None: the parameters
+        of the case.
+        """
+        states, observed, observable = series
+        space, boundaries = self.space, self.boundaries
+        with concerning(Windows.longest_prediction_time_lt, Windows.window_lt, Washed.washout_lt):
+            found = observed_points(
+                observed,
+                observable,
+                space.observable,
+                spacing=spacing,
+                washout=self.washout,
+                boundaries=boundaries,
+            )
+        variables = point_variables(found, states, space.observable_name)
+        if schedules is not None:
+            variables |= schedule_variables(found, schedules, boundaries[-1])
+        write_netcdf(path, variables, self.provenance)
+
+
+class EvaluationPoints(Points, Tested):
+    """Starting points in the test series."""
+
+    start_spacing_lt: float = at("classification.start_spacing_lt")
+
+    @property
+    def spacing(self) -> int:
+        """Steps between two of them."""
+        return self.positive_steps(EvaluationPoints.start_spacing_lt)

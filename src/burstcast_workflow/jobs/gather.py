@@ -12,7 +12,6 @@ from typing import Any
 
 from burstcast.files.netcdf import read_attributes
 from burstcast.forecasters._names import ForecasterName, parsed
-from burstcast_workflow.harness.settings import Settings
 from burstcast_workflow.harness.storage import read_json
 
 
@@ -22,7 +21,7 @@ class Origin:
 
     path: str
     identity: Mapping[str, Any]  #: rule and wildcards of the job
-    settings: Settings  #: settings of the job by their paths in the config
+    settings: Mapping[str, Any]  #: settings of the job by their paths in the config
 
     @property
     def name(self) -> ForecasterName:
@@ -41,6 +40,6 @@ def origins(paths: Iterable[str | Path]) -> list[Origin]:
             raise ValueError(f"{path} does not say which job wrote it: remove it, and run again")
         if identity in found:
             raise ValueError(f"{path} and {found[identity].path} are both of the job {identity}")
-        of_job = json.loads(identity)
-        found[identity] = Origin(path, of_job, Settings(json.loads(str(said["settings"])), of_job))
+        of_job = json.loads(identity), json.loads(str(said["settings"]))
+        found[identity] = Origin(path, *of_job)
     return list(found.values())

@@ -3,7 +3,7 @@
 The checks are the library's, which refuses the same in a job and in a notebook.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -16,7 +16,8 @@ from burstcast.forecasters.quadratic import window_steps
 from burstcast.statistics.long_term import FixedPointCriterion, LongTermSettings
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import VALIDATED_TOGETHER, make_strategy
-from burstcast_workflow.harness.settings import CLASSIFICATION, HORIZON, LONG_RUNS, VALIDATION
+from burstcast_workflow.harness.settings import at, names
+from burstcast_workflow.jobs.time_unit import Clock
 
 
 @contextmanager
@@ -28,57 +29,78 @@ def listing(problems: list[str], settings: str = "") -> Iterator[None]:
         problems.append(f"{settings}: {error}".removeprefix(": "))
 
 
-def misfits(
-    settings: Mapping[str, Any],
-    steps: int,
-    samples: int,
-    sampling_interval: float,
-    kinds: Collection[str],
-    validations: Collection[str],
-    long_runs: bool = True,
-) -> list[str]:
-    """Durations that do not fit into series of so many samples, with their settings.
+class Lengths(Clock):
+    """What forecasts of a case need of its series."""
 
-    ``settings``: Values by their paths. The case has forecasters of these ``kinds``, and networks
-    of these ``validations``.
-    """
-    problems: list[str] = []
-    counts: dict[str, int] = {}
-    lasting_a_step = {
-        "washout_lt": settings["washout_lt"],
-        "search.interval_lt": settings["search.interval_lt"],
-        "classification.start_spacing_lt": settings["classification.start_spacing_lt"],
-        "classification.resolution_lt": settings["classification.resolution_lt"],
-        "probability.start_spacing_lt": settings["probability.start_spacing_lt"],
-        "horizon.longest_lead_time_lt": settings["horizon.longest_lead_time_lt"],
-        "horizon.lead_time_step_lt": settings["horizon.lead_time_step_lt"],
-    }
-    for path, duration in lasting_a_step.items():
-        with listing(problems):
-            counts[path] = durations.positive_steps(duration, steps, path)
-    if len(counts) == len(lasting_a_step):
-        washout, training = counts["washout_lt"], settings["case.training.series"]
-        validated = min(settings["case.recycle_validation.series"], training)
-        intervals = settings["case.recycle_validation.intervals_per_series"]
-        lead = settings["search.single_shot_lead_steps"]
-        plan = ValidationPlan(washout, counts["search.interval_lt"], validated, intervals, lead)
-        for validation in dict.fromkeys([*VALIDATED_TOGETHER, *validations] if validations else []):
-            with listing(problems, f"{VALIDATION} or ensemble.duration"):
-                make_strategy(validation).folds(plan, training, samples)
-        reach_lt = settings["classification.longest_prediction_time_lt"]
-        reach = durations.steps(reach_lt + settings["classification.window_lt"], steps)
-        with listing(problems, f"{CLASSIFICATION} or ensemble.duration"):
-            starting_points(1, samples, 1, washout, reach)
-        with listing(problems, f"{HORIZON} or ensemble.duration"):
-            steps_before_events(samples, counts["horizon.longest_lead_time_lt"], washout)
-        judged = durations.steps(settings["statistics.fixed_point_interval_lt"], steps)
-        run = settings["statistics.duration"]
-        closed_loop = samples - 1 if run is None else round(run / sampling_interval)
-        with listing(problems, f"{LONG_RUNS} or ensemble.duration" if run is None else LONG_RUNS):
-            rest = FixedPointCriterion(variation=0.0, above=0.0, interval=judged)
-            if long_runs:
-                LongTermSettings(closed_loop, np.empty(0), None, rest)
-    if any("quadratic" in sections_of_kind(kind) for kind in kinds):
-        with listing(problems):
-            window_steps(settings["forecasters.quadratic.window_lt"], steps, samples)
-    return list(dict.fromkeys(problems))
+    washout_lt: float = at("washout_lt")
+    interval_lt: float = at("search.interval_lt")
+    single_shot_lead_steps: int = at("search.single_shot_lead_steps")
+    start_spacing_lt: float = at("classification.start_spacing_lt")
+    resolution_lt: float = at("classification.resolution_lt")
+    window_lt: float = at("classification.window_lt")
+    longest_prediction_time_lt: float = at("classification.longest_prediction_time_lt")
+    calibration_spacing_lt: float = at("probability.start_spacing_lt")
+    longest_lead_time_lt: float = at("horizon.longest_lead_time_lt")
+    lead_time_step_lt: float = at("horizon.lead_time_step_lt")
+    training_series: int = at("case.training.series")
+    validated_series: int = at("case.recycle_validation", "series")
+    intervals: int | None = at("case.recycle_validation", "intervals_per_series")
+    fixed_point_interval_lt: float = at("statistics.fixed_point_interval_lt")
+    duration: float | None = at("statistics.duration")
+    quadratic_window_lt: float = at("forecasters.quadratic.window_lt")
+
+    def misfits(
+        self,
+        steps: int,
+        samples: int,
+        kinds: Collection[str],
+        validations: Collection[str],
+        long_runs: bool = True,
+    ) -> list[str]:
+        """Durations that do not fit into series of so many samples, with their settings.
+
+        ``steps``: Of a Lyapunov time. The case has forecasters of these ``kinds``, and networks of
+        these ``validations``.
+        """
+        problems: list[str] = []
+        counts: dict[Any, int] = {}
+        lasting_a_step: tuple[Any, ...] = (
+            *(Lengths.washout_lt, Lengths.interval_lt, Lengths.start_spacing_lt),
+            *(Lengths.resolution_lt, Lengths.calibration_spacing_lt),
+            *(Lengths.longest_lead_time_lt, Lengths.lead_time_step_lt),
+        )
+        for field in lasting_a_step:
+            with listing(problems):
+                lasts = field.__get__(self, Lengths)
+                counts[field] = durations.positive_steps(lasts, steps, str(field))
+        if not problems:
+            washout, interval = counts[Lengths.washout_lt], counts[Lengths.interval_lt]
+            training, lead = self.training_series, self.single_shot_lead_steps
+            validated = min(self.validated_series, training)
+            plan = ValidationPlan(washout, interval, validated, self.intervals, lead)
+            for name in dict.fromkeys([*VALIDATED_TOGETHER, *validations] if validations else []):
+                with listing(problems, f"{VALIDATION} or ensemble.duration"):
+                    make_strategy(name).folds(plan, training, samples)
+            reach = durations.steps(self.longest_prediction_time_lt + self.window_lt, steps)
+            with listing(problems, f"{FORECASTS} or ensemble.duration"):
+                starting_points(1, samples, 1, washout, reach)
+            with listing(problems, f"{HORIZONS} or ensemble.duration"):
+                steps_before_events(samples, counts[Lengths.longest_lead_time_lt], washout)
+            judged, run = durations.steps(self.fixed_point_interval_lt, steps), self.duration
+            closed_loop = samples - 1 if run is None else round(run / self.sampling_interval)
+            advice = f"{LONG_RUNS} or ensemble.duration" if run is None else LONG_RUNS
+            with listing(problems, advice):
+                rest = FixedPointCriterion(variation=0.0, above=0.0, interval=judged)
+                if long_runs:
+                    LongTermSettings(closed_loop, np.empty(0), None, rest)
+        if any("quadratic" in sections_of_kind(kind) for kind in kinds):
+            with listing(problems):
+                window_steps(self.quadratic_window_lt, steps, samples)
+        return list(dict.fromkeys(problems))
+
+
+VALIDATION = names(Lengths.intervals, Lengths.interval_lt, Lengths.washout_lt)
+FORECASTS = names(Lengths.longest_prediction_time_lt, Lengths.window_lt, Lengths.washout_lt)
+HORIZONS = names(Lengths.longest_lead_time_lt, Lengths.washout_lt)
+LONG_RUNS = names(Lengths.duration, Lengths.fixed_point_interval_lt)
+"""Settings of what must fit into a series together."""

@@ -1,8 +1,10 @@
 """Long runs of a job's forecaster: where they start, and how they are made."""
 
-from burstcast import durations
+from typing import Any
+
 from burstcast.arrays import FloatArray
 from burstcast.data.starting_points import segments
+from burstcast.files.netcdf import read_netcdf
 from burstcast.forecasters.base import Forecaster
 from burstcast.statistics.densities import SETTLED
 from burstcast.statistics.long_term import (
@@ -10,48 +12,63 @@ from burstcast.statistics.long_term import (
     LongTermSettings,
     long_term_starting_points,
 )
-from burstcast_workflow.harness.settings import LONG_RUNS, Settings, concerning
-from burstcast_workflow.jobs.data import density_edges, training_states
+from burstcast_workflow.harness.settings import at, concerning
+from burstcast_workflow.jobs.data import Density, Observed
 from burstcast_workflow.jobs.forecasters import seen_rows
-from burstcast_workflow.jobs.time_unit import long_run_steps, lyapunov_time
+from burstcast_workflow.jobs.systems import System
+from burstcast_workflow.jobs.time_unit import Washed
 
 
-def long_run_washouts(settings: Settings, ensemble: str, forecaster: Forecaster) -> FloatArray:
-    """Washouts of a forecaster before each of its long runs, ``(points, steps, dimension)``."""
-    steps = lyapunov_time(settings)
-    true = training_states(settings, ensemble)
-    states = seen_rows(forecaster, settings, ensemble, 0, true)
-    washout = durations.steps(settings["washout_lt"], steps)
-    points = long_term_starting_points(
-        len(states),
-        states.shape[1],
-        durations.steps(settings["statistics.start_spacing_lt"], steps),
-        washout,
-        settings["statistics.starting_points"],
-    )
-    return segments(states, points, washout - 1, 0)
+class LongRuns(System, Washed, Observed):
+    """Where long runs start, and how long they are."""
 
+    starting_points: int = at("statistics.starting_points")
+    start_spacing_lt: float = at("statistics.start_spacing_lt")
+    duration: float | None = at("statistics.duration")
 
-def long_term_settings(settings: Settings, ensemble: str) -> LongTermSettings:
-    """Settings of long runs: their length, and when they are discarded.
-
-    A run has settled where it varies less than a hundredth of the bins' range, unless the config
-    says otherwise.
-    """
-    edges = density_edges(settings, ensemble)
-    fixed_point = settings["case.fixed_point"] or {
-        "variation": SETTLED * (edges[-1] - edges[0]),
-        "above": edges[0],
-    }
-    interval = durations.steps(
-        settings["statistics.fixed_point_interval_lt"], lyapunov_time(settings)
-    )
-    with concerning(LONG_RUNS):
-        return LongTermSettings(
-            steps=long_run_steps(settings, ensemble),
-            edges=edges,
-            laminarisation_threshold=settings["case.laminarisation_threshold"],
-            fixed_point=FixedPointCriterion(
-                fixed_point["variation"], fixed_point["above"], interval
-            ),
+    def washouts(self, ensemble: str, forecaster: Forecaster) -> FloatArray:
+        """Washouts of a forecaster before each of its long runs, ``(points, steps, dimension)``."""
+        states = seen_rows(forecaster, self, ensemble, 0, self.training_states(ensemble))
+        points = long_term_starting_points(
+            len(states),
+            states.shape[1],
+            self.steps(self.start_spacing_lt),
+            self.washout,
+            self.starting_points,
         )
+        return segments(states, points, self.washout - 1, 0)
+
+    def run_steps(self, ensemble: str) -> int:
+        """Steps of each run; without a duration, as many as a series has."""
+        if self.duration is None:
+            return len(read_netcdf(ensemble, "time")["time"]) - 1
+        return round(self.duration / self.sampling_interval)
+
+
+class LongTerm(LongRuns, Density):
+    """And when they are discarded."""
+
+    divergence_bound: float | None = at("forecaster.divergence_bound")
+    laminarisation_threshold: float | None = at("case.laminarisation_threshold")
+    fixed_point: dict[str, Any] | None = at("case.fixed_point")
+    fixed_point_interval_lt: float = at("statistics.fixed_point_interval_lt")
+
+    def long_term(self, ensemble: str) -> LongTermSettings:
+        """Settings of long runs.
+
+        A run has settled where it varies less than a hundredth of the bins' range, unless the
+        config says otherwise.
+        """
+        edges = self.edges(ensemble)
+        settled = SETTLED * (edges[-1] - edges[0])
+        fixed_point = self.fixed_point or {"variation": settled, "above": edges[0]}
+        interval = self.steps(self.fixed_point_interval_lt)
+        with concerning(LongRuns.duration, LongTerm.fixed_point_interval_lt):
+            return LongTermSettings(
+                steps=self.run_steps(ensemble),
+                edges=edges,
+                laminarisation_threshold=self.laminarisation_threshold,
+                fixed_point=FixedPointCriterion(
+                    fixed_point["variation"], fixed_point["above"], interval
+                ),
+            )

@@ -1,6 +1,7 @@
 """Measured series of a job's case: from the files that they come in to what forecasters see."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -16,52 +17,59 @@ from burstcast.data.measured_data import (
 from burstcast.data.records import RecordedSeries, recorded_series
 from burstcast.files.netcdf import read_netcdf
 from burstcast.systems.measured import MeasuredSeries
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.settings import at
+from burstcast_workflow.jobs.data import Training
 
 
-def present_space(settings: Settings) -> MeasuredSeries:
-    """State without past values."""
-    names = [Quantity(text).name for text in settings["case.data"]["components"]]
-    return MeasuredSeries(**{**settings["case.parameters"], "components": names})
+class MeasuredData(Training):
+    """Series in files, or another case's, of which this one's are a part."""
 
+    data: dict[str, Any] = at("case.data")
+    parameters: dict[str, Any] = at("case.parameters")
+    noise_of_data: dict[str, Any] | None = at("noise")
 
-def with_past(settings: Settings, states: FloatArray) -> FloatArray:
-    """Series with the past values that forecasters see, if they see any.
+    @property
+    def present_space(self) -> MeasuredSeries:
+        """State without past values."""
+        names = [Quantity(text).name for text in self.data["components"]]
+        return MeasuredSeries(**{**self.parameters, "components": names})
 
-    Where the case has observation noise, it is here already: past values have the noise of their
-    own time, and the observable of such states is not the true one.
+    @property
+    def past(self) -> int:
+        """Steps of the longest delay: so much later series begin with past values."""
+        return max(self.data["delays"], default=0)
 
-    ``settings``: With ``case.data`` and ``case.training.series``, and as ``noise`` what
-    `burstcast_workflow.campaign.campaign.Campaign.noise_of_data` says. Shape ``(series, time -
-    longest delay, component)``: components, their past values, and last the observable where it is
-    none of the components.
-    """
-    delays, noise = settings["case.data"]["delays"], settings["noise"]
-    if not delays:
-        return states
-    if noise is not None:
-        scales = component_scales(states[: settings["case.training.series"]])
-        states = observed_series(
-            states, 0, noise["level"], scales, noise["random_seed"], settings["case"]
-        )
-    count = len(settings["case.data"]["components"])
-    seen = delay_coordinates(states[..., :count], delays)
-    return np.concatenate([seen, states[:, max(delays) :, count:]], axis=2)
+    def with_past(self, states: FloatArray) -> FloatArray:
+        """Series with the past values that forecasters see, if they see any.
 
+        Where the case has observation noise, it is here already: past values have the noise of
+        their own time, and the observable of such states is not the true one. Shape ``(series, time
+        - longest delay, component)``: components, their past values, and last the observable where
+        it is none of the components.
+        """
+        delays, noise = self.data["delays"], self.noise_of_data
+        if not delays:
+            return states
+        if noise is not None:
+            scales = component_scales(states[: self.training_series])
+            states = observed_series(
+                states, 0, noise["level"], scales, noise["random_seed"], self.case
+            )
+        count = len(self.data["components"])
+        seen = delay_coordinates(states[..., :count], delays)
+        return np.concatenate([seen, states[:, self.past :, count:]], axis=2)
 
-def measured_series(settings: Settings, sources: Sequence[str]) -> RecordedSeries:
-    """Series of states without past values, checked.
-
-    ``settings``: With ``case.data``, ``case.parameters`` and ``case.training.series``.
-    """
-    data, space = settings["case.data"], present_space(settings)
-    if data["case"] is None:
-        found = recorded_series(sources, data, space)
-    else:
-        read = read_netcdf(sources[0], "state", "observable")
-        runs = runs_of_states(sources[0], read["state"], read["observable"], data["columns"])
-        quantities = [Quantity(text) for text in data["components"]]
-        found = RecordedSeries(series_of_runs(runs, space, quantities, None))
-    training = found.states[: settings["case.training.series"]]
-    check_varying(training, space.component_names, "the training series (training.series)")
-    return found
+    def measured_series(self, sources: Sequence[str]) -> RecordedSeries:
+        """Series of states without past values, checked."""
+        data, space = self.data, self.present_space
+        if data["case"] is None:
+            found = recorded_series(sources, data, space)
+        else:
+            read = read_netcdf(sources[0], "state", "observable")
+            runs = runs_of_states(sources[0], read["state"], read["observable"], data["columns"])
+            quantities = [Quantity(text) for text in data["components"]]
+            found = RecordedSeries(series_of_runs(runs, space, quantities, None))
+        training = found.states[: self.training_series]
+        name = f"the training series ({Training.training_series})"
+        check_varying(training, space.component_names, name)
+        return found

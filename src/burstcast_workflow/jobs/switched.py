@@ -1,61 +1,74 @@
 """Series of a case under an actuator that switches at random, for training and for tests."""
 
+from typing import Any
+
 import numpy as np
 
-from burstcast import durations, random_streams
+from burstcast import random_streams
 from burstcast.arrays import FloatArray
 from burstcast.control.actuation import ActuationValues, actuated_system
 from burstcast.data.scheduled_series import RandomActuation, ScheduledSeries, simulated_series
+from burstcast.durations import positive_steps
 from burstcast.files.netcdf import read_rows
-from burstcast.systems.parameters import SHARE, SystemParameters
-from burstcast_workflow.harness.settings import Settings
-from burstcast_workflow.jobs.data import observed_rows
-from burstcast_workflow.jobs.systems import equations_of, parameters_of
+from burstcast.systems.parameters import SHARE, Parameters, SystemParameters
+from burstcast_workflow.harness.settings import at
+from burstcast_workflow.jobs.data import Observed
+from burstcast_workflow.jobs.systems import System
+from burstcast_workflow.jobs.time_unit import Clock
 
 CANDIDATES = 8
 """Series that are drawn for each one that is wanted, for some may laminarise."""
 
 
-def switched_series(
-    settings: Settings, ensemble: str, rows: range, steps_per_lyapunov_time: int, purpose: str
-) -> tuple[ScheduledSeries, FloatArray]:
-    """Series under an actuator that switches at random, and their observations.
+class Switched(System, Clock, Observed):
+    """An actuator that switches at random, and what forecasters are told about it."""
 
-    ``settings``: With ``parameters``, the names of the parameters that forecasters are given.
-    ``purpose``: "training" or "test": the random streams are called after it.
-    """
-    given, actuation = settings["case.training.actuation"], settings["case.actuation"]
-    system, names = equations_of(settings), settings["parameters"]
-    parameters = parameters_of(settings, names)
-    on: tuple[float, ...] = (given["strength"],)
-    if names != [SHARE]:
-        actuated = actuated_system(
-            system, actuation["parameters"], actuation["force"], given["strength"]
+    switching: dict[str, Any] | None = at("case.training.actuation")
+    actuation: dict[str, Any] | None = at("case.actuation")
+    laminarisation_threshold: float | None = at("case.laminarisation_threshold")
+    names: list[str] = at("parameters")
+
+    @property
+    def known_parameters(self) -> Parameters:
+        """Parameters that forecasters are given, with the case's own values."""
+        return self.known(self.names, self.actuation)
+
+    def switched_series(
+        self, ensemble: str, rows: range, purpose: str
+    ) -> tuple[ScheduledSeries, FloatArray]:
+        """Series under an actuator that switches at random, and their observations.
+
+        ``purpose``: "training" or "test": the random streams are called after it.
+        """
+        given, actuation, steps = self.switching, self.actuation, self.lyapunov_time
+        assert given is not None
+        assert actuation is not None
+        system, parameters = self.equations, self.known_parameters
+        on: tuple[float, ...] = (given["strength"],)
+        if self.names != [SHARE]:
+            actuated = actuated_system(
+                system, actuation["parameters"], actuation["force"], given["strength"]
+            )
+            on = SystemParameters.of(actuated, self.names).own
+        switching = RandomActuation(
+            positive_steps(given["interval_lt"], steps, f"{Switched.switching}.interval_lt"),
+            given["mean_on_lt"] / given["interval_lt"],
+            given["mean_off_lt"] / given["interval_lt"],
         )
-        on = SystemParameters.of(actuated, names).own
-    interval = durations.positive_steps(
-        given["interval_lt"], steps_per_lyapunov_time, "training.actuation.interval_lt"
-    )
-    switching = RandomActuation(
-        interval,
-        given["mean_on_lt"] / given["interval_lt"],
-        given["mean_off_lt"] / given["interval_lt"],
-    )
-    root, case = settings["random_seed"], settings["case"]
-    free = read_rows(ensemble, "state", rows.start, rows.stop)
-    acting = switching.draw(
-        CANDIDATES * len(rows),
-        free.shape[1] - 1,
-        random_streams.stream(root, f"{purpose} actuation", case),
-    )
-    found, _ = simulated_series(
-        parameters,
-        system,
-        np.ascontiguousarray(np.tile(free[:, -1].T, CANDIDATES)),
-        ActuationValues(parameters.own, on).schedule(acting.T).transpose(2, 0, 1),
-        len(rows),
-        time_step=settings["case.ensemble.time_step"],
-        sampling_stride=settings["case.ensemble.sampling_stride"],
-        laminarisation_threshold=settings["case.laminarisation_threshold"],
-    )
-    return found, observed_rows(settings, ensemble, rows.start, found.states, "actuated")
+        free = read_rows(ensemble, "state", rows.start, rows.stop)
+        acting = switching.draw(
+            CANDIDATES * len(rows),
+            free.shape[1] - 1,
+            random_streams.stream(self.random_seed, f"{purpose} actuation", self.case),
+        )
+        found, _ = simulated_series(
+            parameters,
+            system,
+            np.ascontiguousarray(np.tile(free[:, -1].T, CANDIDATES)),
+            ActuationValues(parameters.own, on).schedule(acting.T).transpose(2, 0, 1),
+            len(rows),
+            time_step=self.time_step,
+            sampling_stride=self.sampling_stride,
+            laminarisation_threshold=self.laminarisation_threshold,
+        )
+        return found, self.observed_rows(ensemble, rows.start, found.states, "actuated")

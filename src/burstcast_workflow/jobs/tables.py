@@ -10,7 +10,7 @@ from burstcast.files.netcdf import read_attributes, read_netcdf, variable_names
 from burstcast.files.tables import read_table
 from burstcast.statistics.percentiles import percentiles
 from burstcast.tables.makers.registry import Gathered
-from burstcast_workflow.harness.settings import Settings
+from burstcast_workflow.harness.settings import JobSettings, at
 from burstcast_workflow.harness.storage import read_json, write_table
 from burstcast_workflow.jobs.gather import origins
 
@@ -37,56 +37,65 @@ def content(path: str, variables: str = "") -> Any:
     return {**read_attributes(path), **read_netcdf(path, *names)}
 
 
-def gathered(
-    settings: Settings, paths: Iterable[str | Path], variables: str = ""
-) -> list[Gathered]:
-    """Files of a job's case for tables."""
-    found = origins(paths)
-    for one in found:
-        if one.identity["case"] != settings["case"]:
-            raise ValueError(f"{one.path} is of the case {one.identity['case']}, which is another")
-    return [
-        Gathered(
-            one.name,
-            content(one.path, variables),
-            one.settings.get("control.run", {}),
-            one.identity.get("strategy", ""),
-        )
-        for one in found
-    ]
+class Tables(JobSettings):
+    """Declarations of the tables that a job writes, by their names."""
+
+    tables: dict[str, dict[str, Any]] = at("tables")
+
+    def write(self, paths: Iterable[str], **rows: Rows) -> None:
+        """Write the tables, and the percentiles over networks that they declare.
+
+        Rows are given by the name of the table; files have the names of tables and percentiles.
+        """
+        files = {Path(path).stem: path for path in paths}
+        if set(rows) != set(self.tables):
+            wanted = sorted(self.tables)
+            raise ValueError(f"the job writes {sorted(rows)}; its rule declares {wanted}")
+        for name, found in rows.items():
+            declared = self.tables[name]
+            known = declared.get("metrics", [])
+            if known and (strange := sorted({row["metric"] for row in found} - set(known))):
+                raise ValueError(f"table {name} declares no metric {', '.join(strange)}")
+            table = write_table(files[name], as_declared(found, declared["columns"], name))
+            if "percentiles" in declared:
+                keys, metrics = (
+                    [column for column in declared[names] if column in table]
+                    for names in ("by", "percentiles")
+                )
+                write_table(files[f"{name}_percentiles"], percentiles(table, keys, metrics))
 
 
-def of_case(settings: Settings, rows: Mapping[str, Rows]) -> dict[str, Rows]:
-    """Rows of tables with the key columns of a job's case that the tables declare."""
-    found: dict[str, Rows] = {}
-    of_case = {"case": settings["case"], "reynolds": settings["case.parameters"].get("reynolds")}
-    for name, known in rows.items():
-        columns = {column.removesuffix("*") for column in settings["tables"][name]["columns"]}
-        keys = {key: one for key, one in of_case.items() if key in columns}
-        found[name] = [{**keys, **row} for row in known]
-    return found
+class TablesOfCase(Tables):
+    """Tables of a case; their makers declare further settings."""
 
+    parameters: dict[str, Any] = at("case.parameters")
 
-def write_tables(paths: Iterable[str], settings: Settings, **rows: Rows) -> None:
-    """Write the tables of a job, and the percentiles over networks that they declare.
-
-    Rows are given by the name of the table; files have the names of tables and percentiles.
-    """
-    files = {Path(path).stem: path for path in paths}
-    declared = settings["tables"]
-    if set(rows) != set(declared):
-        raise ValueError(f"the job writes {sorted(rows)}; its rule declares {sorted(declared)}")
-    for name, found in rows.items():
-        known = declared[name].get("metrics", [])
-        if known and (strange := sorted({row["metric"] for row in found} - set(known))):
-            raise ValueError(f"table {name} declares no metric {', '.join(strange)}")
-        table = write_table(files[name], as_declared(found, declared[name]["columns"], name))
-        if "percentiles" in declared[name]:
-            keys, metrics = (
-                [column for column in declared[name][names] if column in table]
-                for names in ("by", "percentiles")
+    def gathered(self, paths: Iterable[str | Path], variables: str = "") -> list[Gathered]:
+        """Files of the case for tables."""
+        found = origins(paths)
+        for one in found:
+            if one.identity["case"] != self.case:
+                other = one.identity["case"]
+                raise ValueError(f"{one.path} is of the case {other}, which is another")
+        return [
+            Gathered(
+                one.name,
+                content(one.path, variables),
+                one.settings.get("control.run", {}),
+                one.identity.get("strategy", ""),
             )
-            write_table(files[f"{name}_percentiles"], percentiles(table, keys, metrics))
+            for one in found
+        ]
+
+    def with_keys(self, rows: Mapping[str, Rows]) -> dict[str, Rows]:
+        """Rows of tables with the key columns of the case that the tables declare."""
+        found: dict[str, Rows] = {}
+        of_case = {"case": self.case, "reynolds": self.parameters.get("reynolds")}
+        for name, known in rows.items():
+            columns = {column.removesuffix("*") for column in self.tables[name]["columns"]}
+            keys = {key: one for key, one in of_case.items() if key in columns}
+            found[name] = [{**keys, **row} for row in known]
+        return found
 
 
 def as_declared(rows: Rows, columns: Sequence[str], name: str) -> pd.DataFrame:

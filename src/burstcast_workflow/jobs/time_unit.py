@@ -1,30 +1,57 @@
 """The unit of time of a case, from the config or from the exponent that a job computed."""
 
+from typing import Any
+
 from burstcast import durations
-from burstcast.files.netcdf import read_netcdf
-from burstcast_workflow.harness.settings import Settings, concerning
+from burstcast_workflow.harness.settings import JobSettings, at, concerning
 
 
-def sampling_interval(settings: Settings) -> float:
-    """Time between two steps of a forecast, in time units."""
-    stride = settings["case.ensemble.sampling_stride"]
-    return float(settings["case.ensemble.time_step"] * stride)
+class Sampling(JobSettings):
+    """Steps of a forecast."""
+
+    time_step: float = at("case.ensemble.time_step")
+    sampling_stride: int = at("case.ensemble.sampling_stride")
+
+    @property
+    def sampling_interval(self) -> float:
+        """Time between two steps of a forecast, in time units."""
+        return float(self.time_step * self.sampling_stride)
 
 
-def long_run_steps(settings: Settings, ensemble: str) -> int:
-    """Steps of each long run; without ``statistics.duration``, as many as a series has."""
-    duration: float | None = settings["statistics.duration"]
-    if duration is None:
-        return len(read_netcdf(ensemble, "time")["time"]) - 1
-    return round(duration / sampling_interval(settings))
+class Clock(Sampling):
+    """Steps of a forecast, and the Lyapunov time in which durations are given."""
+
+    time_unit: str = at("case.lyapunov.time_unit")
+    published_exponent: float | None = at("case.lyapunov.published_exponent")
+
+    @property
+    def lyapunov_time(self) -> int:
+        """Network steps in a Lyapunov time."""
+        interval = self.sampling_interval
+        known = durations.known_exponent(self.time_unit, self.published_exponent)
+        if known is not None:
+            return durations.steps_per_lyapunov_time(known, interval)
+        assert self.computed_exponent is not None
+        fields = f"{Clock.published_exponent}, {Clock.time_unit}"
+        with concerning(f"the computed exponent ({fields})"):
+            return durations.steps_per_lyapunov_time(self.computed_exponent, interval)
+
+    def steps(self, duration: float) -> int:
+        """Whole steps in a duration in Lyapunov times."""
+        return durations.steps(duration, self.lyapunov_time)
+
+    def positive_steps(self, field: Any) -> int:
+        """Steps, at least one, in the duration of a field, such as ``Washed.washout_lt``."""
+        duration = field.__get__(self, type(self))
+        return durations.positive_steps(duration, self.lyapunov_time, str(field))
 
 
-def lyapunov_time(settings: Settings) -> int:
-    """Network steps in a Lyapunov time."""
-    published, interval = settings["case.lyapunov.published_exponent"], sampling_interval(settings)
-    known = durations.known_exponent(settings["case.lyapunov.time_unit"], published)
-    if known is not None:
-        return durations.steps_per_lyapunov_time(known, interval)
-    assert settings.computed_exponent is not None
-    with concerning("the computed exponent (lyapunov.published_exponent, lyapunov.time_unit)"):
-        return durations.steps_per_lyapunov_time(settings.computed_exponent, interval)
+class Washed(Clock):
+    """What forecasters are given before they forecast."""
+
+    washout_lt: float = at("washout_lt")
+
+    @property
+    def washout(self) -> int:
+        """Steps of a washout."""
+        return self.positive_steps(Washed.washout_lt)

@@ -4,6 +4,7 @@ import inspect
 import re
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 from typing import Any, TypeAlias
 
 from snakemake.io import local
@@ -12,11 +13,13 @@ from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import learns_parameters
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
+from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.config.external_files import external_forecasts, paths_of
 from burstcast_workflow.config.measured_cases import data_files
 from burstcast_workflow.costs.model import CostModel
 from burstcast_workflow.harness.settings import THRESHOLDS, TIME_UNIT, cases_of_thresholds
-from burstcast_workflow.tables.registry import cases_of
+from burstcast_workflow.stages.declared import declared_settings
+from burstcast_workflow.tables.registry import cases_of, table_settings
 from snaketrust.fingerprint import Sources
 
 Paths: TypeAlias = str | list[str]
@@ -219,23 +222,29 @@ class Stages:
 
     # -- settings, code and resources --------------------------------------------------------------
 
-    def settings_of(self, stage: str, paths: str = "", **values: Any) -> OfJob:
-        """Settings of a stage's jobs, which its script reads.
+    def declared(self, script: str, name: str = "") -> list[str]:
+        """Paths of the settings that a script declares, or one of its classes."""
+        return declared_settings(self._sources.scripts / script, self._sources.packages, name)
 
-        ``paths``: Paths of settings in the config, and names of groups of them
-        (`Campaign.settings`). ``values``: Given as they are, or by functions of the job's
-        wildcards, without sizes and seeds.
+    def settings_of(self, script: str, stage: str = "", *, maker: str = "", **values: Any) -> OfJob:
+        """Settings of a script's jobs: those of the class that its function takes.
+
+        ``stage``: Name of the rule, if it is not the script's. ``maker``: Module of
+        `burstcast.tables.makers` that declares further settings. ``values``: Given as they are, or
+        by functions of the job's wildcards, without sizes and seeds.
         """
-        names = paths.split()
 
         def settings(wildcards: Any) -> Any:
+            declared = [*self.declared(script), *(table_settings(maker) if maker else [])]
             found = {
                 name: value(wildcards) if callable(value) else value
                 for name, value in values.items()
             }
+            asked = [path for path in declared if path not in found]
             # Snakemake's wildcards are a list: only of a mapping can one ask whether it has a name
-            return self.campaign.settings(names, dict(wildcards.items()), found)
+            return settings_of_job(self.campaign, asked, dict(wildcards.items()), found)
 
+        stage = stage or Path(script).stem
         self._settings[stage] = _once(settings)
         return self._settings[stage]
 

@@ -1,6 +1,7 @@
 """Control the flow of a case: by a forecaster, several, or none, or by alarms at random."""
 
 import dataclasses
+from typing import Any
 
 from burstcast.control.controllers import controlling_policy
 from burstcast.control.records import Span, record_flows
@@ -9,8 +10,17 @@ from burstcast.files.netcdf import Variable, variables_of
 from burstcast.files.units import NUMBER
 from burstcast.forecasters._names import parsed
 from burstcast.statistics.densities import bin_edges
-from burstcast_workflow.harness.job import Settings, job, write_netcdf
-from burstcast_workflow.jobs.control import alarm_rate, control_setup
+from burstcast_workflow.harness.job import at, job, write_netcdf
+from burstcast_workflow.jobs.control import Controlled, alarm_rate, sensor_of
+
+
+class Control(Controlled):
+    """Control by any controller, for tables and figures."""
+
+    aware: dict[str, Any] | None = at("forecasters.aware", otherwise=None)
+    sensor: dict[str, Any] | None = at("control.sensor", otherwise=None)
+    costs: bool = at("control.cost", otherwise=False)
+    density: dict[str, Any] | None = at("case.controlled_density", otherwise=None)
 
 
 @job
@@ -22,13 +32,14 @@ def control(
     encoder: str | list[str],
     matched: str | list[str],
     flows: str,
-    settings: Settings,
+    settings: Control,
 ) -> None:
     """Write records of each flow; random alarms are as frequent as those of `matched` flows."""
-    strategy, experiment, asked, noise = control_setup(
-        settings, ensemble, summary, forecasters, encoder
+    sensor = sensor_of(settings.sensor, settings.equations, encoder)
+    strategy, experiment, asked, noise = settings.setup(
+        ensemble, summary, forecasters, sensor, settings.aware
     )
-    controller = parsed(settings["controller"])
+    controller = parsed(settings.controller)
     policy = controlling_policy(
         controller.role or "forecaster",
         strategy,
@@ -37,13 +48,12 @@ def control(
         alarm_rate=alarm_rate(matched) if isinstance(matched, str) else 0.0,
         seed=controller.seed or 0,
     )
-    costs = bool(settings.get("control.cost"))
-    simulation = strategy.simulate(experiment, policy, noise=noise, costs=costs)
-    records = record_flows(simulation, settings["case.laminarisation_threshold"])
+    simulation = strategy.simulate(experiment, policy, noise=noise, costs=settings.costs)
+    records = record_flows(simulation, settings.laminarisation_threshold)
     found = [records, strategy.categories(simulation), simulation.cost]
-    if density := settings.get("case.controlled_density"):
-        low, high = density["range"]
-        edges = bin_edges(low, high, density["bins"])
+    if settings.density:
+        low, high = settings.density["range"]
+        edges = bin_edges(low, high, settings.density["bins"])
         found.append(observable_histograms(simulation, edges))
     series = experiment.series.start + records.row
     variables = {"series": Variable(("flow",), series, NUMBER, "row of the series in the ensemble")}

@@ -1,6 +1,7 @@
 """Encode the series of another case: what is observed of them, as the channels of this one."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -9,22 +10,33 @@ from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.encoders.channels import IDENTITY, StateChannels, encoding_case
 from burstcast.files.netcdf import Variable, read_netcdf, read_rows, variables_of
 from burstcast.systems.registry import make_space
-from burstcast_workflow.harness.job import Settings, job, write_json, write_netcdf
-from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import sampling_interval
+from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
+from burstcast_workflow.jobs.systems import System
+from burstcast_workflow.jobs.time_unit import Sampling
+
+
+class Encoding(System, Sampling):
+    """What is observed of another case, and how it is encoded."""
+
+    random_seed: int = at("random_seed")
+    training_series: int = at("case.training.series")
+    sensors: dict[str, Any] | None = at("case.sensors")
+    encoder: dict[str, Any] | None = at("case.encoder")
+    noise_of_data: dict[str, Any] | None = at("noise")
+    source: dict[str, Any] = at("source")
 
 
 @job
-def encode(*, source: str, ensemble: str, summary: str, encoder: str, settings: Settings) -> None:
+def encode(*, source: str, ensemble: str, summary: str, encoder: str, settings: Encoding) -> None:
     """Write the channels of all series, as they truly are and as observed, and the encoder."""
-    of_source, options = settings["source"], settings["case.encoder"] or {}
+    of_source, options = settings.source, settings.encoder or {}
     space = make_space(of_source["system"], of_source["parameters"])
-    case = encoding_case(space, settings["case.sensors"], options)
+    case = encoding_case(space, settings.sensors, options)
     found = read_netcdf(source, "series", "lifetime", "observable")
-    observable, count = found["observable"][..., np.newaxis], settings["case.training.series"]
+    observable, count = found["observable"][..., np.newaxis], settings.training_series
     training = read_rows(source, "state", 0, count)
-    seed, name = settings["random_seed"], of_source["name"]
-    level = settings["noise"]["level"] if settings["noise"] else 0.0
+    seed, name = settings.random_seed, of_source["name"]
+    level = settings.noise_of_data["level"] if settings.noise_of_data else 0.0
     kind = options.get("kind", IDENTITY)
     channels, scales = StateChannels.of_training(kind, training, case, level, seed, name)
     true, observed = [], []
@@ -39,10 +51,10 @@ def encode(*, source: str, ensemble: str, summary: str, encoder: str, settings: 
     variables, of_all = ensemble_variables(
         np.concatenate([np.concatenate(true), observable], axis=2),
         found["observable"],
-        system_of(settings).observable_name,
+        settings.space.observable_name,
         found["series"],
         found["lifetime"],
-        sampling_interval(settings),
+        settings.sampling_interval,
     )
     variables["observed"] = replace(
         variables["state"],

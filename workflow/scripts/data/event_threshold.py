@@ -2,16 +2,21 @@
 
 from burstcast.data.event_threshold import threshold_at
 from burstcast.files.netcdf import read_rows
-from burstcast_workflow.harness.job import Settings, job, write_json
-from burstcast_workflow.jobs.data import check_kept_series, kept_series
+from burstcast_workflow.harness.job import at, job, write_json
+from burstcast_workflow.jobs.data import Training, kept_series
+
+
+class AtQuantile(Training):
+    """A threshold of the observable."""
+
+    quantile: float = at("quantile")
 
 
 @job
-def event_threshold_of_case(*, ensemble: str, event_threshold: str, settings: Settings) -> None:
+def event_threshold_of_case(*, ensemble: str, event_threshold: str, settings: AtQuantile) -> None:
     """Write the threshold."""
-    series = settings["case.training.series"]
-    check_kept_series(kept_series(ensemble), {"training.series": series})
-    observable = read_rows(ensemble, "observable", 0, series)
-    threshold = threshold_at(settings["quantile"], observable)
-    found = {"case": settings["case"], "event_threshold": threshold}
+    settings.check_series(kept_series(ensemble))
+    observable = read_rows(ensemble, "observable", 0, settings.training_series)
+    threshold = threshold_at(settings.quantile, observable)
+    found = {"case": settings.case, "event_threshold": threshold}
     write_json(event_threshold, found, settings.provenance)

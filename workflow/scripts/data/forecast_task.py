@@ -4,8 +4,8 @@ from pathlib import Path
 
 from burstcast.benchmark.task_file import page, task_attributes, task_variables
 from burstcast.files.atomic_files import atomic
-from burstcast_workflow.harness.job import Settings, job, write_netcdf
-from burstcast_workflow.jobs.forecast_task import task_data
+from burstcast_workflow.harness.job import job, write_netcdf
+from burstcast_workflow.jobs.forecast_task import Task
 
 
 @job
@@ -17,10 +17,10 @@ def export_task(
     summary: str,
     forecast_task: str,
     page_of_task: str,
-    settings: Settings,
+    settings: Task,
 ) -> None:
     """Write the observed data, without the truth, and the page that explains them."""
-    data = task_data(settings, ensemble, evaluation_set, events, summary)
+    data = settings.data(ensemble, evaluation_set, events, summary)
     attributes = {**settings.provenance, **task_attributes(data)}
     write_netcdf(forecast_task, task_variables(data), attributes)
     with atomic(page_of_task) as partial:

@@ -6,42 +6,47 @@ from burstcast.data.ensemble_files import START, ensemble_variables, schedule_va
 from burstcast.data.measured_data import kept_series
 from burstcast.files.netcdf import Variable
 from burstcast.files.units import TIME
-from burstcast_workflow.harness.job import Settings, job, tell, write_json, write_netcdf
-from burstcast_workflow.jobs.data import test_series
-from burstcast_workflow.jobs.measured import measured_series, present_space, with_past
-from burstcast_workflow.jobs.time_unit import sampling_interval
+from burstcast_workflow.harness.job import at, job, tell, write_json, write_netcdf
+from burstcast_workflow.jobs.data import Tested
+from burstcast_workflow.jobs.measured import MeasuredData
+from burstcast_workflow.jobs.time_unit import Sampling
+
+
+class Imported(MeasuredData, Sampling, Tested):
+    """Measured series, and the thresholds of what is kept of them."""
+
+    laminarisation_threshold: float | None = at("case.laminarisation_threshold")
 
 
 @job
-def import_data(*, sources: list[str], ensemble: str, summary: str, settings: Settings) -> None:
+def import_data(*, sources: list[str], ensemble: str, summary: str, settings: Imported) -> None:
     """Write the series, their observable, and a summary."""
-    measured = measured_series(settings, sources)
+    measured = settings.measured_series(sources)
     if measured.left_out:
         tell(measured.left_out)
     states = measured.states
-    training, test = settings["case.training.series"], test_series(settings, len(states))
+    training, test = settings.training_series, settings.test_series(len(states))
     if training + test > len(states):
         raise ValueError(
             f"training.series is {training} and test_series {test}, but the data have "
             f"{len(states)} series in all, of {states.shape[1]} samples each: ask for fewer, or "
             f"cut shorter blocks (data.blocks)"
         )
-    space = present_space(settings)
+    space = settings.present_space
     observable = np.stack([space.observable(series.T) for series in states])
-    index, lifetimes = kept_series(observable, settings["case.laminarisation_threshold"])
-    past = max(settings["case.data"]["delays"], default=0)
+    index, lifetimes = kept_series(observable, settings.laminarisation_threshold)
     variables, of_all = ensemble_variables(
-        with_past(settings, states[index]),
-        observable[index, past:],
+        settings.with_past(states[index]),
+        observable[index, settings.past :],
         space.observable_name,
         index,
-        np.maximum(lifetimes - past, 0),
-        sampling_interval(settings),
+        np.maximum(lifetimes - settings.past, 0),
+        settings.sampling_interval,
     )
     if measured.known is not None:
-        variables |= schedule_variable(measured.known[index, past + 1 :])
+        variables |= schedule_variable(measured.known[index, settings.past + 1 :])
     if measured.start is not None:
-        start = measured.start[index] + past * sampling_interval(settings)
+        start = measured.start[index] + settings.past * settings.sampling_interval
         variables[START] = Variable(("series",), start, TIME, "time of the first sample")
     write_netcdf(ensemble, variables, settings.provenance)
     write_json(summary, of_all, settings.provenance)

@@ -4,28 +4,29 @@ Nothing waits for it, but it runs before what would fail for the same reason, jo
 """
 
 from burstcast.files.netcdf import read_netcdf
-from burstcast_workflow.harness.job import Settings, job, write_json
-from burstcast_workflow.jobs.lengths import misfits
-from burstcast_workflow.jobs.time_unit import lyapunov_time, sampling_interval
+from burstcast_workflow.harness.job import at, job, write_json
+from burstcast_workflow.jobs.lengths import Lengths
+
+
+class LengthsOfCase(Lengths):
+    """What the forecasters of the case need of its series."""
+
+    kinds: list[str] = at("asked", "kinds")
+    validations: list[str] = at("asked", "validations")
+    long_runs: bool = at("asked", "long_runs")
 
 
 @job
-def lengths_of_case(*, ensemble: str, lengths: str, settings: Settings) -> None:
+def lengths_of_case(*, ensemble: str, lengths: str, settings: LengthsOfCase) -> None:
     """Write the steps of a Lyapunov time and of a series, or raise with all that does not fit."""
-    steps, samples = lyapunov_time(settings), len(read_netcdf(ensemble, "time")["time"])
-    problems = misfits(
-        settings,
-        steps,
-        samples,
-        sampling_interval(settings),
-        settings["asked.kinds"],
-        settings["asked.validations"],
-        settings["asked.long_runs"],
+    steps, samples = settings.lyapunov_time, len(read_netcdf(ensemble, "time")["time"])
+    problems = settings.misfits(
+        steps, samples, settings.kinds, settings.validations, settings.long_runs
     )
     if problems:
         raise ValueError(
             f"a series of {samples} samples has {samples / steps:.3g} Lyapunov times of {steps} "
             f"steps; {'; '.join(problems)}"
         )
-    found = {"case": settings["case"], "steps_per_lyapunov_time": steps, "samples": samples}
+    found = {"case": settings.case, "steps_per_lyapunov_time": steps, "samples": samples}
     write_json(lengths, found, settings.provenance)

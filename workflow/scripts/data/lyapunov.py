@@ -14,27 +14,38 @@ from burstcast.systems.lyapunov import (
     mean_with_interval,
     perturbation_growth,
 )
-from burstcast_workflow.harness.job import Settings, job, write_json, write_netcdf
+from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
 from burstcast_workflow.jobs.data import check_kept_series, kept_series
-from burstcast_workflow.jobs.systems import equations_of
+from burstcast_workflow.jobs.systems import System
 
 MOST_EXPONENTS = 24
 """Of a system with more components, so many leading exponents: enough for its dimension."""
 
 
+class Exponents(System):
+    """Lyapunov exponents of the case."""
+
+    random_seed: int = at("random_seed")
+    time_step: float = at("case.ensemble.time_step")
+    sampling_stride: int = at("case.ensemble.sampling_stride")
+    series: int = at("case.lyapunov.series")
+    perturbation: float = at("case.lyapunov.perturbation")
+    saturation: float = at("case.lyapunov.saturation")
+    orthonormalisation_interval: float = at("case.lyapunov.orthonormalisation_interval")
+
+
 @job
-def lyapunov(*, ensemble: str, exponents: str, spectrum: str, settings: Settings) -> None:
+def lyapunov(*, ensemble: str, exponents: str, spectrum: str, settings: Exponents) -> None:
     """Write the exponents with their 95 % confidence intervals, also of each series."""
-    system = equations_of(settings)
-    time_step, series = settings["case.ensemble.time_step"], settings["case.lyapunov.series"]
-    check_kept_series(kept_series(ensemble), {"lyapunov.series": series})
+    system, time_step, series = settings.equations, settings.time_step, settings.series
+    check_kept_series(kept_series(ensemble), {str(Exponents.series): series})
     states = read_rows(ensemble, "state", 0, series)
     start = np.ascontiguousarray(states[:, 0].T)
     if has_own(system, "jacobian") and not has_own(system, "flow_map"):
         checked_jacobian(system, start)
     # along the kept series, which are known not to laminarise
-    steps = (states.shape[1] - 1) * settings["case.ensemble.sampling_stride"]
-    interval = round(settings["case.lyapunov.orthonormalisation_interval"] / time_step)
+    steps = (states.shape[1] - 1) * settings.sampling_stride
+    interval = round(settings.orthonormalisation_interval / time_step)
     alignment = alignment_of(steps, interval)
     by_series = lyapunov_spectrum(
         system,
@@ -51,9 +62,9 @@ def lyapunov(*, ensemble: str, exponents: str, spectrum: str, settings: Settings
         start,
         time_step,
         steps - alignment,
-        settings["case.lyapunov.perturbation"] * size,
-        settings["case.lyapunov.saturation"] * size,
-        random_streams.stream(settings["random_seed"], "lyapunov", settings["case"]),
+        settings.perturbation * size,
+        settings.saturation * size,
+        random_streams.stream(settings.random_seed, "lyapunov", settings.case),
         alignment_steps=alignment,
     )
     estimates = map(mean_with_interval, (by_series.exponents, growth.exponents))

@@ -2,27 +2,35 @@
 
 from burstcast import random_streams
 from burstcast.statistics.neighbour_divergence import NoExponentError, neighbour_divergence
-from burstcast_workflow.harness.job import Settings, job, tell, write_json
-from burstcast_workflow.jobs.data import training_states
-from burstcast_workflow.jobs.time_unit import sampling_interval
+from burstcast_workflow.harness.job import at, job, tell, write_json
+from burstcast_workflow.jobs.data import Training
+from burstcast_workflow.jobs.time_unit import Sampling
+
+
+class Divergence(Training, Sampling):
+    """How fast neighbours part."""
+
+    random_seed: int = at("random_seed")
+    resamples: int = at("bootstrap", "resamples")
+    confidence: float = at("bootstrap", "confidence")
+    sets_time_unit: bool = at("sets_time_unit")
 
 
 @job
-def estimated_exponent(*, ensemble: str, exponents: str, settings: Settings) -> None:
+def estimated_exponent(*, ensemble: str, exponents: str, settings: Divergence) -> None:
     """Write the exponent of the training series with its interval, or that they show none."""
-    series, interval = training_states(settings, ensemble), sampling_interval(settings)
-    seed, is_time_unit = settings["random_seed"], settings["sets_time_unit"]
-    stream = random_streams.stream(seed, "neighbour divergence", settings["case"])
+    series, interval = settings.training_states(ensemble), settings.sampling_interval
+    stream = random_streams.stream(settings.random_seed, "neighbour divergence", settings.case)
     try:
         record = neighbour_divergence(
             series,
             interval,
             stream,
-            resamples=settings["bootstrap.resamples"],
-            confidence=settings["bootstrap.confidence"],
+            resamples=settings.resamples,
+            confidence=settings.confidence,
         ).record()
     except NoExponentError as error:
-        if is_time_unit:
+        if settings.sets_time_unit:
             advice = "give the unit of time (lyapunov.published_exponent, its inverse)"
             raise ValueError(f"{error}; {advice}") from error
         tell(f"no Lyapunov exponent is estimated: {error}")

@@ -1,21 +1,30 @@
 """Integrate the ensemble of a case and keep the series that do not laminarise."""
 
+from typing import Any
+
 import numpy as np
 
 from burstcast import random_streams
 from burstcast.data.dataset import generate_ensemble, initial_states
 from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.systems.sampling import sampled_initial_states
-from burstcast_workflow.harness.job import Settings, job, write_json, write_netcdf
-from burstcast_workflow.jobs.systems import equations_of
+from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
+from burstcast_workflow.jobs.systems import System
+
+
+class Simulation(System):
+    """The ensemble of a case."""
+
+    random_seed: int = at("random_seed")
+    ensemble: dict[str, Any] = at("case.ensemble")
+    laminarisation_threshold: float | None = at("case.laminarisation_threshold")
 
 
 @job
-def simulate(*, ensemble: str, summary: str, settings: Settings) -> None:
+def simulate(*, ensemble: str, summary: str, settings: Simulation) -> None:
     """Write the kept series, their observable, and a summary."""
-    system = equations_of(settings)
-    given = settings["case.ensemble"]
-    generator = random_streams.stream(settings["random_seed"], "ensemble", settings["case"])
+    system, given = settings.equations, settings.ensemble
+    generator = random_streams.stream(settings.random_seed, "ensemble", settings.case)
     if given["initial_state"] is None:
         start = sampled_initial_states(system, given["series"], generator)
     else:
@@ -34,14 +43,14 @@ def simulate(*, ensemble: str, summary: str, settings: Settings) -> None:
             sampling_stride=given["sampling_stride"],
             transient_steps=round(given["transient"] / given["time_step"]),
             kept_steps=round(given["duration"] / given["time_step"]),
-            laminarisation_threshold=settings["case.laminarisation_threshold"],
+            laminarisation_threshold=settings.laminarisation_threshold,
         )
     )
     index = np.concatenate([batch.index for batch in batches])
     if index.size == 0:
         raise ValueError(
             f"all {given['series']} series exceeded laminarisation_threshold, "
-            f"{settings['case.laminarisation_threshold']}: raise it, or ensemble.series"
+            f"{settings.laminarisation_threshold}: raise it, or ensemble.series"
         )
     states = np.concatenate([batch.states for batch in batches])
     observable = np.stack([system.observable(series.T) for series in states])

@@ -1,5 +1,7 @@
 """Take an ensemble in another order, so that other series of it are trained on."""
 
+from typing import Any
+
 from burstcast import random_streams
 from burstcast.data.ensemble_files import ensemble_variables, schedule_variable
 from burstcast.data.training_realisations import (
@@ -8,33 +10,44 @@ from burstcast.data.training_realisations import (
     rows_of_realisation,
 )
 from burstcast.files.netcdf import read_netcdf
-from burstcast_workflow.harness.job import Settings, job, write_json, write_netcdf
-from burstcast_workflow.jobs.data import check_kept_series, known_rows, test_series
-from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import sampling_interval
+from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
+from burstcast_workflow.jobs.data import Tested, check_kept_series, known_rows
+from burstcast_workflow.jobs.systems import System
+from burstcast_workflow.jobs.time_unit import Sampling
+
+
+class Realisation(System, Sampling, Tested):
+    """A choice of the training series."""
+
+    random_seed: int = at("random_seed")
+    calibration_series: int = at("probability.calibration_series")
+    realisation: int = at("realisation")
+    drawn: dict[str, Any] | None = at("drawn")
 
 
 @job
-def choose_training_series(*, source: str, ensemble: str, summary: str, settings: Settings) -> None:
+def choose_training_series(
+    *, source: str, ensemble: str, summary: str, settings: Realisation
+) -> None:
     """Write the same series; the first are others, the test series are equal."""
-    training, realisation = settings["case.training.series"], settings["realisation"]
+    training, realisation = settings.training_series, settings.realisation
     data = read_netcdf(source, "series", "lifetime", "state", "observable")
     kept = len(data["series"])
     held = {
-        "test_series": test_series(settings, kept),
-        "probability.calibration_series": settings["probability.calibration_series"],
+        "test_series": settings.test_series(kept),
+        str(Realisation.calibration_series): settings.calibration_series,
     }
     needs = {"training.series x realisations": training * (realisation + 1), **held}
     check_kept_series(kept, needs)
-    if drawn := settings["drawn"]:
-        base, _ = realisation_of(settings["case"])
+    if drawn := settings.drawn:
+        base, _ = realisation_of(settings.case)
         rows = rows_of_drawn_series(
             (data["observable"] >= drawn["threshold"]).mean(axis=1),
             training,
             sum(held.values()),
             drawn["shares"],
             [
-                random_streams.stream(settings["random_seed"], "training series", base, number)
+                random_streams.stream(settings.random_seed, "training series", base, number)
                 for number, _ in enumerate(drawn["shares"], 1)
             ],
         )
@@ -43,10 +56,10 @@ def choose_training_series(*, source: str, ensemble: str, summary: str, settings
     variables, of_all = ensemble_variables(
         data["state"][rows],
         data["observable"][rows],
-        system_of(settings).observable_name,
+        settings.space.observable_name,
         data["series"][rows],
         data["lifetime"],
-        sampling_interval(settings),
+        settings.sampling_interval,
     )
     if (known := known_rows(source, 0, len(rows))) is not None:
         variables |= schedule_variable(known[rows])

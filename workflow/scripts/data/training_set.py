@@ -1,15 +1,19 @@
 """Lay out the starting points in the training series that classifiers of events learn from."""
 
-from burstcast_workflow.harness.job import Settings, job
-from burstcast_workflow.jobs.data import check_kept_series, kept_series
-from burstcast_workflow.jobs.forecasts import write_point_set
+from burstcast_workflow.harness.job import at, job
+from burstcast_workflow.jobs.data import kept_series
+from burstcast_workflow.jobs.forecasts import Points
+
+
+class TrainingPoints(Points):
+    """Starting points in the training series."""
+
+    spacing_lt: float = at("forecasters.classifiers.start_spacing_lt")
 
 
 @job
-def training_set_of_case(*, ensemble: str, training_set: str, settings: Settings) -> None:
-    """Write points in the training series."""
-    training = settings["case.training.series"]
-    check_kept_series(kept_series(ensemble), {"training.series": training})
-    spacing_lt = settings["forecasters.classifiers.start_spacing_lt"]
-    spacing = "forecasters.classifiers.start_spacing_lt", spacing_lt
-    write_point_set(training_set, settings, ensemble, range(training), spacing)
+def training_set_of_case(*, ensemble: str, training_set: str, settings: TrainingPoints) -> None:
+    """Write the points."""
+    settings.check_series(kept_series(ensemble))
+    rows, spacing = range(settings.training_series), TrainingPoints.spacing_lt
+    settings.write_point_set(training_set, ensemble, rows, settings.positive_steps(spacing))

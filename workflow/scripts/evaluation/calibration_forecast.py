@@ -2,22 +2,22 @@
 
 import numpy as np
 
-from burstcast import durations
 from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.forecast_files import forecast_variables
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.probability.out_of_sample import out_of_sample_forecasts
-from burstcast_workflow.harness.job import Settings, job, write_netcdf
-from burstcast_workflow.jobs.forecasters import (
-    forecasting_case,
-    learnt_rows,
-    read_forecaster,
-    seen,
-)
-from burstcast_workflow.jobs.forecasts import boundaries_of
+from burstcast_workflow.harness.job import at, job, write_netcdf
+from burstcast_workflow.jobs.forecasters import Observing, seen
+from burstcast_workflow.jobs.forecasts import Windows
 from burstcast_workflow.jobs.scheduled import read_scheduled
-from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import lyapunov_time
+from burstcast_workflow.jobs.time_unit import Washed
+
+
+class Calibrating(Observing, Windows, Washed):
+    """Forecasts of the calibration set."""
+
+    divergence_bound: float | None = at("forecaster.divergence_bound")
+    calibration_series: int = at("probability.calibration_series")
 
 
 @job
@@ -28,30 +28,29 @@ def forecast_calibration_set(
     calibration_set: str,
     scheduled: list[str],
     calibration_forecast: str,
-    settings: Settings,
+    settings: Calibrating,
 ) -> None:
     """Forecast each training series without what it has taught, or other series as they are."""
-    system, boundaries = system_of(settings), boundaries_of(settings)
-    bound = settings["forecaster.divergence_bound"]
-    model = read_forecaster(forecaster, settings, bound)
+    space, boundaries = settings.space, settings.boundaries
+    model = settings.read_forecaster(forecaster, settings.divergence_bound)
     points = read_netcdf(calibration_set)
     known = points.get("parameter")
     given = seen(model, points["washout"], points["true_washout"])
-    learnt = read_scheduled(scheduled, settings["case"]) if scheduled else None
-    if settings["probability.calibration_series"] or (learnt and not learnt.own_rows):
-        forecasts = window_forecasts(model, system.observable, given, boundaries, known)
+    learnt = read_scheduled(scheduled, settings.case) if scheduled else None
+    if settings.calibration_series or (learnt and not learnt.own_rows):
+        forecasts = window_forecasts(model, space.observable, given, boundaries, known)
     else:
         forecasts = out_of_sample_forecasts(
             model,
-            learnt.observed.states if learnt else learnt_rows(model, settings, ensemble),
-            forecasting_case(settings, ensemble),
-            durations.steps(settings["washout_lt"], lyapunov_time(settings)),
-            system.observable,
+            learnt.observed.states if learnt else settings.learnt_rows(model, ensemble),
+            settings.forecasting_case(ensemble),
+            settings.washout,
+            space.observable,
             given,
             np.array(learnt.own_rows)[points["series"]] if learnt else points["series"],
             boundaries,
             learnt.schedules if learnt else None,
             known,
         )
-    variables = forecast_variables(forecasts, system.observable_name)
+    variables = forecast_variables(forecasts, space.observable_name)
     write_netcdf(calibration_forecast, variables, settings.provenance)

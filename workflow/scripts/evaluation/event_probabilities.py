@@ -7,10 +7,17 @@ import numpy as np
 from burstcast.forecast.event_probabilities import EventProbabilities
 from burstcast.forecasters.registry import classifier_class
 from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
-from burstcast_workflow.harness.job import Settings, concerning, job, write_netcdf
-from burstcast_workflow.jobs.forecasters import forecasting_case, write_forecaster
-from burstcast_workflow.jobs.probabilities import forecast_points
-from burstcast_workflow.jobs.time_unit import lyapunov_time
+from burstcast_workflow.harness.job import at, concerning, job, write_netcdf
+from burstcast_workflow.jobs.forecasters import Forecasting, write_forecaster
+from burstcast_workflow.jobs.probabilities import Alarms
+
+
+class Classifying(Forecasting, Alarms):
+    """A classifier of events."""
+
+    random_seed: int = at("random_seed")
+    calibration_series: int = at("probability.calibration_series")
+    folds: int = at("forecasters.classifiers.folds")
 
 
 @job
@@ -22,31 +29,31 @@ def event_probabilities(
     forecaster: str,
     forecast: str,
     calibration_forecast: str,
-    settings: Settings,
+    settings: Classifying,
 ) -> None:
     """Learn from the training set; what was learnt from is forecast out of sample."""
-    times = settings["classification.prediction_times_lt"]
-    threshold = settings["case.event_threshold"]
-    kind = classifier_class(settings["forecaster"])
-    case = forecasting_case(settings)
-    options = {**case.options, "random_seed": settings["random_seed"]}
+    times, threshold = settings.prediction_times_lt, settings.event_threshold
+    kind = classifier_class(settings.forecaster)
+    case = settings.forecasting_case()
+    options = {**case.options, "random_seed": settings.random_seed}
     case = dataclasses.replace(case, options=options)
-    steps, points = lyapunov_time(settings), forecast_points(settings, training_set, [])
+    steps, points = settings.lyapunov_time, settings.forecast_points(training_set)
     known = points.known(times, steps)
     learnt = points.labelled(times, threshold, known)
-    with concerning(f"case {settings['case']}"):
+    with concerning(f"case {settings.case}"):
         learnt.check(times)
     fitted = kind.fit(learnt, case)
-    test, kept = (forecast_points(settings, one, []) for one in (evaluation_set, calibration_set))
+    test, kept = map(settings.forecast_points, (evaluation_set, calibration_set))
     # an actuation of the test series alone is not known to what has learnt without one
     told = [None if known is None else one.known(times, steps) for one in (test, kept)]
     tested = fitted.probabilities(test.data["washout"], told[0])
-    if settings["probability.calibration_series"]:
+    if settings.calibration_series:
         calibrating = fitted.probabilities(kept.data["washout"], told[1])
     else:
-        folds = settings["forecasters.classifiers.folds"]
         asked = kept.data["washout"], kept.data["series"], told[1]
-        calibrating = out_of_sample_probabilities(kind, learnt, fitted.tuned(case), folds, *asked)
+        calibrating = out_of_sample_probabilities(
+            kind, learnt, fitted.tuned(case), settings.folds, *asked
+        )
     write_forecaster(forecaster, fitted, settings.provenance)
     for path, found in ((forecast, tested), (calibration_forecast, calibrating)):
         probabilities = EventProbabilities(found, np.array(times, dtype=np.float64), threshold)

@@ -1,6 +1,5 @@
 """Single forecasts of one forecaster: one of each outcome, and the last ones before a success."""
 
-from burstcast import durations
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.files.netcdf import read_netcdf, read_rows, variables_of
 from burstcast.forecast.examples import (
@@ -11,29 +10,33 @@ from burstcast.forecast.examples import (
 )
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters.base import Forecaster
-from burstcast_workflow.harness.job import Settings, job, write_netcdf
-from burstcast_workflow.jobs.forecasters import read_forecaster, seen
-from burstcast_workflow.jobs.forecasts import horizon_search
-from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import lyapunov_time
+from burstcast_workflow.harness.job import at, job, write_netcdf
+from burstcast_workflow.jobs.data import Training
+from burstcast_workflow.jobs.forecasters import Forecasting, seen
+from burstcast_workflow.jobs.forecasts import Horizons, Windows
 
 BEFORE_WASHOUT_LT = 1.0
 AFTER_EVENT_LT = 0.5
 """What is shown before the washout of a forecast, and after an event."""
 
 
+class Examples(Forecasting, Windows, Horizons, Training):
+    """Which forecasts are shown."""
+
+    prediction_time_lt: float = at("prediction_time_lt")
+    wanted_lt: float = at("figures.example_horizon_lt")
+
+
 def _outcomes(
     ensemble: str,
     evaluation_set: str,
     forecast_file: str,
-    settings: Settings,
+    settings: Examples,
     forecaster: Forecaster,
 ) -> OutcomeExamples:
     """One forecast of the test set for each outcome."""
-    steps = lyapunov_time(settings)
-    resolution = settings["classification.resolution_lt"]
-    window_lt = settings["classification.window_lt"]
-    prediction_time_lt = settings["prediction_time_lt"]
+    steps, resolution = settings.lyapunov_time, settings.resolution_lt
+    window_lt, prediction_time_lt = settings.window_lt, settings.prediction_time_lt
     points = read_netcdf(evaluation_set)
     chosen = outcome_examples(
         WindowSummaries(**read_netcdf(forecast_file, "first", "largest")),
@@ -41,21 +44,20 @@ def _outcomes(
         points["washout_maximum"],
         first_window=round(prediction_time_lt / resolution) - 1,
         windows=round(window_lt / resolution),
-        threshold=settings["case.event_threshold"],
+        threshold=settings.event_threshold,
     )
     # as far as the evaluation set surely reaches
-    longest_lt = settings["classification.longest_prediction_time_lt"]
-    reach_lt = min(prediction_time_lt + 1, longest_lt) + window_lt
-    first, rows = settings["case.training.series"], list(chosen.values())
+    reach_lt = min(prediction_time_lt + 1, settings.longest_prediction_time_lt) + window_lt
+    first, rows = settings.training_series, list(chosen.values())
     return forecast_outcomes(
         forecaster,
-        system_of(settings).observable,
+        settings.space.observable,
         seen(forecaster, points["washout"][rows], points["true_washout"][rows]),
         read_rows(ensemble, "observable", first, first + int(points["series"].max()) + 1),
         SeriesPoints(points["series"][rows], points["step"][rows]),
         list(chosen),
-        before=durations.steps(settings["washout_lt"] + BEFORE_WASHOUT_LT, steps),
-        reach=durations.steps(reach_lt, steps),
+        before=settings.steps(settings.washout_lt + BEFORE_WASHOUT_LT),
+        reach=settings.steps(reach_lt),
         steps_per_lyapunov_time=steps,
     )
 
@@ -71,21 +73,21 @@ def examples_of_forecaster(
     forecast: str,
     horizon: str,
     examples: str,
-    settings: Settings,
+    settings: Examples,
 ) -> None:
     """Write true and forecast observables of the examples."""
-    model = read_forecaster(forecaster, settings)
+    model = settings.read_forecaster(forecaster)
     outcomes = _outcomes(ensemble, evaluation_set, forecast, settings, model)
     before = read_netcdf(events)
     evaluations = evaluate_event(
         model,
-        system_of(settings).observable,
+        settings.space.observable,
         seen(model, before["observed"], before["true_state"]),
         SeriesPoints(before["series"], before["step"]),
         lambda series: read_rows(ensemble, "observable", series, series + 1)[0],
         read_netcdf(horizon)["prediction_horizon_lt"],
-        horizon_search(settings, summary),
-        wanted_lt=settings["figures.example_horizon_lt"],
+        settings.horizon_search(summary),
+        wanted_lt=settings.wanted_lt,
         after_lt=AFTER_EVENT_LT,
     )
     write_netcdf(examples, variables_of(outcomes) | variables_of(evaluations), settings.provenance)

@@ -9,8 +9,8 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.forecast_files import horizon_variables
 from burstcast.forecasters._recorded import recorded_horizons
 from burstcast.forecasters.external import ExternalForecasts
-from burstcast_workflow.harness.job import Settings, job, write_netcdf
-from burstcast_workflow.jobs.forecast_task import task_data
+from burstcast_workflow.harness.job import job, write_netcdf
+from burstcast_workflow.jobs.forecast_task import Task
 
 
 @job
@@ -23,10 +23,10 @@ def read_external_forecasts(
     summary: str,
     forecast: str,
     horizon: str,
-    settings: Settings,
+    settings: Task,
 ) -> None:
     """Write window summaries or probabilities, and prediction horizons: NaN where none is given."""
-    data = task_data(settings, ensemble, evaluation_set, events, summary)
+    data = settings.data(ensemble, evaluation_set, events, summary)
     given = read_forecasts([Path(file) for file in files], data.task)
     found = ExternalForecasts.of(given, data.task, data.event_threshold)
     write_netcdf(forecast, found.variables(data.task.space.observable_name), settings.provenance)

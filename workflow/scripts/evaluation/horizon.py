@@ -3,24 +3,27 @@
 from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.forecast_files import horizon_variables
 from burstcast.forecast.horizon import prediction_horizons
-from burstcast_workflow.harness.job import Settings, job, write_netcdf
-from burstcast_workflow.jobs.forecasters import read_forecaster, seen
-from burstcast_workflow.jobs.forecasts import horizon_search
-from burstcast_workflow.jobs.systems import system_of
+from burstcast_workflow.harness.job import job, write_netcdf
+from burstcast_workflow.jobs.forecasters import Forecasting, seen
+from burstcast_workflow.jobs.forecasts import Horizons
+
+
+class HorizonsOfForecaster(Forecasting, Horizons):
+    """How the horizons of a forecaster are measured."""
 
 
 @job
 def measure_horizons(
-    *, forecaster: str, events: str, summary: str, horizon: str, settings: Settings
+    *, forecaster: str, events: str, summary: str, horizon: str, settings: HorizonsOfForecaster
 ) -> None:
     """Write the prediction horizon of every event."""
-    data, model = read_netcdf(events), read_forecaster(forecaster, settings)
+    data, model = read_netcdf(events), settings.read_forecaster(forecaster)
     horizons = prediction_horizons(
         model,
-        system_of(settings).observable,
+        settings.space.observable,
         seen(model, data["observed"], data["true_state"]),
         data["truth"],
-        horizon_search(settings, summary),
+        settings.horizon_search(summary),
         data.get("parameter"),
     )
     write_netcdf(

@@ -6,30 +6,37 @@ from burstcast import random_streams
 from burstcast.files.netcdf import read_netcdf, variables_of
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.lyapunov_spectrum import forecaster_spectrum
-from burstcast_workflow.harness.job import Settings, job, write_netcdf
-from burstcast_workflow.jobs.forecasters import read_forecaster
-from burstcast_workflow.jobs.long_runs import long_run_washouts
-from burstcast_workflow.jobs.time_unit import long_run_steps, sampling_interval
+from burstcast_workflow.harness.job import at, job, write_netcdf
+from burstcast_workflow.jobs.forecasters import Forecasting
+from burstcast_workflow.jobs.long_runs import LongRuns
+
+
+class Spectrum(Forecasting, LongRuns):
+    """Exponents along long runs."""
+
+    orthonormalisation_interval: float = at("case.lyapunov.orthonormalisation_interval")
+    exponents: int = at("statistics.lyapunov_exponents")
+    runs: int = at("statistics.lyapunov_runs")
 
 
 @job
 def lyapunov_spectrum(
-    *, ensemble: str, forecaster: str, long_term: str, spectrum: str, settings: Settings
+    *, ensemble: str, forecaster: str, long_term: str, spectrum: str, settings: Spectrum
 ) -> None:
     """Write the leading exponents of each of the first runs that were kept."""
-    model = read_forecaster(forecaster, settings)
-    washouts = long_run_washouts(settings, ensemble, model)
+    model = settings.read_forecaster(forecaster)
+    washouts = settings.washouts(ensemble, model)
     kept = np.flatnonzero(read_netcdf(long_term, "fate")["fate"] == Fate.KEPT)
-    interval = sampling_interval(settings)
+    interval = settings.sampling_interval
     found = forecaster_spectrum(
         model,
-        washouts[kept[: settings["statistics.lyapunov_runs"]]],
-        long_run_steps(settings, ensemble),
-        max(1, round(settings["case.lyapunov.orthonormalisation_interval"] / interval)),
-        settings["statistics.lyapunov_exponents"],
+        washouts[kept[: settings.runs]],
+        settings.run_steps(ensemble),
+        max(1, round(settings.orthonormalisation_interval / interval)),
+        settings.exponents,
         interval,
         random_streams.stream(
-            settings["random_seed"], "lyapunov spectrum", settings["case"], settings["forecaster"]
+            settings.random_seed, "lyapunov spectrum", settings.case, settings.forecaster
         ),
     )
     write_netcdf(spectrum, variables_of(found), settings.provenance)

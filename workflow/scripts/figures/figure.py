@@ -10,7 +10,7 @@ from burstcast.figures.registry import figure_module
 from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.files.tables import read_table
 from burstcast.forecasters._names import parsed
-from burstcast_workflow.harness.job import Settings, atomic, job, read_json
+from burstcast_workflow.harness.job import JobSettings, atomic, job, read_json
 
 
 def _content(file: str | list[str], variable: str) -> Any:
@@ -34,14 +34,14 @@ def _arrays(file: str) -> Mapping[str, Any]:
 
 
 @job
-def figure(*, pdf: str, png: str, settings: Settings, **files: str | list[str]) -> None:
+def figure(*, pdf: str, png: str, settings: JobSettings, **files: str | list[str]) -> None:
     """Read what the figure declares, draw it, and write it as PDF and PNG."""
-    module = figure_module(settings["figure"])
+    module = figure_module(settings.figure)
     inputs = {
         name: _content(file, module.FIGURE.inputs.get(name, "").partition(":")[2])
         for name, file in files.items()
     }
-    values = {name: settings[path] for name, path in module.FIGURE.paths.items()}
+    values = {name: settings.value_of(path) for name, path in module.FIGURE.paths.items()}
     drawn = module.draw(**inputs, **values)
     # both in memory first: a figure that cannot be drawn leaves no file
     for path, content in ((pdf, render(drawn, "pdf")), (png, render(drawn, "png"))):

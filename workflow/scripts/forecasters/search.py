@@ -1,21 +1,32 @@
 """Search on from the grid by Bayesian optimisation, and pick the best hyperparameters."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
 from burstcast.files.tables import read_table
 from burstcast.forecasters._names import parsed
 from burstcast.tuning import network_search
+from burstcast.tuning.hyperparameters import SurrogateSettings
 from burstcast.tuning.scan_files import read_evaluations
 from burstcast.tuning.strategies.registry import make_strategy
 from burstcast.tuning.uncertainty import objective_uncertainty
-from burstcast_workflow.harness.job import Settings, job, write_json, write_table
-from burstcast_workflow.jobs.networks import (
-    point_validator,
-    reservoir_seed,
-    search_space,
-    surrogate_settings,
-)
+from burstcast_workflow.harness.job import at, job, write_json, write_table
+from burstcast_workflow.jobs.networks import Search
+
+
+class BayesianSearch(Search):
+    """The search, beyond the grid."""
+
+    points: int = at("search.bayesian_points")
+    surrogate: dict[str, Any] = at("search.surrogate")
+
+    @property
+    def surrogate_settings(self) -> SurrogateSettings:
+        """Settings of the Gaussian process."""
+        bounds = {name: tuple(self.surrogate[name]) for name in ("variance", "length_scale")}
+        return SurrogateSettings(**{**self.surrogate, **bounds})
 
 
 @job
@@ -27,21 +38,21 @@ def search(
     scan_errors: str,
     hyperparameters: str,
     trace: str,
-    settings: Settings,
+    settings: BayesianSearch,
 ) -> None:
     """Write the whole trace of the search and its best point."""
-    identifier = settings["forecaster"]
-    validator = point_validator(settings, identifier, ensemble, scheduled)
+    identifier = settings.forecaster
+    validator = settings.point_validator(identifier, ensemble, scheduled)
     strategy = make_strategy(str(parsed(identifier).validation))
-    reservoir = reservoir_seed(settings, identifier)
+    reservoir = settings.reservoir_seed(identifier)
     found = network_search.search(
         validator,
-        search_space(settings),
+        settings.search_space,
         strategy,
         read_evaluations(read_table(scan).to_dict("records"), scan_errors),
-        settings["search.bayesian_points"],
-        network_search.optimiser_seed(reservoir, settings["case"], strategy.name),
-        surrogate_settings(settings),
+        settings.points,
+        network_search.optimiser_seed(reservoir, settings.case, strategy.name),
+        settings.surrogate_settings,
     )
     uncertainty = objective_uncertainty(np.array([one.validation.log_errors for one in found]))
     table = pd.DataFrame([one.record() for one in found])

@@ -7,11 +7,16 @@ from burstcast.files.tables import read_table
 from burstcast.statistics.long_term import Fate, run_long_term
 from burstcast.statistics.survival import Lifetimes, escape_rate
 from burstcast.tuning.survival import as_good_as_the_best, nearest_escape_rate
-from burstcast_workflow.harness.job import Settings, job, write_json, write_table
-from burstcast_workflow.jobs.long_runs import long_run_washouts, long_term_settings
-from burstcast_workflow.jobs.systems import system_of
-from burstcast_workflow.jobs.time_unit import sampling_interval
+from burstcast_workflow.harness.job import at, job, write_json, write_table
+from burstcast_workflow.jobs.long_runs import LongTerm
+from burstcast_workflow.jobs.networks import Networks
 from burstcast_workflow.jobs.trained_networks import trained_networks
+
+
+class Survival(LongTerm, Networks):
+    """How fast long runs of networks escape."""
+
+    confidence: float = at("bootstrap.confidence")
 
 
 @job
@@ -22,13 +27,13 @@ def choose_by_survival(
     trace: str,
     chosen: str,
     candidates: str,
-    settings: Settings,
+    settings: Survival,
 ) -> None:
     """Write how fast the candidates' long runs escape, and the point that is taken."""
-    interval, confidence = sampling_interval(settings), settings["bootstrap.confidence"]
+    interval, confidence = settings.sampling_interval, settings.confidence
     found = read_netcdf(ensemble, "series", "lifetime", "time")
     whole = Lifetimes.of_ensemble(found["lifetime"], found["series"], len(found["time"]) - 1)
-    of_training = whole.of_training(found["series"], settings["case.training.series"])
+    of_training = whole.of_training(found["series"], settings.training_series)
     data = escape_rate(of_training, interval, confidence)
     points = read_table(trace)
     good = as_good_as_the_best(
@@ -36,12 +41,12 @@ def choose_by_survival(
         points["paired_standard_error"].to_numpy(dtype=np.float64),
     )
     points = points[good].sort_values("objective", kind="stable")
-    how, bound = long_term_settings(settings, ensemble), settings["forecaster.divergence_bound"]
+    how, bound = settings.long_term(ensemble), settings.divergence_bound
     rates = []
     records = ({str(key): at for key, at in one.items()} for one in points.to_dict("records"))
     for model in trained_networks(settings, ensemble, scheduled, records, bound):
-        washouts = long_run_washouts(settings, ensemble, model)
-        run = run_long_term(model, system_of(settings).observable, washouts, how)
+        washouts = settings.washouts(ensemble, model)
+        run = run_long_term(model, settings.space.observable, washouts, how)
         lifetimes = Lifetimes(run.lifetimes, run.fates != Fate.KEPT, how.steps)
         rates.append(escape_rate(lifetimes, interval, confidence))
     row = nearest_escape_rate(np.array([rate.rate for rate in rates]), data.rate)

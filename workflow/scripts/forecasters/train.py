@@ -1,7 +1,8 @@
 """Train a network on all training series with the hyperparameters that the search found."""
 
-from burstcast_workflow.harness.job import Settings, job, read_json
+from burstcast_workflow.harness.job import job, read_json
 from burstcast_workflow.jobs.forecasters import write_forecaster
+from burstcast_workflow.jobs.networks import Networks
 from burstcast_workflow.jobs.trained_networks import trained_networks
 
 
@@ -12,7 +13,7 @@ def train(
     scheduled: list[str],
     hyperparameters: str,
     forecaster: str,
-    settings: Settings,
+    settings: Networks,
 ) -> None:
     """Write the trained network."""
     chosen = read_json(hyperparameters)

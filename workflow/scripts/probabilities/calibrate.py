@@ -1,24 +1,35 @@
 """Calibrate the probabilities of all sources of alarms in a case, and choose their thresholds."""
 
 from burstcast.probability.calibrated_alarms import calibrated_alarms, uncalibrated_alarms
-from burstcast_workflow.harness.job import Settings, job, write_json
-from burstcast_workflow.jobs.probabilities import forecast_points
-from burstcast_workflow.jobs.time_unit import lyapunov_time
+from burstcast_workflow.harness.job import at, job, write_json
+from burstcast_workflow.jobs.probabilities import Alarms
+from burstcast_workflow.jobs.time_unit import Clock
+
+
+class Calibration(Alarms, Clock):
+    """Thresholds of alarms."""
+
+    prior_forecasts: float = at("probability.prior_forecasts")
+    uncalibrated: dict[str, float] = at("uncalibrated")
 
 
 @job
 def calibrate(
-    *, calibration_set: str, calibration_forecasts: list[str], calibration: str, settings: Settings
+    *,
+    calibration_set: str,
+    calibration_forecasts: list[str],
+    calibration: str,
+    settings: Calibration,
 ) -> None:
     """Write calibrations and thresholds by alarm and prediction time."""
-    times = settings["classification.prediction_times_lt"]
+    times = settings.prediction_times_lt
     alarms = calibrated_alarms(
-        forecast_points(settings, calibration_set, calibration_forecasts),
+        settings.forecast_points(calibration_set, calibration_forecasts),
         times,
-        settings["case.event_threshold"],
-        settings["probability.prior_forecasts"],
+        settings.event_threshold,
+        settings.prior_forecasts,
     )
     # of these, there are no forecasts of the calibration set
-    alarms |= uncalibrated_alarms(settings["uncalibrated"], times)
-    record = {"steps_per_lyapunov_time": lyapunov_time(settings), "alarms": alarms}
+    alarms |= uncalibrated_alarms(settings.uncalibrated, times)
+    record = {"steps_per_lyapunov_time": settings.lyapunov_time, "alarms": alarms}
     write_json(calibration, record, settings.provenance)

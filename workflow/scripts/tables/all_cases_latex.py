@@ -1,23 +1,31 @@
 """Put the tables of all cases below one another, and typeset them for papers."""
 
 from pathlib import Path
+from typing import Any
 
 from burstcast.files.tables import read_table
 from burstcast.forecasters._names import KEYS
 from burstcast.tables.joined import joined_tables
 from burstcast.tables.wide import typeset
-from burstcast_workflow.harness.job import Settings, job, write_text
+from burstcast_workflow.harness.job import JobSettings, at, job, write_text
+
+
+class Typeset(JobSettings):
+    """Columns by the name of the table, layouts by the name of the LaTeX file."""
+
+    columns: dict[str, list[str]] = at("columns")
+    latex: dict[str, dict[str, Any]] = at("latex")
 
 
 @job
 def join_and_typeset(
-    *, of_cases: list[str], tables: list[str], latex: list[str], settings: Settings
+    *, of_cases: list[str], tables: list[str], latex: list[str], settings: Typeset
 ) -> None:
     """Write the rows of all cases, and the LaTeX that is made of them."""
     files = {Path(table).stem: table for table in tables}
-    for name, text in joined_tables(of_cases, settings["columns"]).items():
+    for name, text in joined_tables(of_cases, settings.columns).items():
         write_text(files[name], text)
     for path in latex:
-        layout = settings["latex"][Path(path).stem]
+        layout = settings.latex[Path(path).stem]
         rows = read_table(files[layout["source"]])
         write_text(path, typeset(Path(path).stem, rows, layout, KEYS))

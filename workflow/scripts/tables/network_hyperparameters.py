@@ -1,25 +1,45 @@
 """Make the paper's table of the hyperparameters of the networks."""
 
+from typing import Any
+
 from burstcast.natural_order import natural_order
 from burstcast.tables.latex import to_latex
 from burstcast.tables.parameters import network_parameters, side_by_side
-from burstcast_workflow.harness.job import Settings, job, write_table, write_text
+from burstcast_workflow.harness.job import JobSettings, at, job, write_table, write_text
+
+
+class CaseNoise(JobSettings):
+    """Noise of a case."""
+
+    noise: float = at("case.training.noise")
+
+
+class Hyperparameters(JobSettings):
+    """Hyperparameters of all networks, and the noise of each case."""
+
+    connectivity: float = at("forecasters.esn.connectivity")
+    input_bias: float = at("forecasters.esn.input_bias")
+    spectral_radius: list[float] = at("search.spectral_radius")
+    input_scaling: list[float] = at("search.input_scaling")
+    tikhonov: list[float] = at("search.tikhonov")
+    cases: dict[str, dict[str, Any]] = at("cases")
+    caption: str = at("caption")
 
 
 @job
-def network_hyperparameters(*, table: str, latex: str, settings: Settings) -> None:
+def network_hyperparameters(*, table: str, latex: str, settings: Hyperparameters) -> None:
     """Write one column of values, or one for each case where the noise differs."""
-    cases = settings["cases"]
-    noise = {case: cases[case]["case.training.noise"] for case in sorted(cases, key=natural_order)}
+    cases = settings.cases
+    noise = {case: CaseNoise(cases[case], {}).noise for case in sorted(cases, key=natural_order)}
     if len(set(noise.values())) == 1:
         noise = dict([next(iter(noise.items()))])
     tables = {
         case: network_parameters(
-            spectral_radius=settings["search.spectral_radius"],
-            input_scaling=settings["search.input_scaling"],
-            tikhonov=settings["search.tikhonov"],
-            connectivity=settings["forecasters.esn.connectivity"],
-            input_bias=settings["forecasters.esn.input_bias"],
+            spectral_radius=settings.spectral_radius,
+            input_scaling=settings.input_scaling,
+            tikhonov=settings.tikhonov,
+            connectivity=settings.connectivity,
+            input_bias=settings.input_bias,
             noise=value,
         )
         for case, value in noise.items()
@@ -27,4 +47,4 @@ def network_hyperparameters(*, table: str, latex: str, settings: Settings) -> No
     found = side_by_side(tables)
     write_table(table, found)
     label = "tab:network_hyperparameters"
-    write_text(latex, to_latex(found, settings["caption"], label, keys=2))
+    write_text(latex, to_latex(found, settings.caption, label, keys=2))

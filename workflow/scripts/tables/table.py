@@ -3,8 +3,8 @@
 from typing import Any
 
 from burstcast.tables.makers.registry import PATH, maker
-from burstcast_workflow.harness.job import Settings, job
-from burstcast_workflow.jobs.tables import content, gathered, of_case, write_tables
+from burstcast_workflow.harness.job import job
+from burstcast_workflow.jobs.tables import TablesOfCase, content
 
 
 def _content(file: str | list[str], variables: str) -> Any:
@@ -15,14 +15,13 @@ def _content(file: str | list[str], variables: str) -> Any:
 
 
 @job
-def make_tables(*, tables: list[str], settings: Settings, **files: str | list[str]) -> None:
+def make_tables(*, tables: list[str], settings: TablesOfCase, **files: str | list[str]) -> None:
     """Read what the tables are made of, and write their rows."""
-    module = maker(settings["rule"])
+    module = maker(settings.rule)
     made_of = module.TABLES
     inputs = {name: _content(files[name], names) for name, names in made_of.inputs.items()}
     of_each = {
-        name: gathered(settings, files[name], names) for name, names in made_of.gathered.items()
+        name: settings.gathered(files[name], names) for name, names in made_of.gathered.items()
     }
-    values = {name: settings[path] for name, path in made_of.paths.items()}
-    rows = of_case(settings, module.make(**inputs, **of_each, **values))
-    write_tables(tables, settings, **rows)
+    values = {name: settings.value_of(path) for name, path in made_of.paths.items()}
+    settings.write(tables, **settings.with_keys(module.make(**inputs, **of_each, **values)))

@@ -5,17 +5,24 @@ from typing import Any
 
 from burstcast.files.tables import read_table
 from burstcast.tables.realisations import scatter_of_families
-from burstcast_workflow.harness.job import Settings, job
-from burstcast_workflow.jobs.tables import write_tables
+from burstcast_workflow.harness.job import at, job
+from burstcast_workflow.jobs.tables import Tables
+
+
+class Scatter(Tables):
+    """Tables of scores, and the kinds of forecasters in them."""
+
+    scattered: dict[str, dict[str, Any]] = at("scattered")
+    kinds: list[str] = at("kinds")
 
 
 @job
-def separate_scatter(*, scores: list[str], tables: list[str], settings: Settings) -> None:
+def separate_scatter(*, scores: list[str], tables: list[str], settings: Scatter) -> None:
     """Write both standard deviations of each metric, by forecaster, size and strategy."""
     rows: list[dict[str, Any]] = []
     for path in scores:
-        scattered, kinds = settings["scattered"][Path(path).stem], settings["kinds"]
+        scattered = settings.scattered[Path(path).stem]
         rows += scatter_of_families(
-            read_table(path), kinds, scattered["by"][2:], scattered["percentiles"]
+            read_table(path), settings.kinds, scattered["by"][2:], scattered["percentiles"]
         )
-    write_tables(tables, settings, training_realisations=rows)
+    settings.write(tables, training_realisations=rows)
