@@ -71,8 +71,8 @@ def settings_of_job(
     """Settings of a job by their paths in the config, in canonical form.
 
     ``case.`` stands for the job's case, ``forecasters.`` for the sections of kinds as the job's
-    network has them. Those that do not concern the job are left out. ``values`` are given as they
-    are, beside them.
+    network has them. What does not concern the job is left out. ``values`` are given as they are,
+    beside them.
     """
     job = JobFacts(campaign, wildcards)
     found = {

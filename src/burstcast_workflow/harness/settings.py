@@ -121,7 +121,9 @@ class JobSettings:
         return [*dict.fromkeys(one.path for one in fields if isinstance(one, Setting))]
 
     def value_of(self, path: str) -> Any:
-        """Value of a setting by its path, which may lie below one that the rule declares."""
+        """Value of a setting by its path, also below a declared one, or of a wildcard."""
+        if path in self.identity:
+            return self.identity[path]
         parts = path.split(".")
         for count in range(len(parts), 0, -1):
             name = ".".join(parts[:count])

@@ -70,7 +70,7 @@ class Controlled(Forecasting, Washed, Training):
 
         Returns the strategy, the experiment, the forecasters that are asked, and the observation
         noise of each flow at each step, ``(flows, steps, dimension)``; None for forecasters that
-        see the truth. ``aware`` is what forecasters are told of parameters.
+        see the truth. ``aware`` says what forecasters know of parameters.
         """
         strategy = make_strategy(self.kind_of_strategy, self.strategy_settings)
         experiment = replace(self.experiment(ensemble, summary), sensor=sensor)

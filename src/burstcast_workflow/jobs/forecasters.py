@@ -58,8 +58,8 @@ class Forecasting(System, Clock):
     ) -> ForecastingCase:
         """Knowledge of the job's forecasters; with ``ensemble``, to fit them.
 
-        ``aware`` is what forecasters are told of parameters, beside what their kinds ask for, and
-        ``actuation`` the actuator whose share they may know.
+        ``aware`` says what forecasters of any kind know of parameters, ``actuation`` of which
+        actuator they know the share.
         """
         source = self.options.get("source")
         names = (aware or self.options).get("parameters")

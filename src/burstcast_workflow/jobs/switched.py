@@ -21,7 +21,7 @@ CANDIDATES = 8
 
 
 class Switched(System, Clock, Observed):
-    """An actuator that switches at random, and what forecasters are told about it."""
+    """An actuator that switches at random, and what forecasters know about it."""
 
     switching: dict[str, Any] | None = at("case.training.actuation")
     actuation: dict[str, Any] | None = at("case.actuation")

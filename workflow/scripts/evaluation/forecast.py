@@ -11,7 +11,7 @@ from burstcast_workflow.jobs.forecasts import Windows
 
 
 class Forecasts(Forecasting, Windows):
-    """Forecasts of windows; some forecasters are told the parameters in force."""
+    """Forecasts of windows; some forecasters know the parameters in force."""
 
     divergence_bound: float | None = at("forecaster.divergence_bound")
     aware: dict[str, Any] | None = at("forecasters.aware", otherwise=None)
