@@ -37,8 +37,7 @@ config, run, sources = started.config, started.run, started.sources
 campaign = Campaign(config)
 costs = CostModel(campaign)
 stages = Stages(campaign, sources, costs)
-# Parameters of rules: settings by their paths in the config, or by names of groups of them (GROUPS
-# in burstcast_workflow/campaign/campaign.py), and hashes of the code that runs.
+# Parameters of rules: the settings that a script declares, and hashes of the code that runs.
 settings_of, code_of = stages.settings_of, stages.code_of
 # Resources: memory and time of a class of work (burstcast_workflow/costs/model.py).
 needs = stages.needs

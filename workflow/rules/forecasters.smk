@@ -1,10 +1,10 @@
 """From the data to forecasters: the search for a network's hyperparameters, training, fitting."""
 
-# In all rules: `settings_of` takes paths in the config and groups of them, in capitals (GROUPS in
-# burstcast_workflow/campaign/campaign.py); `needs`, a class of work that says memory and time
-# (CLASSES in burstcast_workflow/costs/model.py), and whether the cache keeps the results;
-# `unknowns_of` asks for thresholds and units of time where jobs compute them. A name that a rule
-# repeats is its own, which `module` may change.
+# In all rules: `settings_of` gives a script the settings that its class declares, the one of the
+# argument `settings` of its function; `needs`, a class of work that says memory and time (CLASSES
+# in burstcast_workflow/costs/model.py), and whether the cache keeps the results; `unknowns_of` asks
+# for thresholds and units of time where jobs compute them. A name that a rule repeats is its own,
+# which `module` may change.
 
 
 rule scan:
