@@ -16,6 +16,7 @@ from snakemake.utils import update_config
 from burstcast.declared_settings import paths_by_argument
 from burstcast.figures.registry import figure_module
 from burstcast.forecasters.registry import all_kinds, available_kinds, kind_class
+from burstcast.tables.makers import registry
 from burstcast.tables.makers._probabilities import SETTINGS as SCORED
 from burstcast.tables.makers.registry import maker
 from burstcast_workflow.campaign.campaign import Campaign
@@ -160,6 +161,7 @@ def test_tables_are_made_of_all_that_they_declare_and_of_nothing_else(name):
     declared = maker(name).TABLES
     what = [*declared.inputs, *declared.gathered, *declared.paths]
     assert len(what) == len(set(what))
+    assert registry.settings_of(name) == [one for one in declared.paths.values() if one != "case"]
     taken = inspect.signature(maker(name).make).parameters
     # what all tables of probabilities are scored with is handed on
     shared = paths_by_argument(SCORED) if "scored" in taken else {}

@@ -12,6 +12,7 @@ from snakemake.io import local
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import learns_parameters
+from burstcast.tables.makers.registry import settings_of
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
 from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.config.external_files import external_forecasts, paths_of
@@ -19,7 +20,7 @@ from burstcast_workflow.config.measured_cases import data_files
 from burstcast_workflow.costs.model import CostModel
 from burstcast_workflow.harness.settings import THRESHOLDS, TIME_UNIT, cases_of_thresholds
 from burstcast_workflow.stages.declared import declared_settings
-from burstcast_workflow.tables.registry import cases_of, table_settings
+from burstcast_workflow.tables.registry import cases_of
 from snaketrust.fingerprint import Sources
 
 Paths: TypeAlias = str | list[str]
@@ -235,7 +236,7 @@ class Stages:
         """
 
         def settings(wildcards: Any) -> Any:
-            declared = [*self.declared(script), *(table_settings(maker) if maker else [])]
+            declared = [*self.declared(script), *(settings_of(maker) if maker else [])]
             found = {
                 name: value(wildcards) if callable(value) else value
                 for name, value in values.items()

@@ -4,7 +4,6 @@ from collections.abc import Container, Iterable
 from dataclasses import replace
 from typing import Any
 
-from burstcast.tables.makers.registry import maker
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.control_plans import CONDITIONS
 from burstcast_workflow.tables.declarations import (
@@ -88,11 +87,6 @@ def latex_names(campaign: Campaign) -> list[str]:
 def made_by(script: str) -> list[str]:
     """Names of the tables that a script writes."""
     return [name for name, table in TABLES.items() if table.script == script]
-
-
-def table_settings(script: str) -> list[str]:
-    """Paths of the settings that a module of `burstcast.tables.makers` declares."""
-    return [path for path in maker(script).TABLES.paths.values() if path != "case"]
 
 
 def written(names: Iterable[str], unused: Container[str] = ()) -> dict[str, Any]:

@@ -4,8 +4,10 @@
 the table. Key columns of the case need not be among them.
 """
 
+import ast
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -50,6 +52,25 @@ class Gathered:
     #: settings of a run of control; empty for other files
     plan: Mapping[str, Any] = field(default_factory=dict)
     strategy: str = ""  #: name of the strategy in paths and tables; empty for files of forecasters
+
+
+def settings_of(name: str) -> list[str]:
+    """Paths of the settings that a module of tables declares, without importing it."""
+    declared = _assigned(name, "TABLES")
+    assert isinstance(declared, ast.Call)
+    said = "".join(ast.unparse(one.value) for one in declared.keywords if one.arg == "settings")
+    if "{SETTINGS}" in said:
+        shared = ast.literal_eval(_assigned("_probabilities", "SETTINGS"))
+        said = said.replace("{SETTINGS}", shared)
+    paths = paths_by_argument(said.removeprefix("f").strip("'")).values()
+    return [path for path in paths if path != "case"]
+
+
+def _assigned(name: str, wanted: str) -> ast.expr:
+    """Expression that a module assigns to a name."""
+    text = Path(__file__).with_name(f"{name}.py").read_text(encoding="utf-8")
+    found = (node for node in ast.parse(text).body if isinstance(node, ast.Assign))
+    return next(node.value for node in found if ast.unparse(node.targets[0]) == wanted)
 
 
 def maker(name: str) -> ModuleType:
