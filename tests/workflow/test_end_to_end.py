@@ -321,7 +321,7 @@ def test_a_deleted_network_rebuilds_its_chain_only(finished, tmp_path):
         *("probability_scores", "probability_diagrams", "lead_times"),
         *("classification_table", "horizon_table", "warnings_table"),
     }
-    joined = {f"all_{name}" for name in tables}
+    joined = {f"joined_{name}" for name in ("probabilities", "forecasts", "horizon", "warnings")}
     assert rules_of(ran - of_network) <= {"calibrate", *tables, *joined}
     assert results(project) == before
 

@@ -85,7 +85,7 @@ def test_it_runs_to_its_end_and_makes_all_that_the_paper_has(miniature):
 
 def test_it_tells_what_its_jobs_took(miniature):
     rows = read_table(miniature.project.directory / "results/miniature/benchmarks/rule_costs.csv")
-    assert {"simulate", "scan", "all_horizon_table", "figure"} <= set(rows["rule"])
+    assert {"simulate", "scan", "joined_horizon", "figure"} <= set(rows["rule"])
     assert rows["jobs"].equals(rows["records"])
     assert (rows["minutes"] > 0).all()
 

@@ -28,6 +28,7 @@ from burstcast_workflow.harness.settings import THRESHOLDS, Setting
 from burstcast_workflow.project import code_of
 from burstcast_workflow.stages.declared import declared_settings
 from burstcast_workflow.stages.stages import Stages, of_job, one_of
+from burstcast_workflow.tables.declarations import TABLES as DECLARED
 from snaketrust.fingerprint import Sources
 
 ROOT = Path(__file__).parents[2]
@@ -36,15 +37,15 @@ SOURCE = ROOT / "src"
 MAKERS = [path.stem for path in (SOURCE / "burstcast" / "tables" / "makers").glob("[!_]*_*.py")]
 RULES = "".join(path.read_text() for path in sorted((ROOT / "workflow" / "rules").glob("*.smk")))
 # Rules with a script, read as text: pytest asks for them before any test. Those of tables are made
-# in loops: one for a case, one that joins all cases.
+# in loops: of a case, and of all cases by section.
 WRITTEN = {
     name: text
     for name, text in re.findall(r"^rule (\w+):\n((?: .*\n|\n)*)", RULES, re.M)
     if "script:" in text and name != "figure"
 }
-STAGES = [*WRITTEN, *MAKERS, *(f"all_{name}" for name in MAKERS)]
-JOINING = ("all_cases", "all_cases_latex")
-"""Scripts that join the tables of all cases."""
+JOINED = {table.section for table in DECLARED.values() if table.of_cases}
+"""Sections of the report, the tables of which one job joins."""
+STAGES = [*WRITTEN, *MAKERS, *(f"joined_{section}" for section in JOINED)]
 TABLES = SCRIPTS / "tables" / "table.py"
 """Script that makes all tables of a case."""
 
@@ -110,7 +111,7 @@ def test_a_rule_runs_the_script_of_its_name(rule):
     if script == TABLES:
         assert dict(workflow().rules[rule].params.items())["maker"] == rule
     else:
-        assert script.stem in JOINING if rule.startswith("all_") else script.stem == rule
+        assert script.stem == ("joined" if rule.startswith("joined_") else rule)
 
 
 # -- scripts ---------------------------------------------------------------------------------------

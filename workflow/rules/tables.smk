@@ -8,6 +8,7 @@ from burstcast_workflow.tables.registry import (
     latex_names,
     made_by,
     table_names,
+    tables_by_section,
     typeset,
     with_percentiles,
     written,
@@ -143,17 +144,6 @@ TABLE_RULES = {
 }
 # Tables that each rule makes (workflow/tables.yaml declares them), percentiles beside them.
 FILES = {name: with_percentiles(made_by(name)) for name in TABLE_RULES}
-LAYOUTS = {name: typeset(made_by(name)) for name in TABLE_RULES}
-# Files of all cases that they are joined from; none in campaigns without such tables.
-OF_CASES = {
-    name: [
-        path
-        for file in FILES[name]
-        for path in of_cases(f"tables/{file}.csv", cases_of(campaign, made_by(name)[0]))
-    ]
-    for name in TABLE_RULES
-}
-
 # -- tables of a case --------------------------------------------------------------------------------
 
 for name, made in TABLE_RULES.items():
@@ -193,71 +183,43 @@ for name, made in TABLE_RULES.items():
 
 # -- tables of all cases -----------------------------------------------------------------------------
 
-for name in [name for name in OF_CASES if OF_CASES[name] and not LAYOUTS[name]]:
+for section, files in tables_by_section(campaign).items():
 
+    # a section of the report at once, and LaTeX for papers; no other job reads these
     rule:
         name:
-            f"all_{name}"
+            f"joined_{section}"
         input:
-            of_cases=OF_CASES[name],
+            of_cases=[
+                path
+                for file in files
+                for path in of_cases(f"tables/{file}.csv", cases_of(campaign, file))
+            ],
         output:
-            tables=[in_report(file) for file in FILES[name]],
+            tables=[in_report(file) for file in files],
+            latex=[f"{TABLES}/{paper}.tex" for paper in typeset(files)],
         log:
-            f"{LOGS}/all_{name}.log",
+            f"{LOGS}/joined_{section}.log",
         benchmark:
-            f"{TIMES}/all_{name}.tsv"
+            f"{TIMES}/joined_{section}.tsv"
         group:
             group_of("tables")
         conda:
             ENVIRONMENT
         resources:
-            **needs(f"all_{name}", "gather"),
+            **needs(f"joined_{section}", "gather"),
         params:
             settings=settings_of(
-                "tables/all_cases.py",
-                f"all_{name}",
-                columns=joined(FILES[name], campaign.unused_columns),
+                "tables/joined.py",
+                f"joined_{section}",
+                columns=joined(files, campaign.unused_columns),
+                latex=typeset(files),
             ),
-            code=code_of("tables/all_cases.py"),
+            code=code_of("tables/joined.py"),
         message:
-            f"{TABLE_RULES[name]['does']}, of all cases"
+            f"tables of all cases: {SECTIONS[section]}"
         script:
-            "../scripts/tables/all_cases.py"
-
-
-for name in [name for name in OF_CASES if OF_CASES[name] and LAYOUTS[name]]:
-
-    # the same, and LaTeX for papers
-    rule:
-        name:
-            f"all_{name}"
-        input:
-            of_cases=OF_CASES[name],
-        output:
-            tables=[in_report(file) for file in FILES[name]],
-            latex=[f"{TABLES}/{paper}.tex" for paper in LAYOUTS[name]],
-        log:
-            f"{LOGS}/all_{name}.log",
-        benchmark:
-            f"{TIMES}/all_{name}.tsv"
-        group:
-            group_of("tables")
-        conda:
-            ENVIRONMENT
-        resources:
-            **needs(f"all_{name}", "gather"),
-        params:
-            settings=settings_of(
-                "tables/all_cases_latex.py",
-                f"all_{name}",
-                columns=joined(FILES[name], campaign.unused_columns),
-                latex=LAYOUTS[name],
-            ),
-            code=code_of("tables/all_cases_latex.py"),
-        message:
-            f"{TABLE_RULES[name]['does']}, of all cases"
-        script:
-            "../scripts/tables/all_cases_latex.py"
+            "../scripts/tables/joined.py"
 
 
 # -- tables of the whole campaign --------------------------------------------------------------------

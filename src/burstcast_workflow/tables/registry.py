@@ -71,6 +71,14 @@ def cases_of_tables(campaign: Campaign) -> dict[str, list[str]]:
     return {name: cases for name, cases in found.items() if cases}
 
 
+def tables_by_section(campaign: Campaign) -> dict[str, list[str]]:
+    """Names of the tables that cases have, percentiles included, by section of the report."""
+    found: dict[str, list[str]] = {}
+    for name in cases_of_tables(campaign):
+        found.setdefault(table_of(name).section, []).append(name)
+    return found
+
+
 def table_names(campaign: Campaign) -> list[str]:
     """Names of all tables of a campaign, in the order of the report."""
     return [name for name in with_percentiles(TABLES) if cases_of(campaign, name)]
@@ -124,6 +132,7 @@ def typeset(names: Iterable[str]) -> dict[str, Any]:
     return {
         name: _typeset(source, layout)
         for source in names
+        if source in TABLES  # percentiles are typeset with their table
         for name, layout in TABLES[source].latex.items()
     }
 

@@ -176,24 +176,20 @@ COMES_FROM = {
     "data_generation_parameters": "simulate",
 }
 
-# Each table of a case has one of all cases, with its LaTeX: whatever the first reads, that reads
+# Tables of all cases, a section of the report at once: whatever those of a case read, these read
 # nothing of it.
-TABLES_OF_CASES = (
-    *("dataset_table", "hyperparameters_table", "classification_table", "horizon_table"),
-    *("statistics_table", "survival_table", "lyapunov_spectrum_table"),
-    *("control_table", "control_density_table", "control_strategies_table", "warnings_table"),
-    *("probability_scores", "probability_diagrams", "lead_times"),
-)
-COMES_FROM |= {f"all_{table}": table for table in TABLES_OF_CASES}
-# Those that are typeset, too, by another script.
-JOINING = dict.fromkeys((f"all_{table}" for table in TABLES_OF_CASES), "all_cases_latex")
-JOINING |= dict.fromkeys(
-    (
-        *("all_control_density_table", "all_warnings_table", "all_probability_diagrams"),
-        *("all_lead_times"),
-    ),
-    "all_cases",
-)
+JOINED = {
+    "joined_data": "dataset_table",
+    "joined_networks": "hyperparameters_table",
+    "joined_forecasts": "classification_table",
+    "joined_horizon": "horizon_table",
+    "joined_probabilities": "probability_scores probability_diagrams lead_times",
+    "joined_long_term": "statistics_table survival_table lyapunov_spectrum_table",
+    "joined_control": "control_table control_density_table control_strategies_table",
+    "joined_warnings": "warnings_table",
+}
+TABLES_OF_CASES = " ".join(JOINED.values()).split()
+COMES_FROM |= JOINED
 
 ALL = {*READS, *COMES_FROM}
 

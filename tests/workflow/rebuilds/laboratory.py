@@ -14,7 +14,7 @@ from dependencies import (
     FOUND_BY_NAME,
     HARNESS,
     JOBS_OF_NETWORKS,
-    JOINING,
+    JOINED,
     MAKERS,
     STRATEGIES,
     STRATEGIES_BY_NAME,
@@ -460,4 +460,4 @@ def _jobs_of(script: str) -> list[str]:
     if script == TABLES_OF_A_CASE:
         return list(TABLES_OF_CASES)
     rule = Path(script).stem
-    return [job for job in ALL if JOINING.get(job, job.partition("/")[0]) == rule]
+    return [*JOINED] if rule == "joined" else [job for job in ALL if job.partition("/")[0] == rule]

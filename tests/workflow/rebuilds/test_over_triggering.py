@@ -19,22 +19,19 @@ from helpers_rebuilds import Project
 GROUPS = {
     "GATHERED": """classification_table/* horizon_table/* warnings_table/*
         calibrate/* probability_scores/* probability_diagrams/* lead_times/*
-        all_classification_table all_horizon_table all_warnings_table all_probability_scores
-        all_probability_diagrams all_lead_times figure/classification_scores
-        figure/horizon_by_size figure/forecast_skill figure/reliability""",
+        joined_forecasts joined_horizon joined_warnings joined_probabilities figure/reliability
+        figure/classification_scores figure/horizon_by_size figure/forecast_skill""",
     "OF_CONTROL": """control_table/* control_density_table/* control_strategies_table/*
-        all_control_table all_control_density_table all_control_strategies_table
-        figure/control_tradeoff figure/control_density figure/control_frontier""",
+        joined_control figure/control_tradeoff figure/control_density figure/control_frontier""",
     "OF_LONG_RUNS": """statistics_table/* survival_table/* lyapunov_spectrum_table/*
-        all_statistics_table all_survival_table all_lyapunov_spectrum_table
-        figure/own_flow warnings_table/* all_warnings_table""",
+        joined_long_term figure/own_flow warnings_table/* joined_warnings""",
     "OF_NETWORKS": """scan/* search/* train/* */esn-*
         figure/network_schematic figure/prediction_* figure/horizon_evaluations
         figure/midplane_planes figure/vorticity_isosurfaces figure/control_schematic
         figure/suppressed_event""",
 }
 GROUPS["ALL_OF_NETWORKS"] = f"""{GROUPS["GATHERED"]} {GROUPS["OF_CONTROL"]}
-    {GROUPS["OF_LONG_RUNS"]} hyperparameters_table/* all_hyperparameters_table
+    {GROUPS["OF_LONG_RUNS"]} hyperparameters_table/* joined_networks
     figure/long_term_density figure/profile_errors figure/midplane_mean_square"""
 
 
@@ -140,21 +137,18 @@ WITH_EFFECT = [
     *edits_of(r"""
 a strategy of control | LIBRARY/control/strategies/receding_horizon.py |
   (ahead >= level) | (ahead >= 2.0 * level) | control/*/receding_horizon-*
-  control_strategies_table/* all_control_strategies_table figure/control_frontier
+  control_strategies_table/* joined_control figure/control_frontier
   figure/control_tradeoff
 head of a column | workflow/tables.yaml | head: exceedance} | head: without control} |
-  all_control_table
+  joined_control
 format of a column | workflow/tables.yaml | empty without events, format: .3f |
-  empty without events, format: .2f | all_classification_table
+  empty without events, format: .2f | joined_forecasts
 caption of a LaTeX table | workflow/tables.yaml | Hyperparameters that the search chose. |
-  The hyperparameters that were found. | all_hyperparameters_table
+  The hyperparameters that were found. | joined_networks
 order of the columns of a table | workflow/tables.yaml | [series, survived_fraction, escapes, |
-  [series, escapes, survived_fraction, | survival_table/* all_survival_table figure/own_flow
+  [series, escapes, survived_fraction, | survival_table/* joined_long_term figure/own_flow
 columns side by side in tables for papers | LIBRARY/tables/latex.py | _COLUMNS = 4 | _COLUMNS = 5 |
-  data_generation_parameters network_hyperparameters all_dataset_table
-  all_hyperparameters_table all_classification_table all_probability_scores
-  all_horizon_table all_statistics_table all_survival_table all_lyapunov_spectrum_table
-  all_control_table all_control_strategies_table
+  data_generation_parameters network_hyperparameters joined_*
 a colour of one figure | LIBRARY/figures/control_tradeoff.py |
   panel.axhline(0, color=style.GREY | panel.axhline(0, color=style.PURPLE | figure/control_tradeoff
 the equations as a forecaster | LIBRARY/forecasters/equations_noisy.py |
@@ -174,8 +168,8 @@ the readouts of networks | LIBRARY/esn/readout.py |
   def _symmetric_norm(lower: FloatArray, rows_per_block: int = 128) | OF_NETWORKS ALL_OF_NETWORKS
 the velocity profiles | LIBRARY/statistics/profiles.py |
   np.linspace(-1.0, 1.0, points) | np.linspace(-1, 1, points) |
-  reference_statistics/* statistics_table/* all_statistics_table warnings_table/*
-  all_warnings_table figure/long_term_density figure/profile_errors figure/midplane_*
+  reference_statistics/* statistics_table/* joined_long_term warnings_table/*
+  joined_warnings figure/long_term_density figure/profile_errors figure/midplane_*
   figure/suppressed_event figure/vorticity_isosurfaces
 """)
 ]

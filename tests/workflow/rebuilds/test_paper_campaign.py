@@ -1,6 +1,6 @@
 """What edits set off in the paper's campaign, job by job, and what is said about it beforehand.
 
-Its 1,519 jobs are not run: each makes empty outputs, which is all that planning looks at. The
+Its 1,513 jobs are not run: each makes empty outputs, which is all that planning looks at. The
 numbers are those of docs/selective_rebuilds.md.
 """
 
@@ -8,6 +8,7 @@ import copy
 
 import pytest
 import yaml
+from dependencies import JOINED
 from helpers_rebuilds import ROOT, Project
 
 pytestmark = pytest.mark.long
@@ -49,8 +50,8 @@ OF_ALARMS = 2
 
 
 def joined(*tables: str) -> dict[str, int]:
-    """Jobs that join tables of all cases, and typeset them."""
-    return {f"all_{table}": 1 for table in tables if table != "calibrate"}
+    """Jobs that join tables of all cases, and typeset them, a section of the report at once."""
+    return {name: 1 for name, of_case in JOINED.items() if {*of_case.split()} & {*tables}}
 
 
 # when a score is another one
@@ -107,7 +108,7 @@ def reason(project: Project, words: str, overlay: dict | None = None) -> str:
 def test_the_campaign_has_these_jobs(tmp_path, job_server):
     project = Project.create(tmp_path / "project", job_server, PAPER)
     assert plan(project) == JOBS
-    assert sum(JOBS.values()) == 1519
+    assert sum(JOBS.values()) == 1513
 
 
 def test_the_finished_campaign_has_nothing_to_do(paper):
@@ -133,7 +134,7 @@ def test_another_event_threshold(paper):
         # of the network and of the horizon
         "figure": 5 * CASES + 12,
     }
-    assert sum(jobs.values()) == 450
+    assert sum(jobs.values()) == 446
     line = reason(paper, "event_threshold 0.1 -> 0.12 (Re400, Re600, Re800, Re1000): ", overlay)
     assert "horizon (188)" in line
 
@@ -154,7 +155,7 @@ def test_one_more_seed(paper):
         **joined(*OF_NETWORKS),
         "figure": OF_CASES + OF_ALARMS + 2,  # horizon by size, density under control
     }
-    assert sum(jobs.values()) == 234
+    assert sum(jobs.values()) == 228
     assert "scan (9)" in reason(paper, "one more seed, 10 -> 11 (10)", {"campaign": campaign})
 
 
@@ -173,7 +174,7 @@ def test_one_more_beta(paper):
         # all but the observable's, the strategies' and the schematic of the horizon
         "figure": OF_CASES + 12,
     }
-    assert sum(jobs.values()) == 1443
+    assert sum(jobs.values()) == 1437
     assert "search (180)" in reason(paper, "tikhonov", overlay)
 
 
@@ -191,7 +192,7 @@ def test_one_more_prediction_time(paper):
         "examples": 1,
         "figure": OF_A_SCORE["figure"] + 3,  # three of the example's forecasts
     }
-    assert sum(jobs.values()) == 427
+    assert sum(jobs.values()) == 425
     assert "classification_table (4)" in reason(paper, "prediction_times_lt with 6 (", overlay)
 
 
@@ -206,6 +207,13 @@ def test_a_line_of_the_classification(edited):
     path.write_text(path.read_text() + "\nEDITED = 1\n")
     jobs = plan(edited)
     assert jobs == OF_A_SCORE
-    assert sum(jobs.values()) == 39
+    assert sum(jobs.values()) == 37
     line = reason(edited, "code of burstcast.forecast.classification changed (")
     assert "classification_table (4)" in line
+
+
+@pytest.mark.parametrize(("module", "count"), [("esn", 1158), ("equations", 81)])
+def test_a_line_of_a_forecaster(edited, module, count):
+    path = edited.directory / f"src/burstcast/forecasters/{module}.py"
+    path.write_text(path.read_text() + "\nEDITED = 1\n")
+    assert sum(plan(edited).values()) == count

@@ -1,4 +1,4 @@
-"""Put the tables of all cases below one another, and typeset them for papers."""
+"""Put the tables of all cases below one another, and typeset some of them for papers."""
 
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ from burstcast.tables.wide import typeset
 from burstcast_workflow.harness.job import JobSettings, at, job, write_text
 
 
-class Typeset(JobSettings):
+class Joined(JobSettings):
     """Columns by the name of the table, layouts by the name of the LaTeX file."""
 
     columns: dict[str, list[str]] = at("columns")
@@ -18,10 +18,8 @@ class Typeset(JobSettings):
 
 
 @job
-def join_and_typeset(
-    *, of_cases: list[str], tables: list[str], latex: list[str], settings: Typeset
-) -> None:
-    """Write the rows of all cases, and the LaTeX that is made of them."""
+def join(*, of_cases: list[str], tables: list[str], latex: list[str], settings: Joined) -> None:
+    """Write the rows of all cases, by table, and the LaTeX that is made of them."""
     files = {Path(table).stem: table for table in tables}
     for name, text in joined_tables(of_cases, settings.columns).items():
         write_text(files[name], text)
