@@ -289,6 +289,8 @@ def test_whole_powers_are_products_and_kinetic_energies_sums_to_the_last_bit():
         ("u + 'text'", "'text' is not understood"),
         ("u + True", "True is not understood"),
         ("u * 1j", "1j is not understood"),
+        (f"u + 1{'0' * 400}", "beyond all doubles"),
+        ("u + 1e400", "beyond all doubles"),
         ("sin(u)", r"sin\(u\) is not understood"),
         ("sqrt(u, v)", "is not understood"),
         ("sqrt(*u)", "is not understood"),

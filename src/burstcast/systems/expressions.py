@@ -5,6 +5,7 @@ of `FUNCTIONS`. Nothing else is ever run, whatever the text says.
 """
 
 import ast
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, reduce
@@ -81,8 +82,10 @@ class Expression:
                 raise ValueError(f"{self.text!r}: {node.id} is a function: give it an argument")
             found[node.id] = None
         elif isinstance(node, ast.Constant):
-            if type(node.value) not in (int, float):
+            if not isinstance(node.value, int | float) or isinstance(node.value, bool):
                 self._refuse(node)
+            if node.value > sys.float_info.max:
+                raise ValueError(f"{self.text!r} has a number that is beyond all doubles")
         elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd | ast.USub):
             self._collect(node.operand, found)
         elif isinstance(node, ast.BinOp) and type(node.op) in (*_OPERATIONS, ast.Pow):
