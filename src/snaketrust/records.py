@@ -159,12 +159,13 @@ class Records:
 
     def made_by(self, run: str, outputs: Sequence[str]) -> list[Record]:
         """Records of a job's outputs, if this run (its token) has made all; empty otherwise."""
-        found = [
-            self.found(path)[0] if path in self and os.path.exists(path) else None
-            for path in outputs
-        ]
-        made = [record for record in found if record is not None and run == record.run != ""]
-        return made if len(made) == len(found) else []
+        found = []
+        for path in outputs:
+            record = self.read(path)[0] if path in self and os.path.exists(path) else None
+            if record is None or record.run != run or self.found(path)[0] is None:
+                return []
+            found.append(record)
+        return found
 
     def write(
         self,

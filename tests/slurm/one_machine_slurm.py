@@ -220,6 +220,16 @@ class OneMachineSlurm:
         """Stop a running job, and start it again under its number."""
         subprocess.run(["scontrol", "requeue", str(job.number)], check=True)
 
+    def fail_node(self, job: Job) -> None:
+        """Let the node go down under a running job, and come back."""
+        node = ["scontrol", "update", f"nodename={socket.gethostname().split('.')[0]}"]
+        subprocess.run([*node, "state=down", "reason=test"], check=True)
+        self._wait_for(
+            lambda: {one.number: one.state for one in self.jobs()}[job.number] != "RUNNING",
+            "the failure",
+        )
+        subprocess.run([*node, "state=resume"])  # unless it has come back by itself
+
     def cancel_run(self, name: str) -> None:
         """Kill all jobs of a run of Snakemake, and wait until they are gone."""
         subprocess.run(["scancel", "--name", name], check=True)

@@ -107,12 +107,13 @@ def toy(slurm, tmp_path):
     return Submitted(tmp_path, FILES)
 
 
-def test_a_group_that_slurm_starts_again_keeps_what_its_members_have_finished(slurm, toy):
+@pytest.mark.parametrize("event", ["requeue", "fail_node"])
+def test_a_group_that_slurm_starts_again_keeps_what_its_members_have_finished(slurm, toy, event):
     toy.hang(3)
     process = toy.submit()
     toy.wait(lambda: "3" in toy.ran())
     (job,) = slurm.jobs()[-1:]
-    slurm.requeue(job)
+    getattr(slurm, event)(job)
     toy.wait(lambda: toy.ran().count("3") == 2)
     toy.go_on(3)
     toy.finish(process)

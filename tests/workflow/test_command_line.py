@@ -87,6 +87,7 @@ def test_a_revision_says_whether_files_differ_from_it(tmp_path):
         (["wy"], "invalid choice: 'wy'"),
         (["check-system"], "the following arguments are required: system"),
         (["settings", "more"], "settings does not know more"),
+        (["why", "--configfile", "none.yaml"], "none.yaml: there is no file of this name"),
     ],
 )
 def test_a_mistake_is_told_in_a_line(arguments, message, capsys):

@@ -93,6 +93,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if others and not of_snakemake:
         parser.error(f"{command} does not know {' '.join(others)}")
     # only now: most of them load Snakemake, which takes a second
+    if of_snakemake:
+        from snakemake_logger_plugin_burstcast.config_files import unreadable_config
+
+        if problem := unreadable_config(others):
+            parser.error(problem)
     run = import_module(f"burstcast_workflow.{module}").main
     status: int = run(others, **own) if of_snakemake else run(**own)
     return status
