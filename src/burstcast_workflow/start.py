@@ -13,9 +13,10 @@ from burstcast_workflow.config.aware_checks import extrapolations
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.lengths import few_points
 from burstcast_workflow.config.loading import ConfigError, load
-from burstcast_workflow.config.measured_cases import OFF
+from burstcast_workflow.config.measured_cases import OFF, data_files
 from burstcast_workflow.project import code_of
 from snaketrust import start as trust
+from snaketrust.checks import RefusedError
 from snaketrust.modules import UnlikeCodeError
 from snaketrust.run import OvertakenError
 
@@ -55,6 +56,25 @@ def start(
             ]
         )
     return started
+
+
+def check_records(workflow: Any, campaign: Campaign) -> None:
+    """Refuse files that jobs would import and that have mistakes, before any job."""
+    problems = []
+    for job in workflow.dag.needrun_jobs():
+        case = job.wildcards.get("case", "")
+        if case not in campaign.measured_cases or not (data := campaign.data(case)).files:
+            continue
+        if not any(path.endswith("/ensemble.nc") for path in job.output):
+            continue
+        from burstcast_workflow.jobs.measured import MeasuredData  # others save the time
+
+        try:
+            MeasuredData(job.params["settings"], {"case": case}).measured_series(data_files(data))
+        except ValueError as error:
+            problems.append(f"case {case}: {error}")
+    if problems:
+        raise RefusedError(str(ConfigError(problems)))
 
 
 def tell_what_is_off(campaign: Campaign) -> None:

@@ -499,6 +499,13 @@ CASES = [
     ("raw.dat:", text("raw.dat", "# u v\n1 2\n3 4\n"), "lab.csv", 0.02, TWO),
     ("raw.txt: YY", buoy, "lab.csv", "1 hour", {"WVHT": [1.5, 1.5, 1.5, NAN, 1.5, 1.5]}),
     (
+        "raw.csv: date,temp",
+        text("raw.csv", "date,temp\n2010/01/31 23:00,1\n2010/02/01 00:00,2\n"),
+        "lab.csv",
+        "1 hour",
+        {"temp": [1, 2]},
+    ),
+    (
         "raw.csv: month",
         text("raw.csv", "month,u\n1749-12,1\n1750-01,2\n"),
         "lab.csv",

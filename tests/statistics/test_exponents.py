@@ -345,6 +345,10 @@ def test_what_does_not_part_has_no_exponent():
         estimate(circles, 0.05)
     with pytest.raises(NoExponentError, match="no state has a neighbour"):
         estimate(lorenz(series=1, steps=8), 0.02)
+    trends = np.linspace(0, 1, 241)[np.newaxis, :, np.newaxis] * np.arange(1.0, 25.0)[:, None, None]
+    for length in (240, 241):  # delays of a quarter of the series leave no sample, or one
+        with pytest.raises(NoExponentError, match="too short beside their own correlation time"):
+            estimate(trends[:, :length], 1.0)
 
 
 def test_coarse_readings_have_no_exponent():

@@ -474,6 +474,8 @@ case_defaults.lyapunov.time_unit: computed, forecasters.precursor.lags_lt: [0.6]
   washout_lt holds
 forecasters.precursor.lags_lt: [0.001] | shorter than one step
 forecasters.precursor.classifier: trees | boosting or logistic
+forecasters.classifiers.start_spacing_lt: 0.001 |
+  forecasters.classifiers.start_spacing_lt is 0.001 Lyapunov times, which is shorter than one step
 forecasters.classifiers.folds: 1 | folds is 1; it must be a whole number
 forecasters.esn_direct.penalty: [] | forecasters.esn_direct.penalty
 forecasters.esn_direct.neurons: 20 |

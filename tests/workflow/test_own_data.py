@@ -206,14 +206,29 @@ def test_series_of_a_record(recorded):
             "time,load,heat\n2010-03-20T00:00,1,2\n2010-03-20T05:00,1,2\n2010-03-20T03:00,1,2\n",
             r"plant.csv, row 3: .* goes back by 2 from the time of row 2.*write times in UTC",
         ),
+        (
+            "time,load,heat\n2010-03-20T00:00,1,2\n2010-03-20T01:00,much,2\n",
+            "plant.csv, line 3: column 'load' has 'much', which is no number",
+        ),
+        (
+            "time,load,heat\n"
+            + "\n".join(
+                f"2010-03-{day:02}T{hour:02}:00,{day},{hour}"
+                for day in range(1, 4)
+                for hour in range(24)
+            ),
+            "but the data have . series in all",
+        ),
     ],
 )
-def test_a_clock_that_jumps_fails_with_file_and_row(recorded, text, message):
+def test_mistakes_in_rows_are_told_before_any_job(recorded, text, message):
     copy = recorded.copy(recorded.directory.parent / "copy")
     (copy.directory / "plant.csv").write_text(text)
     outcome = copy.snakemake("results/plant/plant/ensemble.nc")
     assert outcome.status != 0
     assert re.search(message, outcome.text), outcome.text[-2000:]
+    assert "The configuration has a mistake: case plant: " in outcome.text
+    assert "import_data" not in outcome.text
 
 
 # -- two data sets of others -----------------------------------------------------------------------

@@ -15,6 +15,7 @@ from burstcast_workflow.stages.stages import Stages, of_job, one_of
 from snaketrust.checks import RefusedError
 from burstcast_workflow.start import (
     REFUSALS,
+    check_records,
     covers_campaign,
     start,
     tell_what_is_off,
@@ -29,8 +30,16 @@ from burstcast_workflow.tables.registry import table_of, typeset
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
 
 PROJECT = Path(str(workflow.current_basedir)).parents[1]
+
+
+def check():
+    """What jobs of this run would lack, or read in files with mistakes."""
+    check_memory(workflow, costs)
+    check_records(workflow, campaign)
+
+
 try:
-    started = start(workflow, config, PROJECT, lambda: check_memory(workflow, costs))
+    started = start(workflow, config, PROJECT, check)
 except REFUSALS as error:
     raise RefusedError(str(error)) from None
 config, run, sources = started.config, started.run, started.sources

@@ -335,7 +335,7 @@ def _across(apart: FloatArray, direction: FloatArray) -> FloatArray:
 def _embedded(states: FloatArray, copies: int, lag: int) -> FloatArray:
     """Delay coordinates of series, ``(series, time, copies * component)``."""
     length = states.shape[1] - (copies - 1) * lag
-    if length < 1:
-        raise NoExponentError("the series are shorter than their own correlation time")
+    if length < 2:  # a direction takes two
+        raise NoExponentError("the series are too short beside their own correlation time")
     parts = [states[:, copy * lag : copy * lag + length] for copy in range(copies)]
     return np.concatenate(parts, axis=2)

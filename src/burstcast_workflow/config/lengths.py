@@ -104,15 +104,19 @@ def _samples(ensemble: Ensemble) -> int:
 
 
 def lag_misfits(config: Configuration, case: Case, kinds: Iterable[str]) -> Iterator[str]:
-    """Whether the lags of a precursor do not fit into the washout of a case."""
-    if any("precursor" in sections_of_kind(kind) for kind in kinds):
-        lags, steps = config.forecasters.precursor.lags_lt, FINE
-        with suppress(ValueError):  # told with the case
-            steps = case.steps_per_lyapunov_time or FINE
-        try:
+    """Whether lags of a precursor, or starting points of classifiers, do not fit a case's steps."""
+    sections, steps = {name for kind in kinds for name in sections_of_kind(kind)}, FINE
+    with suppress(ValueError):  # told with the case
+        steps = case.steps_per_lyapunov_time or FINE
+    try:
+        if "precursor" in sections:
+            lags = config.forecasters.precursor.lags_lt
             lag_steps(lags, steps, durations.steps(config.washout_lt, steps))
-        except ValueError as error:
-            yield str(error)
+        if sections & {"precursor", "esn_direct"}:
+            spacing = config.forecasters.classifiers.start_spacing_lt
+            durations.positive_steps(spacing, steps, "forecasters.classifiers.start_spacing_lt")
+    except ValueError as error:
+        yield str(error)
 
 
 def room_misfits(config: Configuration, case: Case) -> Iterator[str]:

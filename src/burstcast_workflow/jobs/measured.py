@@ -18,10 +18,10 @@ from burstcast.data.records import RecordedSeries, recorded_series
 from burstcast.files.netcdf import read_netcdf
 from burstcast.systems.measured import MeasuredSeries
 from burstcast_workflow.harness.settings import at
-from burstcast_workflow.jobs.data import Training
+from burstcast_workflow.jobs.data import Tested
 
 
-class MeasuredData(Training):
+class MeasuredData(Tested):
     """Series in files, or another case's, of which this one's are a part."""
 
     data: dict[str, Any] = at("case.data")
@@ -69,7 +69,13 @@ class MeasuredData(Training):
             runs = runs_of_states(sources[0], read["state"], read["observable"], data["columns"])
             quantities = [Quantity(text) for text in data["components"]]
             found = RecordedSeries(series_of_runs(runs, space, quantities, None))
-        training = found.states[: self.training_series]
-        name = f"the training series ({Training.training_series})"
-        check_varying(training, space.component_names, name)
+        count, training = len(found.states), self.training_series
+        if training + (test := self.test_series(count)) > count:
+            raise ValueError(
+                f"training.series is {training} and test_series {test}, but the data have {count} "
+                f"series in all, of {found.states.shape[1]} samples each: ask for fewer, or cut "
+                f"shorter blocks (data.blocks)"
+            )
+        name = f"the training series ({Tested.training_series})"
+        check_varying(found.states[:training], space.component_names, name)
         return found

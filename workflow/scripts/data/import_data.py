@@ -7,12 +7,11 @@ from burstcast.data.measured_data import kept_series
 from burstcast.files.netcdf import Variable
 from burstcast.files.units import TIME
 from burstcast_workflow.harness.job import at, job, tell, write_json, write_netcdf
-from burstcast_workflow.jobs.data import Tested
 from burstcast_workflow.jobs.measured import MeasuredData
 from burstcast_workflow.jobs.time_unit import Sampling
 
 
-class Imported(MeasuredData, Sampling, Tested):
+class Imported(MeasuredData, Sampling):
     """Measured series, and the thresholds of what is kept of them."""
 
     laminarisation_threshold: float | None = at("case.laminarisation_threshold")
@@ -25,13 +24,6 @@ def import_data(*, sources: list[str], ensemble: str, summary: str, settings: Im
     if measured.left_out:
         tell(measured.left_out)
     states = measured.states
-    training, test = settings.training_series, settings.test_series(len(states))
-    if training + test > len(states):
-        raise ValueError(
-            f"training.series is {training} and test_series {test}, but the data have "
-            f"{len(states)} series in all, of {states.shape[1]} samples each: ask for fewer, or "
-            f"cut shorter blocks (data.blocks)"
-        )
     space = settings.present_space
     observable = np.stack([space.observable(series.T) for series in states])
     index, lifetimes = kept_series(observable, settings.laminarisation_threshold)
