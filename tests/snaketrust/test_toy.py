@@ -188,6 +188,20 @@ def test_a_second_run_for_the_same_results_is_refused(toy):
     assert toy.run("--dry-run")  # one may plan
 
 
+def test_an_overtaken_run_removes_nothing_more(toy):
+    toy.edit("config.yaml", "one: 1, two: 2", "one: 3, two: 4")
+    toy.edit(
+        "scripts/draw.py",
+        "def compute():\n",
+        "def compute():\n    Path('results/.run.json').write_text('{\"token\": \"newer\"}')\n",
+    )
+    drawn = toy.directory / "results" / "drawn"
+    before = {path.name: path.read_text() for path in drawn.iterdir()}
+    assert "results belongs to a newer run now" in toy.run("--keep-going", fails=True)
+    after = {path.name: path.read_text() for path in drawn.iterdir()}
+    assert len(before.items() & after.items()) == 1
+
+
 def test_another_copy_of_the_packages_is_refused(toy, tmp_path):
     other = tmp_path / "other" / "toy"
     shutil.copytree(toy.directory / "lib" / "toy", other)
