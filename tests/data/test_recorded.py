@@ -261,6 +261,8 @@ def test_a_table_of_pandas_is_what_its_file_is(tmp_path):
         from_dataframe(table[["u", "rain"]], "1 day")
     with pytest.raises(ValueError, match="'time' has dates, but the time step has no unit"):
         from_dataframe(table, 1, ["u"])
+    with pytest.raises(TypeError, match="a DataFrame of pandas, not dict"):
+        from_dataframe({"u": [1.0]}, 1)
     with pytest.raises(ValueError, match="cut_gaps needs block"):
         from_dataframe(table, "1 day", ["u"], cut_gaps=True)
 

@@ -210,14 +210,29 @@ def test_an_observable_must_be_a_real_number(value, training):
 
 
 @pytest.mark.parametrize("function", [delay_coordinates, neighbour_divergence])
-@pytest.mark.parametrize("data", [np.ma.masked_all((2, 9, 1)), np.ones((2, 9, 1), complex)])
+@pytest.mark.parametrize(
+    "data",
+    [np.ma.masked_all((2, 9, 1)), np.ones((2, 9, 1), complex), np.ones(9), 1.0, np.ones((2, 0, 1))],
+)
 def test_functions_for_notebooks_refuse_the_same(function, data):
     others = {delay_coordinates: ([1],), neighbour_divergence: (0.1, np.random.default_rng(0))}
     more = {"resamples": 9, "confidence": 0.9} if function is neighbour_divergence else {}
     with pytest.raises(
-        (TypeError, ValueError), match=r"the series must (not be masked|consist of)"
+        (TypeError, ValueError),
+        match=r"the series must (not be masked|consist of|have the shape \(series, time, comp)",
     ):
         function(data, *others[function], **more)
+
+
+def test_what_says_nothing_of_an_exponent_is_refused():
+    generator, more = np.random.default_rng(0), {"resamples": 9, "confidence": 0.9}
+    series = generator.normal(size=(1, 99, 2))
+    with pytest.raises(ValueError, match="sampling interval must be positive, not 0"):
+        neighbour_divergence(series, 0.0, generator, **more)
+    for value in (1.0, np.nan):
+        series[:, :, 1] = value
+        with pytest.raises(ValueError, match="must be finite, and not be constant"):
+            neighbour_divergence(series, 0.1, generator, **more)
 
 
 # -- forecasts and probabilities -------------------------------------------------------------------

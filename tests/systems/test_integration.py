@@ -180,6 +180,7 @@ class HalfQuadratic(Quadratic):
     [
         ({"state": np.zeros((8, 2))}, r"shape \(9, batch\), not \(8, 2\)"),
         ({"state": np.zeros(9)}, r"shape \(9, batch\), not \(9,\)"),
+        ({"state": [1.0] * 9}, "must be an array, not list"),
         ({"state": np.full((9, 1), np.nan)}, "initial state is not finite"),
         ({"time_step": 0.0}, "time step must be positive"),
         ({"time_step": np.inf}, "time step must be positive"),
@@ -190,10 +191,10 @@ class HalfQuadratic(Quadratic):
 )
 def test_bad_arguments_raise(arguments, message):
     defaults = {"state": np.zeros((9, 2)), "time_step": 0.25, "steps": 4, "stride": 2}
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises((TypeError, ValueError), match=message):
         integrate_observed(MFE, **(defaults | arguments))
     if "transient_steps" not in arguments:
-        with pytest.raises(ValueError, match=message):
+        with pytest.raises((TypeError, ValueError), match=message):
             integrate(MFE, **(defaults | arguments))
 
 

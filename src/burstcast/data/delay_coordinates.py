@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, float_array
+from burstcast.arrays import FloatArray, series_array
 
 
 def delay_coordinates(series: FloatArray, delays: Sequence[int]) -> FloatArray:
@@ -41,7 +41,7 @@ def delay_coordinates(series: FloatArray, delays: Sequence[int]) -> FloatArray:
     >>> delay_coordinates(series, [1, 2])[0].tolist()
     [[2.0, 1.0, 0.0], [3.0, 2.0, 1.0], [4.0, 3.0, 2.0]]
     """
-    series = float_array(series, "the series")
+    series = series_array(series)
     longest, samples = max(delays, default=0), series.shape[1]
     if any(delay < 1 for delay in delays):
         raise ValueError(f"delays must be whole numbers above 0, not {list(delays)}")

@@ -54,6 +54,8 @@ def from_dataframe(
     >>> from_dataframe(frame, "1 hour", block=24).shape
     (4, 25, 1)
     """
+    if not isinstance(frame, pd.DataFrame):
+        raise TypeError(f"the table must be a DataFrame of pandas, not {type(frame).__name__}")
     step, unit = time_step_of(time_step)
     names = [str(name) for name in frame_with_time(frame).columns if name != TIME]
     quantities = list(map(Quantity, components or names))

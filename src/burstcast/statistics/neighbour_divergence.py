@@ -48,7 +48,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 
-from burstcast.arrays import FloatArray, IntArray, float_array
+from burstcast.arrays import FloatArray, IntArray, series_array
 from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 
 FITTED = (0.5, 0.65)
@@ -154,8 +154,13 @@ def neighbour_divergence(
     >>> bool(abs(found.exponent - 0.906) < 0.2)
     True
     """
-    series = float_array(series, "the series")
-    states = series / series.std(axis=(0, 1))
+    series = series_array(series)
+    spread = series.std(axis=(0, 1))
+    if not (spread > 0).all():
+        raise ValueError("each component of the series must be finite, and not be constant")
+    if not 0 < sampling_interval < np.inf:
+        raise ValueError(f"the sampling interval must be positive, not {sampling_interval}")
+    states = series / spread
     window = correlation_steps(states)
     states = _embedded(states, DELAYS.get(states.shape[2], 1), window)
     directions = _directions(states)

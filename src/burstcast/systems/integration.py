@@ -280,6 +280,8 @@ def check_batch(
     system: DynamicalSystem, state: FloatArray, time_step: float, *, may_diverge: bool = False
 ) -> None:
     """Raise ValueError unless a batch of states and a time step can be integrated."""
+    if not isinstance(state, np.ndarray):
+        raise TypeError(f"states must be an array, not {type(state).__name__}")
     if state.ndim != 2 or state.shape[0] != system.dimension:
         raise ValueError(
             f"states must have the shape ({system.dimension}, batch), not {state.shape}"
