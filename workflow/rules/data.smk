@@ -1,7 +1,5 @@
 """Data of a case: the ensemble, its exponents and statistics, what forecasters are judged on."""
 
-from burstcast.data.training_realisations import realisation_of
-
 
 rule simulate:
     output:
@@ -47,9 +45,7 @@ rule import_data:
     resources:
         **needs("import_data", "data"),
     params:
-        settings=settings_of(
-            "data/import_data.py", noise=of_case(Campaign.noise_of_data)
-        ),
+        settings=settings_of("data/import_data.py"),
         code=code_of("data/import_data.py"),
     message:
         "{wildcards.case}: check and copy measured series"
@@ -80,11 +76,7 @@ rule encode:
     resources:
         **needs("encode", "data"),
     params:
-        settings=settings_of(
-            "data/encode.py",
-            noise=of_case(Campaign.noise_of_data),
-            source=of_case(Campaign.source_system),
-        ),
+        settings=settings_of("data/encode.py"),
         code=code_of("data/encode.py"),
     message:
         "{wildcards.case}: observe and encode the series of another case"
@@ -113,11 +105,7 @@ rule training_realisation:
     resources:
         **needs("training_realisation", "data"),
     params:
-        settings=settings_of(
-            "data/training_realisation.py",
-            realisation=of_case(lambda campaign, case: realisation_of(case)[1]),
-            drawn=of_case(Campaign.drawn_shares),
-        ),
+        settings=settings_of("data/training_realisation.py"),
         code=code_of("data/training_realisation.py"),
     message:
         "{wildcards.case}: choose other training series"
@@ -141,9 +129,7 @@ rule event_threshold:
     resources:
         **needs("event_threshold", "data"),
     params:
-        settings=settings_of(
-            "data/event_threshold.py", quantile=of_case(Campaign.event_quantile)
-        ),
+        settings=settings_of("data/event_threshold.py"),
         code=code_of("data/event_threshold.py"),
     message:
         "{wildcards.case}: the event threshold, a quantile of the training series"
@@ -171,10 +157,7 @@ rule scheduled_series:
     resources:
         **needs("scheduled_series", "data"),
     params:
-        settings=settings_of(
-            "data/scheduled_series.py",
-            parameters=campaign.config.forecasters.aware.parameters,
-        ),
+        settings=settings_of("data/scheduled_series.py"),
         code=code_of("data/scheduled_series.py"),
     message:
         "{wildcards.case}: series with the parameters in force"
@@ -227,10 +210,7 @@ rule neighbour_divergence:
     resources:
         **needs("neighbour_divergence", "data"),
     params:
-        settings=settings_of(
-            "data/neighbour_divergence.py",
-            sets_time_unit=of_case(Campaign.estimates_time_unit),
-        ),
+        settings=settings_of("data/neighbour_divergence.py"),
         code=code_of("data/neighbour_divergence.py"),
     message:
         "{wildcards.case}: Lyapunov exponent, from how neighbours part"
@@ -259,7 +239,7 @@ rule lengths:
     resources:
         **needs("lengths", "data"),
     params:
-        settings=settings_of("data/lengths.py", asked=of_case(Campaign.asked_of_series)),
+        settings=settings_of("data/lengths.py"),
         code=code_of("data/lengths.py"),
     message:
         "{wildcards.case}: compare what the config needs with the lengths of the series"
@@ -313,10 +293,7 @@ rule switched_evaluation_set:
     resources:
         **needs("switched_evaluation_set", "data"),
     params:
-        settings=settings_of(
-            "data/switched_evaluation_set.py",
-            parameters=campaign.config.forecasters.aware.parameters,
-        ),
+        settings=settings_of("data/switched_evaluation_set.py"),
         code=code_of("data/switched_evaluation_set.py"),
     message:
         "{wildcards.case}: starting points of forecasts under actuation"

@@ -168,9 +168,7 @@ rule examples:
     resources:
         **needs("examples", "examples"),
     params:
-        settings=settings_of(
-            "evaluation/examples.py", prediction_time_lt=campaign.prediction_time(2)
-        ),
+        settings=settings_of("evaluation/examples.py"),
         code=code_of("evaluation/examples.py"),
     message:
         "{wildcards.case}, {wildcards.forecaster}: example forecasts"

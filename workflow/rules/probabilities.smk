@@ -132,10 +132,7 @@ rule calibrate:
     resources:
         **needs("calibrate", "gather"),
     params:
-        settings=settings_of(
-            "probabilities/calibrate.py",
-            uncalibrated=of_case(Campaign.alarm_thresholds),
-        ),
+        settings=settings_of("probabilities/calibrate.py"),
         code=code_of("probabilities/calibrate.py"),
     message:
         "{wildcards.case}: calibrate the probabilities, choose the thresholds of alarms"

@@ -1,10 +1,11 @@
-"""Settings of a job by their paths in the config: their values, and which do not concern it."""
+"""Settings of a job by their paths: their values, and which do not concern it."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
 from burstcast.control.strategies.registry import make_strategy
+from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import ForecasterName
 from burstcast.forecasters.registry import kind_class, learns_parameters
 from burstcast_workflow.campaign.campaign import Campaign, name_of
@@ -179,5 +180,15 @@ _VALUES: Mapping[str, Callable[[JobFacts], Any]] = {
     "statistics.duration": _duration,
     "control.run": _run,
     "control.sensor": _sensor,
+    "source": lambda job: job.campaign.source_system(job.case),
+    "noise": lambda job: job.campaign.noise_of_data(job.case),
+    "realisation": lambda job: realisation_of(job.case)[1],
+    "drawn": lambda job: job.campaign.drawn_shares(job.case),
+    "quantile": lambda job: job.campaign.event_quantile(job.case),
+    "parameters": lambda job: job.campaign.config.forecasters.aware.parameters,
+    "sets_time_unit": lambda job: job.campaign.estimates_time_unit(job.case),
+    "asked": lambda job: job.campaign.asked_of_series(job.case),
+    "uncalibrated": lambda job: job.campaign.alarm_thresholds(job.case),
+    "prediction_time_lt": lambda job: job.campaign.prediction_time(2),
 }
 """Values of settings that are not in the config as they are."""

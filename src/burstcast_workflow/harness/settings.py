@@ -11,6 +11,7 @@ jobs share is a base in `burstcast_workflow.jobs`, with what follows from its se
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 from burstcast_workflow.harness.storage import read_json
@@ -34,41 +35,37 @@ def at(
     """Declare a field of a class of settings.
 
     ``path``: Where its value stands in the config. ``case.`` stands for the job's case,
-    ``forecaster.options`` for the section of its kind of forecaster; other paths that the config
-    does not have are values that the rule gives. ``below``: Keys in that value. ``otherwise``: The
-    value where the setting does not concern a job; without one, it is an error to read it then.
-    ``make``: Makes the field of the value.
+    ``forecaster.options`` for the section of its kind of forecaster; the campaign or the rule gives
+    what is not in the config. ``below``: Keys in that value. ``otherwise``: The value where the
+    setting does not concern a job; without one, it is an error to read it then. ``make``: Makes the
+    field of the value.
     """
     return Setting(path, below, otherwise, make)
 
 
+@dataclass(frozen=True)
 class Setting:
     """A field of a class of settings (`at`)."""
 
-    def __init__(
-        self,
-        path: str,
-        below: tuple[str, ...],
-        otherwise: Any,
-        make: Callable[[Any], Any] | None,
-    ) -> None:
-        self.path, self._otherwise, self._make = path, otherwise, make
-        self._whole = ".".join([path, *below])
+    path: str
+    below: tuple[str, ...]
+    otherwise: Any
+    make: Callable[[Any], Any] | None
 
     def __str__(self) -> str:
         """Its name in messages: the path in the config, or in the section of a case."""
-        return self._whole.removeprefix("case.")
+        return ".".join([self.path, *self.below]).removeprefix("case.")
 
     def __get__(self, settings: "JobSettings | None", _: type) -> Any:
         if settings is None:
             return self
         try:
-            value = settings.value_of(self._whole)
+            value = settings.value_of(".".join([self.path, *self.below]))
         except KeyError:
-            if self._otherwise is _RAISE:
+            if self.otherwise is _RAISE:
                 raise
-            return self._otherwise
-        return self._make(value) if self._make else value
+            return self.otherwise
+        return self.make(value) if self.make else value
 
     def __set__(self, _: "JobSettings", value: Any) -> None:
         raise AttributeError(f"{self} is a setting: a job does not change it")

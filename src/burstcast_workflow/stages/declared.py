@@ -18,7 +18,7 @@ def declared_settings(script: Path, sources: Path, name: str = "") -> list[str]:
 
 
 def _taken(script: Path) -> str:
-    function = _tree(script).body[-1]
+    function = _tree(script, script.stat().st_mtime_ns).body[-1]
     for argument in function.args.kwonlyargs if isinstance(function, ast.FunctionDef) else ():
         if argument.arg == "settings" and argument.annotation is not None:
             return ast.unparse(argument.annotation)
@@ -29,12 +29,12 @@ def _paths(file: Path, name: str, sources: Path) -> Iterator[str]:
     """Paths of a class of settings that a file defines or imports."""
     if name == JobSettings.__name__:
         return
-    for node in _tree(file).body:
+    for node in _tree(file, file.stat().st_mtime_ns).body:
         if isinstance(node, ast.ClassDef) and node.name == name:
             for base in node.bases:
                 yield from _paths(file, ast.unparse(base), sources)
-            for field in node.body:
-                value = field.value if isinstance(field, ast.AnnAssign) else None
+            values = (field.value for field in node.body if isinstance(field, ast.AnnAssign))
+            for value in values:
                 if isinstance(value, ast.Call) and ast.unparse(value.func) == at.__name__:
                     yield ast.literal_eval(value.args[0])
             return
@@ -46,9 +46,5 @@ def _paths(file: Path, name: str, sources: Path) -> Iterator[str]:
 
 
 @cache
-def _read(file: Path, _changed: int) -> ast.Module:
+def _tree(file: Path, _changed: int) -> ast.Module:
     return ast.parse(file.read_text(encoding="utf-8"), str(file))
-
-
-def _tree(file: Path) -> ast.Module:
-    return _read(file, file.stat().st_mtime_ns)
