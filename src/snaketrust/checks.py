@@ -19,7 +19,13 @@ _KINDS = {
     "template_engine": "template_engine:",
     "shadow_depth": "shadow:",
 }
-_FLAGS = ("directory", "touch", "pipe", "service", "update", "storage_object")
+_FLAGS = {
+    **dict.fromkeys(
+        ("directory", "touch", "pipe", "service", "update", "storage_object"),
+        "which has no record: list plain files",
+    ),
+    "ensure": "which is not checked where a run is killed: check it in the script",
+}
 
 
 class RefusedError(WorkflowError):  # type: ignore[misc]
@@ -71,9 +77,9 @@ def _fault(job: Any, known: KnownResults) -> str:
             return f"has {word}, whose results have no record: use a Python script with run_job"
     if rule.ruleinfo.cache:
         return "has cache:, which knows no records: give run_job a snaketrust.cache.Cache"
-    for flag in _FLAGS:
+    for flag, reason in _FLAGS.items():
         if any(path.is_flagged(flag) for path in job.output if hasattr(path, "is_flagged")):
-            return f"has the output {flag}(), which has no record: list plain files"
+            return f"has the output {flag}(), {reason}"
     if not script.endswith(".py"):
         return f"runs {script or 'nothing'}, whose results have no record: use a Python script"
     if not isinstance(code, list):

@@ -225,6 +225,7 @@ REFUSED = {
     "the output directory()": ("directory({})", CODED, JOINED),
     "the output pipe()": ("pipe({})", CODED, f"{JOINED}\n\n\n{READER}"),
     "the output touch()": ("touch({})", CODED, JOINED),
+    "the output ensure()": ("ensure({}, non_empty=True)", CODED, JOINED),
     "no parameter code": ("{}", JOINED),
     "but its code is the fingerprint of join.py": ("{}", CODED, 'script: "scripts/common.py"'),
     "elsewhere": ('{}, "else.txt"', CODED, JOINED),
