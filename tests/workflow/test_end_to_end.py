@@ -44,7 +44,6 @@ COLUMNS = {
             alarms false_alarms missed_events unsuppressed_events control_fraction""",
     }.items()
 }
-NETWORKS = {(neurons, validation) for neurons in (30, 40) for validation in ("SSV", "RV")}
 
 
 def table(run, name):
@@ -69,30 +68,6 @@ def test_tables_have_the_columns_that_the_design_promises(finished, name):
     if name == "control":  # the rest of its accounting follows
         columns = columns[: len(COLUMNS[name])]
     assert columns == COLUMNS[name]
-
-
-@pytest.mark.parametrize("name", sorted(set(COLUMNS) - {"dataset"}))
-def test_percentiles_have_the_keys_without_the_seed(finished, name):
-    columns = table(finished, f"{name}_percentiles").columns.tolist()
-    assert columns[:5] == KEYS[:5]
-    assert columns[-5:] == ["metric", "p25", "p50", "p75", "networks"]
-    assert "seed" not in columns
-
-
-@pytest.mark.parametrize("name", ["hyperparameters", "classification", "horizon"])
-def test_tables_have_every_network(finished, name):
-    rows = table(finished, name)
-    assert set(rows["case"]) == {"Re400"}
-    assert set(rows["reynolds"]) == {400}
-    # only networks have hyperparameters
-    others = {"equations", "equations_noisy", "quadratic_filtered"}
-    others = others if name != "hyperparameters" else set()
-    others |= {"permanent_alarm"} if name == "classification" else set()
-    assert set(rows["forecaster"]) == {"esn", *others}
-    networks = rows[rows["forecaster"] == "esn"]
-    assert set(zip(networks["neurons"], networks["validation"], strict=True)) == NETWORKS
-    times = 3 if name == "classification" else 1
-    assert len(rows) == times * (len(NETWORKS) + len(others))
 
 
 def test_the_claim_of_the_run_has_all_code(finished):
@@ -129,23 +104,6 @@ def test_a_permanent_alarm_is_a_row(finished):
     base_rate = perfect["true_positive"] / (perfect["true_positive"] + perfect["true_negative"])
     np.testing.assert_allclose(always["f_score"], 2 * base_rate / (1 + base_rate))
     assert "permanent alarm" in campaign_summary(finished.project.results / "tables")
-
-
-def test_dataset(finished):
-    (row,) = table(finished, "dataset").to_dict("records")
-    states = read_netcdf(finished.project.results / "Re400" / "ensemble.nc")
-    energy = 0.5 * (states["state"] ** 2).sum(axis=2)
-    assert row["series_generated"] == 40
-    assert row["series_kept"] == len(energy)
-    assert row["laminarised_fraction"] == pytest.approx(1 - len(energy) / 40)
-    assert row["mean_observable"] == pytest.approx(energy.mean())
-    rises = (energy[:, :-1] < 0.07) & (energy[:, 1:] >= 0.07)
-    assert row["events_per_series"] == pytest.approx(rises.sum() / len(energy))
-    assert row["event_share"] == pytest.approx((energy >= 0.07).mean())
-    assert row["training_event_share"] == pytest.approx((energy[:3] >= 0.07).mean())
-    assert row["lyapunov_exponent_paper"] == 0.0163
-    assert row["steps_per_lyapunov_time"] == 61
-    assert row["lyapunov_exponent_low"] < row["lyapunov_exponent"] < row["lyapunov_exponent_high"]
 
 
 def test_classification_is_counted_from_the_series_themselves(finished):

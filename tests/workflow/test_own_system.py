@@ -145,6 +145,9 @@ def test_results_of_a_system_of_ones_own(mine):
     (dataset,) = read_table(results / "tables" / "dataset.csv").to_dict("records")
     assert dataset["lyapunov_exponent"] == pytest.approx(0.0714, rel=0.35)  # of short series
     assert dataset["series_kept"] == 40
+    # initial states are drawn by the system
+    states = read_netcdf(results / "roessler" / "ensemble.nc", "state")["state"]
+    assert len(np.unique(states[:, 0, 0])) == 40
 
 
 def test_thresholds_as_quantiles_are_of_the_training_series(mine):
@@ -161,47 +164,24 @@ def test_thresholds_as_quantiles_are_of_the_training_series(mine):
     assert ((at >= found) & (before < found)).all()
 
 
-def test_initial_states_are_drawn_by_the_system(mine):
-    states = read_netcdf(mine.own.directory / RESULTS / "roessler" / "ensemble.nc", "state")
-    first = states["state"][:, 0]
-    assert len(np.unique(first[:, 0])) == 40
-
-
-def test_edits_of_ones_own_modules_run_what_depends_on_them(mine):
+def test_edits_of_ones_own_modules_and_their_files_run_what_depends_on_them(mine):
+    """How they are told is tested in tests/snaketrust: here, by whom they are asked for."""
     assert mine.planned() == set()
     mine.edit("unused.py", "D = 1", "D = 2")
     mine.edit("classical.py", "A, B", "# the classical values\nA, B")
     assert mine.planned() == set()
-    mine.edit("classical.py", "5.7", "5.8")
-    assert {"simulate", "scan", "train", "forecast"} <= mine.planned()
-    mine.edit("classical.py", "5.8", "5.7")
-    assert mine.planned() == set()
-    # what does not integrate the equations does not depend on them
-    mine.edit("roessler.py", "self.b + z", "1.0 * self.b + z")
-    planned = mine.planned()
-    assert "simulate" in planned
-    assert mine.planned(f"{RESULTS}/roessler/event_threshold.json") == {
-        "simulate",
-        "event_threshold",
-    }
-    mine.edit("roessler.py", "1.0 * self.b + z", "self.b + z")
-
-
-def test_words_of_ones_own_modules_count(mine):
-    """Nothing keeps a user's code from reading them."""
-    mine.edit("classical.py", "\nfrom pathlib", '"""Constants."""\nfrom pathlib')
-    assert "simulate" in mine.planned()
-    mine.edit("classical.py", '"""Constants."""\nfrom pathlib', "\nfrom pathlib")
-    assert mine.planned() == set()
-
-
-def test_edits_of_files_that_ones_own_module_reads_run_what_depends_on_it(mine):
     threshold = f"{RESULTS}/roessler/event_threshold.json"
-    mine.edit("constants/d.txt", "1", "1.01")
-    planned, of_threshold = mine.planned(), mine.planned(threshold)
-    mine.edit("constants/d.txt", "1.01", "1")
-    assert {"simulate", "scan", "train", "forecast"} <= planned
-    assert of_threshold == {"simulate", "event_threshold"}
+    for name, old, new in (
+        ("classical.py", "5.7", "5.8"),
+        ("roessler.py", "self.b + z", "1.0 * self.b + z"),
+        ("constants/d.txt", "1", "1.01"),
+    ):
+        mine.edit(name, old, new)
+        planned, of_threshold = mine.planned(), mine.planned(threshold)
+        mine.edit(name, new, old)
+        assert {"simulate", "scan", "train", "forecast"} <= planned
+        # what does not integrate the equations does not depend on them
+        assert of_threshold == {"simulate", "event_threshold"}
     assert mine.planned() == set()
 
 

@@ -78,14 +78,6 @@ def complete(project: Project, targets: list[str], *, locked: bool = False) -> d
     return results(project)
 
 
-def test_the_workflow_is_killed(project, undisturbed):
-    workflow = start(project, *TARGETS)
-    wait_for_log(project, "lyapunov")
-    workflow.kill()  # its jobs run on
-    workflow.wait()
-    assert complete(project, TARGETS, locked=True) == undisturbed
-
-
 def test_an_orphan_writes_nothing_once_another_run_has_begun(project, undisturbed):
     larger = {"random_seed": 1, "case_defaults": {"ensemble": {"series": 6000}}}
     workflow = start(project, *TARGETS, overlay=larger)
@@ -124,25 +116,6 @@ def wait_for_end(process: int, seconds: float = 120) -> None:
 def _state(process: int) -> str:
     with open(f"/proc/{process}/stat") as file:
         return file.read().rpartition(")")[2].split()[0]
-
-
-def test_a_second_run_waits_until_the_first_is_over(project):
-    workflow = start(project, *TARGETS)
-    wait_for_log(project, "simulate")
-    outcome = project.snakemake("--nolock", f"{RESULTS}/Re400/statistics_data.nc")
-    assert outcome.status == 1
-    said = f"another run, process {workflow.pid}, is at work in {RESULTS}: wait for it"
-    assert said in outcome.text
-    assert workflow.wait() == 0
-
-
-def test_a_job_is_killed(project, undisturbed):
-    workflow = start(project, *TARGETS)
-    wait_for_log(project, "lyapunov")
-    for job in jobs_of(workflow):
-        os.kill(job, signal.SIGKILL)
-    assert workflow.wait() != 0
-    assert complete(project, TARGETS) == undisturbed
 
 
 @pytest.mark.long
