@@ -17,7 +17,7 @@ BUDGET = {
     "product, all lines": 48_000,
     "product, code": 28_900,
     "product, docstrings": 8_100,
-    "tests, all lines": 39_400,
+    "tests, all lines": 38_900,
 }
 ROOM = 0.02
 SUFFIXES = {".py", ".smk", ".jinja", ".css", ".js", ".html"}

@@ -4,5 +4,5 @@ HARNESS_VERSION = 3
 """Raised when this package, or what writes files in `burstcast.files`, changes written files.
 
 All jobs run again then. The digests of what each version makes of fixed inputs are in
-tests/workflow/test_written_files.py.
+tests/workflow/test_harness_files.py.
 """

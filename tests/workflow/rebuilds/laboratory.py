@@ -348,7 +348,7 @@ class Laboratory:
         return self.base.loaded_modules()
 
     @cached_property
-    def _to_plan_in(self) -> Project:
+    def plans(self) -> Project:
         return self.base.copy(self.directory / "plans")
 
     def run_of_setting(self, edit: ConfigEdit) -> list[str]:
@@ -384,12 +384,12 @@ class Laboratory:
 
     def plan_of_setting(self, edit: ConfigEdit) -> list[str]:
         """Change a setting, and only plan: what is wrong with the plan's rules."""
-        planned = self._to_plan_in.dry_run("tables", overlay=edit.overlay())
+        planned = self.plans.dry_run("tables", overlay=edit.overlay())
         return [*_otherwise_than({job.partition("/")[0] for job in edit.expected}, {*planned})]
 
     def plan_of_code(self, path: str) -> list[str]:
         """Add a constant to a module or a script, and only plan: what is wrong with the plan."""
-        work = self._to_plan_in
+        work = self.plans
         with work.restored(path):
             (work.directory / path).write_text((work.directory / path).read_text() + "\n_NEW = 1\n")
             planned = {_job(name) for name in work.planned()}

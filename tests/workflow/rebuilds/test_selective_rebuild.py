@@ -163,12 +163,12 @@ def assert_nothing_is_hidden(whole: Project, project: Project, overlay: dict) ->
 
 @pytest.mark.long
 @EVERY_SETTING
-def test_deleted_files_hide_no_edit(finished, tmp_path, name):
+def test_deleted_files_hide_no_edit(lab, finished, tmp_path, name):
     """Whatever files are deleted, an edit makes at least the jobs run that it would run anyway."""
     project = finished.project.copy(tmp_path / "project")
     for result in some_results(project, name):
         (project.results / result).unlink()
-    assert_nothing_is_hidden(finished.project, project, CONFIG_EDITS[name].overlay())
+    assert_nothing_is_hidden(lab.plans, project, CONFIG_EDITS[name].overlay())
 
 
 @pytest.fixture(scope="module")
@@ -181,7 +181,7 @@ def another(finished, tmp_path_factory) -> Project:
 
 @pytest.mark.long
 @EVERY_SETTING
-def test_restored_files_hide_no_edit(finished, another, tmp_path, name):
+def test_restored_files_hide_no_edit(lab, finished, another, tmp_path, name):
     """Neither do files of another run, their records, or both."""
     project = finished.project.copy(tmp_path / "project")
     of_result = (["{}"], [".records/{}.json"], ["{}", ".records/{}.json"])[len(name) % 3]
@@ -190,7 +190,7 @@ def test_restored_files_hide_no_edit(finished, another, tmp_path, name):
             shutil.copy2(
                 another.results / part.format(result), project.results / part.format(result)
             )
-    assert_nothing_is_hidden(finished.project, project, CONFIG_EDITS[name].overlay())
+    assert_nothing_is_hidden(lab.plans, project, CONFIG_EDITS[name].overlay())
     assert project.dry_run("tables") != {}
 
 
