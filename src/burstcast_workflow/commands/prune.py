@@ -35,5 +35,6 @@ def main(arguments: Sequence[str]) -> int:
     if not covers_campaign(workflow):
         print("prune looks at the whole campaign: leave out targets", file=sys.stderr)
         return 2
-    print(*stale_files(names_of_rules(workflow)["run"].results, workflow), sep="\n")
+    for path in stale_files(names_of_rules(workflow)["run"].results, workflow):
+        print(path)
     return 0

@@ -109,7 +109,7 @@ def test_results_of_a_former_campaign_are_listed(project):
     files = {name.removeprefix(f"{RESULTS}/") for name in stale}
     gone = (
         *("esn-N30-", "equations_noisy/", "long_term.nc", "tables/statistics", "statistics_"),
-        *("survival", "lyapunov_spectrum", "kaplan_yorke", "quadratic_filtered/"),
+        *("survival", "lyapunov_spectrum", "kaplan_yorke", "quadratic_filtered"),
     )
     assert {"tables/statistics.csv", "Re400/esn-N40-RV-seed0/long_term.nc"} < files
     assert "Re400/scan/esn-N30-seed0-RV+SSV.csv" in files
