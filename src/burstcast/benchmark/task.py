@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -18,7 +19,7 @@ _DIGEST_DECIMALS = 6
 as a logarithm in another library, then do not count, and chaos amplifies all larger differences."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ForecastTask:
     """Reference that files of forecasts are compared with."""
 
@@ -54,135 +55,96 @@ class ForecastTask:
         return [(round(time / self.resolution_lt) - 1, count) for time in self.prediction_times_lt]
 
 
-@dataclass(frozen=True)
-class KnownColumns:
-    """Values of a record's columns that are known in advance.
-
-    The entry of a step holds the values in the sample after it. Steps of the forecast follow steps
-    of the washout.
-    """
-
-    training: FloatArray  #: of the training series, ``(series, time - 1, columns)``
-    #: of the starting points, ``(points, washout - 1 + forecast steps, columns)``
-    points: FloatArray
-    #: of the starting points of the prediction horizon, ``(points, washout - 1 + horizon steps,
-    #: columns)``; NaN where the series has ended
-    horizon: FloatArray
-
-    def arrays(self) -> tuple[FloatArray, ...]:
-        """All values, in units of each column's standard deviation in the training series."""
-        scale = self.training.std(axis=(0, 1))
-        scale = np.where(scale > 0, scale, 1.0)
-        return self.training / scale, self.points / scale, self.horizon / scale
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TaskData:
-    """Observed data of a task: all that a forecaster may know."""
+    """Observed data of a task, and what follows from them."""
 
-    task: ForecastTask  #: task of the forecasts
+    case: str
+    seed: int
+    space: StateSpace
+    boundaries: tuple[int, ...]
+    prediction_times_lt: Sequence[float]
+    window_lt: float
+    resolution_lt: float
     training: FloatArray  #: observed training series, ``(series, time, component)``
     #: points, washouts: starting points in the test series, and what is observed up to each of
     #: them, ``(points, steps, component)``
     points: SeriesPoints
     washouts: FloatArray
-    horizon_washouts: FloatArray  #: likewise for the starting points of the prediction horizon
+    #: events, before_events: events whose prediction horizon is measured, and what is observed up
+    #: to each of them, ``(events, steps, component)``
+    events: SeriesPoints
+    before_events: FloatArray
     search: HorizonSearch  #: how prediction horizons are looked for
+    #: columns that are known in advance, in the sample after each step of all kept series,
+    #: ``(series, time - 1, columns)``; None where there are none
+    known: FloatArray | None = None
+    #: likewise over the washouts and forecasts of the points
+    known_of_points: FloatArray | None = None
     #: standard deviation of the observation noise, in standard deviations of each component
     noise: float
     event_threshold: float  #: event threshold in units of the observable
     sampling_interval: float  #: time between two samples, in time units
     #: error that the search allows, in distances of the threshold from the mean observable
     tolerance: float
-    #: columns that are known in advance; None where there are none
-    known: KnownColumns | None = None
+
+    @cached_property
+    def starts(self) -> tuple[IntArray, IntArray]:
+        """Starting points of prediction horizons (`horizon_starts`)."""
+        order = random_streams.stream(self.seed, "benchmark horizon", self.case)
+        return horizon_starts(self.events, self.search, order)
+
+    @cached_property
+    def horizon_washouts(self) -> FloatArray:
+        """What is observed up to each of the `starts`, ``(points, steps, component)``."""
+        return segments(self.before_events, SeriesPoints(*self.starts), self.search.washout - 1, 0)
+
+    @cached_property
+    def known_columns(self) -> dict[str, FloatArray]:
+        """Columns that are known in advance, by the names of the file; empty if there are none.
+
+        Those of the horizon go on beyond the event, so that they do not tell how far it is; NaN
+        where the series has ended.
+        """
+        if self.known is None or self.known_of_points is None:
+            return {}
+        (event, step), steps = self.starts, self.search.longest_lead_time
+        at = self.events.step[event] - self.search.steps_before_event + step
+        padded = np.pad(self.known, ((0, 0), (0, steps), (0, 0)), constant_values=np.nan)
+        points = SeriesPoints(self.events.series[event], at)
+        return {
+            "training_known": self.known[: len(self.training)],
+            "known": self.known_of_points,
+            "horizon_known": segments(padded, points, self.search.washout - 1, steps - 1),
+        }
+
+    @cached_property
+    def task(self) -> ForecastTask:
+        """Task of the forecasts."""
+        scale = component_scales(self.training).standard_deviation  # whatever the units are
+        parts = [part / scale for part in (self.training, self.washouts, self.horizon_washouts)]
+        if columns := self.known_columns:
+            spread = columns["training_known"].std(axis=(0, 1))
+            parts += [one / np.where(spread > 0, spread, 1.0) for one in columns.values()]
+        return ForecastTask(
+            case=self.case,
+            version=data_digest(parts),
+            seed=self.seed,
+            space=self.space,
+            points=len(self.points),
+            boundaries=self.boundaries,
+            prediction_times_lt=tuple(map(float, self.prediction_times_lt)),
+            window_lt=self.window_lt,
+            resolution_lt=self.resolution_lt,
+            horizon_points=len(self.horizon_washouts),
+            horizon_steps=self.search.longest_lead_time,
+        )
 
     @property
     def window_steps(self) -> list[tuple[int, int]]:
         """First and last step of each prediction window, counted from the starting point."""
-        times, steps = self.task.prediction_times_lt, self.search.steps
-        return [(steps(time), steps(time + self.task.window_lt)) for time in times]
-
-
-def campaign_task(
-    *,
-    case: str,
-    seed: int,
-    space: StateSpace,
-    boundaries: tuple[int, ...],
-    prediction_times_lt: Sequence[float],
-    window_lt: float,
-    resolution_lt: float,
-    training: FloatArray,
-    points: SeriesPoints,
-    washouts: FloatArray,
-    events: SeriesPoints,
-    before_events: FloatArray,
-    search: HorizonSearch,
-    known: FloatArray | None = None,
-    known_of_points: FloatArray | None = None,
-    **facts: float,
-) -> TaskData:
-    """Task of a case of a campaign, whose version is a digest of its data.
-
-    ``case``, ``seed``, ``space``, ``boundaries``, ``prediction_times_lt``, ``window_lt``,
-    ``resolution_lt``: Attributes of the `ForecastTask`; the random numbers of the order of horizon
-    points follow from the seed. ``events``, ``before_events``: Events whose prediction horizon is
-    measured, and what is observed up to each of them, ``(events, steps, component)``. ``known``:
-    Columns that are known in advance, in the sample after each step of all kept series, ``(series,
-    time - 1, columns)``; None where there are none. ``known_of_points``: Likewise over the washouts
-    and forecasts of the points (`KnownColumns.points`).
-    """
-    order = random_streams.stream(seed, "benchmark horizon", case)
-    starts = horizon_starts(events, search, order)
-    horizon = segments(before_events, SeriesPoints(*starts), search.washout - 1, 0)
-    columns = None
-    if known is not None and known_of_points is not None:
-        columns = KnownColumns(
-            training=known[: len(training)],
-            points=known_of_points,
-            horizon=_known_of_horizon(known, events, starts, search),
-        )
-    # whatever the units are
-    scale = component_scales(training).standard_deviation
-    task = ForecastTask(
-        case=case,
-        version=data_digest(
-            [
-                *(part / scale for part in (training, washouts, horizon)),
-                *(columns.arrays() if columns is not None else ()),
-            ]
-        ),
-        seed=seed,
-        space=space,
-        points=len(points),
-        boundaries=boundaries,
-        prediction_times_lt=tuple(map(float, prediction_times_lt)),
-        window_lt=window_lt,
-        resolution_lt=resolution_lt,
-        horizon_points=len(horizon),
-        horizon_steps=search.longest_lead_time,
-    )
-    return TaskData(task, training, points, washouts, horizon, search, known=columns, **facts)
-
-
-def _known_of_horizon(
-    known: FloatArray,
-    events: SeriesPoints,
-    starts: tuple[IntArray, IntArray],
-    search: HorizonSearch,
-) -> FloatArray:
-    """Known columns over the washouts and the longest forecasts of `horizon_starts`.
-
-    They go on beyond the event, so that they do not tell how far it is.
-    """
-    event, step = starts
-    steps = search.longest_lead_time
-    points = SeriesPoints(
-        events.series[event], events.step[event] - search.steps_before_event + step
-    )
-    padded = np.pad(known, ((0, 0), (0, steps), (0, 0)), constant_values=np.nan)
-    return segments(padded, points, search.washout - 1, steps - 1)
+        steps = self.search.steps
+        return [(steps(time), steps(time + self.window_lt)) for time in self.prediction_times_lt]
 
 
 def data_digest(arrays: Sequence[FloatArray]) -> str:
@@ -201,8 +163,6 @@ def horizon_starts(
 
     In a random order, which does not tell how far the event is. Points that are the same step of
     the same series, before two events, are there once.
-
-    ``search``: How prediction horizons are looked for; segments have its steps before an event.
     """
     leads = np.array([search.steps(lead) for lead in search.lead_times_lt])
     event = np.repeat(np.arange(len(events)), len(leads))

@@ -1,24 +1,33 @@
 """The file of a forecasting task, and the page that explains it."""
 
-from collections.abc import Iterable
 from pathlib import Path
 from string import Template
 from textwrap import fill
 
 import numpy as np
 
-from burstcast.benchmark.task import KnownColumns, TaskData
+from burstcast.benchmark.task import TaskData
 from burstcast.files.netcdf import Variable
 from burstcast.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE, TIME
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.state_space import component_names
+
+_KNOWN_OF = {
+    "training_known": (("training_series", "training_step"), "the training series"),
+    "known": (("point", "known_step"), "a point's washout and forecast"),
+    "horizon_known": (
+        ("horizon_point", "horizon_known_step"),
+        "a horizon point's washout and forecast; NaN after the end of the series",
+    ),
+}
+"""Dimensions of columns that are known in advance, and what they are of."""
 
 _TEMPLATE = Path(__file__).with_name("page.md")
 
 
 def task_variables(data: TaskData) -> dict[str, Variable]:
     """Variables of the file: training series, washouts, starting points."""
-    points, space = data.points, data.task.space
+    points, space = data.points, data.space
     start = "observed components up to and including"
     found = {
         "series": Variable(("point",), points.series, NUMBER, "number of the test series"),
@@ -44,11 +53,13 @@ def task_variables(data: TaskData) -> dict[str, Variable]:
         of_values = f"observed {space.observable_name} of the {name.replace('_', ' ')}"
         found[name] = Variable((*axes, "component"), states, COMPONENT, meaning)
         found[f"{name}_observable"] = Variable(axes, values, OBSERVABLE, of_values)
-    if data.known is not None:
-        found |= _known_variables(data.known)
+    for name, values in data.known_columns.items():
+        axes, what = _KNOWN_OF[name]
+        meaning = f"columns that are known in advance, in the sample after each step of {what}"
+        found[name] = Variable((*axes, "known_column"), values, None, meaning)
     found["prediction_time_lt"] = Variable(
         ("prediction_time",),
-        data.task.prediction_times_lt,
+        data.prediction_times_lt,
         LYAPUNOV_TIMES,
         "time from the starting point to the first step of each prediction window",
     )
@@ -56,29 +67,6 @@ def task_variables(data: TaskData) -> dict[str, Variable]:
         meaning = f"{end} step of each prediction window, counted from the starting point"
         found[f"window_{end}_step"] = Variable(("prediction_time",), steps, NUMBER, meaning)
     return found
-
-
-def _known_variables(known: KnownColumns) -> dict[str, Variable]:
-    """Variables of the columns that are known in advance."""
-    meaning = "columns that are known in advance, in the sample after each step of"
-    return {
-        name: Variable((*axes, "known_column"), values, None, f"{meaning} {what}")
-        for name, axes, values, what in (
-            (
-                "training_known",
-                ("training_series", "training_step"),
-                known.training,
-                "the training series",
-            ),
-            ("known", ("point", "known_step"), known.points, "a point's washout and forecast"),
-            (
-                "horizon_known",
-                ("horizon_point", "horizon_known_step"),
-                known.horizon,
-                "a horizon point's washout and forecast; NaN after the end of the series",
-            ),
-        )
-    }
 
 
 def task_attributes(data: TaskData) -> dict[str, str | int | float]:
@@ -102,7 +90,7 @@ def task_attributes(data: TaskData) -> dict[str, str | int | float]:
 def page(data: TaskData, file: str) -> str:
     """The page that explains the file of this name to readers without burstcast."""
     task, series, search = data.task, data.training.shape, data.search
-    names = component_names(task.space)
+    names = component_names(data.space)
     return Template(_TEMPLATE.read_text(encoding="utf-8")).substitute(
         case=task.case,
         file=file,
@@ -113,10 +101,10 @@ def page(data: TaskData, file: str) -> str:
         horizon_points=task.horizon_points,
         lyapunov_time=search.steps_per_lyapunov_time,
         observable=_observable(data),
-        known=_KNOWN if data.known is not None else "",
+        known=_KNOWN if data.known_columns else "",
         threshold=f"{data.event_threshold:g}",
         window=f"{task.window_lt:g}",
-        times=_listed(task.prediction_times_lt),
+        times=", ".join(f"{time:g}" for time in task.prediction_times_lt),
         longest=f"{search.longest_lead_time_lt:g}",
         lead_step=f"{search.lead_time_step_lt:g}",
         tolerance=f"{data.tolerance:g}",
@@ -142,14 +130,10 @@ entry holds the values in the sample after the step:
 
 def _observable(data: TaskData) -> str:
     """Name of the observable, and whether it is a component of its own."""
-    space = data.task.space
+    space = data.space
     said = f"The observable is the {space.observable_name}."
     if isinstance(space, MoehlisFaisstEckhardt):
         said += " It is (a1^2 + ... + a9^2) / 2 of all nine modes."
     if "observable" in component_names(space):
         said += " It is the last component, which is called `observable`."
     return fill(said, 100)
-
-
-def _listed(values: Iterable[float]) -> str:
-    return ", ".join(f"{value:g}" for value in values)

@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from textwrap import fill
@@ -60,12 +61,13 @@ def scores_of(tables: Path, alarm: str) -> pd.DataFrame:
     """Scores of a source of alarms in a case: metric, prediction_time_lt, value, low, high.
 
     Alarms of single trajectories are the trajectory's own, all others those of the calibrated
-    probability, if there is one.
+    probability. A committee has the horizon of the forecaster whose members vote.
     """
 
     def rows(table: str) -> pd.DataFrame:
-        found = pd.read_csv(tables / f"{table}.csv")
-        for key, value in parsed(alarm).keys.items():
+        found, name = pd.read_csv(tables / f"{table}.csv"), parsed(alarm)
+        name = replace(name, role=None) if table.startswith("horizon") else name
+        for key, value in name.keys.items():
             found = found[found[key].isna() if value is None else found[key] == value]
         return found
 

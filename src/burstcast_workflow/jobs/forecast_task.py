@@ -1,6 +1,6 @@
 """The forecasting task of a job's case: what forecasts of other programs start from."""
 
-from burstcast.benchmark.task import TaskData, campaign_task
+from burstcast.benchmark.task import TaskData
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.files.netcdf import read_netcdf
 from burstcast_workflow.harness.settings import at
@@ -21,7 +21,7 @@ class Task(System, Observed, Windows, Horizons):
         in_force = {} if known is None else read_netcdf(evaluation_set, "parameter")
         found = read_netcdf(evaluation_set, "series", "step", "washout")
         before = read_netcdf(events, "series", "step", "observed")
-        return campaign_task(
+        return TaskData(
             case=self.case,
             seed=self.random_seed,
             space=self.space,
