@@ -20,10 +20,9 @@ class Joined(JobSettings):
 @job
 def join(*, of_cases: list[str], tables: list[str], latex: list[str], settings: Joined) -> None:
     """Write the rows of all cases, by table, and the LaTeX that is made of them."""
-    files = {Path(table).stem: table for table in tables}
+    files = {Path(file).name: file for file in [*tables, *latex]}
     for name, text in joined_tables(of_cases, settings.columns).items():
-        write_text(files[name], text)
-    for path in latex:
-        layout = settings.latex[Path(path).stem]
-        rows = read_table(files[layout["source"]])
-        write_text(path, typeset(Path(path).stem, rows, layout, KEYS))
+        write_text(files[f"{name}.csv"], text)
+    for name, layout in settings.latex.items():
+        rows = read_table(files[f"{layout['source']}.csv"])
+        write_text(files[f"{name}.tex"], typeset(name, rows, layout, KEYS))
