@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.aware_checks import extrapolations
+from burstcast_workflow.config.case_checks import extrapolations, few_points
 from burstcast_workflow.config.cases import own_modules
-from burstcast_workflow.config.lengths import few_points
 from burstcast_workflow.config.loading import ConfigError, load
-from burstcast_workflow.config.measured_cases import OFF, data_files
+from burstcast_workflow.config.measured_cases import OFF
 from burstcast_workflow.project import code_of
 from snaketrust import start as trust
 from snaketrust.checks import RefusedError
@@ -63,14 +62,15 @@ def check_records(workflow: Any, campaign: Campaign) -> None:
     problems = []
     for job in workflow.dag.needrun_jobs():
         case = job.wildcards.get("case", "")
-        if case not in campaign.measured_cases or not (data := campaign.data(case)).files:
+        data = campaign.cases[case].data if case in campaign.cases else None
+        if data is None or not data.files:
             continue
         if not any(path.endswith("/ensemble.nc") for path in job.output):
             continue
         from burstcast_workflow.jobs.measured import MeasuredData  # others save the time
 
         try:
-            MeasuredData(job.params["settings"], {"case": case}).measured_series(data_files(data))
+            MeasuredData(job.params["settings"], {"case": case}).measured_series(data.paths)
         except ValueError as error:
             problems.append(f"case {case}: {error}")
     if problems:

@@ -14,7 +14,7 @@ from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.forecasters import _options as forecaster_options
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast_workflow.config.model import Forecasters
+from burstcast_workflow.config.forecasters import Forecasters
 from burstcast_workflow.harness.canonical import canonical
 from burstcast_workflow.harness.storage import read_json
 

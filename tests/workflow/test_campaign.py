@@ -14,6 +14,7 @@ from burstcast.forecasters.registry import available_kinds
 from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
 from burstcast_workflow.campaign.job_settings import settings_of_cases, settings_of_job
+from burstcast_workflow.config.case import Encoded, Simulated
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.config.model import Choice, Configuration
 from burstcast_workflow.config.places import Place
@@ -378,7 +379,7 @@ def test_realisations_are_cases_that_differ_by_their_training_series_only():
     )
     own, *others = found.case_names
     assert (own, others) == ("Re400", ["Re400-training1", "Re400-training2"])
-    assert all(found.cases[case] == found.cases["Re400"] for case in others)
+    assert all(found.cases[case].dump() == found.cases["Re400"].dump() for case in others)
     assert found.realised_cases == tuple(others)
     assert found.simulated_cases == (own, *others)
     assert {one.case for one in found.networks} == {own, *others}
@@ -550,7 +551,7 @@ def test_who_has_trajectories():
 
 def test_channels_are_known_beforehand():
     campaign, flow = Campaign(load(tiny_campaign("encoded"))), KolmogorovFlow(40.0, 4, 4)
-    assert {name: campaign.space(name).dimension for name in campaign.cases} == {
+    assert {name: case.space.dimension for name, case in campaign.cases.items()} == {
         "turbulence": 80,
         "sensors": 49,
         "invariants": len(flow.invariant_names) + 1,
@@ -558,6 +559,9 @@ def test_channels_are_known_beforehand():
     }
     components = campaign.cases["invariants"].parameters["components"]
     assert components == list(flow.invariant_names)
+    kinds = {name: type(case) for name, case in campaign.cases.items()}
+    assert kinds == {"turbulence": Simulated, **dict.fromkeys(campaign.encoded_cases, Encoded)}
+    assert campaign.cases["sensors"].source is campaign.cases["turbulence"]
 
 
 def test_who_takes_part_in_what(tmp_path, monkeypatch):

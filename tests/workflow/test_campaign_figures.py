@@ -15,7 +15,6 @@ from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.systems.registry import make_system, parameters_of
 from burstcast.tables.parameters import described_parameters
-from burstcast_workflow.config.cases import is_flow
 from burstcast_workflow.figures import registry
 from burstcast_workflow.figures.registry import (
     FIGURES,
@@ -223,7 +222,7 @@ def lorenz(**overlay):
 
 def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
     found = lorenz()
-    assert not is_flow(found.cases["lorenz"])
+    assert not found.cases["lorenz"].is_flow
     assert stage_figures(found) == {
         "long_term_density",
         "own_flow",

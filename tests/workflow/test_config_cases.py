@@ -20,12 +20,11 @@ from snakemake.utils import update_config
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_job
-from burstcast_workflow.config.aware_checks import extrapolations
-from burstcast_workflow.config.cases import block_cases, case_name, case_of, is_flow
-from burstcast_workflow.config.lengths import few_points
+from burstcast_workflow.config.case import Data, Measured, PartOfCase, Simulated
+from burstcast_workflow.config.case_checks import extrapolations, few_points
+from burstcast_workflow.config.cases import case_of
 from burstcast_workflow.config.loading import ConfigError, load
-from burstcast_workflow.config.measured_cases import data_files
-from burstcast_workflow.config.model import Block, Configuration, Data
+from burstcast_workflow.config.model import Block, Configuration, case_name
 from burstcast_workflow.costs.model import CostModel
 from burstcast_workflow.figures.registry import figure_names
 from burstcast_workflow.harness.canonical import canonical
@@ -66,7 +65,7 @@ def test_reynolds_numbers_name_their_cases_and_need_no_entry(config):
     names = [case_name(value) for value in (400, 400.0, 412.5, 1234567)]
     assert names == ["Re400", "Re400", "Re412.5", "Re1234567"]
     block = {"reynolds": [400, 600], "cases": ["mine", "Re400"], "forecasters": {}}
-    assert block_cases(Block.model_validate(block)) == ["Re400", "Re600", "mine"]
+    assert Block.model_validate(block).case_names == ["Re400", "Re600", "mine"]
     put(config, "campaign.1.reynolds", [412.5, 600])
     record = records_of(load(config))["Re412.5"]
     assert record["parameters"]["reynolds"] == 412.5
@@ -417,7 +416,7 @@ def test_past_values_are_components(measured):
     part = found.cases["part"].dump()
     names = ["a1", "s", "a1(t-20)", "s(t-20)", "a1(t-10)", "s(t-10)"]
     assert part["parameters"]["components"] == names
-    assert found.space("part").dimension == 7  # and the observable
+    assert found.cases["part"].space.dimension == 7  # and the observable
     # every series begins later
     assert part["ensemble"] == {"time_step": 0.25, "sampling_stride": 4, "duration": 3980}
     # the noise is there before the past values are taken, and not added again
@@ -434,10 +433,10 @@ def test_past_values_are_components(measured):
 
 def test_whose_unit_of_time_is_an_estimate(measured):
     found = Campaign(load(measured))
-    estimates = {case: found.estimates_time_unit(case) for case in found.case_names}
+    estimates = {name: case.estimates_time_unit for name, case in found.cases.items()}
     assert estimates == {"Re400": False, "lab": True, "part": False}
     put(measured, "cases.lab.lyapunov.published_exponent", 0.01)
-    assert not Campaign(load(measured)).estimates_time_unit("lab")
+    assert not Campaign(load(measured)).cases["lab"].estimates_time_unit
 
 
 def test_thresholds_of_another_observable_are_not_inherited(measured):
@@ -450,9 +449,15 @@ def test_what_a_campaign_makes_of_measured_cases(measured):
     found = Campaign(load(measured))
     assert found.simulated_cases == ("Re400",)
     assert found.measured_cases == ("lab", "part")
-    assert is_flow(found.cases["Re400"])
-    assert not is_flow(found.cases["part"])
-    assert [found.source_case(case) for case in ("part", "lab")] == ["Re400", "lab"]
+    kinds = {"Re400": Simulated, "lab": Measured, "part": PartOfCase}
+    assert {name: type(case) for name, case in found.cases.items()} == kinds
+    assert found.cases["Re400"].is_flow
+    assert not found.cases["part"].is_flow
+    sources = {name: case.source.name for name, case in found.cases.items()}
+    assert sources == {"Re400": "Re400", "lab": "lab", "part": "Re400"}
+    assert not any(case.is_encoded or case.undecoded for case in found.cases.values())
+    with pytest.raises(TypeError, match="lab is no part of another case"):
+        _ = found.cases["lab"].sensor
     assert {run.case for run in found.strategy_runs} == {"Re400"}
     # only what is about measured series depends on their code
     assert found.modules({"case": "part"})["burstcast.systems"] == ["measured"]
@@ -465,9 +470,9 @@ def test_what_a_campaign_makes_of_measured_cases(measured):
 
 def test_files_as_people_sort_their_names(measured):
     data = Data(files=["lab/run_*.csv"], observable="u")
-    assert data_files(data) == [f"lab/run_{number}.csv" for number in (1, 9, 10)]
+    assert data.paths == [f"lab/run_{number}.csv" for number in (1, 9, 10)]
     data = Data(files=["lab/run_9.csv", "./lab/run_*.csv", "upstream.csv"], observable="u")
-    assert data_files(data) == ["lab/run_9.csv", "lab/run_1.csv", "lab/run_10.csv", "upstream.csv"]
+    assert data.paths == ["lab/run_9.csv", "lab/run_1.csv", "lab/run_10.csv", "upstream.csv"]
 
 
 def test_long_runs_are_as_long_as_the_series(measured):
@@ -493,7 +498,7 @@ def test_components_are_the_columns_of_the_header(measured, tmp_path):
 def test_an_observable_with_a_name(measured):
     put(measured, "cases.lab.data.observable", "speed = sqrt(u**2 + v**2)")
     assert records_of(load(measured))["lab"]["parameters"]["observable_of"] == "sqrt(u**2 + v**2)"
-    assert Campaign(load(measured)).space("lab").observable_name == "speed"
+    assert Campaign(load(measured)).cases["lab"].space.observable_name == "speed"
 
 
 @pytest.mark.parametrize(

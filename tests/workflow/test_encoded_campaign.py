@@ -138,5 +138,5 @@ def test_control_through_sensors_and_encoders(results):
 
 
 def test_the_flow_is_that_of_the_case():
-    found = Campaign(load(config())).source_system("sensors")
+    found = Campaign(load(config())).cases["sensors"].source_system
     assert KolmogorovFlow(**found["parameters"]) == dataclasses.replace(FLOW)

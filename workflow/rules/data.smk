@@ -56,9 +56,7 @@ rule import_data:
 rule encode:
     # what sensors see of another case, or an encoder makes of it
     input:
-        source=of_case(
-            lambda campaign, case: f"{RESULTS}/{campaign.source_case(case)}/ensemble.nc"
-        ),
+        source=of_case(lambda case: f"{RESULTS}/{case.source.name}/ensemble.nc"),
     output:
         ensemble=f"{CASE}/ensemble.nc",
         summary=f"{CASE}/dataset.json",
@@ -149,7 +147,9 @@ rule scheduled_series:
     benchmark:
         f"{TIMES}/scheduled_series/{{case}}.tsv"
     wildcard_constraints:
-        case=one_of([*campaign.simulated_cases, *campaign.known_cases]),
+        case=one_of(
+            [*campaign.simulated_cases, *campaign.where(lambda case: case.known)]
+        ),
     group:
         group_of("case")
     conda:
@@ -230,7 +230,7 @@ rule lengths:
     benchmark:
         f"{TIMES}/lengths/{{case}}.tsv"
     wildcard_constraints:
-        case=one_of(campaign.computed_times),
+        case=one_of(campaign.where(lambda case: case.time_unit)),
     priority: 1
     group:
         group_of("case")
@@ -349,7 +349,9 @@ rule forecast_task:
     resources:
         **needs("forecast_task", "data"),
     params:
-        settings=settings_of("data/forecast_task.py", noise=of_case(Campaign.noise)),
+        settings=settings_of(
+            "data/forecast_task.py", noise=of_case(lambda case: case.training.noise)
+        ),
         code=code_of("data/forecast_task.py"),
     message:
         "{wildcards.case}: export the washouts for other programs"

@@ -54,7 +54,8 @@ rule external_forecasts:
         **needs("external_forecasts", "data"),
     params:
         settings=settings_of(
-            "evaluation/external_forecasts.py", noise=of_case(Campaign.noise)
+            "evaluation/external_forecasts.py",
+            noise=of_case(lambda case: case.training.noise),
         ),
         code=code_of("evaluation/external_forecasts.py"),
     message:

@@ -30,7 +30,7 @@ TABLE_RULES = {
             "events_summary": f"{CASE}/events.json",
             # a case that is a part of another one has that one's
             "exponents": of_case(
-                lambda campaign, case: f"{RESULTS}/{campaign.source_case(case)}/lyapunov.json"
+                lambda case: f"{RESULTS}/{case.source.name}/lyapunov.json"
             ),
         },
     },
@@ -137,7 +137,7 @@ TABLE_RULES = {
             "lyapunov_spectrum": stages.file_of_case(
                 "tables/lyapunov_spectrum.csv",
                 set(cases_of(campaign, "lyapunov_spectrum"))
-                & set(filter(campaign.estimates_time_unit, campaign.case_names)),
+                & set(campaign.where(lambda case: case.estimates_time_unit)),
             ),
         },
     },
@@ -345,7 +345,7 @@ rule tables:
 rule forecasters:
     # all that is computed forecaster by forecaster: the target for planning a large campaign in batches
     input:
-        of_cases("lengths.json", campaign.computed_times),
+        of_cases("lengths.json", campaign.where(lambda case: case.time_unit)),
         of_forecasters("forecaster.nc", campaign.fitted_forecasters),
         of_forecasters("forecast.nc"),
         of_forecasters("calibration_forecast.nc", campaign.fitted_forecasters),

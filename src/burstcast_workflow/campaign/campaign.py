@@ -1,6 +1,6 @@
 """The campaign: its cases, forecasters and control runs."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -8,30 +8,19 @@ from typing import Any
 
 from burstcast.control.setting_names import is_option
 from burstcast.control.strategies.registry import strategy_class
-from burstcast.data.measured_data import Quantity
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecasterKind
 from burstcast.forecasters.registry import kind_class, learns_parameters, linearises
 from burstcast.natural_order import natural_order
-from burstcast.systems.parameters import SHARE, SystemParameters
-from burstcast.systems.registry import make_system
-from burstcast.systems.state_space import StateSpace
 from burstcast.tuning.strategies.registry import scanned_with, strategy_module
-from burstcast_workflow.config.cases import block_cases, cases_of, event_shares_of
+from burstcast_workflow.config.case import Case
+from burstcast_workflow.config.cases import cases_of
 from burstcast_workflow.config.control_plans import ControlPlan, block_plans, paper_plan
-from burstcast_workflow.config.external_files import external_forecasts
-from burstcast_workflow.config.kinds import Quantile, Section
-from burstcast_workflow.config.measured_cases import is_encoded, space_of
-from burstcast_workflow.config.model import (
-    Choice,
-    Configuration,
-    Data,
-    NetworkAxes,
-    Simulated,
-    StrategyBlock,
-)
+from burstcast_workflow.config.forecasters import Choice, NetworkAxes
+from burstcast_workflow.config.kinds import Section
+from burstcast_workflow.config.model import Configuration, StrategyBlock
 
 
 @dataclass(frozen=True)
@@ -104,7 +93,7 @@ class Campaign:
 
     def _expand(self) -> Iterator[CaseForecaster]:
         for block in self.config.campaign:
-            for case in block_cases(block):
+            for case in block.case_names:
                 for kind, axes in block.forecasters.kinds.items():
                     for name in _names(kind, axes):
                         yield CaseForecaster(case, name)
@@ -141,7 +130,7 @@ class Campaign:
 
     def alarm_thresholds(self, case: str) -> dict[str, float]:
         """Alarm thresholds of the forecasters of a case whose probabilities are not calibrated."""
-        said = external_forecasts(self.config, case)
+        said = self.config.external_files(case)
         return {
             one.name.identifier: said[str(one.name.label)].alarm_threshold
             for one in self.external_forecasters
@@ -207,7 +196,7 @@ class Campaign:
         return tuple(
             one
             for one in self._chosen(self.config.statistics.forecasters)
-            if one.case not in self.known_cases or not learns_parameters(one.name.kind)
+            if not (self.cases[one.case].known and learns_parameters(one.name.kind))
         )
 
     @cached_property
@@ -274,10 +263,10 @@ class Campaign:
     ) -> list[tuple[str, ForecasterName]]:
         """Controlled cases with their controllers, which observe all of the state or a part."""
         if not strategy_class(block.strategy).forecasts:
-            cases = [self.source_case(part)] if part else controlled
+            cases = [self.cases[part].source.name] if part else controlled
             return [(case, ForecasterName("none")) for case in cases]
         chosen = [
-            (self.source_case(one.case), one.name)
+            (self.cases[one.case].source.name, one.name)
             for one in (self._chosen(block.forecasters) if block.forecasters else ())
             if (one.case == part if part else one.case in controlled)
         ]
@@ -324,22 +313,46 @@ class Campaign:
         used |= {"leak_rate"} if leaking else set()
         return {"options", "observed", "leak_rate"} - used
 
+    def where(self, is_so: Callable[[Case], object]) -> tuple[str, ...]:
+        """Names of the cases of which something is true."""
+        return tuple(name for name in self.case_names if is_so(self.cases[name]))
+
+    @property
+    def simulated_cases(self) -> tuple[str, ...]:
+        """Cases that are simulated."""
+        return self.where(lambda case: case.has_equations)
+
+    @property
+    def measured_cases(self) -> tuple[str, ...]:
+        """Cases of measured series."""
+        return self.where(lambda case: not case.has_equations)
+
+    @property
+    def encoded_cases(self) -> tuple[str, ...]:
+        """Cases whose forecasters receive readings of sensors, or what an encoder makes."""
+        return self.where(lambda case: case.is_encoded)
+
+    @property
+    def ranked_cases(self) -> tuple[str, ...]:
+        """Encoded cases and their sources."""
+        sources = {self.cases[case].source.name for case in self.encoded_cases}
+        return self.where(lambda case: case.is_encoded or case.name in sources)
+
+    @property
+    def realised_cases(self) -> tuple[str, ...]:
+        """Cases that differ from others by their training series only."""
+        return self.where(lambda case: case.realisation)
+
     @cached_property
     def aware_cases(self) -> tuple[str, ...]:
         """Cases of equations with forecasters that know their parameters."""
-        known = [one.case for one in self.forecasters if learns_parameters(one.name.kind)]
-        return tuple(filter(self.has_equations, dict.fromkeys(known)))
+        known = {one.case for one in self.forecasters if learns_parameters(one.name.kind)}
+        return self.where(lambda case: case.has_equations and case.name in known)
 
     @cached_property
-    def known_cases(self) -> tuple[str, ...]:
-        """Cases of records some of whose columns are known in advance."""
-        return tuple(case for case in self.measured_cases if self.data(case).known)
-
-    @property
     def switched_cases(self) -> tuple[str, ...]:
         """Cases whose test series are under an actuator that switches at random."""
-        actuations = {case: self.cases[case].training.actuation for case in self.case_names}
-        return tuple(case for case, one in actuations.items() if one is not None and one.tested)
+        return self.where(lambda case: case.training.actuation and case.training.actuation.tested)
 
     @cached_property
     def _plans(self) -> dict[str, ControlPlan]:
@@ -371,20 +384,15 @@ class Campaign:
         sections: dict[str, Any] = self.plain["forecasters"]
         if label in sections["variants"]:
             sections = {**sections, "esn": {**sections["esn"], **sections["variants"][label]}}
-        if case not in self.known_cases:
-            return sections
-        names = [Quantity(text).name for text in self.data(case).known]
-        told = {**sections["aware"], "parameters": names, "transform": "identity"}
-        return {**sections, "aware": told}
+        known = self.cases[case].known if case else []
+        if known:
+            told = {**sections["aware"], "parameters": known, "transform": "identity"}
+            sections = {**sections, "aware": told}
+        return sections
 
     def own_values(self, case: str) -> list[float]:
         """Values of parameters that forecasters are given, without actuation; none for records."""
-        names, one = self.config.forecasters.aware.parameters, self.cases[case]
-        if not isinstance(one, Simulated):
-            return []
-        if names == [SHARE]:
-            return [0.0]
-        return [*SystemParameters.of(make_system(one.system, one.parameters), names).own]
+        return self.cases[case].values_of(self.config.forecasters.aware.parameters)
 
     @cached_property
     def plain(self) -> dict[str, Any]:
@@ -394,15 +402,7 @@ class Campaign:
     @cached_property
     def plain_cases(self) -> dict[str, dict[str, Any]]:
         """Settings of each case as its jobs are given them."""
-        found = {}
-        for name, case in self.cases.items():
-            found[name] = plain = case.dump()
-            if self.noise_of_data(name) is not None:
-                plain["training"]["noise"] = 0  # what is imported has it already
-            if isinstance(case.event_threshold, Quantile):
-                # a job finds it out (`burstcast_workflow.harness.settings`)
-                plain["event_threshold"]["case"] = name
-        return found
+        return {name: case.given() for name, case in self.cases.items()}
 
     def options(self, kind: str, case: str = "", label: str | None = None) -> dict[str, Any]:
         """Settings of a kind of forecasters, in a case, from all of its sections."""
@@ -427,9 +427,9 @@ class Campaign:
         validations = (
             strategies.split("+") if strategies else {one.validation for one in forecasters}
         )
-        encoded = [self.cases[case] for case in cases if is_encoded(self.cases[case])]
+        encoded = [self.cases[case] for case in cases if self.cases[case].is_encoded]
         # and the sources of encoded cases
-        cases += [one.data.case for one in encoded if one.data and one.data.case]
+        cases += [one.source.name for one in encoded]
         encoders = {one.encoder.kind for one in encoded if one.encoder}
         return {
             **({"burstcast.encoders": sorted(encoders)} if encoders else {}),
@@ -441,44 +441,6 @@ class Campaign:
             ),
         }
 
-    # -- facts about cases -------------------------------------------------------------------------
-
-    def event_quantile(self, case: str) -> float | None:
-        """Quantile that the event threshold of a case is given as; None where it is a number."""
-        threshold = self.cases[case].event_threshold
-        return threshold.quantile if isinstance(threshold, Quantile) else None
-
-    def noise(self, case: str) -> float:
-        """Level of the observation noise of a case, whenever it is added."""
-        return self.cases[case].training.noise
-
-    def noise_of_data(self, case: str) -> dict[str, Any] | None:
-        """Observation noise that a case's series get when they are imported; None if later or none.
-
-        Past values among the components have the noise of their own time, which must be there
-        before they are taken.
-        """
-        one = self.cases[case]
-        data, level = one.data, one.training.noise
-        if data is None or not (data.delays or is_encoded(one)) or not level:
-            return None
-        return {"level": level, "random_seed": self.config.random_seed}
-
-    def estimates_time_unit(self, case: str) -> bool:
-        """Whether a Lyapunov time is known only from how neighbouring states of the series part."""
-        unknown = self.cases[case].steps_per_lyapunov_time is None
-        return unknown and not self.has_equations(self.source_case(case))
-
-    def time_unit(self, case: str) -> str | list[str]:
-        """File of the computed Lyapunov exponents, where they set a case's unit of time."""
-        known = self.cases[case].steps_per_lyapunov_time is not None
-        return [] if known else f"{self.source_case(case)}/lyapunov.json"
-
-    @property
-    def computed_times(self) -> tuple[str, ...]:
-        """Cases whose unit of time is computed, so that no length is known before."""
-        return tuple(case for case in self.case_names if self.time_unit(case))
-
     def asked_of_series(self, case: str) -> dict[str, Any]:
         """Kinds, validation strategies and long runs of a case, for which series must be long."""
         names = [one.name for one in self.forecasters if one.case == case]
@@ -488,68 +450,19 @@ class Campaign:
             "long_runs": any(one.case == case for one in self.long_term_forecasters),
         }
 
-    def space(self, case: str) -> StateSpace:
-        """State space of a case."""
-        space = space_of(self.cases[case])
-        assert space is not None
-        return space
-
-    def has_equations(self, case: str) -> bool:
-        """Whether a case is simulated, so that there is what needs equations."""
-        return isinstance(self.cases[case], Simulated)
-
-    @property
-    def simulated_cases(self) -> tuple[str, ...]:
-        """Cases that are simulated."""
-        return tuple(case for case in self.case_names if self.has_equations(case))
-
-    @property
-    def measured_cases(self) -> tuple[str, ...]:
-        """Cases of measured series."""
-        return tuple(case for case in self.case_names if not self.has_equations(case))
-
-    @property
-    def realised_cases(self) -> tuple[str, ...]:
-        """Cases that differ from others by their training series only."""
-        return tuple(case for case in self.case_names if realisation_of(case)[1])
+    def noise_of_data(self, case: str) -> dict[str, Any] | None:
+        """Observation noise that series of a case get when they are imported; None if none."""
+        level = self.cases[case].imported_noise
+        return {"level": level, "random_seed": self.config.random_seed} if level else None
 
     def drawn_shares(self, case: str) -> dict[str, Any] | None:
         """Shares of events that the choices up to a case's are drawn for; None: blocks of series.
 
         Each choice leaves the later ones other series.
         """
-        base, number = realisation_of(case)
-        shares = event_shares_of(self.config, base)[:number]
-        return {"shares": shares, "threshold": self.cases[case].event_threshold} if shares else None
-
-    @property
-    def encoded_cases(self) -> tuple[str, ...]:
-        """Cases whose forecasters receive readings of sensors, or what an encoder makes."""
-        return tuple(case for case in self.case_names if is_encoded(self.cases[case]))
-
-    @property
-    def ranked_cases(self) -> tuple[str, ...]:
-        """Encoded cases and their sources."""
-        encoded = self.encoded_cases
-        ranked = {*encoded, *map(self.source_case, encoded)}
-        return tuple(case for case in self.case_names if case in ranked)
-
-    def source_system(self, case: str) -> dict[str, Any]:
-        """Name, system and parameters of the case that a case is a part of."""
-        name = self.source_case(case)
-        source = self.plain_cases[name]
-        return {"name": name, "system": source["system"], "parameters": source["parameters"]}
-
-    def data(self, case: str) -> Data:
-        """Settings of the series of a measured case."""
-        data = self.cases[case].data
-        assert data is not None
-        return data
-
-    def source_case(self, case: str) -> str:
-        """Case that a case is a part of, or itself: whose Lyapunov exponents and series it has."""
-        data = self.cases[case].data
-        return data.case if data and data.case else case
+        one = self.cases[case]
+        shares = self.config.event_shares_of(realisation_of(case)[0])[: one.realisation]
+        return {"shares": shares, "threshold": one.event_threshold} if shares else None
 
     def scan_of(self, identifier: str) -> tuple[str, str]:
         """Reservoir and strategies of the scan that a network's search goes on from."""

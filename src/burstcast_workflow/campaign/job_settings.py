@@ -4,13 +4,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
-from burstcast.control.strategies.registry import make_strategy
-from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import ForecasterName
 from burstcast.forecasters.registry import kind_class, learns_parameters
 from burstcast_workflow.campaign.campaign import Campaign, name_of
 from burstcast_workflow.config.control_plans import ControlPlan
-from burstcast_workflow.config.measured_cases import is_encoded
 from burstcast_workflow.harness.canonical import canonical
 
 
@@ -99,7 +96,7 @@ def _is_told_parameters(job: JobFacts) -> bool:
     if not job.name.asks_forecasters:
         return False
     plan = job.plan
-    told = plan and make_strategy(plan.strategy, dict(plan.settings)).told
+    told = plan and plan.make().told
     switched = job.case in job.campaign.switched_cases
     return bool(told) or switched or learns_parameters(job.name.kind)
 
@@ -131,8 +128,8 @@ def _options(job: JobFacts) -> dict[str, Any]:
     options.pop("divergence_bound", None)
     solves = job.name.asks_forecasters and kind_class(job.name.kind).needs_equations
     seen = job.campaign.cases.get(job.observed or job.case)
-    if solves and seen is not None and is_encoded(seen):
-        options["source"] = job.campaign.source_system(job.case)
+    if solves and seen is not None and seen.is_encoded:
+        options["source"] = job.campaign.cases[job.case].source_system
     return options
 
 
@@ -163,30 +160,20 @@ def _run(job: JobFacts) -> dict[str, Any]:
     return run
 
 
-def _sensor(job: JobFacts) -> dict[str, Any]:
-    """Observations of a controlled case for forecasters of one of its parts."""
-    case = job.campaign.plain_cases[job.observed]
-    parameters = case["parameters"]
-    if not is_encoded(job.campaign.cases[job.observed]):
-        components = job.campaign.data(job.observed).components
-        return {"components": components, "of": parameters["observable_of"]}
-    return {"parameters": parameters} | {name: case[name] for name in ("sensors", "encoder")}
-
-
 _VALUES: Mapping[str, Callable[[JobFacts], Any]] = {
     "forecaster.options": _options,
     "forecaster.divergence_bound": lambda job: _all_options(job).get("divergence_bound"),
     "forecasters.aware": _aware,
     "statistics.duration": _duration,
     "control.run": _run,
-    "control.sensor": _sensor,
-    "source": lambda job: job.campaign.source_system(job.case),
+    "control.sensor": lambda job: job.campaign.cases[job.observed].sensor,
+    "source": lambda job: job.campaign.cases[job.case].source_system,
     "noise": lambda job: job.campaign.noise_of_data(job.case),
-    "realisation": lambda job: realisation_of(job.case)[1],
+    "realisation": lambda job: job.campaign.cases[job.case].realisation,
     "drawn": lambda job: job.campaign.drawn_shares(job.case),
-    "quantile": lambda job: job.campaign.event_quantile(job.case),
+    "quantile": lambda job: job.campaign.cases[job.case].event_quantile,
     "parameters": lambda job: job.campaign.config.forecasters.aware.parameters,
-    "sets_time_unit": lambda job: job.campaign.estimates_time_unit(job.case),
+    "sets_time_unit": lambda job: job.campaign.cases[job.case].estimates_time_unit,
     "asked": lambda job: job.campaign.asked_of_series(job.case),
     "uncalibrated": lambda job: job.campaign.alarm_thresholds(job.case),
     "prediction_time_lt": lambda job: job.campaign.prediction_time(2),

@@ -156,7 +156,7 @@ class OpenedCampaign:
         return Shelf(what, there, lambda name: self._forecaster(there[name]))
 
     def _forecaster(self, one: CaseForecaster) -> Forecaster:
-        time_unit = self._campaign.time_unit(one.case)
+        time_unit = self._campaign.cases[one.case].time_unit
         settings = _Opened(
             settings_of_job(self._campaign, _Opened.paths(), one.identity),
             one.identity,

@@ -1,90 +1,450 @@
-"""Checks within a case, and between a case and the settings of the whole campaign."""
+"""Checks within a case, and between a case and the settings of the whole campaign.
 
-from collections.abc import Iterator
+Whether forecasts fit into the series of a case is checked as far as the config tells: where its
+Lyapunov time is computed, a job checks it (`burstcast_workflow.jobs.lengths`).
+"""
 
+import math
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from operator import attrgetter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
 from pydantic import ValidationError
 
+from burstcast import durations
+from burstcast.benchmark.forecast_files import ForecastFileError, facts_of
 from burstcast.control.actuation import actuated_system
+from burstcast.control.timing import Schedule
+from burstcast.data.parameter_factors import ParameterFactors
+from burstcast.data.starting_points import starting_points
+from burstcast.forecasters._options import sections_of_kind
+from burstcast.forecasters.precursor import lag_steps
 from burstcast.forecasters.registry import kind_class, learns_parameters
+from burstcast.statistics.warning_signs import FEW_POSITIVES
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class, system_module
-from burstcast_workflow.config.aware_checks import problems_of_parameters
 from burstcast_workflow.config.bounds import out_of_bounds
-from burstcast_workflow.config.cases import (
-    blocks_of,
-    campaign_cases,
-    case_record,
-    data_of,
-    reynolds_in,
-    sound_case,
-)
-from burstcast_workflow.config.external_files import problems_of_external
-from burstcast_workflow.config.lengths import lag_misfits, misfits, room_misfits
+from burstcast_workflow.config.case import Case, Ensemble, Measured, Simulated
+from burstcast_workflow.config.cases import case_of, case_record, kind_of, reynolds_in, sound_case
+from burstcast_workflow.config.control_plans import ControlPlan, block_plans
+from burstcast_workflow.config.kinds import Section
 from burstcast_workflow.config.measured_cases import (
     ONLY_ENCODED,
-    is_encoded,
     own_problems,
     problems_of_data,
     problems_of_encoding,
     space_of,
-    undecoded,
 )
-from burstcast_workflow.config.messages import model_problems
-from burstcast_workflow.config.model import Case, Configuration, Filter, Measured, Simulated
+from burstcast_workflow.config.messages import model_problems, suggestion
+from burstcast_workflow.config.model import Configuration
+from burstcast_workflow.jobs.lengths import FORECASTS, Lengths, listing
 from snaketrust.modules import module_file
 
-
-def problems_of_case(config: Configuration, name: str) -> Iterator[str]:
-    """Mistakes in a case of the campaign, one message each."""
-    check = _simulated if data_of(config, name) is None else _measured
-    yield from check(config, name)
-    yield from problems_of_external(config, name)
+FINE = 1000
+"""Steps per Lyapunov time where it is unknown: no duration is too short then."""
 
 
-def _simulated(config: Configuration, name: str) -> Iterator[str]:
-    record = case_record(config, name)
-    try:
-        owner = system_class(record["system"]).__name__
-    except (ValueError, TypeError) as error:
-        yield f"system: {error}"
-        return
-    yield from _files(record["system"], record.get("files") or [])
-    try:
-        case = Simulated.model_validate(record)
-    except ValidationError as error:
-        problems = error.errors(include_url=False)
-        missing = [".".join(map(str, one["loc"])) for one in problems if one["type"] == "missing"]
-        if missing and record["system"] != config.case_defaults.system:
-            are, it = ("is", "it") if len(missing) == 1 else ("are", "them")
+class CaseChecks:
+    """Checks of one case of the campaign: each yields a message for each mistake."""
+
+    def __init__(self, config: Configuration, name: str) -> None:
+        self.config, self.name = config, name
+        self.blocks, self.kinds = config.blocks_of(name), config.kinds_of(name)
+        self.learning = [*filter(learns_parameters, self.kinds)]
+
+    def problems(self) -> Iterator[str]:
+        """Mistakes in the case."""
+        yield from self._simulated() if self.config.data_of(self.name) is None else self._measured()
+        yield from self._external()
+
+    def _simulated(self) -> Iterator[str]:
+        record = case_record(self.config, self.name)
+        try:
+            owner = system_class(record["system"]).__name__
+        except (ValueError, TypeError) as error:
+            yield f"system: {error}"
+            return
+        yield from _files(record["system"], record.get("files") or [])
+        try:
+            case = Simulated.model_validate(record)
+        except ValidationError as error:
+            problems = error.errors(include_url=False)
+            missing = [
+                ".".join(map(str, one["loc"])) for one in problems if one["type"] == "missing"
+            ]
+            if missing and record["system"] != self.config.case_defaults.system:
+                are, it = ("is", "it") if len(missing) == 1 else ("are", "them")
+                yield (
+                    f"{', '.join(missing)} {are} missing: the class {owner} says nothing of {it} "
+                    "in its case_defaults, and config.yaml's are in units of another system; say "
+                    f"{it} in cases.{self.name}"
+                )
+            else:
+                yield from model_problems(error, Simulated)
+            return
+        if case.sensors is not None or case.encoder is not None:
+            yield ONLY_ENCODED
+        yield from out_of_bounds(case)
+        yield from self._system(case)
+        if any(kind_class(kind).has_filter for kind in self.kinds):
+            yield from self._filter(case, f"the system {case.system}")
+        yield from self._counts_of_series(case)
+        yield from self._left_out(case, "further series (probability.calibration_series)")
+        if self.config.search.choice == "survival" and case.laminarisation_threshold is None:
             yield (
-                f"{', '.join(missing)} {are} missing: the class {owner} says nothing of {it} in "
-                f"its case_defaults, and config.yaml's are in units of another system; say "
-                f"{it} in cases.{name}"
+                "search.choice is survival, but without a laminarisation_threshold no series "
+                "leaves the chaotic phase; take best"
             )
-        else:
-            yield from model_problems(error, Simulated)
-        return
-    kinds = _kinds(config, name)
-    if is_encoded(case):
-        yield ONLY_ENCODED
-    yield from out_of_bounds(case)
-    yield from _system(config, name, case)
-    if any(kind_class(kind).has_filter for kind in kinds):
-        yield from _filter(config.forecasters.filter, case, f"the system {case.system}")
-    yield from _counts_of_series(config, case)
-    yield from _left_out_one_by_one(config, case, "further series (probability.calibration_series)")
-    if config.search.choice == "survival" and case.laminarisation_threshold is None:
-        yield (
-            "search.choice is survival, but without a laminarisation_threshold no series leaves "
-            "the chaotic phase; take best"
+        yield from self._starts_of_actuation(case)
+        yield from self._misfits(case)
+        yield from self._lags(case)
+        if self.learning:
+            yield from self._parameters(case)
+
+    def _system(self, case: Simulated) -> Iterator[str]:
+        parameters, ensemble, actuation = case.parameters, case.ensemble, case.actuation
+        reynolds = parameters.get("reynolds")
+        if reynolds_in(self.name) not in (None, reynolds):
+            yield (
+                f"parameters.reynolds is {reynolds:g}, which contradicts the name {self.name}: "
+                "leave it out"
+            )
+        try:
+            system = make_system(case.system, parameters)
+            dimension = system.dimension
+        except (ValueError, TypeError) as error:
+            yield f"system or parameters: {error}"
+            return
+        state, component = ensemble.initial_state, ensemble.perturbed_component
+        of_system = f"the system {case.system}"
+        if state is None and not has_own(system, "sample_initial_states"):
+            yield (
+                f"ensemble.initial_state is null, but {of_system} draws no initial states: give one"
+            )
+        if state is not None and len(state) != dimension:
+            yield f"ensemble.initial_state has {len(state)} numbers; {of_system} needs {dimension}"
+        if state is not None and None in (component, ensemble.perturbation):
+            yield (
+                "ensemble.perturbed_component and ensemble.perturbation are needed beside "
+                "ensemble.initial_state: without them all series are the same"
+            )
+        if component is not None and component > dimension:
+            yield (
+                f"ensemble.perturbed_component is {component}; {of_system} has the components 1 to "
+                f"{dimension}"
+            )
+        if actuation is None:
+            return
+        strengths = dict.fromkeys(plan.strength for _, plan in self._plans())
+        try:
+            make_system(case.system, {**parameters, **actuation.parameters})
+            for strength in (1.0, *strengths):
+                actuated_system(system, actuation.parameters, actuation.force, strength)
+        except ValueError as error:
+            yield f"actuation: {error}"
+
+    def _plans(self) -> Iterator[tuple[int, ControlPlan]]:
+        """Plans of the blocks of strategies that control the case, with the block's number."""
+        for index, block in enumerate(self.config.control.strategies):
+            if self.name in (block.cases or [self.name]):
+                yield from ((index, plan) for plan in block_plans(block))
+
+    def _counts_of_series(self, case: Simulated) -> Iterator[str]:
+        """Mistakes in the numbers of series and their uses."""
+        series, training = case.ensemble.series, case.training.series
+        test, more = case.test_series, self.config.probability.calibration_series
+        if training + test > series:
+            yield (
+                f"training.series and test_series are {training} and {test}; together they must be "
+                f"at most ensemble.series, {series}"
+            )
+        if more and training + test + more > series:
+            yield (
+                f"probability.calibration_series is {more}; together with training.series and "
+                f"test_series, {training + test}, it must be at most ensemble.series, {series}"
+            )
+
+    def _left_out(self, case: Case, others: str) -> Iterator[str]:
+        """Whether something is left to learn from without a training series."""
+        if not self.config.probability.calibration_series and case.training.series < 2:
+            yield (
+                "training.series is 1, but probabilities are calibrated on series that are left "
+                f"out of the training one by one: take 2 at least, or {others}"
+            )
+
+    def _starts_of_actuation(self, case: Case) -> Iterator[str]:
+        start = case.actuation.start_lt if case.actuation else 0
+        times = (
+            self.config.control.prediction_times_lt if self.config.control.forecasters.kinds else []
         )
-    yield from _starts_of_actuation(config, case)
-    networks = [axes for block in blocks_of(config, name) for axes in block.forecasters.networks]
-    validations = [one for axes in networks for one in axes.validation]
-    yield from misfits(config, name, case, kinds, validations)
-    yield from lag_misfits(config, case, kinds)
-    if any(map(learns_parameters, kinds)):
-        yield from problems_of_parameters(config, name, case)
+        for time in times:
+            if time + start < 0:
+                yield (
+                    f"control.prediction_times_lt has {time:g}, but an actuation that starts at "
+                    f"actuation.start_lt, {start:g}, would then begin before its alarm"
+                )
+
+    def _filter(self, case: Case, whose: str) -> Iterator[str]:
+        members, space = self.config.forecasters.filter.members, space_of(case)
+        if space is not None and members < 2 * space.dimension:
+            yield (
+                f"forecasters.filter.members is {members}; it must be at least twice the "
+                f"components of a state: {2 * space.dimension} for {whose}"
+            )
+
+    def _known(self, case: Measured) -> Iterator[str]:
+        """Mistakes in a measured case with kinds that learn from what is known in advance."""
+        if not case.data.known:
+            yield (
+                f"data.known is empty, but {', '.join(self.learning)} learn from what is known in "
+                "advance"
+            )
+        for key in ("trained_on", "actuation"):
+            if getattr(case.training, key):
+                yield f"training.{key} means nothing for measured series (data): leave it out"
+        if self.config.search.choice == "survival":
+            yield (
+                f"search.choice is survival, but {', '.join(self.learning)} have no long runs; "
+                "take best"
+            )
+
+    def _measured(self) -> Iterator[str]:
+        """Mistakes in a case of measured series."""
+        config, name = self.config, self.name
+        own = config.cases[name]
+        assert own.data is not None
+        if wrong := list(own_problems(own)):
+            yield from wrong
+            return
+        source, used = own.data.case, config.case_names
+        simulated = [case for case in used if config.data_of(case) is None]
+        if source is not None and source not in simulated:
+            yield (
+                f"data.case is {source}; it must be a case of the campaign that is simulated: "
+                f"{', '.join(simulated) or 'there is none'}"
+            )
+            return
+        record = case_record(config, name)
+        duration, delays = record["ensemble"]["duration"], own.data.delays
+        if delays and duration is not None and duration <= 0:  # and so is what follows from it
+            yield (
+                f"data.delays reach back by {max(delays)} steps, which is more than a series is "
+                "long"
+            )
+            return
+        try:
+            case = kind_of(config, name).model_validate(record)
+            assert isinstance(case, Measured)
+        except ValidationError as error:
+            yield from model_problems(error, Measured)
+            return
+        yield from out_of_bounds(case)
+        yield from problems_of_data(case)
+        if source is not None and case.is_encoded:
+            yield from problems_of_encoding(case, sound_case(config, source))
+        needing = [kind for kind in self.kinds if kind_class(kind).needs_equations]
+        if needing and not case.is_encoded:
+            yield (
+                f"there are no equations of measured series to forecast with ({', '.join(needing)})"
+            )
+        elif needing and (encoder := case.undecoded):
+            yield (
+                f"the encoder {encoder} cannot be decoded, so that equations have no state "
+                f"to start from ({', '.join(needing)})"
+            )
+        if self.learning:
+            yield from self._known(case)
+        yield from self._lags(case)
+        yield from self._room(case)
+        filters = [kind for kind in self.kinds if kind_class(kind).has_filter]
+        if any(not (case.is_encoded and kind in needing) for kind in filters):
+            yield from self._filter(case, name)
+        for index, block in enumerate(config.control.strategies):
+            if name in block.cases:
+                yield (
+                    f"control.strategies[{index}].cases: control needs equations, which data have "
+                    "not"
+                )
+        yield from self._left_out(case, "cut a long one (data.blocks)")
+
+    # -- durations ---------------------------------------------------------------------------------
+
+    def _misfits(self, case: Simulated) -> list[str]:
+        """Durations that do not fit into the series of a case, if its Lyapunov time is known.
+
+        Where it is computed, only the durations of control are compared with each other: a job
+        compares the others.
+        """
+        problems: list[str] = []
+        steps: int | None = 0
+        with listing(problems, "lyapunov.published_exponent"):
+            steps = case.steps_per_lyapunov_time
+        if steps is None or steps:
+            self._control(case, steps or FINE, problems)
+        if steps:
+            validations = [
+                one
+                for block in self.blocks
+                for axes in block.forecasters.networks
+                for one in axes.validation
+            ]
+            asked, samples = self._asked(case), _samples(case.ensemble)
+            problems = [*asked.misfits(steps, samples, self.kinds, validations), *problems]
+        return list(dict.fromkeys(problems))
+
+    def _asked(self, case: Simulated) -> Lengths:
+        """What a case asks of its series, as its job would be given it."""
+        found = {}
+        for path in Lengths.paths():
+            below = path.removeprefix("case.")
+            value = attrgetter(below)(self.config if below == path else case)
+            found[path] = value.dump() if isinstance(value, Section) else value
+        return Lengths(found, {})
+
+    def _control(self, case: Simulated, steps: int, problems: list[str]) -> None:
+        """Check the strategies that control a case, at so many steps per Lyapunov time."""
+        actuation, ensemble = case.actuation, case.ensemble
+        if actuation is None:
+            return
+        for index, plan in self._plans():
+            seen = sound_case(self.config, plan.observed) if plan.observed else case
+            if seen is None or (plan.observed and not (seen.data and seen.data.case == self.name)):
+                continue
+            try:
+                strategy = plan.make()
+            except ValueError:  # told with the block
+                continue
+            with listing(problems, f"control.strategies[{index}]"):
+                schedule = Schedule(
+                    washout=max(1, durations.steps(self.config.washout_lt, steps)),
+                    quiet_lt=plan.quiet_lt,
+                    span_lt=plan.span_lt or self.config.control.span_lt,
+                    delay_lt=plan.delay_lt,
+                    actuation_start_lt=actuation.start_lt,
+                    actuation_duration_lt=actuation.duration_lt,
+                    steps_per_lyapunov_time=steps,
+                    sampling_stride=ensemble.sampling_stride,
+                    time_step=ensemble.time_step,
+                )
+                strategy.check(schedule)
+                if (space := space_of(seen)) is not None:
+                    strategy.check_system(space, actuation.force is not None)
+
+    def _lags(self, case: Case) -> Iterator[str]:
+        """Whether lags of a precursor, or starting points of classifiers, do not fit the steps."""
+        sections, steps = {name for kind in self.kinds for name in sections_of_kind(kind)}, FINE
+        with suppress(ValueError):  # told with the case
+            steps = case.steps_per_lyapunov_time or FINE
+        said = self.config.forecasters
+        try:
+            if "precursor" in sections:
+                washout = durations.steps(self.config.washout_lt, steps)
+                lag_steps(said.precursor.lags_lt, steps, washout)
+            if sections & {"precursor", "esn_direct"}:
+                name = "forecasters.classifiers.start_spacing_lt"
+                durations.positive_steps(said.classifiers.start_spacing_lt, steps, name)
+        except ValueError as error:
+            yield str(error)
+
+    def _room(self, case: Measured) -> Iterator[str]:
+        """Whether the blocks of a record are too short for a washout and a forecast."""
+        exponent, blocks = case.lyapunov.known_exponent, case.data.blocks
+        if exponent is None or not blocks:
+            return
+        interval, reach_lt = case.ensemble.sampling_interval, self.config.classification.reach_lt
+        try:
+            steps = durations.steps_per_lyapunov_time(exponent, interval)
+            washout = durations.positive_steps(self.config.washout_lt, steps, "washout_lt")
+            samples = round(blocks.duration / interval) + 1
+            starting_points(1, samples, 1, washout, durations.steps(reach_lt, steps))
+        except ValueError as error:
+            yield f"{FORECASTS} or data.blocks.duration: {error}"
+
+    # -- parameters that forecasters know, forecasts of others -------------------------------------
+
+    def _parameters(self, case: Simulated) -> Iterator[str]:
+        """Mistakes in the settings of a case for forecasters that know the parameters."""
+        config = self.config
+        used, sources = config.case_names, case.training.trained_on or [self.name]
+        for source in sources:
+            if source not in used or config.data_of(source) is not None:
+                simulated = [one for one in used if config.data_of(one) is None]
+                yield (
+                    f"training.trained_on: {source} is no case that is simulated here; "
+                    + suggestion(source, simulated)
+                )
+                return
+        try:
+            cases = [
+                one for source in sources if isinstance(one := case_of(config, source), Simulated)
+            ]
+            factors = _factors(config, cases)
+        except ValidationError:
+            return  # told with the case
+        except ValueError as error:
+            yield f"forecasters.aware: {error}"
+            return
+        alike: dict[str, list[Any]] = {
+            "system": [one.system for one in (case, *cases)],
+            "ensemble.time_step x ensemble.sampling_stride": [
+                one.ensemble.sampling_interval for one in (case, *cases)
+            ],
+            "ensemble.duration": [one.ensemble.duration for one in cases],
+        }
+        for setting, values in alike.items():
+            if len(set(values)) > 1:
+                yield (
+                    f"training.trained_on: {', '.join(sources)} must have the same {setting}, not "
+                    f"{', '.join(map(str, dict.fromkeys(values)))}"
+                )
+        if factors.count == 0:
+            yield (
+                f"forecasters.aware.parameters: {', '.join(factors.names)} does not vary in "
+                "training; name cases with other values in training.trained_on, or switch an "
+                "actuator (training.actuation)"
+            )
+        first = cases[0].training.trained_on or [sources[0]]
+        networks = any(block.forecasters.esn_aware for block in self.blocks)
+        if networks and first != sources:
+            yield (
+                "training.trained_on: networks have the hyperparameters that are found for the "
+                f"first case, {sources[0]}, which must be trained on the same cases: "
+                f"{', '.join(sources)}"
+            )
+
+    def _external(self) -> Iterator[str]:
+        """Mistakes in files of forecasts that their first lines show."""
+        config, case = self.config, self.name
+        known = config.external_files(case)
+        for block in self.blocks:
+            for name, said in (block.forecasters.external or {}).items():
+                if known[name] != said:
+                    yield f"campaign.forecasters.external.{name} is said twice, with other files"
+        for name, said in known.items():
+            place = f"campaign.forecasters.external.{name}.files"
+            for path in said.paths(case):
+                if path.startswith(os.path.join(os.path.relpath(config.results), "")):
+                    yield f"{place}: {path} lies among the results; keep it in another directory"
+                    continue
+                try:
+                    facts = facts_of(Path(path))
+                except ForecastFileError as error:
+                    exported = f"{config.results}/{case}/forecast_task.nc"
+                    yield (
+                        f"{place}: {error}; without this forecaster in the config, snakemake "
+                        f"{exported} exports the washouts that forecasts start from"
+                    )
+                    continue
+                for fact, found, expected in (
+                    ("case", facts.case, case),
+                    ("seed", facts.seed, config.random_seed),
+                ):
+                    if found != expected:
+                        yield f"{place}: {path} is of the {fact} {found}; expected is {expected}"
 
 
 def _files(system: str, files: list[str]) -> Iterator[str]:
@@ -97,154 +457,77 @@ def _files(system: str, files: list[str]) -> Iterator[str]:
             yield f"files: there is no file {', '.join(missing)} in {module.parent}"
 
 
-def _system(config: Configuration, name: str, case: Simulated) -> Iterator[str]:
-    parameters, ensemble, actuation = case.parameters, case.ensemble, case.actuation
-    reynolds = parameters.get("reynolds")
-    if reynolds_in(name) not in (None, reynolds):
-        yield (
-            f"parameters.reynolds is {reynolds:g}, which contradicts the name {name}: leave it out"
-        )
-    try:
-        system = make_system(case.system, parameters)
-        dimension = system.dimension
-    except (ValueError, TypeError) as error:
-        yield f"system or parameters: {error}"
-        return
-    state, component = ensemble.initial_state, ensemble.perturbed_component
-    of_system = f"the system {case.system}"
-    if state is None and not has_own(system, "sample_initial_states"):
-        yield f"ensemble.initial_state is null, but {of_system} draws no initial states: give one"
-    if state is not None and len(state) != dimension:
-        yield f"ensemble.initial_state has {len(state)} numbers; {of_system} needs {dimension}"
-    if state is not None and None in (component, ensemble.perturbation):
-        yield (
-            "ensemble.perturbed_component and ensemble.perturbation are needed beside "
-            "ensemble.initial_state: without them all series are the same"
-        )
-    if component is not None and component > dimension:
-        yield (
-            f"ensemble.perturbed_component is {component}; {of_system} has the components 1 to "
-            f"{dimension}"
-        )
-    if actuation is None:
-        return
-    blocks = [one for one in config.control.strategies if name in (one.cases or [name])]
-    try:
-        make_system(case.system, {**parameters, **actuation.parameters})
-        for strength in (1.0, *(value for block in blocks for value in block.strength)):
-            actuated_system(system, actuation.parameters, actuation.force, strength)
-    except ValueError as error:
-        yield f"actuation: {error}"
+def _samples(ensemble: Ensemble) -> int:
+    """Samples of a series, with both of its ends."""
+    return math.floor(ensemble.duration / ensemble.sampling_interval + 1e-9) + 1
 
 
-def _counts_of_series(config: Configuration, case: Simulated) -> Iterator[str]:
-    """Mistakes in the numbers of series and their uses."""
-    series, training = case.ensemble.series, case.training.series
-    test, more = case.test_series, config.probability.calibration_series
-    if training + test > series:
-        yield (
-            f"training.series and test_series are {training} and {test}; together they must be at "
-            f"most ensemble.series, {series}"
-        )
-    if more and training + test + more > series:
-        yield (
-            f"probability.calibration_series is {more}; together with training.series and "
-            f"test_series, {training + test}, it must be at most ensemble.series, {series}"
-        )
+def _factors(config: Configuration, cases: Sequence[Case]) -> ParameterFactors:
+    """Factors scaled by the values in training on the series of some cases."""
+    aware = config.forecasters.aware
+    names, degree = aware.parameters, aware.parameter_degree
+    found = []
+    for case in cases:
+        found.append(case.values_of(names))
+        if case.training.actuation is not None:
+            found.append(case.values_of(names, case.training.actuation.strength))
+    return ParameterFactors.of(names, np.array(found), aware.transform, degree)
 
 
-def _left_out_one_by_one(config: Configuration, case: Case, others: str) -> Iterator[str]:
-    """Whether something is left to learn from without a training series."""
-    if not config.probability.calibration_series and case.training.series < 2:
-        yield (
-            "training.series is 1, but probabilities are calibrated on series that are left out of "
-            f"the training one by one: take 2 at least, or {others}"
-        )
+# -- warnings --------------------------------------------------------------------------------------
 
 
-def _starts_of_actuation(config: Configuration, case: Case) -> Iterator[str]:
-    start = case.actuation.start_lt if case.actuation else 0
-    times = config.control.prediction_times_lt if config.control.forecasters.kinds else []
-    for time in times:
-        if time + start < 0:
-            yield (
-                f"control.prediction_times_lt has {time:g}, but an actuation that starts at "
-                f"actuation.start_lt, {start:g}, would then begin before its alarm"
-            )
+def extrapolations(config: Configuration) -> Iterator[str]:
+    """Warn of parameter values outside of those in training."""
+    names = config.forecasters.aware.parameters
+    for name in config.case_names:
+        checks = CaseChecks(config, name)
+        if not checks.learning or config.data_of(name) is not None:
+            continue
+        case = case_of(config, name)
+        sources = case.training.trained_on or [name]
+        factors = _factors(config, [case_of(config, source) for source in sources])
+        strengths = {
+            sign * plan.strength
+            for _, plan in checks._plans()
+            if case.actuation is not None and plan.make().told
+            for sign in ((1, -1) if dict(plan.settings).get("reversible") else (1,))
+        }
+        if case.training.actuation and case.training.actuation.tested:
+            strengths.add(case.training.actuation.strength)
+        for strength in (0.0, *sorted(strengths)):
+            if message := factors.outside(np.array([case.values_of(names, strength)])):
+                yield f"{name}: {message}"
 
 
-def _kinds(config: Configuration, name: str) -> list[str]:
-    """Kinds of forecasters that the campaign has of a case."""
-    return sorted({kind for block in blocks_of(config, name) for kind in block.forecasters.kinds})
+def few_points(config: Configuration) -> str:
+    """Describe cases with too few starting points of forecasts for any score; "" if there are none.
 
-
-def _filter(settings: Filter, case: Case, whose: str) -> Iterator[str]:
-    members, space = settings.members, space_of(case)
-    if space is not None and members < 2 * space.dimension:
-        yield (
-            f"forecasters.filter.members is {members}; it must be at least twice the components "
-            f"of a state: {2 * space.dimension} for {whose}"
-        )
-
-
-def _known(config: Configuration, case: Measured, kinds: list[str]) -> Iterator[str]:
-    """Mistakes in a measured case with kinds that learn from what is known in advance."""
-    assert case.data is not None
-    if not case.data.known:
-        yield f"data.known is empty, but {', '.join(kinds)} learn from what is known in advance"
-    for key in ("trained_on", "actuation"):
-        if getattr(case.training, key):
-            yield f"training.{key} means nothing for measured series (data): leave it out"
-    if config.search.choice == "survival":
-        yield f"search.choice is survival, but {', '.join(kinds)} have no long runs; take best"
-
-
-def _measured(config: Configuration, name: str) -> Iterator[str]:
-    """Mistakes in a case of measured series."""
-    own = config.cases[name]
-    assert own.data is not None
-    if wrong := list(own_problems(own)):
-        yield from wrong
-        return
-    source, used = own.data.case, campaign_cases(config)
-    simulated = [case for case in used if data_of(config, case) is None]
-    if source is not None and source not in simulated:
-        yield (
-            f"data.case is {source}; it must be a case of the campaign that is simulated: "
-            f"{', '.join(simulated) or 'there is none'}"
-        )
-        return
-    record = case_record(config, name)
-    duration, delays = record["ensemble"]["duration"], own.data.delays
-    if delays and duration is not None and duration <= 0:  # and so is what follows from it
-        yield f"data.delays reach back by {max(delays)} steps, which is more than a series is long"
-        return
-    try:
-        case = Measured.model_validate(record)
-    except ValidationError as error:
-        yield from model_problems(error, Measured)
-        return
-    yield from out_of_bounds(case)
-    yield from problems_of_data(case)
-    if source is not None and is_encoded(case):
-        yield from problems_of_encoding(case, sound_case(config, source))
-    kinds = _kinds(config, name)
-    needing = [kind for kind in kinds if kind_class(kind).needs_equations]
-    if needing and not is_encoded(case):
-        yield f"there are no equations of measured series to forecast with ({', '.join(needing)})"
-    elif needing and (encoder := undecoded(case)):
-        yield (
-            f"the encoder {encoder} cannot be decoded, so that equations have no state "
-            f"to start from ({', '.join(needing)})"
-        )
-    if knowing := [kind for kind in kinds if learns_parameters(kind)]:
-        yield from _known(config, case, knowing)
-    yield from lag_misfits(config, case, kinds)
-    yield from room_misfits(config, case)
-    filters = [kind for kind in kinds if kind_class(kind).has_filter]
-    if any(not (is_encoded(case) and kind in needing) for kind in filters):
-        yield from _filter(config.forecasters.filter, case, name)
-    for index, block in enumerate(config.control.strategies):
-        if name in block.cases:
-            yield f"control.strategies[{index}].cases: control needs equations, which data have not"
-    yield from _left_out_one_by_one(config, case, "cut a long one (data.blocks)")
+    That is fewer than the events that a score takes (`FEW_POSITIVES`), as far as Lyapunov times are
+    known.
+    """
+    found = []
+    for name in config.case_names:
+        case, classified = case_of(config, name), config.classification
+        steps = case.steps_per_lyapunov_time if isinstance(case, Simulated) else None
+        if not isinstance(case, Simulated) or steps is None:
+            continue
+        room = [durations.steps(one, steps) for one in (config.washout_lt, classified.reach_lt)]
+        calibration = config.probability.calibration_series or case.training.series
+        few = []
+        for use, series, spacing_lt in (
+            ("score", case.test_series, classified.start_spacing_lt),
+            ("calibrate with", calibration, config.probability.start_spacing_lt),
+        ):
+            spacing = durations.steps(spacing_lt, steps)
+            points = len(starting_points(series, _samples(case.ensemble), spacing, *room))
+            if points < FEW_POSITIVES:
+                few.append(f"{points} to {use}")
+        if few:
+            found.append(f"{name} has {' and '.join(few)}")
+    if not found:
+        return ""
+    return (
+        f"fewer than {FEW_POSITIVES} starting points of forecasts: {', '.join(found)}; raise "
+        "test_series, training.series or ensemble.duration, or lower start_spacing_lt"
+    )

@@ -2,25 +2,20 @@
 
 import re
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any
 
 from burstcast.data.training_realisations import realisation_of
 from burstcast.statistics.densities import SETTLED
 from burstcast.systems.base import has_own
-from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.registry import system_class, system_module
-from burstcast_workflow.config.measured_cases import measured_record, space_of
-from burstcast_workflow.config.model import Block, Case, Configuration, Data, Measured, Simulated
+from burstcast_workflow.config.case import Case, Encoded, Measured, PartOfCase, Simulated
+from burstcast_workflow.config.measured_cases import is_encoded, measured_record
+from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.harness.canonical import canonical
 
 Config = dict[str, Any]
 
 _REYNOLDS_NAME = re.compile(r"Re(\d+(?:\.\d+)?)")
-
-
-def case_name(reynolds: float) -> str:
-    """Name of the shear flow's case at a Reynolds number: Re400, Re412.5."""
-    return f"Re{canonical(float(reynolds))}"
 
 
 def reynolds_in(name: str) -> float | None:
@@ -29,42 +24,12 @@ def reynolds_in(name: str) -> float | None:
     return float(match[1]) if match else None
 
 
-def block_cases(block: Block) -> list[str]:
-    """Names of the cases of one block of the campaign, each once.
-
-    With ``realisations``, each is followed by those with other training series; with
-    ``event_shares``, those stand in its place.
-    """
-    numbers = range(block.realisations)
-    if block.event_shares:
-        numbers = range(1, len(block.event_shares) + 1)
-    return [
-        f"{name}-training{number}" if number else name
-        for name in dict.fromkeys([*map(case_name, block.reynolds), *block.cases])
-        for number in numbers
-    ]
-
-
-def event_shares_of(config: Configuration, name: str) -> list[float | Literal["all"]]:
-    """Wanted shares of the choices of a case's training series, in the order of their numbers."""
-    blocks = (block for block in config.campaign if f"{name}-training1" in block_cases(block))
-    lists = (block.event_shares for block in blocks)
-    return max(lists, key=len, default=[])
-
-
-def campaign_cases(config: Configuration) -> list[str]:
-    """Names of the cases that the campaign uses, in the order of their first use."""
-    return list(dict.fromkeys(name for block in config.campaign for name in block_cases(block)))
-
-
-def blocks_of(config: Configuration, name: str) -> list[Block]:
-    """Blocks of the campaign that have a case."""
-    return [block for block in config.campaign if name in block_cases(block)]
-
-
 def cases_of(config: Configuration) -> dict[str, Case]:
     """Each case that the campaign uses, in the order of their first use (see `case_of`)."""
-    return {name: case_of(config, name) for name in campaign_cases(config)}
+    found = {name: case_of(config, name) for name in config.case_names}
+    for name, case in found.items():
+        case.in_campaign(name, found.get(case.data.case or "") if case.data else None)
+    return found
 
 
 def case_of(config: Configuration, name: str) -> Case:
@@ -79,8 +44,17 @@ def case_of(config: Configuration, name: str) -> Case:
     A name ``Re<number>`` sets the parameter ``reynolds``. A case of other training series
     (`realisation_of`) has the settings of the case that they are chosen for.
     """
-    kind = Measured if data_of(config, name) else Simulated
-    return kind.model_validate(case_record(config, name))
+    return kind_of(config, name).model_validate(case_record(config, name))
+
+
+def kind_of(config: Configuration, name: str) -> type[Case]:
+    """Class of a case, which follows from its entry in ``cases``."""
+    data = config.data_of(name)
+    if data is None:
+        return Simulated
+    if is_encoded(config.cases[realisation_of(name)[0]]):
+        return Encoded
+    return PartOfCase if data.case else Measured
 
 
 def sound_case(config: Configuration, name: str) -> Case | None:
@@ -91,19 +65,13 @@ def sound_case(config: Configuration, name: str) -> Case | None:
         return None
 
 
-def data_of(config: Configuration, name: str) -> Data | None:
-    """Section ``data`` of a case's entry in ``cases``; None without measured series."""
-    own = config.cases.get(realisation_of(name)[0])
-    return None if own is None else own.data
-
-
 def case_record(config: Configuration, name: str) -> Config:
     """Settings of a case from all places (`case_of`); some may be missing."""
     name, _ = realisation_of(name)
     defaults = config.case_defaults
     own = config.cases[name].dump() if name in config.cases else {}
     system = own.get("system", defaults.system)
-    if data_of(config, name) is not None:
+    if config.data_of(name) is not None:
         # parts of what is simulated, never of what is measured itself
         simulated = {key: one for key, one in config.cases.items() if one.data is None}
         others = config.model_copy(update={"cases": simulated})
@@ -128,12 +96,6 @@ def case_record(config: Configuration, name: str) -> Config:
         # what the entry itself says stays, for the checks to compare
         record.setdefault("parameters", {}).setdefault("reynolds", reynolds)
     return record
-
-
-def is_flow(case: Case) -> bool:
-    """Whether a case is a flow: its state, the amplitudes of velocity modes."""
-    space = space_of(case) if isinstance(case, Simulated) else None
-    return space is not None and flow_modes(space) is not None
 
 
 WITHOUT_UNITS: Any = {

@@ -11,7 +11,7 @@ from dataclasses import replace
 from pydantic import ValidationError
 
 from burstcast.control.controllers import VOTE_SHARE, votes
-from burstcast.control.strategies.registry import make_strategy, strategy_class
+from burstcast.control.strategies.registry import strategy_class
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import (
@@ -22,30 +22,18 @@ from burstcast.forecasters.registry import (
 )
 from burstcast.systems.registry import system_class
 from burstcast_workflow.config.bounds import out_of_bounds
-from burstcast_workflow.config.case_checks import problems_of_case
+from burstcast_workflow.config.case import CasePart, Simulated
+from burstcast_workflow.config.case_checks import CaseChecks
 from burstcast_workflow.config.cases import (
-    block_cases,
-    blocks_of,
-    campaign_cases,
-    case_name,
-    data_of,
-    event_shares_of,
-    is_flow,
     said_by_class,
     sound_case,
 )
 from burstcast_workflow.config.control_plans import block_plans
+from burstcast_workflow.config.forecasters import NetworkChoice
 from burstcast_workflow.config.kinds import Quantile
 from burstcast_workflow.config.measured_cases import is_encoded
 from burstcast_workflow.config.messages import model_problems, suggestion
-from burstcast_workflow.config.model import (
-    Block,
-    CasePart,
-    Configuration,
-    NetworkChoice,
-    Simulated,
-    StrategyBlock,
-)
+from burstcast_workflow.config.model import Block, Configuration, StrategyBlock, case_name
 
 
 def contradictions(config: Configuration) -> list[str]:
@@ -64,9 +52,9 @@ def contradictions(config: Configuration) -> list[str]:
         *_figures(config),
     ]
     cases_of: dict[str, list[str]] = {}
-    for name in campaign_cases(config):
+    for name in config.case_names:
         if name in _known_cases(config):
-            for problem in problems_of_case(config, name):
+            for problem in CaseChecks(config, name).problems():
                 cases_of.setdefault(problem, []).append(name)
     for problem, names in cases_of.items():
         problems.append(f"case{'s' if len(names) > 1 else ''} {', '.join(names)}: {problem}")
@@ -81,7 +69,7 @@ def _known_cases(config: Configuration) -> list[str]:
 
 def _class_defaults(config: Configuration) -> Iterator[str]:
     """Check what classes of systems say of their cases as if it stood in the config."""
-    used = [config.cases[name] for name in campaign_cases(config) if name in config.cases]
+    used = [config.cases[name] for name in config.case_names if name in config.cases]
     for system in dict.fromkeys(entry.system for entry in used if entry.system is not None):
         problems = []
         try:
@@ -107,7 +95,7 @@ def _campaign(config: Configuration) -> Iterator[str]:
             connectivity = max(connectivity, variant.connectivity)
     for index, block in enumerate(config.campaign):
         place = f"campaign[{index}]"
-        if not block_cases(block):
+        if not block.case_names:
             yield f"{place} names no case: give it reynolds: [...] or cases: [...]"
         for name in block.cases:
             if name not in known:
@@ -143,7 +131,7 @@ def _campaign(config: Configuration) -> Iterator[str]:
                 f"cases.{name}: names that end so belong to other training series of {base} "
                 "(campaign.realisations); take another name"
             )
-    used = campaign_cases(config)
+    used = config.case_names
     for name in config.control.sweep.cases:
         if name not in used:
             yield f"control.sweep.cases: the campaign has no case {name}; {suggestion(name, used)}"
@@ -154,12 +142,12 @@ def _realisations(config: Configuration, place: str, block: Block, name: str) ->
     case, shares = sound_case(config, name), block.event_shares
     if shares and block.realisations > 1:
         yield f"{place} has realisations and event_shares; take one of them"
-    if shares and name not in campaign_cases(config):
+    if shares and name not in config.case_names:
         yield (
             f"{place}.event_shares: the series are drawn from the series of {name}, which no block "
             "of the campaign has without event_shares; add one"
         )
-    longest = event_shares_of(config, name)
+    longest = config.event_shares_of(name)
     if shares != longest[: len(shares)] or (block.realisations > 1 and longest):
         yield (
             f"{place}: another block chooses other training series of {name}, under the same "
@@ -184,7 +172,7 @@ def _realisations(config: Configuration, place: str, block: Block, name: str) ->
 
 
 def _strategies(config: Configuration) -> Iterator[str]:
-    used = campaign_cases(config)
+    used = config.case_names
     for index, block in enumerate(config.control.strategies):
         place, name = f"control.strategies[{index}]", block.strategy
         for case in block.cases:
@@ -198,7 +186,7 @@ def _strategies(config: Configuration) -> Iterator[str]:
         untold = [kind for kind in block.kinds if not kind_class(kind).aware]
         for plan in block_plans(block):
             try:
-                if make_strategy(name, dict(plan.settings)).told and untold:
+                if plan.make().told and untold:
                     yield (
                         f"{place}: {name} passes the parameters in force to forecasters, which "
                         f"{', '.join(untold)} cannot use; take kinds that know them"
@@ -244,8 +232,8 @@ def _without_trajectories(config: Configuration) -> Iterator[str]:
 
 def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterator[str]:
     """Mistakes in the parts of the state that a block of strategies observes."""
-    used = campaign_cases(config)
-    parts = {case: data for case in used if (data := data_of(config, case)) and data.case}
+    used = config.case_names
+    parts = {case: data for case in used if (data := config.data_of(case)) and data.case}
     for part in block.observed:
         if part not in parts:
             yield f"{place}.observed: {part} is no part of another case; {suggestion(part, parts)}"
@@ -259,7 +247,7 @@ def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterat
                 f"{place}.observed: {part} is a part of {source}, which this block does not "
                 f"control: give {source} an actuation, and name it in cases or leave cases out"
             )
-        there = {kind for one in blocks_of(config, part) for kind in one.forecasters.kinds}
+        there = {kind for one in config.blocks_of(part) for kind in one.forecasters.kinds}
         if block.kinds and there.isdisjoint(block.kinds):
             yield f"{place}.forecasters: the campaign has no {', '.join(block.kinds)} for {part}"
 
@@ -304,7 +292,7 @@ def _figures(config: Configuration) -> Iterator[str]:
     else:
         there = [
             replace(example, neurons=neurons, validation=validation, seed=seed).identifier
-            for networks in (block.forecasters.esn for block in blocks_of(config, name))
+            for networks in (block.forecasters.esn for block in config.blocks_of(name))
             if networks and not networks.variants
             for neurons in networks.neurons
             for validation in networks.validation
@@ -319,7 +307,7 @@ def _figures(config: Configuration) -> Iterator[str]:
     case, peak = sound_case(config, name), figures.flow_event.peak
     threshold = case.event_threshold if isinstance(case, Simulated) else None
     laminar = getattr(case, "laminarisation_threshold", None) or math.inf
-    if isinstance(threshold, float) and peak <= threshold < laminar and case and is_flow(case):
+    if isinstance(threshold, float) and peak <= threshold < laminar and case and case.is_flow:
         yield (
             f"figures.flow_event.peak is {peak:g}; it must be above the event_threshold of "
             f"{name}, {threshold:g}"

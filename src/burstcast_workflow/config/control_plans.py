@@ -11,6 +11,8 @@ from itertools import product
 from typing import Any
 
 from burstcast.control.setting_names import named
+from burstcast.control.strategies.base import ControlStrategy
+from burstcast.control.strategies.registry import make_strategy
 from burstcast_workflow.config.model import StrategyBlock
 
 WINDOWS = "prediction_triggered"
@@ -57,6 +59,10 @@ class ControlPlan:
         names = [name for name, _ in self.settings]
         protocol = replace(_PAPER, settings=self.settings)
         return names == ["prediction_time_lt", "window_lt"] and self == protocol
+
+    def make(self) -> ControlStrategy:
+        """Make the strategy; a ValueError if its settings are invalid."""
+        return make_strategy(self.strategy, dict(self.settings))
 
     def record(self, span_lt: float) -> dict[str, Any]:
         """Settings for a job, with the campaign's span by default."""

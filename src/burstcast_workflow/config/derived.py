@@ -6,7 +6,6 @@ from typing import Any
 
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.natural_order import natural_order
-from burstcast_workflow.config.cases import block_cases, campaign_cases, data_of
 from burstcast_workflow.config.model import Configuration
 
 _STRATEGY = "RV"
@@ -42,7 +41,7 @@ def _example(config: Configuration) -> dict[str, Any]:
         (case, size, block.forecasters.esn.validation)
         for block in config.campaign
         if block.forecasters.esn is not None and not block.forecasters.esn.variants
-        for case in block_cases(block)
+        for case in block.case_names
         for size in block.forecasters.esn.neurons
     ]
     known = figures.example_forecaster and parsed(figures.example_forecaster)
@@ -51,7 +50,7 @@ def _example(config: Configuration) -> dict[str, Any]:
         counts = Counter(one for _, one, _ in found)
         size = max(counts, key=lambda one: (counts[one], one))
     alike = [one for one in found if one[1] == size and figures.example_case in (None, one[0])]
-    cases = [case for case, *_ in alike] or campaign_cases(config)
+    cases = [case for case, *_ in alike] or config.case_names
     case = min(cases, key=lambda one: (_is_part(config, one), natural_order(one)), default=None)
     strategies = sorted({name for one, _, names in alike if one == case for name in names})
     if not strategies:
@@ -63,7 +62,7 @@ def _example(config: Configuration) -> dict[str, Any]:
 
 def _is_part(config: Configuration, case: str) -> bool:
     """Whether a case is a part of another one's state."""
-    data = data_of(config, case)
+    data = config.data_of(case)
     return data is not None and data.case is not None
 
 

@@ -243,7 +243,7 @@ def part_of(section: type[S]) -> type[S]:
             field.default = None
         fields[name] = (_part_of(known.annotation), field)
     name, words = section.__name__, section.__doc__
-    part: Any = create_model(name, __base__=Part, __doc__=words, **fields)
+    part: Any = create_model(name, __base__=(Part, section), __doc__=words, **fields)
     return part  # type: ignore[no-any-return]
 
 

@@ -1,6 +1,5 @@
 """Cases whose series were measured: in files, or as a part of what another case's state has."""
 
-import glob
 import os
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
@@ -13,11 +12,9 @@ from burstcast.data.series_files import content_of
 from burstcast.data.times import time_step_of
 from burstcast.encoders.base import EncodingCase
 from burstcast.encoders.channels import IDENTITY, channel_names, check_encoding, encoding_case
-from burstcast.encoders.registry import encoder_class
-from burstcast.natural_order import natural_order
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import MEASURED, StateSpace, component_names, make_measured
-from burstcast_workflow.config.model import Case, Data, Measured, Simulated
+from burstcast_workflow.config.case import Case, Data, Measured, Simulated
 
 Config = dict[str, Any]
 OBSERVABLE = "observable"
@@ -96,15 +93,9 @@ def measured_record(
     }
 
 
-def is_encoded(case: Case) -> bool:
-    """Whether forecasters of a case receive readings of sensors, or what an encoder makes."""
-    return case.sensors is not None or case.encoder is not None
-
-
-def undecoded(case: Case) -> str | None:
-    """Encoder of a case from whose channels no state follows; None where states follow."""
-    kind = case.encoder.kind if case.encoder else IDENTITY
-    return None if encoder_class(kind).decodes else kind
+def is_encoded(own: Case) -> bool:
+    """Whether an entry of ``cases`` has sensors or an encoder (`Case.is_encoded`)."""
+    return own.sensors is not None or own.encoder is not None
 
 
 def encoding_of(case: Case, source: Mapping[str, Any]) -> tuple[str, EncodingCase]:
@@ -134,7 +125,7 @@ def _seen_of_files(data: Data) -> list[str]:
 
 def _columns(data: Data) -> list[str]:
     try:
-        return columns_of(data_files(data)[0]) if data.files else []
+        return columns_of(data.paths[0]) if data.files else []
     except ValueError:  # told by `_problems_of_files`
         return []
 
@@ -178,19 +169,6 @@ def space_named(record: Mapping[str, Any]) -> StateSpace | None:
         return space if space.dimension else None  # it is known once the observable is understood
     except (ValueError, TypeError):  # told with the case
         return None
-
-
-def data_files(data: Data) -> list[str]:
-    """Files of measured series, in their order: files of a pattern as people sort names."""
-    found: dict[str, None] = {}
-    for name in data.files:
-        paths = [name]
-        if glob.has_magic(name):
-            paths = sorted(glob.glob(name, recursive=True), key=natural_order)
-            if not paths:
-                raise ValueError(f"data.files: no file is called {name}, seen from {os.getcwd()}")
-        found.update(dict.fromkeys(map(os.path.relpath, paths)))
-    return list(found)
 
 
 def own_problems(own: Case) -> Iterator[str]:
@@ -243,7 +221,7 @@ def problems_of_encoding(case: Measured, source: Case | None) -> Iterator[str]:
 
 def problems_of_data(case: Measured) -> Iterator[str]:
     """Mistakes in the data of a case that its settings and the headers of its files show."""
-    if is_encoded(case):
+    if case.is_encoded:
         return
     data = case.data
     names = [Quantity(text).name for text in data.components]
@@ -265,7 +243,7 @@ def problems_of_data(case: Measured) -> Iterator[str]:
         return
     yield from (f"data.{one}" for one in problems_of_columns(data.dump(), _columns(data)))
     try:
-        for path in data_files(data):
+        for path in data.paths:
             needed_columns(path, quantities)
     except ValueError as error:
         text = str(error)

@@ -4,22 +4,21 @@ Messages about mistakes are made from it, and docs/settings.md. A bound may be a
 `burstcast_workflow.config.checks` has what else must hold between settings.
 """
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import (
-    AfterValidator,
-    Field,
-    create_model,
-    model_validator,
-)
-from pydantic_core import PydanticCustomError
+from pydantic import Field
 
-from burstcast import durations
-from burstcast.compiled.backends import usable_backend
-from burstcast.esn.readout import ReadoutKind
-from burstcast.forecasters._options import DEFAULTS
-from burstcast.forecasters.registry import all_kinds
+from burstcast.data.training_realisations import realisation_of
 from burstcast.tuning.hyperparameters import SurrogateSettings
+from burstcast_workflow.config.case import OBSERVABLE, TIME, CasePart, Data, Simulated
+from burstcast_workflow.config.forecasters import (
+    KINDS,
+    SIZES,
+    BlockForecasters,
+    Choice,
+    ExternalFiles,
+    Forecasters,
+)
 from burstcast_workflow.config.kinds import (
     CaseName,
     ControlStrategyName,
@@ -27,164 +26,28 @@ from burstcast_workflow.config.kinds import (
     CountOrNull,
     Directory,
     Distinct,
-    EncoderName,
     EventShare,
-    Label,
     NetworkOrNull,
     ParameterName,
     Positive,
     PositiveOrNull,
     PositiveRange,
-    Range,
     Rising,
     Section,
     Size,
     Some,
     SomeFalling,
     SomeRising,
-    Strategy,
     StrategyValue,
-    SystemName,
-    Threshold,
-    TimeStep,
     Whole,
     Words,
     optional,
-    part_of,
     setting,
     with_defaults,
 )
 from burstcast_workflow.harness.canonical import canonical
 
-TIME = "time units"
-OBSERVABLE = "units of the observable"
 RESOLUTION = "classification.resolution_lt"
-SIZES = "campaign.forecasters.esn.neurons"
-STRATEGIES = "campaign.forecasters.esn.validation"
-
-
-class NoAxes(Section):
-    """There is one forecaster of this kind: {}."""
-
-
-KINDS = Words("a list of kinds, or a mapping of kinds to their axes, {} where there are none")
-Alone = Annotated[NoAxes | None, Words("{}, or null for none")]
-
-
-class Chosen(Section):
-    """Kinds of forecasters, with the axes of each kind."""
-
-    @model_validator(mode="before")
-    @classmethod
-    def _mapping(cls, said: Any) -> Any:
-        """A list of kinds, names or mappings of names to axes, as one mapping."""
-        if not isinstance(said, list):
-            return said
-        kinds: dict[Any, Any] = {}
-        for one in said:
-            if not isinstance(one, str | dict):
-                text = f"has {one}; each kind is a name, or a name with its axes"
-                raise PydanticCustomError("between", text)
-            found = one if isinstance(one, dict) else {one: {}}
-            for kind in found.keys() & kinds.keys():
-                raise PydanticCustomError("between", f"has {kind} twice")
-            # what YAML reads in `- equations:`
-            kinds |= {kind: {} if axes is None else axes for kind, axes in found.items()}
-        return kinds
-
-    @property
-    def kinds(self) -> dict[str, Any]:
-        """Axes by kind, of kinds that are not null."""
-        return {kind: axes for kind, axes in self if axes is not None}
-
-
-class NetworkAxes(Section):
-    """Echo state networks of a block: neurons x validation strategies x seeds."""
-
-    neurons: Some[Size] = setting("sizes of the reservoir")
-    validation: Some[Strategy] = setting("validation strategies: Single Shot (SSV), Recycle (RV)")
-    seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1", le=10_000)
-    variants: Distinct[Label] = setting(
-        "names of `forecasters.variants`: networks of each of them instead of networks with the "
-        "settings of `forecasters.esn`",
-        default=[],
-    )
-
-
-if TYPE_CHECKING:
-    AllKinds = Chosen
-else:  # a new module of burstcast.forecasters is one kind more
-    AllKinds = create_model(
-        "AllKinds", __base__=Chosen, **dict.fromkeys(all_kinds(), (Alone, None))
-    )
-
-
-class ExternalFiles(Section):
-    """Forecasts that another program has made, in files (docs/benchmark.md)."""
-
-    files: Some[str] = setting(
-        "files of forecasts, NetCDF or CSV, as seen from where Snakemake runs; {case} stands for "
-        "the name of the case"
-    )
-    alarm_threshold: Annotated[Positive, Field(le=1)] = setting(
-        "probability at or above which an alarm is raised; probabilities are taken as they are",
-        default=0.5,
-    )
-
-
-class BlockForecasters(AllKinds):
-    """Forecasters of a block, by kind; null for none of a kind."""
-
-    external: Annotated[
-        dict[Label, ExternalFiles] | None, Words("a mapping of names, or null for none")
-    ] = optional(
-        "forecasts that other programs have made, by a name: each has `files`, NetCDF or CSV "
-        "(`{case}` in a path stands for the name of the case), and may have an `alarm_threshold`, "
-        "0.5 if left out"
-    )
-
-    esn: NetworkAxes | None = optional("echo state networks")
-    esn_true_washout: NetworkAxes | None = optional(
-        "the same networks, given washouts without noise"
-    )
-    esn_aware: NetworkAxes | None = optional(
-        "echo state networks that know the parameters in force"
-    )
-
-    @property
-    def networks(self) -> list[NetworkAxes]:
-        """Axes of the kinds that are networks."""
-        kinds = (self.esn, self.esn_true_washout, self.esn_aware)
-        return [axes for axes in kinds if axes is not None]
-
-
-class NetworkChoice(Section):
-    """Selection of the campaign's networks; a property that is left out is not restricted."""
-
-    neurons: Distinct[Size] | None = setting(
-        "sizes of the reservoir; all if left out or empty; null: figures.fixed_neurons",
-        one_of=SIZES,
-        default=[],
-    )
-    validation: Distinct[Strategy] | None = setting(
-        "validation strategies; all if left out or empty; null: the example network's strategy",
-        one_of=STRATEGIES,
-        default=[],
-    )
-
-
-class Choice(AllKinds):
-    """Selection of the campaign's forecasters by kind; null for none of a kind."""
-
-    external: Alone = optional("forecasts from files, which start from no other state: always null")
-
-    esn: NetworkChoice | None = optional("echo state networks")
-    esn_true_washout: NetworkChoice | None = optional(
-        "networks that are given washouts without noise"
-    )
-    esn_aware: NetworkChoice | None = optional(
-        "echo state networks that know the parameters in force"
-    )
 
 
 class Block(Section):
@@ -207,450 +70,26 @@ class Block(Section):
     )
     forecasters: Annotated[BlockForecasters, KINDS]
 
-
-class Steps(Section):
-    """Steps of the time series of a case."""
-
-    time_step: Positive = setting("time step of the Runge-Kutta scheme", TIME)
-    sampling_stride: Count = setting("integration steps in one step of a forecast")
-
     @property
-    def sampling_interval(self) -> float:
-        """Time between two steps of a forecast, in time units."""
-        return self.time_step * self.sampling_stride
-
-
-class Ensemble(Steps):
-    """The time series that all data come from."""
-
-    series: Whole = setting("number of series that are generated", ge=2, le=1_000_000)
-    initial_state: Annotated[
-        list[float] | None, Words("a list of numbers, or null: the system draws initial states")
-    ] = setting("initial state that all series share, one number per component")
-    perturbed_component: CountOrNull = setting(
-        "perturbed component of the initial state, counted from 1"
-    )
-    perturbation: PositiveOrNull = setting(
-        "largest perturbation; each series draws its own from [0, perturbation]",
-        "units of the component",
-    )
-    transient: Positive = setting(
-        "beginning of each series that is dropped", TIME, multiple_of="ensemble.time_step"
-    )
-    duration: Positive = setting(
-        "part of each series that is kept",
-        TIME,
-        multiple_of="ensemble.time_step * ensemble.sampling_stride",
-    )
-
-
-class TimeUnit(Section):
-    """The Lyapunov exponents."""
-
-    time_unit: Literal["published", "computed"] = setting(
-        "the exponent that sets the Lyapunov time"
-    )
-    published_exponent: float | None = optional(
-        "published leading exponent; null if there is none", "inverse time units", gt=0
-    )
-    orthonormalisation_interval: Positive = setting(
-        "time between two QR factorisations", TIME, multiple_of="ensemble.time_step"
-    )
-
-    @property
-    def known_exponent(self) -> float | None:
-        """Exponent that the unit of time follows from; None where it is computed."""
-        return durations.known_exponent(self.time_unit, self.published_exponent)
-
-
-class Lyapunov(TimeUnit):
-    """The Lyapunov exponents."""
-
-    series: Whole = setting(
-        "trajectories that the exponents are averaged over", ge=2, at_most="ensemble.series"
-    )
-    perturbation: Positive = setting(
-        "initial distance of neighbouring trajectories",
-        "attractor sizes",
-        le=1,
-        below="lyapunov.saturation",
-    )
-    saturation: Positive = setting(
-        "distance of neighbouring trajectories at which growth is no longer linear",
-        "attractor sizes",
-        le=1,
-    )
-
-
-class TrainingActuation(Section):
-    """An actuator that switches on and off at random during training series; null for none."""
-
-    interval_lt: Positive = setting("interval between two possible switchings")
-    mean_on_lt: Positive = setting(
-        "mean time that it stays on", at_least="training.actuation.interval_lt"
-    )
-    mean_off_lt: Positive = setting(
-        "mean time that it stays off", at_least="training.actuation.interval_lt"
-    )
-    strength: Positive = setting("share of the case's actuation", "actuations", default=1)
-    tested: bool = setting(
-        "whether the case's test series are such series, too; forecasters that know the parameters "
-        "are given the actuation",
-        default=False,
-    )
-
-
-class Training(Section):
-    """Training data."""
-
-    series: Count = setting("number of series that forecasters are trained on")
-    noise: float = setting(
-        "standard deviation of the observation noise", "standard deviations of each component", ge=0
-    )
-    trained_on: Distinct[CaseName] = setting(
-        "cases whose training series the kinds that know the parameters are trained on; the case "
-        "itself if empty",
-        default=[],
-    )
-    actuation: TrainingActuation | None = optional(
-        "actuation of the series that this case gives to the kinds that know the parameters; null: "
-        "its training series, which are free"
-    )
-
-
-class Density(Section):
-    """Bins of the observable's probability density."""
-
-    bins: Whole = setting("number of bins", ge=2)
-    range: Range = setting("lower and upper end of the bins", OBSERVABLE)
-
-
-class MeasuredDensity(Density):
-    """Bins of the observable's probability density."""
-
-    range: Range | None = optional(  # type: ignore[assignment]
-        "lower and upper end of the bins; null: the smallest and the largest value of the data",
-        OBSERVABLE,
-    )
-
-
-class FixedPoint(Section):
-    """When a long forecast has settled on a fixed point."""
-
-    variation: float = setting("smallest variation of the observable in motion", OBSERVABLE, ge=0)
-    above: float = setting("observable above which a settled forecast is discarded", OBSERVABLE)
-
-
-class Actuation(Section):
-    """Actuation after an alarm; null where the case is not controlled."""
-
-    parameters: dict[ParameterName, float] = setting(
-        "parameters of the equations during an actuation", default={}
-    )
-    force: Annotated[list[float] | None, Words("a list of numbers, or null")] = optional(
-        "constant force on each component of the state; null for none"
-    )
-    start_lt: float = setting("start of the actuation, from the start of the alarm's window")
-    duration_lt: Positive = setting("duration of the actuation")
-
-
-class RecycleValidation(Section):
-    """Validation intervals of Recycle Validation."""
-
-    series: Count = setting("training series with validation intervals", at_most="training.series")
-    intervals_per_series: CountOrNull = setting(
-        "validation intervals in each, end to end after the washout; null: as many as fit"
-    )
-
-
-class Blocks(Section):
-    """Lengths by which measured records are cut into series."""
-
-    duration: Positive = setting("length of each block; the remainder is dropped", TIME)
-    gap: float = setting("from the end of a block to the start of the next", TIME, ge=0, default=0)
-
-
-class Data(Section):
-    """Measured series instead of equations; null: the series are simulated."""
-
-    files: Distinct[str] = setting(
-        "files of series, or patterns (lab/run_*.csv), seen from where Snakemake runs: CSV or "
-        "Parquet with a header and a column time, NetCDF or NumPy arrays of series, time and "
-        "component",
-        default=[],
-    )
-    case: CaseName | None = optional(
-        "another case of the campaign, a part of whose state is observed"
-    )
-    components: Distinct[str] = setting(
-        "what forecasters see: columns, expressions of columns, or <name> = <one of these>; all "
-        "columns if left out",
-        default=[],
-    )
-    known: Distinct[str] = setting(
-        "what is known in advance, and given to forecasters that can use it over their forecasts: "
-        "columns, expressions of columns, or <name> = <one of these>",
-        default=[],
-    )
-    delays: Distinct[Count] = setting(
-        "past values of all components that forecasters see beside the present ones: steps of a "
-        "forecast back; each series begins so much later",
-        default=[],
-    )
-    observable: str = setting(
-        "a component, an expression of components or columns, or <name> = <one of these>"
-    )
-    time_step: TimeStep = optional("time between two rows, which are the steps of a forecast", TIME)
-    gaps: Annotated[Literal["cut"] | None, Words("cut, or null")] = optional(
-        "cut: gaps cut a record, and parts shorter than a block are left out; null: gaps are errors"
-    )
-    blocks: Blocks | None = optional("how series are cut; null: not at all")
-
-
-class DataOfCase(Data):
-    """Measured series, with the components of the state that another case has."""
-
-    columns: Distinct[str] = setting("components of the state of another case", default=[])
-
-
-class Sensors(Section):
-    """What is observed in place of the whole state; equations with a filter estimate the rest."""
-
-    points: Annotated[list[Annotated[Count, Field(le=20)]], Field(min_length=2, max_length=2)] = (
-        setting("number of probes of the velocity along x and y", default=[8, 8])
-    )
-    components: list[str] | None = optional("components that are observed, in place of probes")
-
-
-class CaseEncoder(Section):
-    """Encoding of the observations in the channels that forecasters receive."""
-
-    kind: EncoderName = setting("a module of burstcast.encoders")
-    modes: CountOrNull = optional("number of modes, of the kind pod")
-
-
-class Case(Section):
-    """A dynamical system with its dataset: defaults of every case."""
-
-    system: str
-    parameters: dict[str, Any] = setting("parameters of the equations", default={})
-    event_threshold: Threshold = setting(
-        "value of the observable that an extreme event reaches, k_e, or the share of its values in "
-        "the training series that are below it",
-        OBSERVABLE,
-        below="laminarisation_threshold",
-    )
-    laminarisation_threshold: float | None = optional(
-        "value of the observable beyond which a series is discarded, k_l; null keeps all",
-        OBSERVABLE,
-    )
-    ensemble: Steps
-    lyapunov: TimeUnit
-    training: Training
-    density: Density
-    fixed_point: FixedPoint
-    actuation: Actuation | None = optional("")
-    test_series: Count = setting(
-        "number of test series; if left out, all measured series after the training series"
-    )
-    recycle_validation: RecycleValidation
-    data: Data | None = optional(
-        "measured series instead of equations; null: the series are simulated"
-    )
-    sensors: Sensors | None = optional(
-        "probes that see the state of another case (data.case); null: all of it is observed"
-    )
-    encoder: CaseEncoder | None = optional(
-        "encoder of what is observed of another case (data.case), an estimate of its state where "
-        "sensors see it; null: forecasters receive what is observed"
-    )
-
-    @property
-    def steps_per_lyapunov_time(self) -> int | None:
-        """Steps of a forecast in a Lyapunov time; None where the config does not know it."""
-        exponent = self.lyapunov.known_exponent
-        if exponent is None:
-            return None
-        return durations.steps_per_lyapunov_time(exponent, self.ensemble.sampling_interval)
-
-
-class Simulated(Case):
-    """A dynamical system with its dataset: defaults of every case."""
-
-    system: SystemName = setting(
-        "the equations: a module of burstcast.systems, or module:Class of your own, in the working "
-        "directory, beside a config, or installed"
-    )
-    files: Annotated[Distinct[str] | None, Words("a list, each text, or null")] = optional(
-        "files that a module of your own reads, from the directory of the module; [] if none"
-    )
-    parameters: dict[ParameterName, float] = setting("parameters of the equations", default={})
-    ensemble: Ensemble
-    lyapunov: Lyapunov
-    controlled_density: Density = setting("bins of the observable's density under control")
-
-
-class MeasuredSteps(Steps):
-    """Steps of measured series."""
-
-    duration: Positive | None = optional("of each series, where it is known", TIME)
-
-
-class Measured(Case):
-    """A case of measured series, or of a part of another case's state."""
-
-    system: Literal["measured"]
-    ensemble: MeasuredSteps
-    density: MeasuredDensity
-    fixed_point: FixedPoint | None = None  # type: ignore[assignment]
-    test_series: CountOrNull = None  # type: ignore[assignment]
-    actuation: None = None
-    data: DataOfCase
-
-
-# an entry of `cases`: what differs from case_defaults, or from what a class says
-if TYPE_CHECKING:
-    CasePart = Simulated
-else:
-    CasePart = part_of(Simulated)
-
-
-@with_defaults(DEFAULTS["esn"])
-class EchoStateNetwork(Section):
-    """Echo state networks."""
-
-    connectivity: Positive = setting("mean number of connections of a neuron")
-    input_bias: float = setting("constant that is appended to the normalised inputs, b_in")
-    input_range: Literal["all", "first"] = setting(
-        "training series whose range the inputs are divided by: all, or the first one, as in the "
-        "programs of the paper's authors"
-    )
-    divergence_bound: float = setting(
-        "a forecast beyond this many training ranges has diverged", "training ranges", ge=1
-    )
-    readout: ReadoutKind = setting(
-        "what the output weights multiply: the states of the neurons, or these with every second "
-        "one squared"
-    )
-    leak_rate: SomeFalling[Annotated[Positive, Field(le=1)]] = setting(
-        "part of the way that neurons go in a step, a, where 1 is no leak; several: chosen by the "
-        "search"
-    )
-    # a platform that cannot compile says so once, and every file says what it was made with
-    backend: Annotated[Literal["compiled", "scipy"], AfterValidator(usable_backend)] = setting(
-        "implementation of the reservoir's dynamics", validate_default=True
-    )
-
-
-# what differs from forecasters.esn
-if TYPE_CHECKING:
-    Variant = EchoStateNetwork
-else:
-    Variant = part_of(EchoStateNetwork)
-
-
-@with_defaults(DEFAULTS["observation"])
-class Observation(Section):
-    """Knowledge of learnt equations and filters about the observations."""
-
-    noise: float | None = setting(
-        "standard deviation of the noise; null: estimated from the training series",
-        "standard deviations of each component",
-        ge=0,
-    )
-
-
-@with_defaults(DEFAULTS["filter"])
-class Filter(Section):
-    """The filter of `equations_filtered` and `quadratic_filtered`."""
-
-    members: Annotated[Whole, Field(multiple_of=2), Words("an even number above 0")] = setting(
-        "size of the ensemble: at least twice the components of a wholly observed state", ge=2
-    )
-    inflation: float = setting("factor of the ensemble's scatter before each observation", ge=1)
-
-
-@with_defaults(DEFAULTS["quadratic"])
-class Quadratic(Section):
-    """Learnt equations, of `quadratic` and `quadratic_filtered`."""
-
-    degree: Whole = setting("highest degree of the polynomials", ge=1, le=3)
-    window_lt: Positive = setting("time that the equations are integrated over, to learn them")
-
-
-@with_defaults(DEFAULTS["analogues"])
-class AnalogueForecasters(Section):
-    """Analogues."""
-
-    neighbours: Count = setting("number of analogues, whose mean is the forecast")
-
-
-@with_defaults(DEFAULTS["classifiers"])
-class Classifiers(Section):
-    """Training of `precursor` and `esn_direct`, which give probabilities without a trajectory."""
-
-    start_spacing_lt: Positive = setting("distance of the starting points that are learnt from")
-    folds: Whole = setting(
-        "parts of the training series, each forecast by what has learnt from the others, to "
-        "calibrate the probabilities",
-        ge=2,
-    )
-
-
-@with_defaults(DEFAULTS["precursor"])
-class Precursor(Section):
-    """Learnt precursors, `precursor`."""
-
-    classifier: Literal["boosting", "logistic"] = setting(
-        "gradient boosting of trees, or logistic regression of features and their products"
-    )
-    lags_lt: Distinct[Positive] = setting(
-        "past values that are features beside the present ones, within the washout"
-    )
-
-
-@with_defaults(DEFAULTS["esn_direct"])
-class DirectReadout(Section):
-    """Reservoirs that are read out for the event, `esn_direct`; `esn` has all other settings."""
-
-    neurons: Size = setting("size of the reservoir")
-    spectral_radius: Some[Positive] = setting("spectral radius; several: chosen in training")
-    input_scaling: Some[Positive] = setting("input scaling; several: chosen in training")
-    penalty: Some[Positive] = setting(
-        "strength of the penalty on squared weights of neurons of unit variance; several: chosen "
-        "in training"
-    )
-
-
-@with_defaults(DEFAULTS["aware"])
-class Aware(Section):
-    """Kinds that know the parameters in force, whose factors what they learn is linear in."""
-
-    parameters: Some[ParameterName] = setting(
-        "parameters of the equations that forecasters are given, or share: share of the actuator"
-    )
-    transform: Literal["identity", "inverse"] = setting(
-        "function of a parameter that the factors are made of, scaled to [-1, 1] in training"
-    )
-    parameter_degree: Whole = setting("highest degree of the factors", ge=1, le=3)
-
-
-class Forecasters(Section):
-    """Settings of the kinds of forecasters that have any."""
-
-    esn: EchoStateNetwork = setting("", default_factory=EchoStateNetwork)
-    variants: dict[Label, Variant] = setting(
-        "networks that differ from `forecasters.esn`, by a name: the settings that differ",
-        default={},
-    )
-    observation: Observation = setting("", default_factory=Observation)
-    filter: Filter = setting("", default_factory=Filter)
-    quadratic: Quadratic = setting("", default_factory=Quadratic)
-    analogues: AnalogueForecasters = setting("", default_factory=AnalogueForecasters)
-    classifiers: Classifiers = setting("", default_factory=Classifiers)
-    precursor: Precursor = setting("", default_factory=Precursor)
-    esn_direct: DirectReadout = setting("", default_factory=DirectReadout)
-    aware: Aware = setting("", default_factory=Aware)
+    def case_names(self) -> list[str]:
+        """Names of its cases, each once.
+
+        With ``realisations``, each is followed by those with other training series; with
+        ``event_shares``, those stand in its place.
+        """
+        numbers = range(self.realisations)
+        if self.event_shares:
+            numbers = range(1, len(self.event_shares) + 1)
+        return [
+            f"{name}-training{number}" if number else name
+            for name in dict.fromkeys([*map(case_name, self.reynolds), *self.cases])
+            for number in numbers
+        ]
+
+
+def case_name(reynolds: float) -> str:
+    """Name of the shear flow's case at a Reynolds number: Re400, Re412.5."""
+    return f"Re{canonical(float(reynolds))}"
 
 
 @with_defaults(canonical(vars(SurrogateSettings())))
@@ -708,6 +147,11 @@ class Classification(Section):
         multiple_of=RESOLUTION,
         not_beyond="classification.longest_prediction_time_lt",
     )
+
+    @property
+    def reach_lt(self) -> float:
+        """Time from a starting point to the end of the last window."""
+        return self.longest_prediction_time_lt + self.window_lt
 
 
 class Horizon(Section):
@@ -908,6 +352,34 @@ class Configuration(Section):
     probability: Probability
     bootstrap: Bootstrap
     figures: Figures
+
+    @property
+    def case_names(self) -> list[str]:
+        """Names of the cases that the campaign uses, in the order of their first use."""
+        return [*dict.fromkeys(name for block in self.campaign for name in block.case_names)]
+
+    def blocks_of(self, case: str) -> list[Block]:
+        """Blocks of the campaign that have a case."""
+        return [block for block in self.campaign if case in block.case_names]
+
+    def kinds_of(self, case: str) -> list[str]:
+        """Kinds of forecasters that the campaign has of a case."""
+        return sorted({kind for one in self.blocks_of(case) for kind in one.forecasters.kinds})
+
+    def data_of(self, case: str) -> Data | None:
+        """Section ``data`` of a case's entry in ``cases``; None without measured series."""
+        own = self.cases.get(realisation_of(case)[0])
+        return None if own is None else own.data
+
+    def event_shares_of(self, case: str) -> list[float | Literal["all"]]:
+        """Wanted shares of a case's choices of training series, in the order of their numbers."""
+        lists = (block.event_shares for block in self.blocks_of(f"{case}-training1"))
+        return max(lists, key=len, default=[])
+
+    def external_files(self, case: str) -> dict[str, ExternalFiles]:
+        """Forecasts of a case from files, by their names."""
+        found = [block.forecasters.external or {} for block in self.blocks_of(case)]
+        return {name: said for files in found for name, said in files.items()}
 
     def dump(self) -> dict[str, Any]:
         """All settings with their defaults, in canonical form; entries of ``cases`` as said."""

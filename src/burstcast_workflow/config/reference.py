@@ -13,8 +13,9 @@ import yaml
 from pydantic_core import PydanticUndefined
 
 from burstcast.forecasters.registry import all_kinds
+from burstcast_workflow.config.forecasters import KINDS
 from burstcast_workflow.config.kinds import RELATIONS
-from burstcast_workflow.config.model import KINDS, Configuration
+from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.places import Place
 from burstcast_workflow.project import project_root
 

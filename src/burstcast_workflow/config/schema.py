@@ -8,7 +8,8 @@ by the workflow alone.
 import json
 from typing import Any
 
-from burstcast_workflow.config.model import BlockForecasters, Choice, Configuration
+from burstcast_workflow.config.forecasters import BlockForecasters, Choice
+from burstcast_workflow.config.model import Configuration
 
 _OF_MESSAGES = ("multiple_of", "relations", "required", "title", "unit")
 """What the model says about a setting for messages and the reference."""

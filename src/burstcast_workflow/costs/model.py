@@ -18,8 +18,7 @@ from burstcast.forecasters.registry import kind_class, learns_parameters
 from burstcast.probability.precursor import TREES
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast_workflow.campaign.campaign import WHOSE, Campaign, name_of
-from burstcast_workflow.config.measured_cases import data_files
-from burstcast_workflow.config.model import Simulated
+from burstcast_workflow.config.case import Simulated
 
 SECONDS_PER = {"neuron step": 2.2e-9, "product": 2.1e-11}
 """Seconds on one core of a step of a neuron, with its connections, and of one multiplication and
@@ -37,7 +36,7 @@ RULE_COSTS = "rule_costs.csv"
 # Seconds before a script computes, and MiB that it holds then: Python with NumPy and NetCDF; with
 # SciPy and the compiled backend; with scikit-learn or scikit-optimize; pandas; Matplotlib.
 _PLAIN, _COMPILED, _SEARCHING = (0.7, 100), (0.9, 170), (2.3, 270)
-_TABLES, _DRAWING = (1.0, 130), (2.7, 230)
+_TABLES, _DRAWING = (1.0, 130), (2.7, 300)
 _MIB_PER_NUMBER = 8 / 2**20
 # In steps of a neuron: a Runge-Kutta step of the equations, and of a component of a field; a number
 # that is read or written; a fit of the search's Gaussian process.
@@ -71,15 +70,15 @@ class _Job:
         self.name = name_of(wildcards)
         # what is taken of all cases is judged by one of them
         place = wildcards.get("case") or campaign.example.case
-        self.case, source = campaign.cases[place], campaign.source_case(place)
-        self.dimension, of_source = campaign.space(place).dimension, campaign.space(source)
+        self.case = campaign.cases[place]
+        self.dimension, of_source = self.case.space.dimension, self.case.source.space
         self.stride = self.case.ensemble.sampling_stride
         self.equations = _EQUATIONS * self.stride
         # a field integrates itself
         if isinstance(of_source, DynamicalSystem) and has_own(of_source, "flow_map"):
             self.equations = _COMPONENT * of_source.dimension * self.stride
         self.training = self.case.training.series
-        self.series, self.samples = self._ensemble(place, source)
+        self.series, self.samples = self._ensemble()
         self.states = self.series * self.samples
         left = max(0, self.series - self.training)
         self.tests = min(self.case.test_series or left, left)
@@ -93,14 +92,14 @@ class _Job:
         self.washout = self.lt(self.config.washout_lt)
         self.rows = sources * self.training * max(0, self.samples - self.washout)
 
-    def _ensemble(self, place: str, source: str) -> tuple[int, int]:
+    def _ensemble(self) -> tuple[int, int]:
         """Series of the case's ensemble, and samples of each."""
-        whole = self.campaign.cases[source]
+        whole, data = self.case.source, self.case.data
         if isinstance(whole, Simulated):
             interval = self.case.ensemble.sampling_interval
             return whole.ensemble.series, int(whole.ensemble.duration / interval)
         # before the files are read, only their sizes are known
-        files = map(Path, data_files(self.campaign.data(place)))
+        files = map(Path, data.paths if data else [])
         held = sum(path.stat().st_size for path in files if path.exists())
         series = self.training + (self.case.test_series or self.training)
         return series, int(held / 8 / self.dimension / series)
@@ -113,8 +112,7 @@ class _Job:
     @cached_property
     def reach(self) -> int:
         """Steps from a starting point to the end of the last window."""
-        classified = self.config.classification
-        return self.lt(classified.longest_prediction_time_lt + classified.window_lt)
+        return self.lt(self.config.classification.reach_lt)
 
     def starts(self, spacing_lt: float, reach: int = 0) -> int:
         """Starting points in a series."""

@@ -14,8 +14,6 @@ from burstcast.forecasters.registry import learns_parameters
 from burstcast.observation.velocity_sensors import PlaneFlow
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun, nearest
 from burstcast_workflow.campaign.job_settings import settings_of_job
-from burstcast_workflow.config.cases import is_flow
-from burstcast_workflow.config.measured_cases import undecoded
 from burstcast_workflow.tables.declarations import SECTIONS
 
 Value = TypeVar("Value")
@@ -154,7 +152,7 @@ def _with_other_strategies(campaign: Campaign, case: str) -> list[str]:
 
 
 def _is_plane(campaign: Campaign, case: str) -> bool:
-    return isinstance(campaign.space(case), PlaneFlow)
+    return isinstance(campaign.cases[case].space, PlaneFlow)
 
 
 def _suppressed_event(campaign: Campaign, case: str) -> str:
@@ -165,10 +163,11 @@ def _suppressed_event(campaign: Campaign, case: str) -> str:
 
 def _decoded(campaign: Campaign, case: str) -> list[CaseForecaster]:
     """Forecasters of the channels of a plane flow, if states follow from them: networks first."""
-    if undecoded(campaign.cases[case]) or not _is_plane(campaign, campaign.source_case(case)):
+    one = campaign.cases[case]
+    if one.undecoded or not _is_plane(campaign, one.source.name):
         return []
     found = [*campaign.select(case=case, kind="esn"), *campaign.trajectory_forecasters]
-    return [one for one in found if one.case == case and not one.kind.sees_truth]
+    return [each for each in found if each.case == case and not each.kind.sees_truth]
 
 
 def _decoded_example(campaign: Campaign, case: str) -> CaseForecaster:
@@ -179,7 +178,7 @@ def _decoded_example(campaign: Campaign, case: str) -> CaseForecaster:
 _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     "case": lambda campaign, case: case,
     # the file of the computed exponents, if they are the unit of time
-    "time_unit": Campaign.time_unit,
+    "time_unit": lambda campaign, case: campaign.cases[case].time_unit,
     "example": lambda campaign, case: campaign.example.directory,
     "example_hyperparameters": lambda campaign, case: (
         f"{campaign.example.directory}/{campaign.hyperparameters_file}"
@@ -194,26 +193,26 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     "spectrum_case": lambda campaign, case: [case] if case in _with_spectrum(campaign) else [],
     "suppressed_event": _suppressed_event,
     # the case that another is a part of
-    "source": Campaign.source_case,
+    "source": lambda campaign, case: campaign.cases[case].source.name,
     "decoded_forecaster": lambda campaign, case: _decoded_example(campaign, case).directory,
     "reynolds_cases": lambda campaign, case: _reynolds_cases(campaign),
     "controlled_cases": _controlled_cases,
     "aware_cases": lambda campaign, case: _aware_cases(campaign),
     # a case and the cases encoded from it
     "encoded_cases": lambda campaign, case: [
-        one for one in campaign.ranked_cases if campaign.source_case(one) == case
+        one for one in campaign.ranked_cases if campaign.cases[one].source.name == case
     ],
 }
 _OF_SEVERAL_CASES = ("reynolds_cases", "controlled_cases", "aware_cases", "encoded_cases")
 
 # Settings that are not in the config, by what follows ``shown.``
 _SHOWN: Mapping[str, Callable[[Campaign, str], Any]] = {
-    "symbol": lambda campaign, case: campaign.space(case).observable_symbol,
-    "observable_name": lambda campaign, case: campaign.space(case).observable_name,
-    "dimension": lambda campaign, case: campaign.space(case).dimension,
+    "symbol": lambda campaign, case: campaign.cases[case].space.observable_symbol,
+    "observable_name": lambda campaign, case: campaign.cases[case].space.observable_name,
+    "dimension": lambda campaign, case: campaign.cases[case].space.dimension,
     "neurons": lambda campaign, case: campaign.example.name.neurons,
     "validation": lambda campaign, case: campaign.example.name.validation,
-    "source": Campaign.source_system,
+    "source": lambda campaign, case: campaign.cases[case].source_system,
     "decoded_kind": lambda campaign, case: _decoded_example(campaign, case).name.kind,
     "strategies": _strategies,
     "example_prediction_time_lt": lambda campaign, case: campaign.prediction_time(2),
@@ -268,7 +267,7 @@ def _with_parameters(campaign: Campaign) -> list[str]:
 
 def _encoded(campaign: Campaign) -> list[str]:
     """Cases that others are encoded from."""
-    return list(dict.fromkeys(map(campaign.source_case, campaign.encoded_cases)))
+    return list(dict.fromkeys(campaign.cases[one].source.name for one in campaign.encoded_cases))
 
 
 def _plane_flows(campaign: Campaign) -> list[str]:
@@ -343,7 +342,7 @@ def cases_of(campaign: Campaign, figure: Declaration) -> list[str]:
     cases = _named(CASES, figure.cases, "choice of cases")(campaign)
     if not campaign.networks and _shows_networks(figure):
         return []
-    return [case for case in cases if not figure.only_flows or is_flow(campaign.cases[case])]
+    return [case for case in cases if not figure.only_flows or campaign.cases[case].is_flow]
 
 
 def _shows_networks(figure: Declaration) -> bool:

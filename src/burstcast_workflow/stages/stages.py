@@ -15,8 +15,7 @@ from burstcast.forecasters.registry import learns_parameters
 from burstcast.tables.makers.registry import settings_of
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
 from burstcast_workflow.campaign.job_settings import settings_of_job
-from burstcast_workflow.config.external_files import external_forecasts, paths_of
-from burstcast_workflow.config.measured_cases import data_files
+from burstcast_workflow.config.case import Case
 from burstcast_workflow.costs.model import CostModel
 from burstcast_workflow.harness.settings import THRESHOLDS, TIME_UNIT, cases_of_thresholds
 from burstcast_workflow.stages.declared import declared_settings
@@ -127,9 +126,9 @@ class Stages:
             for name in names.split()
         }
 
-    def of_case(self, function: Callable[[Campaign, str], Any]) -> OfJob:
-        """``function`` of the campaign and a job's case."""
-        return of_job(lambda wildcards: function(self.campaign, wildcards.case))
+    def of_case(self, function: Callable[[Case], Any]) -> OfJob:
+        """``function`` of a job's case."""
+        return of_job(lambda wildcards: function(self.campaign.cases[wildcards.case]))
 
     def scan_of_network(self, suffix: str) -> OfJob:
         """A file of the scan that a network's search continues."""
@@ -161,16 +160,16 @@ class Stages:
 
     def sources_of_data(self, wildcards: Any) -> Any:
         """Files that the measured series of a case come in."""
-        data = self.campaign.data(wildcards.case)
-        if data.case is not None:
-            return [self.in_results(f"{data.case}/ensemble.nc")]
-        return [local(path) for path in data_files(data)]
+        case = self.campaign.cases[wildcards.case]
+        if case.source is not case:
+            return [self.in_results(f"{case.source.name}/ensemble.nc")]
+        return [local(path) for path in case.data.paths] if case.data else []
 
     def external_files(self, wildcards: Any) -> Any:
         """Files with the forecasts of a job's forecaster, which another program has made."""
-        said = external_forecasts(self.campaign.config, wildcards.case)
+        said = self.campaign.config.external_files(wildcards.case)
         label = str(parsed(wildcards.forecaster).label)
-        return [local(path) for path in paths_of(said[label], wildcards.case)]
+        return [local(path) for path in said[label].paths(wildcards.case)]
 
     def controlling(self, wildcards: Any) -> Paths:
         """Forecasters that the controller of a job asks."""
@@ -194,8 +193,7 @@ class Stages:
     @cached_property
     def has_quantiles(self) -> bool:
         """Whether a threshold is a quantile; only then are the settings of all jobs searched."""
-        of_case = self.campaign.event_quantile
-        return any(of_case(case) is not None for case in self.campaign.cases)
+        return any(one.event_quantile is not None for one in self.campaign.cases.values())
 
     def thresholds_of(self, settings: Any) -> Paths:
         """Files of the event thresholds that a job's settings have as quantiles."""
@@ -214,10 +212,12 @@ class Stages:
         @of_job
         def time_unit(wildcards: Any) -> Paths:
             measures_time = "case.lyapunov.time_unit" in self._settings[stage](wildcards)
-            return self.in_results(self.campaign.time_unit(wildcards.case) if measures_time else [])
+            if not measures_time:
+                return []
+            return self.in_results(self.campaign.cases[wildcards.case].time_unit)
 
         found = {THRESHOLDS: thresholds} if self.has_quantiles else {}
-        if any(map(self.campaign.time_unit, self.campaign.cases)):
+        if any(case.time_unit for case in self.campaign.cases.values()):
             found[TIME_UNIT] = time_unit
         return found
 

@@ -283,8 +283,8 @@ words of an error of the library | LIBRARY/systems/integration.py |
   "an initial state is not finite" | "all initial states must be finite"
 words of an error of the jobs | WORKFLOW/jobs/gather.py |
   remove it, and run again | remove it and run the workflow again
-a check of lengths | WORKFLOW/config/lengths.py | \n    if steps is None or steps:\n |
-  \n    if _samples(ensemble) < 3:\n        problems.append("a")\n    if steps is None or steps:\n
+a check of lengths | WORKFLOW/config/case_checks.py | \n        if steps is None or steps:\n |
+  \n        if steps == 3:\n            return ["a"]\n        if steps is None or steps:\n
 caption of a figure | LIBRARY/figures/observable_and_density.py |
   Typical evolution of the observable | How the observable evolves
 meaning of a column | workflow/tables.yaml |

@@ -1,0 +1,501 @@
+"""Settings of a case, and what a case is: where its series come from, and what is known of them.
+
+A case is simulated, measured in files, a part of another case's state, or encoded from it. Each of
+these has a class, and all answer the same questions (`Case`).
+"""
+
+import glob
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from burstcast import durations
+from burstcast.control.actuation import actuated_system
+from burstcast.data.measured_data import Quantity
+from burstcast.data.training_realisations import realisation_of
+from burstcast.encoders.channels import IDENTITY
+from burstcast.encoders.registry import encoder_class
+from burstcast.natural_order import natural_order
+from burstcast.systems.mfe_modes import flow_modes
+from burstcast.systems.parameters import SHARE, SystemParameters
+from burstcast.systems.registry import make_space, make_system
+from burstcast.systems.state_space import StateSpace
+from burstcast_workflow.config.kinds import (
+    CaseName,
+    Count,
+    CountOrNull,
+    Distinct,
+    EncoderName,
+    ParameterName,
+    Positive,
+    PositiveOrNull,
+    Quantile,
+    Range,
+    Section,
+    SystemName,
+    Threshold,
+    TimeStep,
+    Whole,
+    Words,
+    optional,
+    part_of,
+    setting,
+)
+
+TIME = "time units"
+OBSERVABLE = "units of the observable"
+
+
+class Steps(Section):
+    """Steps of the time series of a case."""
+
+    time_step: Positive = setting("time step of the Runge-Kutta scheme", TIME)
+    sampling_stride: Count = setting("integration steps in one step of a forecast")
+
+    @property
+    def sampling_interval(self) -> float:
+        """Time between two steps of a forecast, in time units."""
+        return self.time_step * self.sampling_stride
+
+
+class Ensemble(Steps):
+    """The time series that all data come from."""
+
+    series: Whole = setting("number of series that are generated", ge=2, le=1_000_000)
+    initial_state: Annotated[
+        list[float] | None, Words("a list of numbers, or null: the system draws initial states")
+    ] = setting("initial state that all series share, one number per component")
+    perturbed_component: CountOrNull = setting(
+        "perturbed component of the initial state, counted from 1"
+    )
+    perturbation: PositiveOrNull = setting(
+        "largest perturbation; each series draws its own from [0, perturbation]",
+        "units of the component",
+    )
+    transient: Positive = setting(
+        "beginning of each series that is dropped", TIME, multiple_of="ensemble.time_step"
+    )
+    duration: Positive = setting(
+        "part of each series that is kept",
+        TIME,
+        multiple_of="ensemble.time_step * ensemble.sampling_stride",
+    )
+
+
+class TimeUnit(Section):
+    """The Lyapunov exponents."""
+
+    time_unit: Literal["published", "computed"] = setting(
+        "the exponent that sets the Lyapunov time"
+    )
+    published_exponent: float | None = optional(
+        "published leading exponent; null if there is none", "inverse time units", gt=0
+    )
+    orthonormalisation_interval: Positive = setting(
+        "time between two QR factorisations", TIME, multiple_of="ensemble.time_step"
+    )
+
+    @property
+    def known_exponent(self) -> float | None:
+        """Exponent that the unit of time follows from; None where it is computed."""
+        return durations.known_exponent(self.time_unit, self.published_exponent)
+
+
+class Lyapunov(TimeUnit):
+    """The Lyapunov exponents."""
+
+    series: Whole = setting(
+        "trajectories that the exponents are averaged over", ge=2, at_most="ensemble.series"
+    )
+    perturbation: Positive = setting(
+        "initial distance of neighbouring trajectories",
+        "attractor sizes",
+        le=1,
+        below="lyapunov.saturation",
+    )
+    saturation: Positive = setting(
+        "distance of neighbouring trajectories at which growth is no longer linear",
+        "attractor sizes",
+        le=1,
+    )
+
+
+class TrainingActuation(Section):
+    """An actuator that switches on and off at random during training series; null for none."""
+
+    interval_lt: Positive = setting("interval between two possible switchings")
+    mean_on_lt: Positive = setting(
+        "mean time that it stays on", at_least="training.actuation.interval_lt"
+    )
+    mean_off_lt: Positive = setting(
+        "mean time that it stays off", at_least="training.actuation.interval_lt"
+    )
+    strength: Positive = setting("share of the case's actuation", "actuations", default=1)
+    tested: bool = setting(
+        "whether the case's test series are such series, too; forecasters that know the parameters "
+        "are given the actuation",
+        default=False,
+    )
+
+
+class Training(Section):
+    """Training data."""
+
+    series: Count = setting("number of series that forecasters are trained on")
+    noise: float = setting(
+        "standard deviation of the observation noise", "standard deviations of each component", ge=0
+    )
+    trained_on: Distinct[CaseName] = setting(
+        "cases whose training series the kinds that know the parameters are trained on; the case "
+        "itself if empty",
+        default=[],
+    )
+    actuation: TrainingActuation | None = optional(
+        "actuation of the series that this case gives to the kinds that know the parameters; null: "
+        "its training series, which are free"
+    )
+
+
+class Density(Section):
+    """Bins of the observable's probability density."""
+
+    bins: Whole = setting("number of bins", ge=2)
+    range: Range = setting("lower and upper end of the bins", OBSERVABLE)
+
+
+class MeasuredDensity(Density):
+    """Bins of the observable's probability density."""
+
+    range: Range | None = optional(  # type: ignore[assignment]
+        "lower and upper end of the bins; null: the smallest and the largest value of the data",
+        OBSERVABLE,
+    )
+
+
+class FixedPoint(Section):
+    """When a long forecast has settled on a fixed point."""
+
+    variation: float = setting("smallest variation of the observable in motion", OBSERVABLE, ge=0)
+    above: float = setting("observable above which a settled forecast is discarded", OBSERVABLE)
+
+
+class Actuation(Section):
+    """Actuation after an alarm; null where the case is not controlled."""
+
+    parameters: dict[ParameterName, float] = setting(
+        "parameters of the equations during an actuation", default={}
+    )
+    force: Annotated[list[float] | None, Words("a list of numbers, or null")] = optional(
+        "constant force on each component of the state; null for none"
+    )
+    start_lt: float = setting("start of the actuation, from the start of the alarm's window")
+    duration_lt: Positive = setting("duration of the actuation")
+
+
+class RecycleValidation(Section):
+    """Validation intervals of Recycle Validation."""
+
+    series: Count = setting("training series with validation intervals", at_most="training.series")
+    intervals_per_series: CountOrNull = setting(
+        "validation intervals in each, end to end after the washout; null: as many as fit"
+    )
+
+
+class Blocks(Section):
+    """Lengths by which measured records are cut into series."""
+
+    duration: Positive = setting("length of each block; the remainder is dropped", TIME)
+    gap: float = setting("from the end of a block to the start of the next", TIME, ge=0, default=0)
+
+
+class Data(Section):
+    """Measured series instead of equations; null: the series are simulated."""
+
+    files: Distinct[str] = setting(
+        "files of series, or patterns (lab/run_*.csv), seen from where Snakemake runs: CSV or "
+        "Parquet with a header and a column time, NetCDF or NumPy arrays of series, time and "
+        "component",
+        default=[],
+    )
+    case: CaseName | None = optional(
+        "another case of the campaign, a part of whose state is observed"
+    )
+    components: Distinct[str] = setting(
+        "what forecasters see: columns, expressions of columns, or <name> = <one of these>; all "
+        "columns if left out",
+        default=[],
+    )
+    known: Distinct[str] = setting(
+        "what is known in advance, and given to forecasters that can use it over their forecasts: "
+        "columns, expressions of columns, or <name> = <one of these>",
+        default=[],
+    )
+    delays: Distinct[Count] = setting(
+        "past values of all components that forecasters see beside the present ones: steps of a "
+        "forecast back; each series begins so much later",
+        default=[],
+    )
+    observable: str = setting(
+        "a component, an expression of components or columns, or <name> = <one of these>"
+    )
+    time_step: TimeStep = optional("time between two rows, which are the steps of a forecast", TIME)
+    gaps: Annotated[Literal["cut"] | None, Words("cut, or null")] = optional(
+        "cut: gaps cut a record, and parts shorter than a block are left out; null: gaps are errors"
+    )
+    blocks: Blocks | None = optional("how series are cut; null: not at all")
+
+    @property
+    def paths(self) -> list[str]:
+        """Files of the series, in their order: files of a pattern as people sort names."""
+        found: dict[str, None] = {}
+        for name in self.files:
+            paths = [name]
+            if glob.has_magic(name):
+                paths = sorted(glob.glob(name, recursive=True), key=natural_order)
+                if not paths:
+                    raise ValueError(
+                        f"data.files: no file is called {name}, seen from {os.getcwd()}"
+                    )
+            found.update(dict.fromkeys(map(os.path.relpath, paths)))
+        return list(found)
+
+
+class DataOfCase(Data):
+    """Measured series, with the components of the state that another case has."""
+
+    columns: Distinct[str] = setting("components of the state of another case", default=[])
+
+
+class Sensors(Section):
+    """What is observed in place of the whole state; equations with a filter estimate the rest."""
+
+    points: Annotated[list[Annotated[Count, Field(le=20)]], Field(min_length=2, max_length=2)] = (
+        setting("number of probes of the velocity along x and y", default=[8, 8])
+    )
+    components: list[str] | None = optional("components that are observed, in place of probes")
+
+
+class CaseEncoder(Section):
+    """Encoding of the observations in the channels that forecasters receive."""
+
+    kind: EncoderName = setting("a module of burstcast.encoders")
+    modes: CountOrNull = optional("number of modes, of the kind pod")
+
+
+class Case(Section):
+    """A dynamical system with its dataset: defaults of every case."""
+
+    system: str
+    parameters: dict[str, Any] = setting("parameters of the equations", default={})
+    event_threshold: Threshold = setting(
+        "value of the observable that an extreme event reaches, k_e, or the share of its values in "
+        "the training series that are below it",
+        OBSERVABLE,
+        below="laminarisation_threshold",
+    )
+    laminarisation_threshold: float | None = optional(
+        "value of the observable beyond which a series is discarded, k_l; null keeps all",
+        OBSERVABLE,
+    )
+    ensemble: Steps
+    lyapunov: TimeUnit
+    training: Training
+    density: Density
+    fixed_point: FixedPoint
+    actuation: Actuation | None = optional("")
+    test_series: Count = setting(
+        "number of test series; if left out, all measured series after the training series"
+    )
+    recycle_validation: RecycleValidation
+    data: Data | None = optional(
+        "measured series instead of equations; null: the series are simulated"
+    )
+    sensors: Sensors | None = optional(
+        "probes that see the state of another case (data.case); null: all of it is observed"
+    )
+    encoder: CaseEncoder | None = optional(
+        "encoder of what is observed of another case (data.case), an estimate of its state where "
+        "sensors see it; null: forecasters receive what is observed"
+    )
+
+    has_equations: ClassVar[bool] = False
+    #: whether forecasters receive readings of sensors, or what an encoder makes
+    is_encoded: ClassVar[bool] = False
+    _name: str = ""
+    _source: "Case | None" = None
+
+    def in_campaign(self, name: str, source: "Case | None") -> None:
+        """Take the name that a campaign has for the case, and the case that it is a part of."""
+        self._name, self._source = name, source
+
+    @property
+    def name(self) -> str:
+        """Name of the case."""
+        return self._name
+
+    @property
+    def source(self) -> "Case":
+        """Case whose series and Lyapunov exponents it has: itself, or what it is a part of."""
+        return self._source or self
+
+    @property
+    def source_system(self) -> dict[str, Any]:
+        """Name, system and parameters of the source."""
+        source = self.source
+        return {"name": source.name, "system": source.system, "parameters": source.parameters}
+
+    @property
+    def realisation(self) -> int:
+        """Number of its choice of training series; 0: the first ones."""
+        return realisation_of(self._name)[1]
+
+    @property
+    def space(self) -> StateSpace:
+        """State space; a ValueError or TypeError if the system or its parameters are invalid."""
+        return make_space(self.system, self.parameters)
+
+    @property
+    def is_flow(self) -> bool:
+        """Whether the state is the amplitudes of velocity modes."""
+        return self.has_equations and flow_modes(self.space) is not None
+
+    @property
+    def steps_per_lyapunov_time(self) -> int | None:
+        """Steps of a forecast in a Lyapunov time; None where the config does not know it."""
+        exponent = self.lyapunov.known_exponent
+        if exponent is None:
+            return None
+        return durations.steps_per_lyapunov_time(exponent, self.ensemble.sampling_interval)
+
+    @property
+    def time_unit(self) -> str | list[str]:
+        """File of the computed Lyapunov exponents, where they set the unit of time."""
+        known = self.steps_per_lyapunov_time is not None
+        return [] if known else f"{self.source.name}/lyapunov.json"
+
+    @property
+    def estimates_time_unit(self) -> bool:
+        """Whether a Lyapunov time is known only from how neighbouring states of the series part."""
+        return self.steps_per_lyapunov_time is None and not self.source.has_equations
+
+    @property
+    def event_quantile(self) -> float | None:
+        """Quantile that the event threshold is given as; None where it is a number."""
+        found = self.event_threshold
+        return found.quantile if isinstance(found, Quantile) else None
+
+    @property
+    def imported_noise(self) -> float:
+        """Level of the noise that series get when they are imported; 0 if later, or none.
+
+        Past values among the components have the noise of their own time, which must be there
+        before they are taken.
+        """
+        early = self.is_encoded or (self.data and self.data.delays)
+        return self.training.noise if early else 0.0
+
+    @property
+    def known(self) -> list[str]:
+        """Names of the columns that are known in advance."""
+        return [Quantity(text).name for text in self.data.known] if self.data else []
+
+    @property
+    def undecoded(self) -> str | None:
+        """Encoder from whose channels no state follows; None where states follow."""
+        kind = self.encoder.kind if self.encoder else IDENTITY
+        return None if encoder_class(kind).decodes else kind
+
+    @property
+    def sensor(self) -> dict[str, Any]:
+        """Observations of the source, for forecasters that control it by this part of it."""
+        raise TypeError(f"{self.name} is no part of another case")
+
+    def values_of(self, names: Sequence[str], share: float = 0.0) -> list[float]:
+        """Values of parameters in force at a share of the actuation; none of records."""
+        return []
+
+    def given(self) -> dict[str, Any]:
+        """Settings as jobs are given them."""
+        plain = self.dump()
+        if self.imported_noise:
+            plain["training"]["noise"] = 0  # what is imported has it already
+        if self.event_quantile is not None:
+            # a job finds it out (`burstcast_workflow.harness.settings`)
+            plain["event_threshold"]["case"] = self.name
+        return plain
+
+
+class Simulated(Case):
+    """A dynamical system with its dataset: defaults of every case."""
+
+    system: SystemName = setting(
+        "the equations: a module of burstcast.systems, or module:Class of your own, in the working "
+        "directory, beside a config, or installed"
+    )
+    files: Annotated[Distinct[str] | None, Words("a list, each text, or null")] = optional(
+        "files that a module of your own reads, from the directory of the module; [] if none"
+    )
+    parameters: dict[ParameterName, float] = setting("parameters of the equations", default={})
+    ensemble: Ensemble
+    lyapunov: Lyapunov
+    controlled_density: Density = setting("bins of the observable's density under control")
+    has_equations: ClassVar[bool] = True
+
+    def values_of(self, names: Sequence[str], share: float = 0.0) -> list[float]:
+        """Values of parameters of the equations, or the share itself."""
+        if list(names) == [SHARE]:
+            return [share]
+        system = make_system(self.system, self.parameters)
+        if share:
+            if self.actuation is None:
+                raise ValueError("training.actuation needs a case with an actuation")
+            system = actuated_system(system, self.actuation.parameters, None, share)
+        return [*SystemParameters.of(system, names).own]
+
+
+class MeasuredSteps(Steps):
+    """Steps of measured series."""
+
+    duration: Positive | None = optional("of each series, where it is known", TIME)
+
+
+class Measured(Case):
+    """A case of measured series."""
+
+    system: Literal["measured"]
+    ensemble: MeasuredSteps
+    density: MeasuredDensity
+    fixed_point: FixedPoint | None = None  # type: ignore[assignment]
+    test_series: CountOrNull = None  # type: ignore[assignment]
+    actuation: None = None
+    data: DataOfCase
+
+
+class PartOfCase(Measured):
+    """A case that is a part of another case's state."""
+
+    @property
+    def sensor(self) -> dict[str, Any]:
+        """Components of the source, and what its observable is made of."""
+        return {"components": self.data.components, "of": self.parameters["observable_of"]}
+
+
+class Encoded(PartOfCase):
+    """A case of readings of another case by sensors, or of what an encoder makes of it."""
+
+    is_encoded: ClassVar[bool] = True
+
+    @property
+    def sensor(self) -> dict[str, Any]:
+        """Sensors and encoder, with the channels."""
+        plain = self.given()
+        return {name: plain[name] for name in ("parameters", "sensors", "encoder")}
+
+
+# an entry of `cases`: what differs from case_defaults, or from what a class says
+if TYPE_CHECKING:
+    CasePart = Simulated
+else:
+    CasePart = part_of(Simulated)

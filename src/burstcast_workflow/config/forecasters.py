@@ -1,0 +1,299 @@
+"""Settings of forecasters: the kinds of a block of the campaign, and the options of kinds."""
+
+import os
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field, create_model, model_validator
+from pydantic_core import PydanticCustomError
+
+from burstcast.compiled.backends import usable_backend
+from burstcast.esn.readout import ReadoutKind
+from burstcast.forecasters._options import DEFAULTS
+from burstcast.forecasters.registry import all_kinds
+from burstcast_workflow.config.kinds import (
+    Count,
+    Distinct,
+    Label,
+    ParameterName,
+    Positive,
+    Section,
+    Size,
+    Some,
+    SomeFalling,
+    Strategy,
+    Whole,
+    Words,
+    optional,
+    part_of,
+    setting,
+    with_defaults,
+)
+
+SIZES = "campaign.forecasters.esn.neurons"
+STRATEGIES = "campaign.forecasters.esn.validation"
+
+
+class NoAxes(Section):
+    """There is one forecaster of this kind: {}."""
+
+
+KINDS = Words("a list of kinds, or a mapping of kinds to their axes, {} where there are none")
+Alone = Annotated[NoAxes | None, Words("{}, or null for none")]
+
+
+class Chosen(Section):
+    """Kinds of forecasters, with the axes of each kind."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _mapping(cls, said: Any) -> Any:
+        """A list of kinds, names or mappings of names to axes, as one mapping."""
+        if not isinstance(said, list):
+            return said
+        kinds: dict[Any, Any] = {}
+        for one in said:
+            if not isinstance(one, str | dict):
+                text = f"has {one}; each kind is a name, or a name with its axes"
+                raise PydanticCustomError("between", text)
+            found = one if isinstance(one, dict) else {one: {}}
+            for kind in found.keys() & kinds.keys():
+                raise PydanticCustomError("between", f"has {kind} twice")
+            # what YAML reads in `- equations:`
+            kinds |= {kind: {} if axes is None else axes for kind, axes in found.items()}
+        return kinds
+
+    @property
+    def kinds(self) -> dict[str, Any]:
+        """Axes by kind, of kinds that are not null."""
+        return {kind: axes for kind, axes in self if axes is not None}
+
+
+class NetworkAxes(Section):
+    """Echo state networks of a block: neurons x validation strategies x seeds."""
+
+    neurons: Some[Size] = setting("sizes of the reservoir")
+    validation: Some[Strategy] = setting("validation strategies: Single Shot (SSV), Recycle (RV)")
+    seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1", le=10_000)
+    variants: Distinct[Label] = setting(
+        "names of `forecasters.variants`: networks of each of them instead of networks with the "
+        "settings of `forecasters.esn`",
+        default=[],
+    )
+
+
+if TYPE_CHECKING:
+    AllKinds = Chosen
+else:  # a new module of burstcast.forecasters is one kind more
+    AllKinds = create_model(
+        "AllKinds", __base__=Chosen, **dict.fromkeys(all_kinds(), (Alone, None))
+    )
+
+
+class ExternalFiles(Section):
+    """Forecasts that another program has made, in files (docs/benchmark.md)."""
+
+    files: Some[str] = setting(
+        "files of forecasts, NetCDF or CSV, as seen from where Snakemake runs; {case} stands for "
+        "the name of the case"
+    )
+    alarm_threshold: Annotated[Positive, Field(le=1)] = setting(
+        "probability at or above which an alarm is raised; probabilities are taken as they are",
+        default=0.5,
+    )
+
+    def paths(self, case: str) -> list[str]:
+        """Files for a case."""
+        return [os.path.relpath(path.replace("{case}", case)) for path in self.files]
+
+
+class BlockForecasters(AllKinds):
+    """Forecasters of a block, by kind; null for none of a kind."""
+
+    external: Annotated[
+        dict[Label, ExternalFiles] | None, Words("a mapping of names, or null for none")
+    ] = optional(
+        "forecasts that other programs have made, by a name: each has `files`, NetCDF or CSV "
+        "(`{case}` in a path stands for the name of the case), and may have an `alarm_threshold`, "
+        "0.5 if left out"
+    )
+
+    esn: NetworkAxes | None = optional("echo state networks")
+    esn_true_washout: NetworkAxes | None = optional(
+        "the same networks, given washouts without noise"
+    )
+    esn_aware: NetworkAxes | None = optional(
+        "echo state networks that know the parameters in force"
+    )
+
+    @property
+    def networks(self) -> list[NetworkAxes]:
+        """Axes of the kinds that are networks."""
+        kinds = (self.esn, self.esn_true_washout, self.esn_aware)
+        return [axes for axes in kinds if axes is not None]
+
+
+class NetworkChoice(Section):
+    """Selection of the campaign's networks; a property that is left out is not restricted."""
+
+    neurons: Distinct[Size] | None = setting(
+        "sizes of the reservoir; all if left out or empty; null: figures.fixed_neurons",
+        one_of=SIZES,
+        default=[],
+    )
+    validation: Distinct[Strategy] | None = setting(
+        "validation strategies; all if left out or empty; null: the example network's strategy",
+        one_of=STRATEGIES,
+        default=[],
+    )
+
+
+class Choice(AllKinds):
+    """Selection of the campaign's forecasters by kind; null for none of a kind."""
+
+    external: Alone = optional("forecasts from files, which start from no other state: always null")
+
+    esn: NetworkChoice | None = optional("echo state networks")
+    esn_true_washout: NetworkChoice | None = optional(
+        "networks that are given washouts without noise"
+    )
+    esn_aware: NetworkChoice | None = optional(
+        "echo state networks that know the parameters in force"
+    )
+
+
+@with_defaults(DEFAULTS["esn"])
+class EchoStateNetwork(Section):
+    """Echo state networks."""
+
+    connectivity: Positive = setting("mean number of connections of a neuron")
+    input_bias: float = setting("constant that is appended to the normalised inputs, b_in")
+    input_range: Literal["all", "first"] = setting(
+        "training series whose range the inputs are divided by: all, or the first one, as in the "
+        "programs of the paper's authors"
+    )
+    divergence_bound: float = setting(
+        "a forecast beyond this many training ranges has diverged", "training ranges", ge=1
+    )
+    readout: ReadoutKind = setting(
+        "what the output weights multiply: the states of the neurons, or these with every second "
+        "one squared"
+    )
+    leak_rate: SomeFalling[Annotated[Positive, Field(le=1)]] = setting(
+        "part of the way that neurons go in a step, a, where 1 is no leak; several: chosen by the "
+        "search"
+    )
+    # a platform that cannot compile says so once, and every file says what it was made with
+    backend: Annotated[Literal["compiled", "scipy"], AfterValidator(usable_backend)] = setting(
+        "implementation of the reservoir's dynamics", validate_default=True
+    )
+
+
+# what differs from forecasters.esn
+if TYPE_CHECKING:
+    Variant = EchoStateNetwork
+else:
+    Variant = part_of(EchoStateNetwork)
+
+
+@with_defaults(DEFAULTS["observation"])
+class Observation(Section):
+    """Knowledge of learnt equations and filters about the observations."""
+
+    noise: float | None = setting(
+        "standard deviation of the noise; null: estimated from the training series",
+        "standard deviations of each component",
+        ge=0,
+    )
+
+
+@with_defaults(DEFAULTS["filter"])
+class Filter(Section):
+    """The filter of `equations_filtered` and `quadratic_filtered`."""
+
+    members: Annotated[Whole, Field(multiple_of=2), Words("an even number above 0")] = setting(
+        "size of the ensemble: at least twice the components of a wholly observed state", ge=2
+    )
+    inflation: float = setting("factor of the ensemble's scatter before each observation", ge=1)
+
+
+@with_defaults(DEFAULTS["quadratic"])
+class Quadratic(Section):
+    """Learnt equations, of `quadratic` and `quadratic_filtered`."""
+
+    degree: Whole = setting("highest degree of the polynomials", ge=1, le=3)
+    window_lt: Positive = setting("time that the equations are integrated over, to learn them")
+
+
+@with_defaults(DEFAULTS["analogues"])
+class AnalogueForecasters(Section):
+    """Analogues."""
+
+    neighbours: Count = setting("number of analogues, whose mean is the forecast")
+
+
+@with_defaults(DEFAULTS["classifiers"])
+class Classifiers(Section):
+    """Training of `precursor` and `esn_direct`, which give probabilities without a trajectory."""
+
+    start_spacing_lt: Positive = setting("distance of the starting points that are learnt from")
+    folds: Whole = setting(
+        "parts of the training series, each forecast by what has learnt from the others, to "
+        "calibrate the probabilities",
+        ge=2,
+    )
+
+
+@with_defaults(DEFAULTS["precursor"])
+class Precursor(Section):
+    """Learnt precursors, `precursor`."""
+
+    classifier: Literal["boosting", "logistic"] = setting(
+        "gradient boosting of trees, or logistic regression of features and their products"
+    )
+    lags_lt: Distinct[Positive] = setting(
+        "past values that are features beside the present ones, within the washout"
+    )
+
+
+@with_defaults(DEFAULTS["esn_direct"])
+class DirectReadout(Section):
+    """Reservoirs that are read out for the event, `esn_direct`; `esn` has all other settings."""
+
+    neurons: Size = setting("size of the reservoir")
+    spectral_radius: Some[Positive] = setting("spectral radius; several: chosen in training")
+    input_scaling: Some[Positive] = setting("input scaling; several: chosen in training")
+    penalty: Some[Positive] = setting(
+        "strength of the penalty on squared weights of neurons of unit variance; several: chosen "
+        "in training"
+    )
+
+
+@with_defaults(DEFAULTS["aware"])
+class Aware(Section):
+    """Kinds that know the parameters in force, whose factors what they learn is linear in."""
+
+    parameters: Some[ParameterName] = setting(
+        "parameters of the equations that forecasters are given, or share: share of the actuator"
+    )
+    transform: Literal["identity", "inverse"] = setting(
+        "function of a parameter that the factors are made of, scaled to [-1, 1] in training"
+    )
+    parameter_degree: Whole = setting("highest degree of the factors", ge=1, le=3)
+
+
+class Forecasters(Section):
+    """Settings of the kinds of forecasters that have any."""
+
+    esn: EchoStateNetwork = setting("", default_factory=EchoStateNetwork)
+    variants: dict[Label, Variant] = setting(
+        "networks that differ from `forecasters.esn`, by a name: the settings that differ",
+        default={},
+    )
+    observation: Observation = setting("", default_factory=Observation)
+    filter: Filter = setting("", default_factory=Filter)
+    quadratic: Quadratic = setting("", default_factory=Quadratic)
+    analogues: AnalogueForecasters = setting("", default_factory=AnalogueForecasters)
+    classifiers: Classifiers = setting("", default_factory=Classifiers)
+    precursor: Precursor = setting("", default_factory=Precursor)
+    esn_direct: DirectReadout = setting("", default_factory=DirectReadout)
+    aware: Aware = setting("", default_factory=Aware)
