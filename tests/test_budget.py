@@ -14,10 +14,10 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BUDGET = {
-    "product, all lines": 48_000,
-    "product, code": 28_900,
-    "product, docstrings": 8_100,
-    "tests, all lines": 38_900,
+    "product, all lines": 47_700,
+    "product, code": 28_700,
+    "product, docstrings": 8_050,
+    "tests, all lines": 38_700,
 }
 ROOM = 0.02
 SUFFIXES = {".py", ".smk", ".jinja", ".css", ".js", ".html"}
