@@ -55,7 +55,7 @@ class Training(JobSettings):
 
 
 class Tested(Training):
-    """And those after them, which forecasters are tested on."""
+    """The series after them, which forecasters are tested on."""
 
     wanted_test_series: int | None = at("case.test_series")
 

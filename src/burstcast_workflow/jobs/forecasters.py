@@ -98,7 +98,7 @@ def read_kind(
 
 
 class Observing(Forecasting, Observed):
-    """And what they learn from."""
+    """What forecasters of a kind know, and what they learn from."""
 
     def learnt_rows(self, forecaster: Forecaster | type[Forecaster], ensemble: str) -> FloatArray:
         """Series that a forecaster learns from: with noise, or true ones for the exact equations.

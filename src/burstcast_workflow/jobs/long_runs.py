@@ -46,7 +46,7 @@ class LongRuns(System, Washed, Observed):
 
 
 class LongTerm(LongRuns, Density):
-    """And when they are discarded."""
+    """Long runs, and when they are discarded."""
 
     divergence_bound: float | None = at("forecaster.divergence_bound")
     laminarisation_threshold: float | None = at("case.laminarisation_threshold")
