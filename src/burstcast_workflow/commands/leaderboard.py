@@ -1,6 +1,5 @@
 """The leaderboard of the benchmark: rows from the tables of campaigns, and its page."""
 
-import csv
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
@@ -102,20 +101,16 @@ def row_of(scores: pd.DataFrame, **said: str) -> dict[str, str]:
 
 def read_leaderboard(path: Path) -> list[Row]:
     """Rows of a leaderboard."""
-    with open(path, encoding="utf-8", newline="") as file:
-        reader = csv.DictReader(file)
-        rows: list[Row] = list(reader)
-    if tuple(reader.fieldnames or ()) != COLUMNS:
+    found = pd.read_csv(path, dtype=str, keep_default_na=False)
+    if tuple(found) != COLUMNS:
         raise ValueError(f"{path} is no leaderboard: its columns must be {', '.join(COLUMNS)}")
-    return rows
+    return [dict(zip(COLUMNS, row, strict=True)) for row in found.to_numpy().tolist()]
 
 
 def write_leaderboard(path: Path, rows: Iterable[Row]) -> None:
     """Write a leaderboard."""
-    with atomic(path) as partial, open(partial, "w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    with atomic(path) as partial:
+        pd.DataFrame(list(rows), columns=COLUMNS).to_csv(partial, index=False)
 
 
 def with_row(rows: Iterable[Row], row: Row, cases: Sequence[str]) -> list[Row]:
