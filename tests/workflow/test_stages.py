@@ -43,7 +43,7 @@ WRITTEN = {
     for name, text in re.findall(r"^rule (\w+):\n((?: .*\n|\n)*)", RULES, re.M)
     if "script:" in text and name != "figure"
 }
-JOINED = {table.section for table in DECLARED.values() if table.of_cases}
+JOINED = dict.fromkeys(table.section for table in DECLARED.values() if table.of_cases)
 """Sections of the report, the tables of which one job joins."""
 STAGES = [*WRITTEN, *MAKERS, *(f"joined_{section}" for section in JOINED)]
 TABLES = SCRIPTS / "tables" / "table.py"
