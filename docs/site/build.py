@@ -41,7 +41,7 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 LIBRARY = ROOT / "src" / "burstcast"
 NAVIGATION = {
-    "Run and change": ["installing", "settings", "figures", "tables", "cluster"],
+    "Run and change": ["installing", "settings", "figures", "tables", "errors", "cluster"],
     "Your data, system, model": [
         *("notebook", "event_forecast", "own_data", "what_if", "campaign"),
         *("tutorial_data", "data_recipes", "real_records", "tutorial", "fitzhugh_nagumo", "aware"),
