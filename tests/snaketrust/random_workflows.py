@@ -291,7 +291,8 @@ class Workflow:
             )
         )
         if kind == "source":
-            self.sources[chance.choice([*self.sources])] = f"source {chance.randrange(9)}"
+            place = chance.choice([*self.sources])  # no two are alike: their order would not tell
+            self.sources[place] = f"source {place}, {chance.randrange(9)}"
         elif kind == "order":
             chance.shuffle(rule.inputs)
         elif kind == "names":
