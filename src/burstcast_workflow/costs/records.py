@@ -58,9 +58,10 @@ def check_memory(workflow: Any, model: CostModel) -> None:
 
     Memory of other machines is known to their scheduler alone.
     """
+    if not workflow.local_exec:
+        return
     machine_mib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**20
-    reason = beyond_memory(costs_of_jobs(workflow.dag.needrun_jobs(), model), machine_mib)
-    if workflow.local_exec and reason:
+    if reason := beyond_memory(costs_of_jobs(workflow.dag.needrun_jobs(), model), machine_mib):
         if not workflow.dryrun:
             raise RefusedError(reason)
         print(reason, file=sys.stderr)

@@ -17,7 +17,7 @@ from burstcast.statistics.long_term import FixedPointCriterion, LongTermSettings
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import VALIDATED_TOGETHER, make_strategy
 from burstcast_workflow.harness.settings import at, names
-from burstcast_workflow.jobs.time_unit import Clock
+from burstcast_workflow.jobs.time_unit import Washed
 
 
 @contextmanager
@@ -29,10 +29,9 @@ def listing(problems: list[str], settings: str = "") -> Iterator[None]:
         problems.append(f"{settings}: {error}".removeprefix(": "))
 
 
-class Lengths(Clock):
+class Lengths(Washed):
     """What forecasts of a case need of its series."""
 
-    washout_lt: float = at("washout_lt")
     interval_lt: float = at("search.interval_lt")
     single_shot_lead_steps: int = at("search.single_shot_lead_steps")
     start_spacing_lt: float = at("classification.start_spacing_lt")
