@@ -8,10 +8,12 @@
     python benchmarks/mutants.py report
 
 One operator, bound, constant, default or result is changed at a time, at a place that is drawn at
-random, and the tests that run this line are run until one fails; then, before a mutant counts as a
-survivor, those that run any line of the module, and those that ``--all`` names. Sources are edited
-in place: work in a clone of its own, nowhere else. What was found is kept in ``mutants/`` there: a
-sample may be continued, and its survivors be tried again (``--again``) once there are more tests.
+random, and the tests that run this line are run until one fails (``--every``: all of them, so that
+each test that notices is known); then, before a mutant counts as a survivor, those that run any
+line of the module, and those that ``--all`` names. Sources are edited in place: work in a clone of
+its own, nowhere else. What was found is kept in ``mutants/`` there: a sample may be continued, and
+its survivors be tried again (``--again``) once there are more tests. ``--only`` tries what a sample
+has below some paths.
 """
 
 import argparse
@@ -305,8 +307,8 @@ def load_libraries() -> None:
     hypothesis.settings.load_profile("mutants")
 
 
-def passes(tests: Sequence[str], seconds: float) -> tuple[bool, str]:
-    """Whether tests pass in a process of their own, and the first failure that they tell."""
+def passes(tests: Sequence[str], seconds: float, every: bool = False) -> tuple[bool, list[str]]:
+    """Whether tests pass in a process of their own, and the failures that they tell."""
     said = FOUND / "output.txt"
     child = os.fork()
     if child == 0:
@@ -320,7 +322,7 @@ def passes(tests: Sequence[str], seconds: float) -> tuple[bool, str]:
 
         status = 70
         try:
-            status = int(pytest.main(["-x", "-q", *QUIET, *tests]))
+            status = int(pytest.main([*([] if every else ["-x"]), "-q", *QUIET, *tests]))
         finally:
             sys.stdout.flush()
             os._exit(status)
@@ -332,33 +334,35 @@ def passes(tests: Sequence[str], seconds: float) -> tuple[bool, str]:
         if time.monotonic() > end:
             os.killpg(child, signal.SIGKILL)
             os.waitpid(child, 0)
-            return False, "takes too long"
+            return False, ["takes too long"]
         time.sleep(0.02)
     lines = [line for line in said.read_text(errors="replace").splitlines() if line.strip()]
     if any(line.startswith("ERROR: not found") for line in lines) and "::" in "".join(tests):
         # the name of a test has the number of a process in it, say: all tests of the files
-        return passes(sorted({test.partition("::")[0] for test in tests}), seconds)
+        return passes(sorted({test.partition("::")[0] for test in tests}), seconds, every)
     failures = [line for line in lines if line.startswith(("FAILED", "ERROR", "INTERNALERROR"))]
-    return os.waitstatus_to_exitcode(status) == 0, (failures or lines[-1:] or ["nothing"])[0][:200]
+    told = failures or lines[-1:] or ["nothing"]
+    return os.waitstatus_to_exitcode(status) == 0, [failure[:200] for failure in told]
 
 
-def outcome(mutant: Mutant, tests: Tests, beyond: Sequence[str], longest: float) -> tuple[str, str]:
+def outcome(mutant: Mutant, tests: Tests, options: argparse.Namespace) -> tuple[str, list[str]]:
     """Whether a mutant is killed or survives, and what it is killed by."""
     near, module = tests.of(mutant)
-    stages = [tests.within(near, LONGEST), tests.within(module, longest), list(beyond)]
+    stages = [tests.within(near, LONGEST), tests.within(module, options.longest)]
+    stages.append(list(options.all))
     path = ROOT / mutant.path
     source, state = path.read_bytes(), path.stat()
     try:
         path.write_bytes(source[: mutant.start] + mutant.new.encode() + source[mutant.end :])
         for stage in filter(None, stages):
             seconds = sum(tests.seconds.get(test, 60.0) for test in stage)
-            passed, said = passes(stage, 30.0 + 4.0 * seconds)
+            passed, said = passes(stage, 30.0 + 4.0 * seconds, options.every)
             if not passed:
                 return "killed", said
     finally:
         path.write_bytes(source)
         os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns))
-    return "survived", f"{len(near)} tests run the line, {len(module)} others the module"
+    return "survived", [f"{len(near)} tests run the line, {len(module)} others the module"]
 
 
 def sample(modules: Sequence[str], seed: int, number: int) -> list[Mutant]:
@@ -383,14 +387,17 @@ def run(options: argparse.Namespace) -> None:
         before = done.get(json.dumps(asdict(mutant)))
         if before and not (options.again and before["outcome"] == "survived"):
             continue
+        if options.only and not mutant.path.startswith(tuple(options.only)):
+            continue
         start = time.monotonic()
-        how, why = outcome(mutant, tests, options.all, options.longest)
+        how, why = outcome(mutant, tests, options)
         entry = {"mutant": asdict(mutant), "outcome": how, "by": why, "seed": options.seed}
         with DRAWN.open("a") as file:
             file.write(json.dumps(entry) + "\n")
         taken = time.monotonic() - start
         print(
-            f"{number:4d} {taken:5.1f} s {how:8s} {mutant.path} {mutant.what} | {why}", flush=True
+            f"{number:4d} {taken:5.1f} s {how:8s} {mutant.path} {mutant.what} | {why[0]}",
+            flush=True,
         )
 
 
@@ -409,7 +416,7 @@ def report() -> None:
         f"{len(entries)} mutants, {len(entries) - len(survivors)} killed, {len(survivors)} survived"
     )
     for one in sorted(survivors, key=lambda one: (one["mutant"]["path"], one["mutant"]["start"])):
-        print(f"{one['mutant']['path']} {one['mutant']['what']} | {one['by']}")
+        print(f"{one['mutant']['path']} {one['mutant']['what']} | {one['by'][0]}")
 
 
 def main() -> int:
@@ -424,7 +431,9 @@ def main() -> int:
     runs.add_argument("--number", type=int, default=300)
     runs.add_argument("--longest", type=float, default=60.0)
     runs.add_argument("--all", nargs="*", default=[])
+    runs.add_argument("--only", nargs="*", default=[])
     runs.add_argument("--again", action="store_true")
+    runs.add_argument("--every", action="store_true")
     options = parser.parse_args()
     os.chdir(ROOT)
     os.environ.setdefault("OMP_NUM_THREADS", "1")
