@@ -5,7 +5,6 @@ import re
 import numpy as np
 import pytest
 
-from burstcast.data.dataset import generate_ensemble, initial_states
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.reservoir import ReservoirSeed, make_reservoir
@@ -27,7 +26,6 @@ from burstcast.statistics.neighbour_divergence import (
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lyapunov import kaplan_yorke_dimension, lyapunov_spectrum
-from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from helpers_library import MadeUpForecaster
 
 ROTATION = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3))).Q
@@ -39,57 +37,59 @@ def spectrum(forecaster, washouts, steps, exponents=3, interval=5, seed=1):
     return forecaster_spectrum(forecaster, washouts, steps, interval, exponents, STEP, generator)
 
 
-def lorenz_series(count, steps, transient=2000):
-    """States of the Lorenz equations, ``(series, time, 3)``, two integration steps apart."""
+def lorenz_series(count=10, steps=4000, transient=2000):
+    """States of the Lorenz equations, ``(series, time, 3)``; published exponent: 0.906."""
     start = np.random.default_rng(2).normal(0, 8, (3, count)) + np.array([[0.0], [0.0], [25.0]])
     start = integrate(Lorenz63(), start, 0.01, transient, max(transient, 1))[-1]
     return integrate(Lorenz63(), start, 0.01, 2 * steps, 2).transpose(2, 0, 1)
 
 
-def test_linear_models_have_the_logarithms_of_their_eigenvalues_as_far_as_they_are_known():
-    rates = np.array([1.05, 0.9, 0.4])
-    model = LinearInverseModel(ROTATION @ np.diag(rates) @ ROTATION.T, np.array([0.1, 0.0, 0.2]))
-    found = spectrum(model, np.zeros((2, 4, 3)), 600)
-    expected = np.log(rates) / STEP
-    np.testing.assert_allclose(found.exponents, [expected, expected], rtol=0, atol=1e-9)
+def linear(rates, rotation=ROTATION, mean=0.0):
+    return LinearInverseModel(rotation @ np.diag(rates) @ rotation.T, np.full(3, mean))
+
+
+@pytest.mark.parametrize(
+    ("model", "exponents", "rates"),
+    [
+        (linear([1.05, 0.9, 0.4], mean=0.1), 3, [1.05, 0.9, 0.4]),
+        (linear([1.05, 0.9, 0.4]), 2, [1.05, 0.9]),
+        (linear([1.05, 0.9, 0.4]), 5, [1.05, 0.9, 0.4, np.nan, np.nan]),
+        (linear([1.05, 0.9, 1e-4], np.eye(3)), 3, [1.05, 0.9, np.nan]),  # lost in rounding errors
+    ],
+)
+def test_linear_models_have_the_logarithms_of_their_eigenvalues(model, exponents, rates):
+    found = spectrum(model, np.zeros((2, 4, 3)), 600, exponents)
+    expected = np.log([rates, rates]) / STEP
+    np.testing.assert_allclose(found.exponents, expected, rtol=0, atol=1e-9)
     assert found.duration == pytest.approx(450 * STEP)
-    model = LinearInverseModel(ROTATION @ np.diag([1.05, 0.9, 0.4]) @ ROTATION.T, np.zeros(3))
-    leading = spectrum(model, np.zeros((1, 4, 3)), 600, exponents=2)
-    np.testing.assert_allclose(leading.exponents, [np.log([1.05, 0.9]) / STEP], rtol=0, atol=1e-9)
-    more = spectrum(model, np.zeros((1, 4, 3)), 600, exponents=5)
-    assert np.isnan(more.exponents[0, 3:]).all()
-    assert np.isfinite(more.exponents[0, :3]).all()
-    model = LinearInverseModel(np.diag([1.05, 0.9, 1e-4]), np.zeros(3))
-    found = spectrum(model, np.zeros((2, 4, 3)), 600).exponents
-    np.testing.assert_allclose(found[:, 0], np.log(1.05) / STEP)
-    assert np.isnan(found[:, 2]).all()
 
 
-def test_equations_have_the_exponents_of_the_system():
-    washouts = lorenz_series(6, 10)
-    found = spectrum(EquationsFromTruth(Lorenz63(), 0.01, 2), washouts, 4000)
+def test_equations_have_the_exponents_of_the_system_however_many_run_side_by_side(monkeypatch):
+    washouts, equations = lorenz_series(6, 10), EquationsFromTruth(Lorenz63(), 0.01, 2)
+    found = spectrum(equations, washouts, 4000)
     start = np.ascontiguousarray(washouts[:, -1].T)
     own = lyapunov_spectrum(Lorenz63(), start, 0.01, 6000, 10, alignment_steps=2000)
     assert found.duration == pytest.approx(own.duration)
     # the perturbations begin otherwise, and are lined up after the alignment
     np.testing.assert_allclose(found.exponents, own.exponents, rtol=0, atol=1e-6)
+    together = spectrum(equations, washouts, 60).exponents
+    monkeypatch.setattr(module, "RUNS_PER_BATCH", 4)
+    np.testing.assert_array_equal(spectrum(equations, washouts, 60).exponents, together)
+    assert spectrum(equations, washouts[:0], 60).exponents.shape == (0, 3)
+    with pytest.raises(ValueError, match="too few"):
+        spectrum(equations, washouts, 4)
 
 
-def lorenz_network():
+def test_network_that_has_learnt_lorenz_has_its_exponents():
     # off the attractor, at first, so that there is something to learn about the way back
     series = lorenz_series(12, 4000, transient=0)
     noise = np.random.default_rng(5).normal(size=series.shape)
     observed = series + 1e-3 * series.std(axis=(0, 1)) * noise
     input_range = np.ptp(observed, axis=(0, 1))
-    seed = ReservoirSeed(0, 300, 0, 3, 0.1)
     dynamics = Dynamics(make_reservoir(300, 3, 3, 0.1, np.random.default_rng(3)), 0.1, 1.0, "scipy")
     readout = train(dynamics, TrainingSeries(observed, input_range), washout=5, tikhonov=1e-9)
-    network = NetworkForecaster(EchoStateNetwork(dynamics, readout, input_range), seed, 10.0)
-    return network, observed
-
-
-def test_network_that_has_learnt_lorenz_has_its_exponents():
-    network, observed = lorenz_network()
+    echo_state = EchoStateNetwork(dynamics, readout, input_range)
+    network = NetworkForecaster(echo_state, ReservoirSeed(0, 300, 0, 3, 0.1), 10.0)
     found = spectrum(network, observed[:, -50:], 8000, exponents=4).exponents
     mean, error = found.mean(axis=0), found.std(axis=0, ddof=1) / np.sqrt(len(found))
     assert error[0] < 0.015
@@ -107,21 +107,6 @@ def test_equations_that_are_learnt_have_the_exponents_of_lorenz():
     model = QuadraticModel.fit(series, ForecastingCase(Lorenz63(), 0.01, 2, 50, options))
     found = spectrum(model, series[:, -10:], 2000).exponents.mean(axis=0)
     np.testing.assert_allclose(found, [0.906, 0.0, -14.57], rtol=0, atol=0.1)
-
-
-def test_runs_do_not_depend_on_how_many_run_side_by_side(monkeypatch):
-    washouts = lorenz_series(5, 10)
-    equations = EquationsFromTruth(Lorenz63(), 0.01, 2)
-    together = spectrum(equations, washouts, 60).exponents
-    monkeypatch.setattr(module, "RUNS_PER_BATCH", 2)
-    np.testing.assert_array_equal(spectrum(equations, washouts, 60).exponents, together)
-
-
-def test_no_run_has_no_exponents_and_too_short_runs_are_refused():
-    found = spectrum(EquationsFromTruth(Lorenz63(), 0.01, 2), np.zeros((0, 4, 3)), 60)
-    assert found.exponents.shape == (0, 3)
-    with pytest.raises(ValueError, match="too few"):
-        spectrum(EquationsFromTruth(Lorenz63(), 0.01, 2), np.ones((1, 4, 3)), 4)
 
 
 def test_kinds_say_whether_they_linearise():
@@ -181,77 +166,61 @@ def test_summary_has_the_dimension_of_the_mean_and_its_spread():
 # -- from series -----------------------------------------------------------------------------------
 
 
-def lorenz(series=10, steps=4000):
-    """Sampled every 0.02 time units; published exponent: 0.906."""
-    generator = np.random.default_rng(1)
-    start = generator.normal(size=(3, series)) + np.array([[0], [0], [25]])
-    start = integrate(Lorenz63(), start, 0.01, 2000, stride=2000)[-1]
-    return integrate(Lorenz63(), start, 0.01, 2 * steps, stride=2).transpose(2, 0, 1)
-
-
-def estimate(series, interval, seed=0):
+def estimate(series, interval):
     how = {"resamples": 200, "confidence": 0.95}
-    return neighbour_divergence(series, interval, np.random.default_rng(seed), **how)
+    return neighbour_divergence(series, interval, np.random.default_rng(0), **how)
 
 
-def runge_kutta(rates, state, step, samples, stride):
-    """Series ``(series, samples, component)`` by the classical method."""
-    found = []
-    for number in range(samples * stride):
-        if number % stride == 0:
-            found.append(state)
-        one = rates(state)
-        two = rates(state + step / 2 * one)
-        three = rates(state + step / 2 * two)
-        four = rates(state + step * three)
-        state = state + step / 6 * (one + 2 * two + 2 * three + four)
-    return np.stack(found).transpose(2, 0, 1)
-
-
-def four_species():
+class FourSpecies(Lorenz63):
     """Lotka-Volterra equations of Vano et al. (2006); their largest exponent is 0.0203."""
+
+    dimension = 4
     growth = np.array([[1.0], [0.72], [1.53], [1.27]])
     competition = np.array(
         [[1, 1.09, 1.52, 0], [0, 1, 0.44, 1.36], [2.33, 0, 1, 0.47], [1.21, 0.51, 0.35, 1]]
     )
-    start = np.array([[0.301], [0.459], [0.131], [0.356]])
-    start = start * (1 + 0.01 * np.random.default_rng(1).normal(size=(4, 10)))
 
-    def rates(state):
-        return growth * state * (1 - competition @ state)
-
-    return runge_kutta(rates, start, 0.1, 3000, 10)[:, 500:], 1.0
+    def right_hand_side(self, state):
+        return self.growth * state * (1 - self.competition @ state)
 
 
-def bursting_neuron():
+class BurstingNeuron(Lorenz63):
     """Hindmarsh-Rose equations: 0.0133 by brute force (two trajectories, 64 series)."""
-    start = np.array([[-1.0], [0.0], [3.0]])
-    start = start + 0.3 * np.random.default_rng(1).normal(size=(3, 10))
 
-    def rates(state):
+    def right_hand_side(self, state):
         x, y, z = state
         return np.stack(
             [y + 3 * x**2 - x**3 - z + 3.25, 1 - 5 * x**2 - y, 0.006 * (4 * (x + 1.6) - z)]
         )
 
-    return runge_kutta(rates, start, 0.05, 4500, 10)[:, 500:], 0.5
+
+def ten_near(*state):
+    deviations = np.random.default_rng(1).normal(size=(len(state), 10))
+    return np.array(state)[:, np.newaxis] + 0.003 * np.abs(state).max() * deviations
 
 
 def test_lorenz_is_found_in_series_also_with_noise_and_of_one_component():
-    found = estimate(lorenz(), 0.02)
+    series = lorenz_series()
+    found = estimate(series, STEP)
     assert found.exponent == pytest.approx(0.906, rel=0.15)
     assert found.low < 0.906 < found.high
     assert found.high - found.low < 0.5 * found.exponent
-    series = lorenz()
     noise = 0.01 * series.std(axis=(0, 1)) * np.random.default_rng(2).normal(size=series.shape)
-    assert estimate(series + noise, 0.02).exponent == pytest.approx(0.906, rel=0.12)
-    assert estimate(series[:, :, :1], 0.02).exponent == pytest.approx(0.906, rel=0.12)
+    assert estimate(series + noise, STEP).exponent == pytest.approx(0.906, rel=0.12)
+    assert estimate(series[:, :, :1], STEP).exponent == pytest.approx(0.906, rel=0.12)
 
 
-@pytest.mark.parametrize(("series", "known"), [(four_species, 0.0203), (bursting_neuron, 0.0133)])
-def test_weak_chaos_is_not_hidden_by_what_lies_along_the_flow(series, known):
+@pytest.mark.parametrize(
+    ("system", "start", "step", "samples", "known"),
+    [
+        (FourSpecies(), ten_near(0.301, 0.459, 0.131, 0.356), 0.1, 3000, 0.0203),
+        (BurstingNeuron(), ten_near(-1.0, 0.0, 3.0), 0.05, 4500, 0.0133),
+    ],
+)
+def test_weak_chaos_is_not_hidden_by_what_lies_along_the_flow(system, start, step, samples, known):
     """By distances that are not taken across the flow, the first is 0.015 (0.0144 to 0.0157)."""
-    found = estimate(*series())
+    series = integrate(system, start, step, 10 * (samples - 1), 10)[500:].transpose(2, 0, 1)
+    found = estimate(series, 10 * step)
     assert found.exponent == pytest.approx(known, rel=0.15)
     assert found.low < known < found.high
 
@@ -272,27 +241,8 @@ def test_growth_that_is_known():
         assert fit.sensitivity[0] == 0  # neighbours were chosen by the first distance
 
 
-def test_one_long_series_keeps_out_of_its_own_neighbourhood():
-    found = estimate(lorenz(series=1, steps=20000), 0.02)
-    assert found.theiler_window > 3
-    assert found.exponent == pytest.approx(0.906, rel=0.15)
-
-
-def test_shear_flow():
-    """Re = 400, whose published exponent is 0.0163."""
-    start = [1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0]
-    generator = np.random.default_rng(3)
-    starts = initial_states(np.array(start, float), 3, 0.01, 16, generator)
-    steps = {"time_step": 0.25, "sampling_stride": 4, "transient_steps": 800, "kept_steps": 10000}
-    system = MoehlisFaisstEckhardt(400.0)
-    (flow,) = generate_ensemble(system, starts, **steps, laminarisation_threshold=0.48)
-    assert len(flow.states) >= 10
-    found = estimate(flow.states[:10], 1.0)
-    assert found.exponent == pytest.approx(0.0163, rel=0.2)
-
-
 def test_units_do_not_matter():
-    series = lorenz(series=4, steps=1500)
+    series = lorenz_series(4, 1500)
     scaled = series * [1e-3, 50.0, 7.0] + [3.0, -100.0, 0.0]
     one, other = estimate(series, 0.02), estimate(scaled, 0.1)
     assert other.exponent == pytest.approx(one.exponent / 5, rel=1e-6)
@@ -302,11 +252,12 @@ def test_units_do_not_matter():
 def test_distances_by_brute_force(number, steps, monkeypatch):
     """In a short series alone, neighbours lie just beyond the Theiler window."""
     monkeypatch.setattr(neighbours, "REFERENCES", 10**6)  # every state is followed
-    series = lorenz(number, steps)
+    series = lorenz_series(number, steps)
     found = estimate(series, 0.02)
-    steps, window = len(found.log_distance) - 1, correlation_steps(series / series.std(axis=(0, 1)))
     states = series / series.std(axis=(0, 1))
+    steps, window = len(found.log_distance) - 1, correlation_steps(states)
     starts = states.shape[1] - steps
+    assert found.theiler_window == window > 3
     expected = []
     for of in range(number):
         for at in range(starts):
@@ -337,24 +288,25 @@ def test_correlation_time_of_a_known_process():
     assert correlation_steps(np.broadcast_to(np.arange(40.0)[:, None], (2, 40, 1))) <= 10
 
 
-def test_what_does_not_part_has_no_exponent():
-    time = 0.05 * np.arange(2000)
-    phases = np.linspace(0, 1.013, 5)[:, None]
-    circles = np.stack([np.cos(time + phases), np.sin(time + phases)], axis=2)
-    with pytest.raises(NoExponentError, match="no exponent can be seen in these series"):
-        estimate(circles, 0.05)
-    with pytest.raises(NoExponentError, match="no state has a neighbour"):
-        estimate(lorenz(series=1, steps=8), 0.02)
-    trends = np.linspace(0, 1, 241)[np.newaxis, :, np.newaxis] * np.arange(1.0, 25.0)[:, None, None]
-    for length in (240, 241):  # delays of a quarter of the series leave no sample, or one
-        with pytest.raises(NoExponentError, match="too short beside their own correlation time"):
-            estimate(trends[:, :length], 1.0)
+TIME = 0.05 * np.arange(2000) + np.linspace(0, 1.013, 5)[:, np.newaxis]
+CIRCLES = np.stack([np.cos(TIME), np.sin(TIME)], axis=2)
+TRENDS = np.linspace(0, 1, 241)[np.newaxis, :, np.newaxis] * np.arange(1.0, 25.0)[:, None, None]
 
 
-def test_coarse_readings_have_no_exponent():
-    series = lorenz(series=8, steps=1600)
-    with pytest.raises(NoExponentError, match=r"\d+ of \d+ pairs .* are at distance 0"):
-        estimate(np.round(series / 4) * 4, 0.02)
+@pytest.mark.parametrize(
+    ("series", "message"),
+    [
+        (CIRCLES, "no exponent can be seen in these series"),
+        (lorenz_series(1, 8), "no state has a neighbour"),
+        # delays of a quarter of the series leave no sample, or one
+        (TRENDS[:, :240], "too short beside their own correlation time"),
+        (TRENDS, "too short beside their own correlation time"),
+        (np.round(lorenz_series(8, 1600) / 4) * 4, r"\d+ of \d+ pairs .* are at distance 0"),
+    ],
+)
+def test_what_does_not_part_or_is_too_coarse_has_no_exponent(series, message):
+    with pytest.raises(NoExponentError, match=message):
+        estimate(series, STEP)
 
 
 def test_an_exponent_that_cannot_be_told_from_zero_is_none():

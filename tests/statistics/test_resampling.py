@@ -17,7 +17,7 @@ from burstcast.statistics.resampled_score import ResampledScore, median_score
 from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 
 
-def test_weights_are_draws_with_replacement():
+def test_bootstrap_weights_are_draws_with_replacement():
     weights = bootstrap_weights(7, 4000, np.random.default_rng(1))
     assert weights.shape == (4000, 7)
     assert (weights.sum(axis=1) == 7).all()
@@ -60,69 +60,48 @@ def test_scores_of_the_same_resamples_are_compared_one_by_one():
 
 def squares_by_least_squares(values, axis):
     """What the indicators of one factor explain, of all that they and the mean explain."""
-    cells = list(itertools.product(*map(range, values.shape)))
-    flat = np.array([values[cell] for cell in cells])
-    mean = np.ones((len(cells), 1))
-    levels = np.array(
-        [[float(cell[axis] == level) for level in range(values.shape[axis])] for cell in cells]
-    )
-
-    def left(design):
-        solution = np.linalg.lstsq(design, flat, rcond=None)[0]
-        return float(np.square(flat - design @ solution).sum())
-
-    return left(mean) - left(np.hstack([mean, levels]))
+    cells = np.array(list(itertools.product(*map(range, values.shape))))
+    levels = (cells[:, [axis]] == np.arange(values.shape[axis])).astype(float)
+    flat = values.ravel()
+    left = flat - levels @ np.linalg.lstsq(levels, flat, rcond=None)[0]
+    return np.square(flat - flat.mean()).sum() - np.square(left).sum()
 
 
-@given(st.integers(0, 1000), st.lists(st.integers(1, 4), min_size=2, max_size=3))
-def test_mean_squares_are_those_of_nested_least_squares(seed, shape):
-    values = np.random.default_rng(seed).normal(size=shape)
+@given(
+    st.integers(0, 1000),
+    st.lists(st.integers(1, 4), min_size=1, max_size=3),
+    st.sampled_from([0, 1]),
+)
+def test_analysis_of_variance_is_that_of_nested_least_squares(seed, shape, scatter):
+    generator = np.random.default_rng(seed)
+    values = scatter * generator.normal(size=shape)
+    for axis, count in enumerate(shape):  # without scatter nothing is left but main effects
+        effects = generator.normal(size=count)
+        values = np.moveaxis(np.moveaxis(values, axis, -1) + effects, -1, axis)
     found = analysis_of_variance(values)
-    explained, freedom = 0.0, values.size - 1
-    for axis, factor in enumerate(found.factors):
-        assert factor.degrees == shape[axis] - 1
-        expected = squares_by_least_squares(values, axis)
-        explained, freedom = explained + expected, freedom - factor.degrees
-        if factor.degrees:
-            assert factor.mean_square * factor.degrees == pytest.approx(expected, abs=1e-9)
-        else:
-            assert np.isnan(factor.mean_square)
-            assert np.isnan(factor.standard_deviation)
-    assert found.residual.degrees == freedom
-    if freedom:
-        rest = values.var() * values.size - explained
-        assert found.residual.mean_square * freedom == pytest.approx(rest, abs=1e-9)
+    assert found.mean == pytest.approx(values.mean())
+    squares = [squares_by_least_squares(values, axis) for axis in range(len(shape))]
+    left = values.size - 1 - sum(count - 1 for count in shape)
+    noise = max(0.0, values.var() * values.size - sum(squares)) / left if left else np.nan
+    expected = [(left, noise, noise)]
+    for count, square in zip(shape, squares, strict=True):
+        mean_square = square / (count - 1) if count > 1 else np.nan
+        # the mean square of a level's effect holds the scatter of its cells
+        component = (mean_square - (noise if left else 0.0)) * count / values.size
+        expected.append((count - 1, mean_square, np.maximum(0.0, component)))
+    numbers = [
+        (one.degrees, one.mean_square, one.standard_deviation**2)
+        for one in (found.residual, *found.factors)
+    ]
+    np.testing.assert_allclose(numbers, expected, rtol=1e-6, atol=1e-9)
 
 
-def test_a_factor_beside_one_without_effect_is_that_of_a_one_way_analysis():
-    groups = np.random.default_rng(3).normal(size=(5, 4)) + np.arange(5)[:, np.newaxis]
-    # columns that do not differ: their squares are part of the residual of the one-way analysis
-    groups -= groups.mean(axis=0) - groups.mean()
-    found = analysis_of_variance(groups)
-    rows, columns = found.factors
-    assert columns.mean_square == pytest.approx(0.0, abs=1e-12)
-    within = found.residual.mean_square * found.residual.degrees / (20 - 5)
-    expected = scipy.stats.f_oneway(*groups).statistic
-    assert rows.mean_square / within == pytest.approx(expected)
-    assert columns.standard_deviation == 0.0
-
-
-def test_known_components_are_found_and_a_single_factor_has_all_the_scatter():
+def test_known_components_of_variance_are_found():
     generator = np.random.default_rng(0)
-    shape = (300, 200)
-    values = (
-        7.0
-        + 3.0 * generator.normal(size=(300, 1))
-        + 1.0 * generator.normal(size=(1, 200))
-        + 0.5 * generator.normal(size=shape)
-    )
-    found = analysis_of_variance(values)
+    rows, columns = 3.0 * generator.normal(size=(300, 1)), generator.normal(size=(1, 200))
+    found = analysis_of_variance(rows + columns + 0.5 * generator.normal(size=(300, 200)))
     deviations = [one.standard_deviation for one in (*found.factors, found.residual)]
     np.testing.assert_allclose(deviations, [3.0, 1.0, 0.5], rtol=0.12)
-    assert found.mean == pytest.approx(values.mean())
-    found = analysis_of_variance(np.array([[1.0], [3.0]]))
-    assert found.factors[0].standard_deviation == pytest.approx(np.sqrt(2.0))
-    assert np.isnan(found.residual.standard_deviation)
 
 
 @pytest.mark.parametrize("values", [np.empty((0, 2)), np.array([[1.0, np.nan]])])
