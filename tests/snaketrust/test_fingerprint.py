@@ -1,4 +1,5 @@
 import importlib
+import re
 import textwrap
 from pathlib import Path
 
@@ -46,9 +47,24 @@ def taken(tmp_path):
     return dict(entry.split("@") for entry in sources_of(tmp_path).fingerprint("train.py"))
 
 
-def test_closure_follows_imports_and_ends(tmp_path, project):
-    closure = ["pack.deep", "pack.middle", "pack", "train.py"]
-    assert list(taken(tmp_path)) == closure
+def changed_entries(before, after):
+    return [name for name in before if before[name] != after[name]]
+
+
+def test_a_fingerprint_follows_imports_and_ends_and_an_edit_changes_just_its_module(
+    tmp_path, project
+):
+    before, closure = taken(tmp_path), ["pack.deep", "pack.middle", "pack", "train.py"]
+    assert list(before) == closure
+    project("src/pack/deep.py", "VALUE = 2\n")
+    after = taken(tmp_path)
+    assert changed_entries(before, after) == ["pack.deep"]
+    project("src/pack/unused.py", "VALUE = 2\n")
+    # a package may offer what nobody loads by importing it: it is in all modules' fingerprints
+    late = "def __getattr__(name):\n    import pack.offered\n    return pack.offered\n"
+    project("src/pack/offered.py", "X = 1\n")
+    project("src/pack/__init__.py", f'"""What it is."""\n{late}')
+    assert taken(tmp_path) == after
     project("src/pack/deep.py", "import pack.middle\nVALUE = 1\n")  # a cycle
     assert sorted(taken(tmp_path)) == sorted(closure)
     project("src/pack/sub/__init__.py", "from .leaf import LEAF\n")  # of a package itself
@@ -56,103 +72,71 @@ def test_closure_follows_imports_and_ends(tmp_path, project):
     assert "pack.sub.leaf" in taken(tmp_path)
 
 
+LEAF = {"pack", "pack.sub", "pack.sub.leaf"}
+START = {"pack", "pack.sub", "pack.sub.start"}
+# Statements, and what they lead to beside the script; the relative ones stand in pack.sub.start.
+IMPORTS = {
+    "import pack.sub.leaf | import pack.sub.leaf as l | from pack.sub import leaf": LEAF,
+    "from pack.sub.leaf import LEAF | def f(): from pack.sub import leaf": LEAF,
+    "if False: import pack.unused | for x in (): import pack.unused": {"pack", "pack.unused"},
+    "from pack import deep, unused": {"pack", "pack.deep", "pack.unused"},
+    "import neighbour": {"beside:neighbour.py"},
+    "import json, numpy, os.path": set(),  # Python finds libraries first
+    "from pack import missing": {"pack"},
+    "from . import leaf | from .leaf import LEAF": START | LEAF,
+    "from .. import deep | from ..deep import VALUE": START | {"pack.deep"},
+    "def f(): from ..systems import mfe": START | LEAF | {"pack.systems", "pack.systems.mfe"},
+}
+
+
 @pytest.mark.parametrize(
     ("statement", "expected"),
-    [
-        ("import pack.sub.leaf", {"pack", "pack.sub", "pack.sub.leaf"}),
-        ("import pack.sub.leaf as l", {"pack", "pack.sub", "pack.sub.leaf"}),
-        ("from pack.sub import leaf", {"pack", "pack.sub", "pack.sub.leaf"}),
-        ("from pack.sub.leaf import LEAF", {"pack", "pack.sub", "pack.sub.leaf"}),
-        ("def f():\n    from pack.sub import leaf", {"pack", "pack.sub", "pack.sub.leaf"}),
-        ("if False:\n    import pack.unused", {"pack", "pack.unused"}),
-        ("try:\n    import pack.unused\nexcept ImportError: pass", {"pack", "pack.unused"}),
-        ("from pack import deep, unused", {"pack", "pack.deep", "pack.unused"}),
-        ("import neighbour", {"beside:neighbour.py"}),
-        ("import json, numpy, os.path", set()),
-        ("from pack import missing", {"pack"}),
-    ],
+    [(one, IMPORTS[every]) for every in IMPORTS for one in every.split(" | ")],
 )
-def test_forms_of_import(tmp_path, project, statement, expected):
-    for name in ("neighbour", "json", "numpy"):  # Python finds libraries first
+def test_a_fingerprint_follows_all_forms_of_import(tmp_path, project, statement, expected):
+    for name in ("neighbour", "json", "numpy"):
         project(f"scripts/{name}.py", "X = 1\n")
-    project("scripts/train.py", statement + "\n")
+    project("scripts/train.py", "import pack.sub.start\n")
+    relative = "from ." in statement
+    project("src/pack/sub/start.py" if relative else "scripts/train.py", statement + "\n")
     assert set(taken(tmp_path)) == expected | {"train.py"}
 
 
-@pytest.mark.parametrize(
-    "statement",
-    [
-        "from . import leaf",
-        "from .leaf import LEAF",
-        "from .. import deep",
-        "from ..deep import VALUE",
-        "def f():\n    from ..systems import mfe",
-    ],
-)
-def test_relative_imports(tmp_path, project, statement):
-    project("src/pack/sub/start.py", statement + "\n")
-    project("scripts/train.py", "import pack.sub.start\n")
-    wanted = {"leaf": "pack.sub.leaf", "mfe": "pack.systems.mfe"}
-    target = next((name for key, name in wanted.items() if key in statement), "pack.deep")
-    assert target in taken(tmp_path)
-
-
-def test_edit_changes_just_the_edited_module(tmp_path, project):
-    before = taken(tmp_path)
-    project("src/pack/deep.py", "VALUE = 2\n")
-    after = taken(tmp_path)
-    assert [name for name in before if before[name] != after[name]] == ["pack.deep"]
-    project("src/pack/unused.py", "VALUE = 2\n")
-    assert taken(tmp_path) == after
-
-
-def test_files_are_read_once_and_callers_cannot_spoil_what_is_kept(tmp_path, project, monkeypatch):
-    sources = sources_of(tmp_path)
-    sources.fingerprint("train.py").clear()
-    assert sources.fingerprint("train.py")
+def test_sources_are_read_once_and_callers_cannot_spoil_what_is_kept(
+    tmp_path, project, monkeypatch
+):
     sources = sources_of(tmp_path)
     found = sources.fingerprint("train.py")
+    sources.fingerprint("train.py").clear()
     monkeypatch.setattr(Path, "read_bytes", lambda path: pytest.fail(f"{path} is read again"))
-    assert sources.fingerprint("train.py") == found
+    assert sources.fingerprint("train.py") == found != []
+
+
+FORBIDDEN = {
+    forbidden_imports: """import importlib | import json, runpy | import importlib.metadata
+        from importlib import import_module | def f(): import importlib as i
+        __import__('pack') | exec('x = 1') | y = eval | from pack import * | from .sub import *""",
+    forbidden_reads: """a = snakemake.config['horizon'] | a = snakemake.wildcards.seed
+        a = snakemake.threads | s = snakemake | s: object = snakemake | f(snakemake)
+        run_job(snakemake, main) | getattr(snakemake, 'config')""",
+}
 
 
 @pytest.mark.parametrize(
     ("find", "statement"),
-    [
-        *((forbidden_imports, one) for one in ["import importlib", "import json, runpy"]),
-        (forbidden_imports, "import importlib.metadata"),  # binds importlib, and import_module
-        (forbidden_imports, "from importlib import import_module"),
-        (forbidden_imports, "def f():\n    import importlib as i"),
-        *((forbidden_imports, one) for one in ["__import__('pack')", "exec('x = 1')", "y = eval"]),
-        *((forbidden_imports, one) for one in ["from pack import *", "from .sub import *"]),
-        (forbidden_reads, "a = snakemake.config['horizon']"),
-        *((forbidden_reads, f"a = snakemake.{one}") for one in ["wildcards.seed", "threads"]),
-        *((forbidden_reads, one) for one in ["s = snakemake", "s: object = snakemake"]),
-        *((forbidden_reads, one) for one in ["f(snakemake)", "run_job(snakemake, main)"]),
-        (forbidden_reads, "getattr(snakemake, 'config')"),
-    ],
+    [(find, one.strip()) for find in FORBIDDEN for one in re.split(r" \| |\n", FORBIDDEN[find])],
 )
 def test_code_that_fingerprints_cannot_follow_is_found(tmp_path, find, statement):
     path = tmp_path / "module.py"
     path.write_text(f"import math\n{statement}\n")
     (place,) = find(path)
-    assert place.startswith("line 2: " if "def" not in statement else "line 3: ")
+    assert place.startswith("line 2: ")
     ordinary = "from importlib.metadata import version\nimport re\nre.compile('x')\nt.eval(1)\n"
     path.write_text(f"{ordinary}@job\ndef main(*, settings):\n    pass\n")
     assert find(path) == []
 
 
 # -- the harness and registries --------------------------------------------------------------------
-
-
-def test_a_package_may_offer_what_nobody_loads_by_importing_it(tmp_path, project):
-    """The package itself is in each of its modules' fingerprints."""
-    before = taken(tmp_path)
-    text = (tmp_path / "src" / "pack" / "__init__.py").read_text()
-    offered = "\ndef __getattr__(name):\n    import pack.offered\n    return pack.offered\n"
-    project("src/pack/offered.py", "X = 1\n")
-    project("src/pack/__init__.py", f'"""What it is."""\n{text}{offered}')
-    assert taken(tmp_path) == before
 
 
 @pytest.fixture
@@ -180,37 +164,26 @@ def test_of_the_harness_only_the_version_counts(tmp_path, harnessed):
     harnessed("src/pack/harness/job.py", "import pack.middle\nX = 1\n")
     assert taken(tmp_path) == before
     harnessed("src/pack/harness/version.py", "VERSION = 2\n")
-    after = taken(tmp_path)
-    assert [name for name in before if before[name] != after[name]] == [VERSION]
+    assert changed_entries(before, taken(tmp_path)) == [VERSION]
 
 
-FOUND = {"pack.systems": ["mfe"], "pack.kinds": ["linear"]}
+def test_registries_add_the_modules_that_a_job_is_about(tmp_path, harnessed):
+    def names(registry, *systems):
+        harnessed("scripts/train.py", f"import {registry}\n")
+        by_name = {"pack.systems": [*systems], "pack.kinds": ["linear"] if systems else []}
+        found = sources_of(tmp_path).fingerprint("train.py", by_name)
+        return {entry.split("@")[0] for entry in found}
 
-
-@pytest.mark.parametrize(
-    ("statement", "found"),
-    [
-        ("import pack.deep", set()),
-        ("import pack.systems.registry", {"pack.systems.mfe", "pack.sub", "pack.sub.leaf"}),
-        ("import pack.kinds.registry", {"pack.kinds.linear"}),
-    ],
-)
-def test_registries_add_the_modules_that_a_job_is_about(tmp_path, harnessed, statement, found):
-    harnessed("scripts/train.py", statement + "\n")
-    sources = sources_of(tmp_path)
-    plain, named = (
-        {entry.split("@")[0] for entry in sources.fingerprint("train.py", modules)}
-        for modules in ({}, FOUND)
+    of_system = {"pack.systems.mfe", "pack.sub", "pack.sub.leaf"}  # and not another system
+    registries = (
+        ("pack.systems.registry", of_system),
+        ("pack.kinds.registry", {"pack.kinds.linear"}),
     )
-    assert named - plain == found
-    assert plain <= named
-    assert "pack.systems.lorenz" not in named
-
-
-def test_a_module_that_a_registry_does_not_have_is_an_error(tmp_path, harnessed):
-    harnessed("scripts/train.py", "import pack.systems.registry\n")
+    for registry, found in [*registries, ("pack.deep", set())]:
+        assert names(registry, "mfe") == names(registry) | found
+        assert not names(registry) & found
     with pytest.raises(FileNotFoundError, match=r"pack\.systems\.rossler"):
-        sources_of(tmp_path).fingerprint("train.py", {"pack.systems": ["rossler"]})
+        names("pack.systems.registry", "rossler")
 
 
 # -- modules of a user -----------------------------------------------------------------------------
@@ -315,26 +288,23 @@ def test_packages_without_a_file_of_their_own_and_stars_are_followed(user):
     assert set(user.entries()) == PLAIN | OWN | {"stars", "stars.a"}
 
 
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("x = numpy.loadtxt('a.csv')", "line 1: numpy.loadtxt()"),
-        ("with open('a.csv') as f: pass", "line 1: open()"),
-        ("x = (Path(__file__).parent / 'a').read_text()", "line 1: (Path(__file__).parent / 'a')"),
-        ("x = importlib.import_module('a')", "line 1: importlib.import_module()"),
-        ("x = pandas.read_csv('a')", "line 1: pandas.read_csv()"),
-        ("x = importlib.resources.files('a')", "line 1: importlib.resources.files()"),
-        ("import sys; sys.path.append('a')", "line 1: sys.path"),
-        ("x = re.compile('a')", ""),
-        ("x = opened('a')", ""),
-    ],
-)
-def test_what_a_users_module_reads_is_to_be_declared(user, line, said):
-    user.write(user.here / "flows/part.py", line)
-    found = sources_of(user.project, {"flows.system": None}).undeclared()
-    assert {path for path, _ in found} == ({user.here / "flows/part.py"} if said else set())
-    assert [place.startswith(said) for _, place in found] == [True] * bool(said)
-    assert sources_of(user.project, {"flows.system": []}).undeclared() == []
+def test_what_a_users_module_reads_is_to_be_declared(user):
+    part = user.here / "flows/part.py"
+    for line, said in {
+        "x = numpy.loadtxt('a.csv')": "numpy.loadtxt()",
+        "with open('a.csv') as f: pass": "open()",
+        "x = (Path(__file__) / 'a').read_text()": "(Path(__file__) / 'a').read_text()",
+        "x = importlib.import_module('a')": "importlib.import_module()",
+        "x = pandas.read_csv('a')": "pandas.read_csv()",
+        "x = importlib.resources.files('a')": "importlib.resources.files()",
+        "import sys; sys.path.append('a')": "sys.path",
+        "x = re.compile('a')": "",
+        "x = opened('a')": "",
+    }.items():
+        user.write(part, line)
+        found = sources_of(user.project, {"flows.system": None}).undeclared()
+        assert found == ([(part, f"line 1: {said}")] if said else [])
+        assert sources_of(user.project, {"flows.system": []}).undeclared() == []
 
 
 # -- in a job --------------------------------------------------------------------------------------
@@ -349,12 +319,13 @@ def test_a_job_names_the_code_that_is_not_what_was_planned(tmp_path, project, mo
         return changed_code(script, code, planned)
 
     assert changed() == changed(planned={}) == []
-    project("src/pack/deep.py", "# a comment\nVALUE = 1\n")
-    assert changed() == changed(planned={}) == []
-    project("src/pack/deep.py", "VALUE = 2\n")
-    assert changed() == changed(planned={}) == ["pack.deep"]
-    project("src/pack/deep.py", "VALUE =\n")
-    assert changed() == ["pack.deep"]
+    for text, found in [
+        ("# a comment\nVALUE = 1\n", []),
+        ("VALUE = 2\n", ["pack.deep"]),
+        ("VALUE =\n", ["pack.deep"]),
+    ]:
+        project("src/pack/deep.py", text)
+        assert changed() == changed(planned={}) == found
     (tmp_path / "src/pack/deep.py").unlink()
     assert changed() == ["pack.deep"]
     # on a cluster fingerprints are taken anew, and agree with the files

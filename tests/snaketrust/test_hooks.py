@@ -46,78 +46,64 @@ def snakemakes_own(monkeypatch):
     monkeypatch.setenv(VARIABLE, "")
 
 
+def installed(planning_is_over=print):
+    install(KnownResults("results"), planning_is_over)
+
+
 # -- Snakemake is as it is taken for ---------------------------------------------------------------
-@pytest.mark.parametrize("hook", HOOKS, ids=lambda hook: f"{hook.owner.__name__}.{hook.name}")
-def test_snakemake_has_the_functions_that_are_replaced(hook):
-    assert hook.fits()
-
-
-def test_snakemake_asks_the_metadata_and_makes_its_scheduler_between_planning_and_the_first_job():
+def test_snakemake_has_the_functions_that_are_replaced_and_uses_them_as_it_is_thought():
+    assert [hook.name for hook in HOOKS if not hook.fits()] == []
     # all that reruns rest on goes through the function that is replaced
     for name in ("params", "input", "rule", "code", "software_stack_hash", "has_metadata"):
         assert "self.metadata(" in inspect.getsource(getattr(PersistenceBase, name)), name
+    # its scheduler is made between planning and the first job
     source = inspect.getsource(Workflow.execute)
     steps = ["self._build_dag()", "postprocess(", "JobScheduler(", "self.scheduler.schedule()"]
     places = [source.index(step) for step in steps]
     assert places == sorted(places)
 
 
-# -- with another release --------------------------------------------------------------------------
-@pytest.fixture
-def another(monkeypatch, caplog):
-    """Install with some functions that are not as they were; return what is said."""
-
-    def said(*changed):
-        monkeypatch.setattr(hooks, "__version__", "99.0")
-        for name in changed:
-            known_as(monkeypatch, name, lambda self, surprise: None)
-        with caplog.at_level(logging.WARNING):
-            install(KnownResults("results"), print)
-        return caplog.text
-
-    return said
+NEEDED = "metadata", "params_changed", "_input_changed", "__init__"
 
 
-def test_a_release_that_was_not_tested_is_told(another):
-    assert "Snakemake 99.0 is none of the tested releases (9.20.0" in another()
-
-
-def test_what_is_not_needed_is_left_out(another):
-    text = another("incomplete", "write_script")
-    assert "another PersistenceBase.incomplete now: such jobs run again" in text
-    assert "tracebacks on the terminal" in text
-    assert PersistenceBase.incomplete == HOOKS[-2].own
-    assert PythonScript.write_script == HOOKS[-1].own
-
-
-@pytest.mark.parametrize("name", ["metadata", "params_changed", "_input_changed", "__init__"])
-def test_without_what_all_rests_on_nothing_starts(another, name):
-    with pytest.raises(UnfitSnakemakeError, match=r"has another .*install one of the releases 9"):
-        another(name)
+@pytest.mark.parametrize("name", [hook.name for hook in HOOKS])
+def test_install_leaves_out_what_is_not_needed_in_another_release(name, monkeypatch, caplog):
+    monkeypatch.setattr(hooks, "__version__", "99.0")
+    known_as(monkeypatch, name, lambda self, surprise: None)
+    with caplog.at_level(logging.WARNING):
+        if name in NEEDED:
+            with pytest.raises(UnfitSnakemakeError, match=r"another .*install one of the releases"):
+                installed()
+            return
+        installed()
+    assert "Snakemake 99.0 is none of the tested releases (9.20.0" in caplog.text
+    (hook,) = [hook for hook in HOOKS if hook.name == name]
+    assert f"another {hook.owner.__name__}.{name} now: {hook.without}" in caplog.text
+    assert [one.name for one in HOOKS if getattr(one.owner, one.name) == one.own] == [name]
 
 
 # -- what Snakemake is told of results -------------------------------------------------------------
-def test_snakemake_is_told_what_records_say(tmp_path, monkeypatch):
+@pytest.fixture
+def made(tmp_path, monkeypatch):
+    """Records of results, of which one is there."""
     monkeypatch.chdir(tmp_path)
-    source, made, records = Path("series.csv"), Path("results/a.nc"), Records("results")
-    made.parent.mkdir()
+    Path("results").mkdir()
+    Path("results/a.nc").write_text("equal")
+    return Records("results")
+
+
+def test_metadata_are_what_records_say(made):
+    source, result = Path("series.csv"), Path("results/a.nc")
     source.write_text("series")
-    made.write_text("a")
     inputs = {str(source): digest(source)}
-    records.write([str(made)], {"rule": "train"}, {"seed": 1}, inputs, "results/a.log", 5.0)
-    changed = made.stat().st_mtime
-    install(KnownResults("results"), print)
-
-    def known(path=made):
-        return PersistenceBase.metadata(None, str(path))
-
-    assert known("results/b.nc") is None
-    found = known()
+    made.write([str(result)], {"rule": "train"}, {"seed": 1}, inputs, "results/a.log", 5.0)
+    installed()
+    assert PersistenceBase.metadata(None, "results/b.nc") is None
+    found, changed = PersistenceBase.metadata(None, str(result)), result.stat().st_mtime
     assert (found.rule, found.log) == ("train", ["results/a.log"])
     assert (found.starttime, found.endtime) == pytest.approx((changed - 5, changed), abs=1e-3)
-    checksums = found.input_checksums
     for spelling in ("series.csv", "./series.csv", str(source.absolute())):
-        assert checksums.get(spelling) == f"sha256:{inputs['series.csv']}"
+        assert found.input_checksums.get(spelling) == f"sha256:{inputs['series.csv']}"
 
 
 def listed(*items, lists=True):
@@ -139,53 +125,39 @@ def job(inputs=(), params=(), outputs=("results/a.nc",), **wildcards):
     return SimpleNamespace(**lists, wildcards_dict=wildcards, rule=SimpleNamespace(name="train"))
 
 
-@pytest.fixture
-def made(tmp_path, monkeypatch):
-    """A result of a job, and what keeps its record."""
-    monkeypatch.chdir(tmp_path)
-    Path("results").mkdir()
-    Path("results/a.nc").write_text("equal")
-    return Records("results")
-
-
 A, B = ("a", "x.csv"), ("b", "y.csv")
-PLANNED = job(inputs=[A, B], params=[("low", 1), ("high", 2)], case="one")
+LOW, HIGH = ("low", 1), ("high", 2)
+PLANNED = {"inputs": [A, B], "params": [LOW, HIGH], "case": "one"}
+SAME = [
+    *({}, {"params": [("low", 1.0), ("high", np.int64(2))]}, {"outputs": ["././results/a.nc"]}),
+    *({"inputs": [("a", path), B]} for path in ("./x.csv", "results/../x.csv")),
+]
+OTHER = [
+    *({"params": params} for params in ([("low", 2), ("high", 1)], [HIGH, LOW], [1, 2])),
+    {"params": [("low", True), HIGH]},
+    *({"inputs": inputs} for inputs in ([B, A], ["x.csv", "y.csv"], [A, B, A[1]])),
+    *({"inputs": [one, B]} for one in (("a", "y.csv"), ("a", ["x.csv"]), ("c", "x.csv"))),
+    *({"inputs": [("a", "y.csv"), ("b", "x.csv")]}, {"inputs": [("b", "x.csv"), ("a", "y.csv")]}),
+    *({"outputs": [("o", "results/a.nc")]}, {"case": "other"}),
+]
 
 
 @pytest.mark.parametrize(
-    ("other", "runs"),
-    [
-        (PLANNED, False),
-        (job([A, B], [("low", 1.0), ("high", np.int64(2))], case="one"), False),
-        (job([("a", "./x.csv"), B], [("low", 1), ("high", 2)], case="one"), False),
-        (job([("a", "results/../x.csv"), B], [("low", 1), ("high", 2)], case="one"), False),
-        (job([A, B], [("low", 1), ("high", 2)], [f"{'./' * 2}results/a.nc"], case="one"), False),
-        (job([A, B], [("low", 2), ("high", 1)], case="one"), True),
-        (job([A, B], [("high", 2), ("low", 1)], case="one"), True),
-        (job([A, B], [("low", True), ("high", 2)], case="one"), True),
-        (job([A, B], [1, 2], case="one"), True),
-        (job([("a", "y.csv"), ("b", "x.csv")], [("low", 1), ("high", 2)], case="one"), True),
-        (job([B, A], [("low", 1), ("high", 2)], case="one"), True),
-        (job([("b", "x.csv"), ("a", "y.csv")], [("low", 1), ("high", 2)], case="one"), True),
-        (job([("a", ["x.csv"]), B], [("low", 1), ("high", 2)], case="one"), True),
-        (job(["x.csv", "y.csv"], [("low", 1), ("high", 2)], case="one"), True),
-        (job([A, B, A[1]], [("low", 1), ("high", 2)], case="one"), True),
-        (job([A, B], [("low", 1), ("high", 2)], [("o", "results/a.nc")], case="one"), True),
-        (job([A, B], [("low", 1), ("high", 2)], case="other"), True),
-    ],
+    ("other", "runs"), [*((one, False) for one in SAME), *((one, True) for one in OTHER)]
 )
-def test_names_and_order_count_and_spellings_do_not(made, other, runs):
+def test_params_changed_and_input_changed_by_names_and_order_but_not_by_spelling(made, other, runs):
     for path in ("x.csv", "y.csv"):
         Path(path).write_text("equal")
     digests = {path: digest(path) for path in ("x.csv", "y.csv")}
-    names = [made.name(path) for path in PLANNED.input]
-    told = shape(PLANNED.input, names, PLANNED.output, ["a.nc"], PLANNED.wildcards_dict)
-    values = {"low": 1, "high": 2}
+    planned, names = job(**PLANNED), [made.name(path) for path in digests]
+    told = shape(planned.input, names, planned.output, ["a.nc"], planned.wildcards_dict)
+    values = dict(PLANNED["params"])
     made.write(["results/a.nc"], {"rule": "train"}, values, digests, "", 1.0, shape=told)
-    install(KnownResults("results"), print)
-    path = other.output[0]
-    changed = PersistenceBase.params_changed(None, other, path)
-    assert (bool(changed) or PersistenceBase._input_changed(None, other, path)) == runs
+    installed()
+    now = job(**PLANNED | other)
+    path = now.output[0]
+    changed = PersistenceBase.params_changed(None, now, path)
+    assert (bool(changed) or PersistenceBase._input_changed(None, now, path)) == runs
 
 
 @pytest.mark.parametrize(
@@ -194,7 +166,7 @@ def test_names_and_order_count_and_spellings_do_not(made, other, runs):
 def test_parameters_of_any_plain_kind_settle(made, value):
     kept = {"settings": plain(value)}
     made.write(["results/a.nc"], {"rule": "train"}, kept, {}, "", 1.0)
-    install(KnownResults("results"), print)
+    installed()
     planned = job(params=[("settings", value)])
     assert not PersistenceBase.params_changed(None, planned, "results/a.nc")
     planned = job(params=[("settings", {"1": "a", "20": "b"})])
@@ -204,27 +176,23 @@ def test_parameters_of_any_plain_kind_settle(made, value):
 def test_a_damaged_result_says_so(made):
     made.write(["results/a.nc"], {"rule": "train"}, {}, {}, "", 1.0)
     Path("results/a.nc").write_text("b")
-    install(KnownResults("results"), print)
+    installed()
     changed = PersistenceBase.params_changed(None, job())
     assert changed.only_old == {"results/a.nc is not what its job wrote"}
 
 
-def test_outputs_without_a_record_are_incomplete(tmp_path, monkeypatch):
+def test_outputs_without_a_record_are_incomplete(made, monkeypatch):
     """Of those that Snakemake marked; one of an earlier run that has its record is whole."""
-    made = [tmp_path / "results" / f"{name}.nc" for name in ("whole", "half", "missing")]
+    outputs = [f"results/{name}.nc" for name in ("a", "half", "missing")]
 
     async def marked(self, job):
-        return [str(path) for path in made]
+        return outputs
 
     known_as(monkeypatch, "incomplete", marked)
-    made[0].parent.mkdir()
-    for path in made[:2]:
-        path.write_text("content")
-    records = Records(str(tmp_path / "results"))
-    records.write([str(made[0])], {"rule": "train"}, {}, {}, "a.log", 1.0)
-    install(KnownResults(str(tmp_path / "results")), print)
-    found = asyncio.run(PersistenceBase.incomplete(None, None))
-    assert found == [str(path) for path in made[1:]]
+    Path(outputs[1]).write_text("content")
+    made.write(outputs[:1], {"rule": "train"}, {}, {}, "a.log", 1.0)
+    installed()
+    assert asyncio.run(PersistenceBase.incomplete(None, None)) == outputs[1:]
 
 
 # -- what Snakemake removes ------------------------------------------------------------------------
@@ -238,7 +206,7 @@ def removed(monkeypatch, name, *arguments):
     signature = inspect.signature(getattr(Job, name))
     own.__signature__ = signature
     known_as(monkeypatch, name, own)
-    install(KnownResults("results"), print)
+    installed()
     asyncio.run(getattr(Job, name)(job(outputs=["results/a.nc", "results/b.nc"]), *arguments))
     return told
 
@@ -248,24 +216,24 @@ def run_as(monkeypatch, token):
     monkeypatch.setenv(VARIABLE, f"{token} results")
 
 
-def test_a_failed_job_leaves_results_and_what_a_newer_run_makes(made, monkeypatch):
+def test_cleanup_leaves_results_and_what_a_newer_run_makes(made, monkeypatch):
     Path("results/b.nc").write_text("half")
     made.write(["results/a.nc"], {"rule": "train"}, {}, {}, "", 1.0)
     assert removed(monkeypatch, "cleanup", ()) == ["results/b.nc"]
-    run_as(monkeypatch, "new")
-    assert removed(monkeypatch, "cleanup", ()) == ["results/b.nc"]
-    run_as(monkeypatch, "old")
-    assert removed(monkeypatch, "cleanup", ()) == []
+    for token, expected in {"new": ["results/b.nc"], "old": []}.items():
+        run_as(monkeypatch, token)
+        assert removed(monkeypatch, "cleanup", ()) == expected
 
 
-def test_a_job_keeps_what_its_run_has_made_and_an_overtaken_one_stops(made, monkeypatch):
+def test_remove_existing_output_keeps_what_this_run_has_made_and_stops_an_overtaken_one(
+    made, monkeypatch
+):
     outputs = ["results/a.nc", "results/b.nc"]
     Path("results/b.nc").write_text("b")
     run_as(monkeypatch, "new")
-    made.write(outputs, {"rule": "train"}, {}, {}, "", 1.0, run="old")
-    assert removed(monkeypatch, "remove_existing_output") == outputs
-    made.write(outputs, {"rule": "train"}, {}, {}, "", 1.0, run="new")
-    assert removed(monkeypatch, "remove_existing_output") == []
+    for run, expected in {"old": outputs, "new": []}.items():
+        made.write(outputs, {"rule": "train"}, {}, {}, "", 1.0, run=run)
+        assert removed(monkeypatch, "remove_existing_output") == expected
     Path("results/b.nc").write_text("damaged")
     assert removed(monkeypatch, "remove_existing_output") == outputs
     run_as(monkeypatch, "old")
@@ -283,24 +251,19 @@ def limit_left(monkeypatch, limit, local=True):
         self.job_rate_limiter = limit and JobRateLimiter(limit)
 
     known_as(monkeypatch, "__init__", make)
-    install(KnownResults("results"), told.append)
+    installed(told.append)
     workflow = SimpleNamespace(local_exec=local)
     return JobScheduler(workflow, "plugin", "scheduler", "greedy").job_rate_limiter
 
 
-@pytest.fixture
-def default():
-    """What Snakemake's command line has where nobody says otherwise."""
+def test_jobs_of_this_machine_start_at_once_and_other_limits_are_kept(monkeypatch):
+    # what Snakemake's command line has where nobody says otherwise
     text = get_argument_parser().get_default("max_jobs_per_timespan")
-    return MaxJobsPerTimespan.parse_choice(text)
-
-
-def test_jobs_of_this_machine_start_at_once_and_other_limits_are_kept(monkeypatch, default):
+    default, other = map(MaxJobsPerTimespan.parse_choice, (text, "60/1m"))
     assert limit_left(monkeypatch, default) is None
     assert limit_left(monkeypatch, None) is None
     assert limit_left(monkeypatch, default, local=False).max_jobs == default.max_jobs
-    limit = MaxJobsPerTimespan.parse_choice("60/1m")
-    assert limit_left(monkeypatch, limit).max_jobs == 60
+    assert limit_left(monkeypatch, other).max_jobs == 60
 
 
 # -- an interruption that meets a job while it imports ---------------------------------------------
@@ -336,7 +299,7 @@ def test_a_process_ends_at_once_and_says_nothing_unless_it_ignores_interruptions
 
 
 def test_scripts_of_snakemake_begin_with_it():
-    install(KnownResults("results"), print)
+    installed()
     script = PythonScript.__new__(PythonScript)
     script.source = "print(1)"
     file = io.BytesIO()
@@ -347,36 +310,22 @@ def test_scripts_of_snakemake_begin_with_it():
 # -- parameters in plain form ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("value", "expected"),
-    [
+def test_plain_values_that_mean_the_same_are_the_same_and_others_are_refused_by_their_place():
+    for value, expected in [
         ((1, [2.0, (3,)]), [1, [2, [3]]]),
         ({"b": 1, "a": np.float64(0.5)}, {"a": 0.5, "b": 1}),
         ({2: np.bool_(True), "x": None}, {"x": None, 2: True}),
         (np.int8(3), 3),
         (-0.0, 0),
-    ],
-)
-def test_what_means_the_same_is_the_same(value, expected):
-    assert repr(plain(value)) == repr(expected)
-
-
-@pytest.mark.parametrize(
-    ("value", "words"),
-    [
-        ({1, 2}, "set"),
-        (Path("x"), "Path"),
-        (np.zeros(2), "ndarray"),
-        (math.nan, "params is nan"),
-        ({"a": [math.inf]}, r"params.a\[0\] is inf"),
-        ({1.5: 0}, "the key 1.5"),
-        (b"bytes", "bytes"),
-        (1j, "complex"),
-    ],
-)
-def test_what_cannot_be_compared_is_refused_by_its_place(value, words):
-    with pytest.raises((TypeError, ValueError), match=words):
-        plain(value, "params")
+    ]:
+        assert repr(plain(value)) == repr(expected)
+    for value, words in [
+        *(({1, 2}, "set"), (Path("x"), "Path"), (np.zeros(2), "ndarray"), (b"bytes", "bytes")),
+        *((math.nan, "params is nan"), ({"a": [math.inf]}, r"params.a\[0\] is inf")),
+        *(({1.5: 0}, "the key 1.5"), (1j, "complex")),
+    ]:
+        with pytest.raises((TypeError, ValueError), match=words):
+            plain(value, "params")
 
 
 def test_parameters_and_files_are_told_by_names_and_places():

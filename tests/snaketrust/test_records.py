@@ -15,9 +15,14 @@ from snaketrust.records import NO_RECORD, DamagedFileError, Inputs, Records
 from snaketrust.run import VARIABLE, OvertakenError, Run, check_ownership
 
 
-@pytest.fixture
-def place(tmp_path, monkeypatch):
+@pytest.fixture(autouse=True)
+def outside_of_a_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv(VARIABLE, "")
+
+
+@pytest.fixture
+def place(tmp_path):
     for seed in (0, 1):
         Path(f"results/Re400/seed{seed}").mkdir(parents=True)
         write(path_of(seed), f"network {seed}")
@@ -98,33 +103,26 @@ def test_exchanged_files_are_no_results(place):
     )
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"path": 3}', "[" * 99999])
-def test_a_record_that_cannot_be_read_is_none(place, text):
-    Records("results").file(path_of()).write_text(text)
-    assert problem(path_of()).startswith(f"the record of {path_of()} cannot be read (")
+UNREADABLE = "", "{", "[]", "{}", '{"path": 3}', "[" * 99999
+ODD = [
+    *(("stamp", value) for value in (None, 3)),  # with another stamp, the file is read
+    *(
+        (entry, value)
+        for entry in ("digest", "identity", "parameters", "inputs", "log", "seconds")
+        for value in (None, 3, [["text"]])
+    ),
+    *(("identity", value) for value in ({}, {"rule": None})),
+    ("inputs", {"Re400/in.nc": 1}),
+]
 
 
-ENTRIES = ("digest", "stamp", "identity", "parameters", "inputs", "log", "seconds")
-
-
-@pytest.mark.parametrize(
-    ("entry", "value"),
-    [
-        *((entry, value) for entry in ENTRIES for value in (None, 3, [["text"]])),
-        *(("identity", value) for value in ({}, {"rule": None})),
-        ("inputs", {"Re400/in.nc": 1}),
-    ],
-)
-def test_a_record_with_an_entry_of_another_type_is_none(place, entry, value):
-    if (entry, value) == ("stamp", [["text"]]):
-        return  # the file is read, as if it had changed
+def test_without_a_record_of_the_right_types_a_file_is_no_result(place):
     file = Records("results").file(path_of())
-    file.write_text(json.dumps({**json.loads(file.read_text()), entry: value}))
-    assert problem(path_of()).startswith(f"the record of {path_of()} cannot be read (")
-
-
-def test_a_file_without_a_record_is_no_result(place):
-    Records("results").file(path_of()).unlink()
+    right = json.loads(file.read_text())
+    for text in [*UNREADABLE, *(json.dumps({**right, entry: value}) for entry, value in ODD)]:
+        file.write_text(text)
+        assert problem(path_of()).startswith(f"the record of {path_of()} cannot be read ("), text
+    file.unlink()
     assert problem(path_of()) == NO_RECORD
 
 
@@ -140,35 +138,33 @@ def test_a_file_that_is_touched_or_copied_is_read_once(place, monkeypatch):
 
 
 def test_results_that_may_only_be_read_are_used(place, monkeypatch):
-    os.utime(path_of())
-
     def forbidden(*arguments):
         raise PermissionError(13, "Permission denied")
 
+    os.utime(path_of())
     monkeypatch.setattr(Records, "_write", forbidden)
     assert problem(path_of()) == ""
 
 
 # -- inputs of a job -------------------------------------------------------------------------------
+CHANGED = pytest.raises(DamagedFileError, match="changed while the job ran")
+
+
 def read(*paths):
     return Inputs.read(paths, Records("results"))
 
 
 def test_an_input_that_is_verified_and_changes_while_the_job_runs_is_an_error(place):
     Path("source.csv").write_text("a")
-    inputs = read(path_of(0), path_of(1), "source.csv")
-    assert inputs.by_path == {path: digest(path) for path in (path_of(0), path_of(1), "source.csv")}
-    inputs.check()
-    inputs = read(path_of())
+    paths = path_of(0), path_of(1), "source.csv"
+    inputs = read(*paths)
+    assert inputs.by_path == {path: digest(path) for path in paths}
     os.utime(path_of())  # as Snakemake does
     inputs.check()
-    Path(path_of()).rename("away")
-    with pytest.raises(DamagedFileError, match="changed while the job ran"):
-        inputs.check()
-    Path("away").rename(path_of())
-    Path(path_of()).write_text("network 7")
-    with pytest.raises(DamagedFileError, match="changed while the job ran"):
-        inputs.check()
+    for change_it in (os.unlink, lambda path: Path(path).write_text("network 7")):
+        change_it(path_of())
+        with CHANGED:
+            inputs.check()
 
 
 def test_where_times_are_whole_seconds_equal_stamps_say_nothing(place, monkeypatch):
@@ -181,7 +177,7 @@ def test_where_times_are_whole_seconds_equal_stamps_say_nothing(place, monkeypat
     inputs = read(path_of(1))
     Path(path_of(1)).write_text("network 7")
     assert problem(path_of(1)) == f"{path_of(1)} is not what its job wrote"
-    with pytest.raises(DamagedFileError, match="changed while the job ran"):
+    with CHANGED:
         inputs.check()
 
 
@@ -231,57 +227,34 @@ def write_json(path, content):
         partial.write_text(json.dumps(content))
 
 
-@pytest.fixture(autouse=True)
-def run_place(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv(VARIABLE, "")
-    return tmp_path
-
-
 def claimed(**config):
     run = Run.new("results/of mine")
     run.claim(config, CODE)
     return run
 
 
-def test_jobs_of_the_newest_run_write_and_outside_of_the_workflow_nobody_owns_anything():
+def test_only_jobs_of_the_newest_run_write_and_outside_of_a_workflow_nobody_owns_anything():
     assert Run.current() is None
     write_json("a.json", {})
-    claimed()
-    write_json("results/of mine/a.json", {"seed": 1})
-    assert json.loads(Path("results/of mine/a.json").read_text()) == {"seed": 1}
-
-
-def test_the_jobs_of_older_runs_do_not():
-    first = claimed(seed=1)
-    second = claimed(seed=2)
-    write_json("results/of mine/a.json", {"seed": 2})
-    os.environ[VARIABLE] = f"{first.token} {first.results}"  # in a job that was left behind
-    with pytest.raises(OvertakenError, match="results/of mine belongs to a newer run now"):
-        write_json("results/of mine/a.json", {"seed": 1})
-    with pytest.raises(OvertakenError):
-        Records("results/of mine").write(
-            ["results/of mine/a.json"], {"rule": "train"}, {}, {}, "a.log", 0.0
-        )
-    assert sorted(os.listdir("results/of mine")) == [".run.json", "a.json"]
-    assert json.loads(Path("results/of mine/a.json").read_text()) == {"seed": 2}
-    assert second.plan()["config"] == {"seed": 2}
-
-
-def test_a_job_belongs_to_the_run_that_asked_for_it_and_must_be_told_which():
     with pytest.raises(OvertakenError, match=f"variable {VARIABLE} does not reach jobs"):
         Run.of_job()
-    first = claimed()
-    claimed()
-    with pytest.raises(OvertakenError):
-        Run(first.token, first.results).plan()
-
-
-def test_what_was_planned_is_there_for_all_jobs():
-    run = claimed(noise=0.1, cases=["Re400"])
-    assert Run.current() == run
-    assert run.plan()["config"] == {"noise": 0.1, "cases": ["Re400"]}
-    assert run.plan()["code"] == CODE
+    first = claimed(seed=1)
+    write_json("results/of mine/a.json", {"seed": 1})
+    second = claimed(seed=2, cases=["Re400"])
+    assert Run.current() == Run.of_job() == second
+    assert second.plan()["config"] == {"seed": 2, "cases": ["Re400"]}
+    assert second.plan()["code"] == CODE
+    write_json("results/of mine/a.json", {"seed": 2})
+    os.environ[VARIABLE] = f"{first.token} {first.results}"  # in a job that was left behind
+    for late in (
+        lambda: write_json("results/of mine/a.json", {"seed": 1}),
+        lambda: write("results/of mine/a.json", '{"seed": 2}', "results/of mine"),
+        Run(first.token, first.results).plan,
+    ):
+        with pytest.raises(OvertakenError, match="results/of mine belongs to a newer run now"):
+            late()
+    assert sorted(os.listdir("results/of mine")) == [".run.json", "a.json"]
+    assert json.loads(Path("results/of mine/a.json").read_text()) == {"seed": 2}
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{", "[" * 99999])
@@ -293,15 +266,17 @@ def test_a_claim_that_cannot_be_read_belongs_to_an_unknown_run(text):
     claimed()
 
 
-@pytest.mark.parametrize("process", [os.getppid(), "1", None, {}])
-@pytest.mark.parametrize("started", [None, ""])
-def test_a_claim_that_does_not_say_when_its_run_started_holds_nothing(process, started):
+def test_a_claim_that_does_not_say_when_its_run_started_holds_nothing():
     """Where there is no /proc, nobody can tell."""
     claimed()
     path = Path("results/of mine/.run.json")
-    claim = json.loads(path.read_text()) | {"process": process, "started": started}
-    path.write_text(json.dumps({name: value for name, value in claim.items() if value is not None}))
-    claimed()
+    claim = json.loads(path.read_text())
+    del claim["started"]
+    for process in (os.getppid(), "1", None, {}):
+        for started in ({}, {"started": ""}):
+            odd = claim | {"process": process} | started
+            path.write_text(json.dumps({name: odd[name] for name in odd if odd[name] is not None}))
+            claimed()
 
 
 def test_a_run_that_is_alive_keeps_its_results():
@@ -342,20 +317,12 @@ def imported(sources):
     return int(subprocess.check_output(command, env=environment))
 
 
-def edit_in_secret(path, text):
-    """Edit a file, keeping its size and its time."""
-    state = path.stat()
-    assert len(text) == state.st_size
-    path.write_text(text)
-    os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns))
-
-
 def test_an_edit_that_keeps_size_and_time_is_run(once_compiled, tmp_path):
-    edit_in_secret(once_compiled, "VALUE = 2\n")
+    change(once_compiled, "VALUE = 2\n")
     assert imported(tmp_path) == 1  # what Python does by itself
     compile_by_content([once_compiled])
     assert imported(tmp_path) == 2
-    edit_in_secret(once_compiled, "VALUE = 3\n")
+    change(once_compiled, "VALUE = 3\n")
     assert imported(tmp_path) == 3  # and from then on
     compile_by_content([once_compiled])
     assert imported(tmp_path) == 3
@@ -370,7 +337,7 @@ def test_a_process_that_runs_an_old_compiled_module_is_told(once_compiled, tmp_p
     for compiled in tmp_path.rglob("*.pyc"):
         compiled.unlink()
     assert imported(tmp_path) == 1
-    edit_in_secret(once_compiled, "VALUE = 2\n")
+    change(once_compiled, "VALUE = 2\n")
     with pytest.raises(UnlikeCodeError, match=r"compiled numbers\.py from another"):
         compile_by_content([once_compiled])
     compile_by_content([once_compiled])

@@ -1,16 +1,76 @@
-"""A workflow of another project, run where burstcast cannot be imported."""
+"""What `start`, `run_job` and `check_rules` do for a workflow of another project.
+
+It is run where burstcast cannot be imported.
+"""
 
 import json
 import os
 import shutil
+import subprocess
+import sys
 import time
+from collections import Counter
 from hashlib import sha256
 from pathlib import Path
 
 import pytest
-from helpers_toy import Toy
 
+import snaketrust
 from snaketrust.files import digest
+
+HERE = Path(__file__).parent
+BLOCK = """
+import sys
+for name in ("burstcast", "burstcast_workflow"):
+    sys.modules[name] = None
+"""
+OPTIONS = ("--cores", "1", "--rerun-triggers", "mtime", "params", "input", "software-env")
+
+
+class Toy:
+    """A copy of the toy, finished or not, and what Snakemake does in it."""
+
+    def __init__(self, directory, toy=HERE / "toy"):
+        self.directory = directory / "toy"
+        shutil.copytree(toy, self.directory)
+        place = directory / "path"
+        place.mkdir()
+        (place / "sitecustomize.py").write_text(BLOCK)
+        (place / "snaketrust").symlink_to(Path(snaketrust.__path__[0]))
+        path = f"{place}{os.pathsep}{self.directory / 'lib'}"
+        self.environment = {**os.environ, "PYTHONPATH": path, "SNAKETRUST_RUN": ""}
+
+    def run(self, *arguments, fails=False, **variables):
+        """Rules of the jobs that ran, with their numbers; what is said, where the run fails."""
+        done = subprocess.run(
+            [sys.executable, "-m", "snakemake", *OPTIONS, *arguments],
+            cwd=self.directory,
+            env={**self.environment, **variables},
+            capture_output=True,
+            text=True,
+        )
+        said = done.stdout + done.stderr
+        assert (done.returncode != 0) == fails, said
+        if fails:
+            return said
+        return Counter(
+            line.split()[1].rstrip(":")
+            for line in said.splitlines()
+            if line.startswith(("rule ", "localrule ")) and line.endswith(":") and "," not in line
+        )
+
+    def write(self, name, text):
+        (self.directory / name).write_text(text)
+
+    def edit(self, name, old, new):
+        path = self.directory / name
+        text = path.read_text()
+        assert old in text
+        path.write_text(text.replace(old, new))
+
+    def total(self):
+        return int((self.directory / "results" / "total.txt").read_text())
+
 
 EVERYTHING = {"draw": 2, "double": 2, "total": 1}
 
@@ -27,10 +87,7 @@ def made(tmp_path_factory):
 @pytest.fixture
 def toy(made, tmp_path):
     """A copy of the toy that was run, in another directory."""
-    copy = Toy(tmp_path)
-    shutil.rmtree(copy.directory)
-    shutil.copytree(made.directory, copy.directory)
-    return copy
+    return Toy(tmp_path, made.directory)
 
 
 def test_what_is_finished_stays_and_may_be_moved(toy):
@@ -207,3 +264,146 @@ def test_another_copy_of_the_packages_is_refused(toy, tmp_path):
     shutil.copytree(toy.directory / "lib" / "toy", other)
     path = toy.environment["PYTHONPATH"].replace(str(toy.directory / "lib"), str(other.parent))
     assert "another copy" in toy.run(fails=True, PYTHONPATH=path)
+
+
+# -- what any workflow may have, and what is refused -----------------------------------------------
+
+
+def test_the_same_file_twice_settles(toy):
+    toy.edit("Snakefile", 'case=config["numbers"])', 'case=[*config["numbers"], "one"])')
+    assert toy.run() == {"total": 1}
+    assert toy.total() == 8
+    assert toy.run() == {}
+
+
+CHECKPOINT = """
+checkpoint split:
+    output: f"{RESULTS}/number.txt"
+    params: code=sources.fingerprint("write.py"), said=config["low"]
+    script: "scripts/write.py"
+
+
+def parts(wildcards):
+    number = int(Path(checkpoints.split.get().output[0]).read_text())
+    return [f"{RESULTS}/part{place}.txt" for place in range(number)]
+
+
+rule part:
+    output: f"{RESULTS}/part{{place}}.txt"
+    params: code=sources.fingerprint("write.py"), said=config["high"]
+    script: "scripts/write.py"
+
+
+rule gather:
+    input: parts
+    output: f"{RESULTS}/gathered.txt"
+    params: code=sources.fingerprint("write.py"), said=lambda wildcards, input: [*input]
+    script: "scripts/write.py"
+"""
+WRITE = """
+from pathlib import Path
+from snaketrust.job import run_job
+
+
+def compute():
+    read = [Path(path).read_text() for path in snakemake.input]
+    Path(snakemake.output[0]).write_text(" ".join([*read, str(snakemake.params.said)]))
+
+
+run_job(snakemake, compute)
+"""
+
+
+@pytest.fixture
+def unchecked(tmp_path):
+    """The toy as a project without tests that keep out what fingerprints cannot see."""
+    toy = Toy(tmp_path)
+    toy.edit("Snakefile", "    checked=True,\n", "")
+    return toy
+
+
+def test_what_a_checkpoint_finds_is_made_once(unchecked):
+    unchecked.edit("Snakefile", "rule draw:", f"{CHECKPOINT}\n\nrule draw:")
+    unchecked.edit("config.yaml", "factor: 2", "low: 1\nhigh: 2\nfactor: 2")
+    unchecked.write("scripts/write.py", WRITE)
+    target = "--nocolor", "results/gathered.txt"
+    assert unchecked.run(*target) == {"part": 1, "gather": 1}
+    assert unchecked.run(*target) == {}
+    unchecked.edit("config.yaml", "low: 1", "low: 3")
+    assert unchecked.run(*target) == {"part": 2, "gather": 1}
+    assert unchecked.run(*target) == {}
+    gathered = unchecked.directory / "results" / "gathered.txt"
+    assert gathered.read_text().startswith("2 2 2 ['results/part0.txt'")
+    unchecked.edit("config.yaml", "high: 2", "high: 5")
+    assert unchecked.run(*target) == {"part": 3, "gather": 1}
+    assert gathered.read_text().startswith("5 5 5 ")
+
+
+CODED, TOTAL = 'params: code=sources.fingerprint("total.py")', 'script: "scripts/total.py"'
+READER = (
+    'rule reader:\n    input: f"{RESULTS}/3.txt"\n    output: "read.txt"\n    shell: "cat {input}"'
+)
+# What is said of a rule: its output, with {} for a file of its own in the results, and other lines.
+REFUSED = {
+    "shell:": ("{}", 'shell: "touch {output}"'),
+    "run:": ("{}", "run: Path(output[0]).touch()"),
+    "the output directory()": ("directory({})", CODED, TOTAL),
+    "the output pipe()": ("pipe({})", CODED, f"{TOTAL}\n\n\n{READER}"),
+    "the output touch()": ("touch({})", CODED, TOTAL),
+    "the output ensure()": ("ensure({}, non_empty=True)", CODED, TOTAL),
+    "no parameter code": ("{}", TOTAL),
+    "but its code is the fingerprint of total.py": ("{}", CODED, 'script: "scripts/draw.py"'),
+    "elsewhere": ('{}, "else.txt"', CODED, TOTAL),
+    "writes outside of results": ('"else2.txt"', CODED, TOTAL),
+    "parameters that cannot be compared": ("{}", f"{CODED}, some={{1, 2}}", TOTAL),
+    "params.some is PosixPath": ("{}", f'{CODED}, some=Path("x.txt")', TOTAL),
+    "derives low from threads": ("{}", f"{CODED}, low=lambda wildcards, threads: threads", TOTAL),
+    "has shadow:": ("{}", CODED, 'shadow: "minimal"', TOTAL),
+    "runs scripts/total.R": ("{}", CODED, 'script: "scripts/total.R"'),
+    "has a module called py": ("{}", *(one.replace("total", "odd") for one in (CODED, TOTAL))),
+}
+
+
+def test_check_rules_refuses_rules_without_records_before_any_job_in_a_sentence_each(unchecked):
+    rules = []
+    for place, (output, *lines) in enumerate(REFUSED.values()):
+        own = output.replace("{}", f'f"{{RESULTS}}/{place}.txt"')
+        rules.append("\n    ".join([f"rule odd{place}:", f"output: {own}", *lines]) + "\n")
+    unchecked.edit("Snakefile", "rule draw:", "\n\n".join([*rules, "rule draw:"]))
+    for name, text in {"scripts/odd.py": "import toy.py\n", "lib/toy/py.py": ""}.items():
+        unchecked.write(name, text)
+    unchecked.write("scripts/total.R", "")
+    names = [f"odd{place}" for place in range(len(REFUSED))]
+    said = unchecked.run("--dry-run", *names, "reader", fails=True)
+    for name, words in zip(names, REFUSED, strict=True):
+        lines = [line for line in said.splitlines() if f"the rule {name} " in line]
+        assert any(words in line for line in lines), (name, words)
+    assert said.count("the rule ") == len(REFUSED)
+    assert "Traceback" not in said
+    assert "checks.py" not in said
+    assert not (unchecked.directory / "results").exists()
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        *("exec(Path('x.txt').read_text())", "__import__(snakemake.params.low)", "eval('1')"),
+        *("Path('x.txt').read_text()", "snakemake.config['low']"),
+        "getattr(snakemake, 'con' + 'fig')",
+    ],
+)
+def test_what_fingerprints_do_not_see_is_refused(unchecked, code):
+    unchecked.edit("scripts/total.py", "def compute():\n", f"def compute():\n    {code}\n")
+    said = unchecked.run("--dry-run", fails=True)
+    assert "total.py, line 7: " in said
+    assert "fingerprints do not see what is there" in said
+
+
+def test_two_workflows_in_one_snakefile_are_refused(unchecked):
+    snakefile = (unchecked.directory / "Snakefile").read_text()
+    unchecked.write("Again", snakefile)
+    more = 'module again:\n    snakefile: "Again"\n    prefix: "again"\n\n\n'
+    unchecked.write("Snakefile", f"{snakefile}\n\n{more}use rule * from again as again_*\n")
+    said = unchecked.run("--dry-run", fails=True)
+    assert "one run owns one results directory" in said
+    assert "run the two workflows one after the other" in said
