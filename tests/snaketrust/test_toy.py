@@ -319,6 +319,7 @@ def unchecked(tmp_path):
     """The toy as a project without tests that keep out what fingerprints cannot see."""
     toy = Toy(tmp_path)
     toy.edit("Snakefile", "    checked=True,\n", "")
+    toy.edit("scripts/double.py", 'os.environ.get("TOY_CACHE")', "None")
     return toy
 
 

@@ -171,7 +171,7 @@ class Project:
 
     def loaded_modules(self) -> dict[str, set[str]]:
         """Modules of the project that importing scripts and modules loads, by their names."""
-        outcome = self._request({"script": str(HERE / "loaded_modules.py")}, self.environment())
+        outcome = self._request({"loaded": True}, self.environment())
         assert outcome.status == 0, outcome.text
         return {name: set(modules) for name, modules in json.loads(outcome.text).items()}
 

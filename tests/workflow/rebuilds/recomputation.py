@@ -25,6 +25,7 @@ _FORECASTER = re.compile(
     r"(?P<case>[^/]+)/(?P<kind>[a-z_]+)"
     r"(-N(?P<neurons>\d+)-(?P<validation>[A-Z]+)-seed(?P<seed>\d+))?"
 )
+_AVERAGES = {"mean_horizon_lt": np.mean, "median_horizon_lt": np.median}
 _SAMPLES = ("uncontrolled", "controlled")
 _CONTROL = re.compile(r"prediction_triggered-prediction_time(?P<time>[\d.]+)-window[\d.]+")
 
@@ -69,6 +70,23 @@ class Recomputation:
         """Files of that name of all forecasters, with their keys."""
         for path in sorted(self.results.glob(f"*/*/{name}")):
             yield self.keys(path), path
+
+    def drawn(self, count: int, *words: str) -> np.ndarray:
+        """How often each of some things is in each bootstrap sample; without any, no samples."""
+        settings = self.config["bootstrap"]
+        generator = random_streams.stream(self.config["random_seed"], "bootstrap", *words)
+        size, places = settings["resamples"] if count else 0, max(count, 1)
+        return generator.multinomial(count, np.full(places, 1 / places), size=size)
+
+    @property
+    def ends(self) -> list[float]:
+        """Quantiles at the ends of the confidence interval."""
+        tail = (1 - self.config["bootstrap"]["confidence"]) / 2
+        return [tail, 1 - tail]
+
+    def interval(self, values: Any) -> dict[str, float]:
+        low, high = np.quantile(values, self.ends) if len(values) else (np.nan, np.nan)
+        return {"low": low, "high": high}
 
     def hyperparameters(self) -> pd.DataFrame:
         rows = []
@@ -127,31 +145,23 @@ class Recomputation:
 
     def classification_intervals(self) -> pd.DataFrame:
         """Scores with every point weighted by how often a resample holds its series."""
-        settings, seed = self.config["bootstrap"], self.config["random_seed"]
-        tail = (1 - settings["confidence"]) / 2
         rows = []
         for keys, path, always in self.alarms():
             for time in self.config["classification"]["prediction_times_lt"]:
                 happened, predicted, series, every = self.events(keys["case"], path, time, always)
-                number = int(every.max()) + 1
-                generator = random_streams.stream(seed, "bootstrap", keys["case"], _text(time))
-                weights = generator.multinomial(
-                    number, np.full(number, 1 / number), size=settings["resamples"]
-                )
+                weights = self.drawn(int(every.max()) + 1, keys["case"], _text(time))
                 resamples = pd.DataFrame(
                     [_scores(happened, predicted, weight[series]) for weight in weights]
                 )
-                for metric in resamples:
-                    ends = resamples[metric].dropna().quantile([tail, 1 - tail])
-                    rows.append(
-                        {
-                            **keys,
-                            "prediction_time_lt": time,
-                            "metric": metric,
-                            "low": ends.iloc[0],
-                            "high": ends.iloc[1],
-                        }
-                    )
+                rows += [
+                    {
+                        **keys,
+                        "prediction_time_lt": time,
+                        "metric": metric,
+                        **self.interval(resamples[metric].dropna()),
+                    }
+                    for metric in resamples
+                ]
         return pd.DataFrame(rows)
 
     def horizon(self) -> pd.DataFrame:
@@ -172,27 +182,17 @@ class Recomputation:
 
     def horizon_intervals(self) -> pd.DataFrame:
         """Averages of what each bootstrap sample of the events holds."""
-        settings, seed = self.config["bootstrap"], self.config["random_seed"]
-        tail = (1 - settings["confidence"]) / 2
         rows = []
         for keys, path in self.files("horizon.nc"):
             horizons = variables(path)["prediction_horizon_lt"]
-            count = len(horizons)
-            generator = random_streams.stream(seed, "bootstrap", keys["case"], "events")
-            drawn = [
-                np.repeat(horizons, generator.multinomial(count, np.full(count, 1 / count)))
-                for _ in range(settings["resamples"] if count else 0)
-            ]
-            for metric, average in (("mean_horizon_lt", np.mean), ("median_horizon_lt", np.median)):
-                averages = [average(sample) for sample in drawn]
-                low, high = np.quantile(averages, [tail, 1 - tail]) if count else (np.nan, np.nan)
-                rows.append({**keys, "metric": metric, "low": low, "high": high})
+            weights = self.drawn(len(horizons), keys["case"], "events")
+            for metric, average in _AVERAGES.items():
+                averages = [average(np.repeat(horizons, weight)) for weight in weights]
+                rows.append({**keys, "metric": metric, **self.interval(averages)})
         return pd.DataFrame(rows)
 
     def horizon_differences(self) -> pd.DataFrame:
         """Differences of averages of the same events, of networks the median over the seeds."""
-        settings, seed = self.config["bootstrap"], self.config["random_seed"]
-        tail = (1 - settings["confidence"]) / 2
         horizons: dict[str, dict[tuple, list[tuple[str, np.ndarray]]]] = {}
         for keys, path in self.files("horizon.nc"):
             kind = keys["forecaster"], keys["neurons"], keys["validation"]
@@ -205,16 +205,12 @@ class Recomputation:
                 if len(members) > 1:
                     names[place] = f"median of {names[place].rpartition('-seed')[0]}"
             count = len(next(iter(kinds.values()))[0][1])
-            generator = random_streams.stream(seed, "bootstrap", case, "events")
-            drawn = [
-                np.repeat(np.arange(count), generator.multinomial(count, np.full(count, 1 / count)))
-                for _ in range(settings["resamples"] if count else 0)
-            ]
-            for metric, average in (("mean_horizon_lt", np.mean), ("median_horizon_lt", np.median)):
+            weights = [np.ones(count, int), *self.drawn(count, case, "events")]
+            for metric, average in _AVERAGES.items():
                 of = [
                     [
-                        np.median([average(values[events]) for _, values in members])
-                        for events in [np.arange(count), *drawn]
+                        np.median([average(np.repeat(values, weight)) for _, values in members])
+                        for weight in weights
                     ]
                     if count
                     else [np.nan]
@@ -222,11 +218,8 @@ class Recomputation:
                 ]
                 for i, j in itertools.combinations(range(len(of)), 2):
                     difference = np.subtract(of[i], of[j])
-                    low, high = np.nan, np.nan
-                    if count:
-                        low, high = np.quantile(difference[1:], [tail, 1 - tail])
                     row = {"compared": names[i], "other": names[j], "metric": metric}
-                    row |= {"value": difference[0], "low": low, "high": high}
+                    row |= {"value": difference[0], **self.interval(difference[1:])}
                     rows.append({"case": case, **row})
         return pd.DataFrame(rows)
 
@@ -320,13 +313,12 @@ class Recomputation:
             length = round(self.config["statistics"]["duration"] / interval)
             lifetimes.append((keys, keys["case"], runs["lifetime"], runs["fate"] != 0, length))
         rows = []
-        tail = (1 - self.config["bootstrap"]["confidence"]) / 2
         for keys, case, steps, ends, length in lifetimes:
             ensemble, start = self.records[case]["ensemble"], length // 4
             interval = ensemble["time_step"] * ensemble["sampling_stride"]
             risk = interval * sum(max(0, int(step) - start) for step in steps)
             escapes = sum(end and step > start for step, end in zip(steps, ends, strict=True))
-            low, high = chi2.ppf([tail, 1 - tail], [2 * escapes, 2 * escapes + 2]) / 2
+            low, high = chi2.ppf(self.ends, [2 * escapes, 2 * escapes + 2]) / 2
             rows.append(
                 {
                     **keys,
@@ -419,16 +411,8 @@ class Recomputation:
     def tables(self) -> dict[str, pd.DataFrame]:
         """All of them, by name; those of stages that are off are left out."""
         names = ["dataset", "hyperparameters", "classification", "classification_intervals"]
-        names += [
-            "horizon",
-            "horizon_intervals",
-            "horizon_differences",
-            "statistics",
-            "survival",
-            "lyapunov_spectrum",
-            "kaplan_yorke",
-        ]
-        names += ["control"]
+        names += ["horizon", "horizon_intervals", "horizon_differences", "statistics", "survival"]
+        names += ["lyapunov_spectrum", "kaplan_yorke", "control"]
         made = {name: getattr(self, name)() for name in names}
         return {name: table for name, table in made.items() if len(table)}
 
