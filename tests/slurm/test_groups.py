@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
-from helpers_toy import Toy
+from test_toy import Toy
 
 pytestmark = pytest.mark.slurm
 
@@ -65,7 +65,6 @@ def compute():
 
 run_job(snakemake, compute)
 """
-FILES = {"Snakefile": SNAKEFILE, "scripts/step.py": SCRIPT, "lib/toy/__init__.py": ""}
 
 
 class Submitted(Toy):
@@ -104,7 +103,10 @@ class Submitted(Toy):
 
 @pytest.fixture
 def toy(slurm, tmp_path):
-    return Submitted(tmp_path, FILES)
+    toy = Submitted(tmp_path)
+    toy.write("Snakefile", SNAKEFILE)
+    toy.write("scripts/step.py", SCRIPT)
+    return toy
 
 
 @pytest.mark.parametrize("event", ["requeue", "fail_node"])
