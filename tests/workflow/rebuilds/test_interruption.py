@@ -50,13 +50,6 @@ def start(project: Project, *arguments: str, overlay: dict | None = None) -> sub
     )
 
 
-def wait_for_log(project: Project, rule: str, seconds: float = 60) -> None:
-    end = time.monotonic() + seconds
-    while not list((project.results / "logs").glob(f"{rule}*/*.log")):
-        assert time.monotonic() < end, f"{rule} never began"
-        time.sleep(0.02)
-
-
 def jobs_of(workflow: subprocess.Popen) -> list[int]:
     """Process numbers of the scripts that a workflow runs."""
     found = subprocess.run(
@@ -78,13 +71,20 @@ def complete(project: Project, targets: list[str], *, locked: bool = False) -> d
     return results(project)
 
 
-def test_an_orphan_writes_nothing_once_another_run_has_begun(project, undisturbed):
-    larger = {"random_seed": 1, "case_defaults": {"ensemble": {"series": 6000}}}
-    workflow = start(project, *TARGETS, overlay=larger)
-    wait_for_log(project, "simulate")
+def orphan_of(project: Project, overlay: dict | None = None) -> int:
+    """The first job of a workflow that is killed while it runs."""
+    workflow, end = start(project, *TARGETS, overlay=overlay), time.monotonic() + 60
+    while not list((project.results / "logs").glob("simulate*/*.log")):
+        assert time.monotonic() < end, "it never began"
+        time.sleep(0.02)
     (orphan,) = jobs_of(workflow)
     workflow.kill()
     workflow.wait()
+    return orphan
+
+
+def test_an_orphan_writes_nothing_once_another_run_has_begun(project, undisturbed):
+    orphan = orphan_of(project, {"random_seed": 1, "case_defaults": {"ensemble": {"series": 6000}}})
     os.kill(orphan, signal.SIGSTOP)  # as one that takes long
     assert complete(project, TARGETS, locked=True) == undisturbed
     os.kill(orphan, signal.SIGCONT)
@@ -95,12 +95,7 @@ def test_an_orphan_writes_nothing_once_another_run_has_begun(project, undisturbe
 
 @pytest.mark.long
 def test_what_an_orphan_finishes_before_the_next_run_is_kept(project, undisturbed):
-    workflow = start(project, *TARGETS)
-    wait_for_log(project, "simulate")
-    (orphan,) = jobs_of(workflow)
-    workflow.kill()
-    workflow.wait()
-    wait_for_end(orphan)
+    wait_for_end(orphan_of(project))
     project.snakemake("--unlock")
     assert project.dry_run(*TARGETS) == {"lyapunov": 1, "events": 1}
     assert complete(project, TARGETS) == undisturbed

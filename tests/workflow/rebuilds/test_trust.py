@@ -41,21 +41,6 @@ def test_what_is_damaged_exchanged_or_has_no_record_is_told_and_made_again(proje
     assert project.tables() == finished.project.tables()
 
 
-def test_edits_count_for_deleted_files_too(project):
-    """Of settings and of code; the files themselves are not needed."""
-    search = {"search": {"grid": 3}}
-    jobs = project.dry_run("tables", overlay=search)
-    network = project.results / "Re400" / "esn-N40-RV-seed0" / "hyperparameters.json"
-    for path in (network, *project.results.glob("Re400/scan/*")):
-        path.unlink()
-    assert project.dry_run("tables") == {}
-    assert project.dry_run("tables", overlay=search) == jobs
-    assert "search.grid 2 -> 3" in project.why("tables", overlay=search)
-    project.edit("src/burstcast/tuning/search.py", "nu=2.5", "nu=1.5")
-    assert project.dry_run("tables")["search"] == 4
-    assert "code of burstcast.tuning.search changed" in project.why("tables")
-
-
 # as Snakemake's executors call it on a node
 ON_A_NODE = (
     *("--mode", "remote", "--nolock", "--ignore-incomplete", "--force", "--no-hooks"),
