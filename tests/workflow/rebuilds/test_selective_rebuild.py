@@ -600,32 +600,6 @@ def test_the_plan_of_every_module_and_script(lab, path):
     assert lab.plan_of_code(path) == []
 
 
-def some_results(project: Project, name: str) -> Iterator[str]:
-    """Names of results, drawn at random; none of logs and of what asks for everything."""
-    chance = random.Random(f"{os.environ.get('BURSTCAST_SEED', 0)} {name}")
-    kept = (".records", "logs", "benchmarks", "tables")
-    for path in sorted(project.results.glob("[!.]*/**/*.*")):
-        result = path.relative_to(project.results)
-        if path.is_file() and result.parts[0] not in kept and chance.random() < 0.6:
-            yield str(result)
-
-
-def assert_nothing_is_hidden(whole: Project, project: Project, overlay: dict) -> None:
-    with_all = whole.dry_run("tables", overlay=overlay)
-    jobs = project.dry_run("tables", overlay=overlay)
-    assert {rule: count for rule, count in with_all.items() if jobs.get(rule, 0) < count} == {}
-
-
-@pytest.mark.long
-@EVERY_SETTING
-def test_deleted_files_hide_no_edit(lab, finished, tmp_path, name):
-    """Whatever files are deleted, an edit makes at least the jobs run that it would run anyway."""
-    project = finished.project.copy(tmp_path / "project")
-    for result in some_results(project, name):
-        (project.results / result).unlink()
-    assert_nothing_is_hidden(lab.plans, project, CONFIG_EDITS[name].overlay())
-
-
 @pytest.fixture(scope="module")
 def another(finished, tmp_path_factory) -> Project:
     """The same campaign with another seed."""
@@ -636,17 +610,30 @@ def another(finished, tmp_path_factory) -> Project:
 
 @pytest.mark.long
 @EVERY_SETTING
-def test_restored_files_hide_no_edit(lab, finished, another, tmp_path, name):
-    """Neither do files of another run, their records, or both."""
+@pytest.mark.parametrize("what", ["deleted", "restored"])
+def test_deleted_and_restored_files_hide_no_edit(lab, finished, another, tmp_path, name, what):
+    """Whatever results are deleted, an edit makes at least the jobs run that it would run anyway.
+
+    So it does if results are those of another run, or their records are, or both.
+    """
     project = finished.project.copy(tmp_path / "project")
-    of_result = (["{}"], [".records/{}.json"], ["{}", ".records/{}.json"])[len(name) % 3]
-    for result in some_results(project, name):
-        for part in of_result:
-            shutil.copy2(
-                another.results / part.format(result), project.results / part.format(result)
-            )
-    assert_nothing_is_hidden(lab.plans, project, CONFIG_EDITS[name].overlay())
-    assert project.dry_run("tables") != {}
+    chance = random.Random(f"{os.environ.get('BURSTCAST_SEED', 0)} {name}")
+    parts = (["{}"], [".records/{}.json"], ["{}", ".records/{}.json"])[len(name) % 3]
+    for path in sorted(project.results.glob("[!.]*/**/*.*")):
+        result = path.relative_to(project.results)
+        asked_for = result.parts[0] in (".records", "logs", "benchmarks", "tables")
+        if not path.is_file() or asked_for or chance.random() >= 0.6:
+            continue
+        if what == "deleted":
+            path.unlink()
+        else:
+            for part in (part.format(result) for part in parts):
+                shutil.copy2(another.results / part, project.results / part)
+    overlay = CONFIG_EDITS[name].overlay()
+    with_all, jobs = (one.dry_run("tables", overlay=overlay) for one in (lab.plans, project))
+    assert {rule: count for rule, count in with_all.items() if jobs.get(rule, 0) < count} == {}
+    if what == "restored":
+        assert project.dry_run("tables") != {}
 
 
 # -- what an edit must not set off: the jobs that may run at all, written by hand ------------------

@@ -5,8 +5,6 @@ What is done about it is tested in tests/snaketrust, with a workflow of a few sm
 
 import json
 import os
-import subprocess
-import sys
 
 import pytest
 from helpers_rebuilds import RESULTS, Project
@@ -71,18 +69,10 @@ SMALLER = {
 }
 
 
-def prune(project: Project, *arguments: str, overlay: dict | None = None) -> tuple[int, list[str]]:
+def prune(project: Project, *targets: str, overlay: dict | None = None) -> tuple[int, list[str]]:
     """What ``burstcast prune`` says, by lines, and its status."""
-    options = [*arguments, *project.options("-n", overlay=overlay)[1:]]
-    result = subprocess.run(
-        [sys.executable, "-m", "burstcast_workflow", "prune", *options],
-        cwd=project.directory,
-        env=project.environment(),
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    return result.returncode, (result.stdout + result.stderr).splitlines()
+    outcome = project.command("prune", *targets, overlay=overlay)
+    return outcome.status, outcome.text.splitlines()
 
 
 @pytest.mark.long
