@@ -277,7 +277,7 @@ VALUES += ["\ufb01", "fi", "a\x1fb"]
 MORE = r"""x = -0.0 | x = ['', ''] | x = 'a', 'b' | x = 'a\x1fb' | x = f'{y=}' | x = f'{y =}'
     x = f'{y:}' | (x): int = 1 | x[1:2:]\nx[:1] | a - (b - c) | f(a)(b) | f(b, *a) | f(a=1, b=2)
     f(b=2, a=1) | {None: a} | {**a} | x = 16 | x = 0x1_0 | x = 'ab' | x = 'a' "b" | x = u'a'
-    x = r'a' | x = (1 + 2) | x = 1 + \\\n  2 | x = 1; y = 2
+    x = r'a' | x = (1 + 2) | x = 1 + \\n  2 | x = 1; y = 2
     x = 1  # type: int | if a:\n  b()\nc() | if a:\n  b()\n  c()"""
 
 
@@ -311,12 +311,11 @@ def variants(statement):
 def sources():
     """Sources, whose syntax trees tell which of them do the same."""
     texts = [text.replace("\\n", "\n") for text in filled("{}", MORE)]
+    found = {text: ast.dump(ast.parse(text)).replace(", kind='u'", "") for text in texts}
     for statement in ast.parse(STATEMENTS).body:
-        texts += [ast.unparse(statement), *variants(statement)]
-    found = {}
-    for text in texts:
-        with suppress(SyntaxError, ValueError):
-            found[text] = ast.dump(ast.parse(text)).replace(", kind='u'", "")
+        for text in (ast.unparse(statement), *variants(statement)):
+            with suppress(SyntaxError, ValueError):
+                found[text] = ast.dump(ast.parse(text))
     return found
 
 
