@@ -16,6 +16,27 @@ PRESETS = sorted((ROOT / "workflow" / "presets").glob("*.yaml"))
 TINY = ROOT / "workflow" / "presets" / "tiny.yaml"
 
 
+DATA = {"files": ["lab/run_*.csv"], "components": ["u", "v"], "observable": "u", "time_step": 0.5}
+LAB = {
+    **{"data": DATA, "event_threshold": -1.5, "density": {"range": [-4, 0]}, "test_series": 3},
+    **{"training": {"series": 2}, "recycle_validation": {"series": 1}},
+}
+PART = {"data": {"case": "Re400", "components": ["a1", "s = a2**2 + a3**2"]}}
+NETWORKS = {"neurons": [2000], "validation": ["RV"], "seeds": 1}
+# One simulated case, one of files, one that is a part of the simulated one.
+MEASURED = {
+    "cases": {"lab": LAB, "part": PART},
+    "campaign": [
+        {"reynolds": [400], "forecasters": {"esn": NETWORKS, "equations": {}}},
+        {
+            "cases": ["lab", "part"],
+            "forecasters": {"esn": NETWORKS, "quadratic_filtered": {}, "persistence": {}},
+        },
+    ],
+    "statistics": {"duration": 100, "fixed_point_interval_lt": 1},
+}
+
+
 def read(path: Path) -> dict[str, Any]:
     return dict(yaml.safe_load(path.read_text(encoding="utf-8")))
 

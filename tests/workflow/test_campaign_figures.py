@@ -18,12 +18,9 @@ from burstcast.tables.parameters import described_parameters
 from burstcast_workflow.figures import registry
 from burstcast_workflow.figures.registry import (
     FIGURES,
-    cases_of,
-    control_example,
     figure_case,
     figure_names,
     files_of,
-    long_term_candidates,
     settings_of,
 )
 from burstcast_workflow.harness.settings import JobSettings
@@ -103,7 +100,11 @@ def test_an_unknown_section_names_those_that_there_are(monkeypatch):
 
 
 def asked(of, figure):
-    return cases_of(of, figure), files_of(of, figure, "Re400"), settings_of(of, figure, "Re400")
+    return (
+        registry.cases_of(of, figure),
+        files_of(of, figure, "Re400"),
+        settings_of(of, figure, "Re400"),
+    )
 
 
 @pytest.mark.parametrize(
@@ -134,10 +135,7 @@ def test_captions_are_sentences_that_the_report_shows_and_no_settings(name):
 # -- of long-term statistics, flow and control -----------------------------------------------------
 
 FLOW = {"midplane_planes", "vorticity_isosurfaces"}
-STATISTICS = {
-    *("long_term_density", "profile_errors", "midplane_mean_square"),
-    "own_flow",
-}
+STATISTICS = {"long_term_density", "profile_errors", "midplane_mean_square", "own_flow"}
 CONTROL = {"control_schematic", "suppressed_event", "control_density", "control_tradeoff"}
 LORENZ = {"system": "lorenz63", "actuation": {"parameters": {"rho": 10}}}
 
@@ -173,21 +171,26 @@ SSV = {"forecasters": {"esn": {"validation": ["SSV"]}}}
 ONE = [block([2000], reynolds=[400])]
 
 
-def test_one_reynolds_number_has_every_figure_once():
-    assert stage_figures(of_blocks(ONE)) == FLOW | STATISTICS | CONTROL
+MORE = {f"{name}_Re600" for name in (*STATISTICS, "control_tradeoff")}
+SMALLER = [block([2000], reynolds=[400]), block([500], reynolds=[600])]
 
 
-def test_other_cases_have_their_own_statistics_and_share_the_densities_under_control():
-    found = stage_figures(of_blocks([block([2000], reynolds=[600, 400])]))
-    more = {f"{name}_Re600" for name in (*STATISTICS, "control_tradeoff")}
-    assert found == FLOW | STATISTICS | CONTROL | more
-
-
-def test_stages_that_are_switched_off_have_no_figures():
-    assert stage_figures(of_blocks(ONE, control=OFF)) == FLOW | STATISTICS
-    assert stage_figures(of_blocks(ONE, statistics=OFF)) == FLOW | CONTROL
-    uncontrolled = of_blocks(ONE, case_defaults={"actuation": None})
-    assert stage_figures(uncontrolled) == FLOW | STATISTICS
+@pytest.mark.parametrize(
+    ("blocks", "overlay", "figures"),
+    [
+        (ONE, {}, FLOW | STATISTICS | CONTROL),
+        # other cases have their own statistics, and share the densities under control
+        ([block([2000], reynolds=[600, 400])], {}, FLOW | STATISTICS | CONTROL | MORE),
+        # nothing is drawn of a size that one case alone has
+        (SMALLER, {}, FLOW | STATISTICS | CONTROL),
+        # nor of stages that are switched off
+        (ONE, {"control": OFF}, FLOW | STATISTICS),
+        (ONE, {"statistics": OFF}, FLOW | CONTROL),
+        (ONE, {"case_defaults": {"actuation": None}}, FLOW | STATISTICS),
+    ],
+)
+def test_figure_names_are_those_of_the_stages_and_cases_that_there_are(blocks, overlay, figures):
+    assert stage_figures(of_blocks(blocks, **overlay)) == figures
 
 
 def test_a_strategy_that_no_network_has_leaves_no_figures():
@@ -205,29 +208,19 @@ def test_forecasters_that_are_no_networks_have_tables_and_no_figures_of_their_ow
     found = of_blocks(ONE, statistics=choice, control=choice)
     assert stage_figures(found) == FLOW
     assert {"control_percentiles", "statistics_percentiles"} <= set(table_names(found))
-    assert {run.controller.kind for run in found.control_runs} == {
-        "equations",
-        "equations_noisy",
-    }
-
-
-def lorenz(**overlay):
-    return of_blocks(
-        [block([2000], cases=["lorenz"])],
-        cases={"lorenz": LORENZ},
-        figures={"example_case": "lorenz", "flow_event": {"peak": 45}},
-        **overlay,
-    )
+    kinds = {run.controller.kind for run in found.control_runs}
+    assert kinds == {"equations", "equations_noisy"}
 
 
 def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
-    found = lorenz()
+    found = of_blocks(
+        [block([2000], cases=["lorenz"])],
+        cases={"lorenz": LORENZ},
+        figures={"example_case": "lorenz", "flow_event": {"peak": 45}},
+    )
     assert not found.cases["lorenz"].is_flow
     assert stage_figures(found) == {
-        "long_term_density",
-        "own_flow",
-        "control_schematic",
-        "control_density",
+        *("long_term_density", "own_flow", "control_schematic", "control_density"),
         "control_tradeoff",
     }
     assert shown(found, "long_term_density", "lorenz")["shown.symbol"] == "z"
@@ -258,9 +251,7 @@ def test_densities_leave_the_sweep_and_other_sizes_out():
 
 
 def test_a_case_without_networks_of_the_fixed_size_shows_those_that_it_has():
-    blocks = [block([2000], reynolds=[400]), block([500], reynolds=[600])]
-    assert stage_figures(of_blocks(blocks)) == FLOW | STATISTICS | CONTROL
-    found = of_blocks(blocks, control={"forecasters": {"esn": {"neurons": []}}})
+    found = of_blocks(SMALLER, control={"forecasters": {"esn": {"neurons": []}}})
     networks = shown(found, "control_tradeoff", "Re600")["shown.control_networks"]
     assert networks == {"neurons": 500, "validation": "RV"}
 
@@ -268,28 +259,27 @@ def test_a_case_without_networks_of_the_fixed_size_shows_those_that_it_has():
 def test_the_suppressed_event_is_the_example_networks_if_it_controls():
     seeds = [block([500, 2000], validation=("SSV", "RV"), reynolds=[600, 400], seeds=3)]
     own = of_blocks(seeds, figures={"example_forecaster": "esn-N2000-RV-seed2"})
-    assert control_example(own).controller == own.example.name
+    assert registry.control_example(own).controller == own.example.name
     other = of_blocks(
         seeds,
         figures={"example_forecaster": "esn-N500-RV-seed2"},
         control={"forecasters": {"esn": {"neurons": [2000]}}},
     )
-    run = control_example(other)
+    run = registry.control_example(other)
     assert (run.case, run.controller.identifier) == ("Re400", "esn-N2000-RV-seed0")
     assert run.prediction_time_lt == 2
-    assert control_example(of_blocks(seeds, control={"forecasters": {"esn": None}})) is None
+    assert (
+        registry.control_example(of_blocks(seeds, control={"forecasters": {"esn": None}})) is None
+    )
 
 
 def test_the_best_network_is_of_the_examples_strategy():
     both = {"statistics": {"forecasters": {"esn": {"validation": ["SSV", "RV"]}}}}
     ssv = {"figures": {"example_forecaster": "esn-N2000-SSV-seed0"}}
     blocks = [block([500, 2000], validation=("SSV", "RV"), reynolds=[400])]
-    for overlay, expected in (
-        (both, "RV"),
-        ({**both, **ssv}, "SSV"),
-        ({"statistics": SSV}, "SSV"),
-    ):
-        candidates = long_term_candidates(of_blocks(blocks, **overlay), "Re400")
+    expectations = ((both, "RV"), ({**both, **ssv}, "SSV"), ({"statistics": SSV}, "SSV"))
+    for overlay, expected in expectations:
+        candidates = registry.long_term_candidates(of_blocks(blocks, **overlay), "Re400")
         assert {(one.name.neurons, one.name.validation) for one in candidates} == {(2000, expected)}
         assert len(candidates) == 2
 
@@ -419,13 +409,10 @@ def test_files_of_figures_are_those_of_the_example():
         (PAPER, "observable_and_density", {"observable": "Re400/ensemble.nc", "exponents": []}),
         (PAPER, "suppressed_event", {"event": f"{event}/suppressed_event.nc"}),
         (PAPER, "horizon_schematic", {}),
-        (
-            computed,
-            "observable_and_density",
-            {"observable": "Re400/ensemble.nc", "exponents": exponents},
-        ),
     ):
         assert files_of(of, FIGURES[name], "Re400") == files
+    found = files_of(computed, FIGURES["observable_and_density"], "Re400")
+    assert found == {"observable": "Re400/ensemble.nc", "exponents": exponents}
 
 
 def test_the_paper_has_all_tables_but_those_of_other_training_series():

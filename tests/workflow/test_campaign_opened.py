@@ -87,6 +87,7 @@ def test_its_tables_and_figures(opened, tmp_path):
     assert set(opened.tables) == {one.stem for one in path.parent.glob("*.csv")}
     with pytest.raises(KeyError, match="did you mean 'horizon'"):
         opened.tables["horizn"]
+    assert "permanent alarm" in campaign_summary(path.parent)
     # figures, where there are any; a campaign that was moved; one without its forecasters
     shutil.copy(opened.results / ".run.json", tmp_path)
     (tmp_path / "figures").mkdir()
@@ -147,18 +148,24 @@ ESN = ("Re400", "esn", 500, "RV")
 EQUATIONS = ("Re400", "equations", None, None)
 
 
-def test_each_forecaster_is_one_row_best_first(tmp_path):
-    pd.concat(
-        [
-            percentiles("f_score", {ESN: 0.7, EQUATIONS: 1.0}, prediction_time_lt=time)
-            for time in (0.5, 2.5)
-        ]
-    ).assign(p50=lambda table: table["p50"] - (table["prediction_time_lt"] < 1) * 0.2).to_csv(
-        tmp_path / "classification_percentiles.csv", index=False
+def write(directory, name, *tables):
+    """A table of a campaign; or one of no byte."""
+    path = directory / f"{name}.csv"
+    pd.concat(tables).to_csv(path, index=False) if tables else path.touch()
+
+
+def scores(*cases, neurons=(500,), median=0.5, time=2.0):
+    medians = {(case, "esn", size, "RV"): median for case in cases for size in neurons}
+    return percentiles("f_score", medians, prediction_time_lt=time)
+
+
+def test_campaign_summary_has_a_row_for_each_forecaster_best_first(tmp_path):
+    of_times = (
+        percentiles("f_score", {ESN: 0.7 - less, EQUATIONS: 1.0 - less}, prediction_time_lt=time)
+        for time, less in ((0.5, 0.2), (2.5, 0))
     )
-    percentiles("mean_horizon_lt", {ESN: 3.25}).to_csv(
-        tmp_path / "horizon_percentiles.csv", index=False
-    )
+    write(tmp_path, "classification_percentiles", *of_times)
+    write(tmp_path, "horizon_percentiles", percentiles("mean_horizon_lt", {ESN: 3.25}))
     lines = campaign_summary(tmp_path).splitlines()
     assert "F-score 2.5 LT ahead" in lines[0]  # the nearest to 2 LT
     assert [line.split()[1] for line in lines[1:]] == ["equations", "esn,"]
@@ -167,19 +174,13 @@ def test_each_forecaster_is_one_row_best_first(tmp_path):
 
 
 def test_cases_are_in_the_order_of_their_numbers(tmp_path):
-    scores = {(case, "esn", 500, "RV"): 0.5 for case in ("Re1000", "Re400", "Re600")}
-    percentiles("f_score", scores, prediction_time_lt=2.0).to_csv(
-        tmp_path / "classification_percentiles.csv", index=False
-    )
+    write(tmp_path, "classification_percentiles", scores("Re1000", "Re400", "Re600"))
     rows = campaign_summary(tmp_path).splitlines()[1:]
     assert [row.split()[0] for row in rows] == ["Re400", "Re600", "Re1000"]
 
 
 def test_a_large_campaign_is_cut_and_says_so(tmp_path):
-    scores = {("Re400", "esn", neurons, "RV"): neurons / 1000 for neurons in range(100, 120)}
-    percentiles("f_score", scores, prediction_time_lt=2.0).to_csv(
-        tmp_path / "classification_percentiles.csv", index=False
-    )
+    write(tmp_path, "classification_percentiles", scores("Re400", neurons=range(100, 120)))
     lines = campaign_summary(tmp_path).splitlines()
     assert len(lines) == MOST_ROWS + 2
     assert "and 4 more" in lines[-1]
@@ -187,70 +188,54 @@ def test_a_large_campaign_is_cut_and_says_so(tmp_path):
 
 def test_exceedances_are_of_one_prediction_time(tmp_path):
     """Not the least of each, which would pair two experiments."""
-    at_times = {1: (0.12, 0.02), 2: (0.11, 0.05)}
-    pd.concat(
-        percentiles(f"exceedance_{flows}", {ESN: values[number]}, prediction_time_lt=time)
-        for time, values in at_times.items()
-        for number, flows in enumerate(("uncontrolled", "controlled"))
-    ).to_csv(tmp_path / "control_percentiles.csv", index=False)
+    tables = (
+        percentiles(f"exceedance_{flows}", {ESN: value}, prediction_time_lt=time)
+        for time, values in {1: (0.12, 0.02), 2: (0.11, 0.05)}.items()
+        for flows, value in zip(("uncontrolled", "controlled"), values, strict=True)
+    )
+    write(tmp_path, "control_percentiles", *tables)
     heads, row = campaign_summary(tmp_path).splitlines()
     assert heads.endswith("exceedance  under control  PT [LT]")
     assert row.split()[-3:] == ["0.12", "0.02", "1"]
 
 
-def test_tables_of_no_byte_are_none(tmp_path):
+def test_no_tables_and_tables_of_no_byte_no_summary(tmp_path):
+    assert campaign_summary(tmp_path) == warnings_summary(tmp_path) == ""
     for name in ("classification_percentiles", "horizon_percentiles", "warnings"):
-        (tmp_path / f"{name}.csv").touch()
+        write(tmp_path, name)
     assert campaign_summary(tmp_path) == warnings_summary(tmp_path) == ""
 
 
-def test_no_tables_no_summary(tmp_path):
-    assert campaign_summary(tmp_path) == ""
+def warned(directory, *rows):
+    """Lines that sum up warnings: case, forecaster, neurons, validation, and what is said."""
+    names = ["case", "forecaster", "neurons", "validation", "warning", "finding", "advice"]
+    write(directory, "warnings", pd.DataFrame(rows, columns=names).assign(reynolds=400))
+    return warnings_summary(directory).splitlines()[1:]
 
 
-def warnings(*rows):
-    names = ["case", "reynolds", "forecaster", "neurons", "validation"]
-    names += ["warning", "finding", "advice"]
-    return pd.DataFrame(rows, columns=names)
+FEW = [
+    (f"c{n}", None, None, None, "few_events", f"{n} events", "x") for n in range(MOST_WARNINGS + 3)
+]
 
 
 def test_warnings_that_say_the_same_share_a_line(tmp_path):
     edge = ("optimum_on_edge", "beta at its lower bound", "widen the search")
-    warnings(
-        ("Re400", 400, "esn", 500, "RV", *edge),
-        ("Re400", 400, "esn", 500, "SSV", *edge),
-        ("Re400", 400, None, None, None, "few_events", "3 events", "lower the threshold"),
-    ).to_csv(tmp_path / "warnings.csv", index=False)
-    assert warnings_summary(tmp_path).splitlines()[1:] == [
+    rows = [("Re400", "esn", 500, name, *edge) for name in ("RV", "SSV")]
+    few = ("Re400", None, None, None, "few_events", "3 events", "lower the threshold")
+    assert warned(tmp_path, *rows, few) == [
         "  Re400, esn, 500 neurons, RV; esn, 500 neurons, SSV: beta at its lower bound. "
         "Try: widen the search.",
         "  Re400: 3 events. Try: lower the threshold.",
     ]
 
 
-def test_many_warnings_are_cut_and_none_are_nothing(tmp_path):
-    assert warnings_summary(tmp_path) == ""
-    warnings().to_csv(tmp_path / "warnings.csv", index=False)
-    assert warnings_summary(tmp_path) == ""
-    rows = [
-        (f"c{n}", None, None, None, None, "few_events", f"{n} events", "x")
-        for n in range(MOST_WARNINGS + 3)
-    ]
-    warnings(*rows).to_csv(tmp_path / "warnings.csv", index=False)
-    lines = warnings_summary(tmp_path).splitlines()
-    assert len(lines) == MOST_WARNINGS + 2
+def test_many_warnings_are_cut_and_the_first_of_each_kind_is_shown(tmp_path):
+    assert warned(tmp_path) == []
+    lines = warned(tmp_path, *FEW)
+    assert len(lines) == MOST_WARNINGS + 1
     assert lines[-1].strip() == "... and 3 more"
-
-
-def test_the_first_warning_of_each_kind_is_shown(tmp_path):
-    often = [
-        (f"c{n}", None, None, None, None, "few_events", f"{n} events", "x")
-        for n in range(MOST_WARNINGS + 3)
-    ]
-    rare = ("c99", None, None, None, None, "nothing_to_calibrate_with", "no point counts", "y")
-    warnings(*often, rare).to_csv(tmp_path / "warnings.csv", index=False)
-    lines = warnings_summary(tmp_path).splitlines()[1:]
-    assert lines[:3] == [
+    rare = ("c99", None, None, None, "nothing_to_calibrate_with", "no point counts", "y")
+    assert warned(tmp_path, *FEW, rare)[:3] == [
         "  c0: 0 events. Try: x.",
         "  c99: no point counts. Try: y.",
         "  c1: 1 events. Try: x.",

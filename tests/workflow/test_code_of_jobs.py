@@ -95,16 +95,20 @@ def test_no_job_depends_on_what_fingerprints_leave_out():
             assert words_read(paths[module], frozenset(functions - {function})), function
 
 
-def test_no_job_depends_on_the_checks_of_a_config():
-    for script in SCRIPTS:
-        assert not {
-            one for one in modules_of(script) if one.startswith("burstcast_workflow.config")
-        }
-
-
-@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.name)
-def test_scripts_read_only_what_parameters_carry(path):
-    assert forbidden_reads(path) == []
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
+def test_a_script_depends_on_what_concerns_its_numbers_alone(path):
+    assert forbidden_reads(path) == []  # only what parameters carry
+    found = modules_of(path)
+    assert not {one for one in found if one.startswith("burstcast_workflow.config")}
+    # of the harness, which is left out, its version
+    of_harness = {
+        one for one in found if one.startswith(("burstcast_workflow.harness.", "snaketr"))
+    }
+    assert of_harness == {"burstcast_workflow.harness.version"}
+    # others than control know what an actuation is; tables know its records
+    if path.parent.name != "control":
+        control = {one for one in found if one.startswith("burstcast.control.")}
+        assert control <= {"burstcast.control.actuation"}
 
 
 def test_packages_import_nothing_by_themselves():
@@ -137,69 +141,51 @@ def test_closure_in_the_project_is_selective(tmp_path):
     assert library == {*packages, "burstcast.forecasters._names"}
 
 
-@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
-def test_every_script_carries_the_version_of_the_harness_and_nothing_else_of_it(path):
-    left_out = "burstcast_workflow.harness.", "snaketrust"
-    of_harness = {name for name in modules_of(path) if name.startswith(left_out)}
-    assert of_harness == {"burstcast_workflow.harness.version"}
+def reached(script, *kinds, systems=(), strategies=()):
+    """Modules that a script reaches where it is about these."""
+    about = {
+        **{"burstcast.forecasters": [*kinds], "burstcast.systems": [*systems]},
+        **{"burstcast.control.strategies": [*strategies]},
+        "burstcast.tuning.strategies": ["recycle"],
+    }
+    return {entry.partition("@")[0] for entry in SEEN.fingerprint(script, about)}
 
 
 @pytest.mark.parametrize("rule", ["control", "suppressed_event"])
 def test_control_does_not_depend_on_the_statistics_of_the_velocity(rule):
-    strategy = {"burstcast.control.strategies": ["prediction_triggered"]}
-    entries = SEEN.fingerprint(f"control/{rule}.py", strategy)
-    modules = {entry.split("@")[0] for entry in entries}
-    assert "burstcast.control.windows" in modules
-    assert "burstcast.control.strategies.planned" not in modules
-    for name in ("statistics.measures", "statistics.profiles", "systems.mfe_modes"):
-        assert f"burstcast.{name}" not in modules
-
-
-def test_what_is_no_control_does_not_depend_on_how_flows_are_controlled():
-    """Others know what an actuation is, and nothing else of control; tables know its records."""
-    for path in SCRIPTS:
-        if path.parent.name != "control":
-            control = {name for name in modules_of(path) if name.startswith("burstcast.control.")}
-            assert control <= {"burstcast.control.actuation"}, path
+    found = reached(f"control/{rule}.py", strategies=["prediction_triggered"])
+    assert "burstcast.control.windows" in found
+    others = ("statistics.measures", "statistics.profiles", "systems.mfe_modes")
+    assert not found & {f"burstcast.{name}" for name in (*others, "control.strategies.planned")}
 
 
 @pytest.mark.parametrize("script", ["scan", "search"])
 def test_the_search_does_not_depend_on_other_forecasters(script):
     """An edit of a filter must not repeat the search."""
-    modules = {"burstcast.forecasters": ["esn"], "burstcast.tuning.strategies": ["recycle"]}
-    entries = SEEN.fingerprint(f"forecasters/{script}.py", modules)
-    names = {entry.split("@")[0] for entry in entries}
-    assert "burstcast.esn.readout" in names
+    found = reached(f"forecasters/{script}.py", "esn")
+    assert "burstcast.esn.readout" in found
     others = ("burstcast.encoders", "burstcast.filters", "burstcast.observation")
-    assert not {name for name in names if name.startswith(others)}
+    assert not {name for name in found if name.startswith(others)}
 
 
 @pytest.mark.parametrize(
     "script",
-    [
-        "forecasters/fit.py",
-        "evaluation/forecast.py",
-        "evaluation/long_term.py",
-        "control/control.py",
-    ],
+    ["forecasters/fit", "evaluation/forecast", "evaluation/long_term", "control/control"],
 )
 def test_the_equations_do_not_depend_on_the_networks(script):
     for kind, expected in (("equations", False), ("esn", True)):
-        modules = {"burstcast.forecasters": [kind], "burstcast.systems": ["mfe"]}
-        names = {entry.split("@")[0] for entry in SEEN.fingerprint(script, modules)}
-        assert f"burstcast.forecasters.{kind}" in names
-        assert "burstcast.systems.lorenz63" not in names
-        assert any(name.startswith("burstcast.esn.") for name in names) == expected
+        found = reached(f"{script}.py", kind, systems=["mfe"])
+        assert f"burstcast.forecasters.{kind}" in found
+        assert "burstcast.systems.lorenz63" not in found
+        assert any(name.startswith("burstcast.esn.") for name in found) == expected
 
 
 # -- starting up -----------------------------------------------------------------------------------
 
 SOURCE = ROOT / "src"
 # What a job runs: a script, or the module of a figure.
-STARTED = [
-    *SCRIPTS,
-    *(SOURCE / "burstcast" / "figures" / f"{name}.py" for name in available_figures()),
-]
+FIGURES = SOURCE / "burstcast" / "figures"
+STARTED = [*SCRIPTS, *(FIGURES / f"{name}.py" for name in available_figures())]
 
 # Libraries that take long to load, and the scripts and figures that cannot do without them.
 NEEDED_BY = {
@@ -214,11 +200,7 @@ NEEDED_BY = {
 }
 # Modules of ours that load much, and those who have nothing to do with networks.
 NETWORK = "burstcast.esn.reservoir"
-WITHOUT_NETWORKS = [
-    "tables/*.py",
-    "data/*.py",
-    "control/*.py",
-]
+WITHOUT_NETWORKS = ["tables/*.py", "data/*.py", "control/*.py"]
 
 
 def libraries(path: Path) -> set[str]:
@@ -252,29 +234,12 @@ def allowed(script: Path, patterns: list[str]) -> bool:
 
 
 @pytest.mark.parametrize("script", STARTED, ids=lambda path: path.stem)
-def test_a_script_loads_no_library_that_it_does_not_need(script):
-    needless = [
-        library
-        for library in loaded(script)
-        if library in NEEDED_BY and not allowed(script, NEEDED_BY[library])
-    ]
-    assert not needless
-
-
-@pytest.mark.parametrize(
-    "script",
-    [script for script in SCRIPTS if allowed(script, WITHOUT_NETWORKS)],
-    ids=lambda path: path.stem,
-)
-def test_a_script_without_networks_does_not_load_them(script):
-    assert NETWORK not in modules(script)
-
-
-@pytest.mark.parametrize("library", ["skopt", "skimage", "matplotlib"])
-def test_the_libraries_are_found_where_they_are_needed(library):
-    users = [script for script in STARTED if allowed(script, NEEDED_BY[library])]
-    assert users
-    assert all(library in loaded(script) for script in users)
+def test_a_script_loads_what_it_needs_and_no_other_library_that_takes_long(script):
+    found = loaded(script)
+    may = {library for library, users in NEEDED_BY.items() if allowed(script, users)}
+    assert found & {*NEEDED_BY} == may
+    if allowed(script, WITHOUT_NETWORKS):
+        assert NETWORK not in modules(script)
 
 
 def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_with():
@@ -288,16 +253,8 @@ def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_wit
     output = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
-    heavy = {
-        "llvmlite",
-        "pandas",
-        "matplotlib",
-        "skopt",
-        "sklearn",
-        "scipy.stats",
-        "scipy.optimize",
-    }
-    assert not heavy & set(output.stdout.split())
+    heavy = {"llvmlite", "pandas", "matplotlib", "skopt", "sklearn"}
+    assert not (heavy | {"scipy.stats", "scipy.optimize"}) & set(output.stdout.split())
 
 
 # -- nothing imports upwards -----------------------------------------------------------------------

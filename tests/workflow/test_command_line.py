@@ -62,11 +62,9 @@ def test_the_project_is_found(tmp_path):
 
 def test_a_revision_says_whether_files_differ_from_it(tmp_path):
     assert git_revision(tmp_path) == "unknown"
-    git = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org"]
-    said_by([*git, "init", "-q"], tmp_path)
     (tmp_path / "file").write_text("one")
-    said_by([*git, "add", "file"], tmp_path)
-    said_by([*git, "commit", "-qm", "first"], tmp_path)
+    for arguments in (["init", "-q"], ["add", "file"], ["commit", "-qm", "first"]):
+        said_by([*GIT, *arguments], tmp_path)
     revision = git_revision(tmp_path)
     assert re.fullmatch("[0-9a-f]{40}", revision)
     (tmp_path / "results").write_text("not known to git")
@@ -99,17 +97,15 @@ def test_a_mistake_is_told_in_a_line(arguments, message, capsys):
     assert message in last
 
 
-def test_settings_are_the_page(capsys):
+def test_settings_are_the_page_and_a_system_is_checked(capsys):
     assert main(["settings"]) == 0
     assert capsys.readouterr().out == (ROOT / "docs" / "settings.md").read_text(encoding="utf-8")
-
-
-def test_a_system_is_checked(capsys):
     assert main(["check-system", "lorentz63"]) == 1
     assert "did you mean 'lorenz63'" in capsys.readouterr().err
 
 
 COMMAND = [sys.executable, "-m", "burstcast_workflow"]
+GIT = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org"]
 TINY = ROOT / "workflow" / "presets" / "tiny.yaml"
 
 
@@ -146,10 +142,15 @@ def test_the_page_has_all_commands(capsys):
     assert len(known) == 7
 
 
-def test_the_module_of_the_page_plans(tmp_path, job_server):
+def study(directory, change=("", "")):
+    """A directory with the module of the page, changed, and the tiny preset as its config."""
     (module,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
-    (tmp_path / "Snakefile").write_text(module)
-    shutil.copy(TINY, tmp_path / "config.yaml")
+    (directory / "Snakefile").write_text(module.replace(*change))
+    shutil.copy(TINY, directory / "config.yaml")
+
+
+def test_the_module_of_the_page_plans(tmp_path, job_server):
+    study(tmp_path)
     command = ["--dry-run", "--cores", "1", "results/tiny/tables/horizon.csv"]
     outcome = job_server.snakemake(tmp_path, *command)
     assert re.search(r"^burstcast_train +4$", outcome.text, re.MULTILINE)
@@ -157,11 +158,8 @@ def test_the_module_of_the_page_plans(tmp_path, job_server):
 
 @pytest.mark.long
 def test_a_study_may_have_rules_of_its_own(tmp_path):
-    (module,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
-    module = module.replace("as burstcast_*", "")
     own = '\nrule own:\n    output: "own.txt"\n    shell: "echo done > {output}"\n'
-    (tmp_path / "Snakefile").write_text(module + own)
-    shutil.copy(TINY, tmp_path / "config.yaml")
+    study(tmp_path, (" as burstcast_*\n", f"\n{own}"))
     profile = ["--workflow-profile", ROOT / "profiles" / "default"]
     targets = ["results/tiny/tables/horizon.csv", "own.txt"]
     costs = said_by([*COMMAND, "costs", *targets], tmp_path)
@@ -251,9 +249,14 @@ def test_an_archive_replaces_archives_alone(tmp_path):
     assert other.read_text() == "mine"
 
 
-def test_an_archive_of_nothing_is_refused(tmp_path):
+@pytest.mark.parametrize("damage", ['{"token": ', "[1]", "{}"])
+def test_an_archive_of_nothing_or_with_a_damaged_claim_is_refused(damage, tmp_path):
     with pytest.raises(NothingToArchiveError, match="neither tables nor figures"):
         contents(tmp_path, {}, "")
+    claim = tmp_path / ".run.json"
+    claim.write_text(damage)
+    with pytest.raises(NothingToArchiveError, match=r"\.run\.json is damaged"):
+        _config_of(claim)
 
 
 def test_records_say_the_revision_and_files_do_not(finished):
@@ -271,10 +274,10 @@ def test_records_say_the_revision_and_files_do_not(finished):
 
 
 def test_a_damaged_record_does_not_stop_an_archive(tmp_path):
-    for name in ("a.csv", "b.csv"):
-        (tmp_path / name).write_text("1")
-    records = Records(str(tmp_path))
     paths = [str(tmp_path / name) for name in ("a.csv", "b.csv")]
+    for path in paths:
+        Path(path).write_text("1")
+    records = Records(str(tmp_path))
     records.write(paths, {"rule": "table"}, {}, {}, "", 1.0, "revision", ["kernel"])
     records.file(paths[1]).write_text("{")
     told = versions(tmp_path)
@@ -295,9 +298,8 @@ def installed(tmp_path_factory):
         if (ROOT / name).exists():
             (copy / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, copy / name)
-    git = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org"]
     for arguments in (["init", "-q"], ["add", "-A"], ["commit", "-qm", "sources"]):
-        said_by([*git, *arguments], copy)
+        said_by([*GIT, *arguments], copy)
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check"]
     said_by([*pip, "wheel", "-q", "--no-deps", "-w", directory, copy], directory)
     (wheel,) = directory.glob("*.whl")
@@ -319,11 +321,8 @@ def test_a_wheel_of_a_repository_knows_its_revision(installed, tmp_path):
 
 @pytest.mark.long
 def test_the_tiny_campaign_runs_from_a_wheel_in_an_empty_directory(installed, tmp_path, finished):
-    environment = {
-        "PATH": f"{installed}:{os.environ['PATH']}",
-        "PYTHONPATH": "",
-        "PYTHONDONTWRITEBYTECODE": "",
-    }
+    path = f"{installed}:{os.environ['PATH']}"
+    environment = {"PATH": path, "PYTHONPATH": "", "PYTHONDONTWRITEBYTECODE": ""}
     python = installed / "python"
     place = "import burstcast_workflow.project as p; print(p.project_root())"
     root = Path(said_by([python, "-c", place], tmp_path, **environment).strip())
@@ -369,11 +368,3 @@ def test_an_installed_workflow_is_taken_as_a_module(installed, tmp_path, prefix,
     command = [installed / "python", "-m", "snakemake", "--dry-run", "--cores", "1"]
     said = said_by(command, tmp_path, **environment)
     assert re.search(rf"^{'flow_' if prefix else ''}train +4$", said, re.MULTILINE)
-
-
-@pytest.mark.parametrize("damage", ['{"token": ', "[1]", "{}"])
-def test_a_damaged_claim_is_told(damage, tmp_path):
-    claim = tmp_path / ".run.json"
-    claim.write_text(damage)
-    with pytest.raises(NothingToArchiveError, match=r"\.run\.json is damaged"):
-        _config_of(claim)

@@ -98,7 +98,11 @@ def test_kinds_are_a_list_or_a_mapping(config):
     assert load(config) == expected
 
 
-def test_the_reference_tells_what_holds_where_config_yaml_says_nothing(config):
+def test_the_reference_of_all_settings_is_up_to_date_and_tells_what_holds(config):
+    """Made by: burstcast settings > docs/settings.md."""
+    text = reference.text(config)
+    assert (ROOT / "docs" / "settings.md").read_text(encoding="utf-8") == text
+    # defaults also where config.yaml says nothing; code as it is
     defaults = {
         "statistics.forecasters.esn.neurons": "`[]`",
         "control.strategies[].starts": '`"quiet"`',
@@ -106,27 +110,11 @@ def test_the_reference_tells_what_holds_where_config_yaml_says_nothing(config):
         "campaign": "see config.yaml",
         "random_seed": "`2022`",
     }
-    lines = reference.text(config).splitlines()
     for name, default in defaults.items():
-        (line,) = (line for line in lines if line.startswith(f"| `{name}` |"))
+        (line,) = (line for line in text.splitlines() if line.startswith(f"| `{name}` |"))
         assert line.split(" | ")[3] == default
-
-
-def test_the_reference_keeps_code_as_it_is(config):
-    text = reference.text(config)
-    assert "`<case>-training<k>`" in text
-    assert "the case Re&lt;value> of" in text
-
-
-def test_the_reference_of_all_settings_is_up_to_date():
-    """Made by: burstcast settings > docs/settings.md."""
-    written = (ROOT / "docs" / "settings.md").read_text(encoding="utf-8")
-    assert written == reference.text(read(ROOT / "config.yaml"))
-
-
-@pytest.mark.parametrize("path", PRESETS, ids=lambda path: path.stem)
-def test_presets_are_sound(path):
-    assert load(paper_with(read(path)))["results"] == f"results/{path.stem}"
+    for code in ("`<case>-training<k>`", "the case Re&lt;value> of"):
+        assert code in text
 
 
 # -- canonical form --------------------------------------------------------------------------------
@@ -143,9 +131,12 @@ def test_writing_a_config_differently_changes_nothing(config):
     assert load(other)["results"] == "/tmp/paper"
 
 
-def test_the_given_config_is_left_alone(config):
+def test_the_given_config_is_left_alone_and_blocks_may_overlap(config):
+    config["campaign"].append(config["campaign"][0])
     before = copy.deepcopy(config)
-    records_of(load(config))["Re400"]["ensemble"]["series"] = 1
+    records = records_of(load(config))
+    assert list(records) == ["Re400", "Re600", "Re800", "Re1000"]
+    records["Re400"]["ensemble"]["series"] = 1
     assert config == before
 
 
@@ -156,11 +147,6 @@ def test_all_mistakes_are_told_at_once(config):
     assert len(problems(config)) == 3
     with pytest.raises(ConfigError, match=r"has 3 mistakes:\n  1\. .*\n  2\. .*\n  3\. "):
         load(config)
-
-
-def test_blocks_may_overlap(config):
-    config["campaign"].append(config["campaign"][0])
-    assert list(records_of(load(config))) == ["Re400", "Re600", "Re800", "Re1000"]
 
 
 # -- keys that are there twice ---------------------------------------------------------------------
@@ -234,11 +220,13 @@ def test_the_kept_schema_is_that_of_the_model():
 
 
 @pytest.mark.parametrize("path", [ROOT / "config.yaml", *PRESETS], ids=lambda path: path.stem)
-def test_what_ships_is_valid(path):
+def test_what_ships_is_sound_and_valid(path):
     assert [error.message for error in VALIDATOR.iter_errors(read(path))] == []
     place = "workflow/" if path.parent == ROOT else "../"
     first = path.read_text().partition("\n")[0]
     assert first == f"# yaml-language-server: $schema={place}schemas/config.schema.json"
+    name = "paper" if path.parent == ROOT else path.stem
+    assert load(paper_with(read(path)))["results"] == f"results/{name}"
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import copy
 
 import pytest
 import yaml
-from helpers_configs import paper_with, put, tiny_campaign, tiny_with
+from helpers_configs import MEASURED, NETWORKS, paper_with, put, tiny_campaign, tiny_with
 
 from burstcast_workflow.config.loading import ConfigError, load
 
@@ -31,22 +31,6 @@ PLANS = {
         "observed": ["invariants"],
         "forecasters": {"precursor": {}},
     },
-}
-DATA = {"files": ["lab/run_*.csv"], "components": ["u", "v"], "observable": "u", "time_step": 0.5}
-LAB = {
-    **{"data": DATA, "event_threshold": -1.5, "density": {"range": [-4, 0]}, "test_series": 3},
-    **{"training": {"series": 2}, "recycle_validation": {"series": 1}},
-}
-PART = {"data": {"case": "Re400", "components": ["a1", "s = a2**2 + a3**2"]}}
-NETWORKS = {"neurons": [2000], "validation": ["RV"], "seeds": 1}
-OF_LAB = {"esn": NETWORKS, "quadratic_filtered": {}, "persistence": {}}
-MEASURED = {
-    "cases": {"lab": LAB, "part": PART},
-    "campaign": [
-        {"reynolds": [400], "forecasters": {"esn": NETWORKS, "equations": {}}},
-        {"cases": ["lab", "part"], "forecasters": OF_LAB},
-    ],
-    "statistics": {"duration": 100, "fixed_point_interval_lt": 1},
 }
 OVERLAYS = {
     "measured": MEASURED,

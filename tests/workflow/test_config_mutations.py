@@ -12,21 +12,16 @@ import random
 
 import pytest
 import yaml
+from helpers_configs import paper_with, read
 from helpers_rebuilds import ROOT, Project
-from snakemake.utils import update_config
 
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_cases, settings_of_job
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.costs.model import CostModel
-from burstcast_workflow.figures.registry import (
-    FIGURES,
-    figure_case,
-    figure_names,
-    files_of,
-    settings_of,
-)
+from burstcast_workflow.figures import registry
+from burstcast_workflow.figures.registry import FIGURES, figure_names
 from burstcast_workflow.harness.canonical import canonical_json
 from burstcast_workflow.tables.registry import latex_names, table_names
 
@@ -37,49 +32,21 @@ PRESETS = ("tiny", "miniature", "quick", "beyond_the_paper")
 
 # of all types, in and out of range, as YAML reads them
 VALUES = [
-    *(
-        None,
-        True,
-        False,
-        "",
-        " ",
-        "text",
-        "1",
-        "1e-6",
-        "1.0e5",
-        "nan",
-        "../x",
-        "a/b",
-        "{case}",
-        "é\n",
-    ),
-    *(0, 1, 2, 3, -1, 7, 100, 10**6, 10**12, 2**64, 10**400, -(10**400)),
+    *(None, True, False, "", " ", "text", "1", "1e-6", "1.0e5", "nan", "../x", "a/b", "{case}"),
+    *(0, 1, 2, 3, -1, 7, 100, 10**6, 10**12, 2**64, 10**400, -(10**400), "é\n"),
     *(0.0, -0.0, 0.5, 1.5, -2.5, 1e-9, 1e-320, 1e300, math.nan, math.inf, -math.inf),
     *([], {}, [1], [1, 1], [0.5, "x"], [[]], [None], [2, 1], {"x": 1}, {1: 2}, {None: []}, [{}]),
-    *(
-        datetime.date(2026, 1, 1),
-        b"bytes",
-        "Re400",
-        "Re1e3",
-        "esn-N40-RV-seed0",
-        "mfe",
-        "RV",
-    ),
+    *(datetime.date(2026, 1, 1), b"bytes", "Re400", "Re1e3", "esn-N40-RV-seed0", "mfe", "RV"),
 ]
 Place = tuple[str | int, ...]
 
 
 def places(node: object, path: Place = ()) -> list[Place]:
     """Paths of everything in a config, sections and settings."""
-    found = [path] if path else []
-    items = (
-        node.items()
-        if isinstance(node, dict)
-        else enumerate(node if isinstance(node, list) else [])
-    )
-    for key, value in items:
-        found += places(value, (*path, key))
-    return found
+    listed = dict(enumerate(node)) if isinstance(node, list) else node
+    items = listed.items() if isinstance(listed, dict) else []
+    deeper = [place for key, value in items for place in places(value, (*path, key))]
+    return [path, *deeper] if path else deeper
 
 
 def at(node, path: Place):
@@ -117,12 +84,8 @@ def mutated(config: dict, chance: random.Random) -> tuple[dict, list[str]]:
 
 def base(chance: random.Random) -> dict:
     """The config of a campaign, as Snakemake merges it."""
-    config = yaml.safe_load((ROOT / "config.yaml").read_text())
-    if preset := chance.choice(["", *PRESETS]):
-        update_config(
-            config, yaml.safe_load((ROOT / f"workflow/presets/{preset}.yaml").read_text())
-        )
-    return config
+    preset = chance.choice(["", *PRESETS])
+    return paper_with(read(ROOT / f"workflow/presets/{preset}.yaml") if preset else {})
 
 
 def planned(config: dict) -> int:
@@ -151,9 +114,9 @@ def planned(config: dict) -> int:
         figure = next(
             known for known in sorted(FIGURES, key=len, reverse=True) if name.startswith(known)
         )
-        case = figure_case(campaign, figure, name.removeprefix(figure))
-        files_of(campaign, FIGURES[figure], case)
-        canonical_json(settings_of(campaign, FIGURES[figure], case))
+        case = registry.figure_case(campaign, figure, name.removeprefix(figure))
+        registry.files_of(campaign, FIGURES[figure], case)
+        canonical_json(registry.settings_of(campaign, FIGURES[figure], case))
     return len(records)
 
 

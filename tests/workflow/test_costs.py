@@ -39,11 +39,8 @@ ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
 PRESETS = sorted(path.stem for path in (ROOT / "workflow" / "presets").glob("*.yaml"))
 NETWORK = {"case": "Re400", "forecaster": "esn-N2000-RV-seed0"}
-CONTROL = {
-    "case": "Re400",
-    "controller": "esn-N2000-RV-seed0",
-    "strategy": "prediction_triggered-prediction_time2-window1",
-}
+PLAN = "prediction_triggered-prediction_time2-window1"
+CONTROL = {"case": "Re400", "controller": "esn-N2000-RV-seed0", "strategy": PLAN}
 WILDCARDS = {
     "search_grid": {"case": "Re400", "reservoir": "esn-N2000-seed0", "strategies": "RV+SSV"},
     "control": CONTROL,
@@ -165,24 +162,19 @@ def test_control_costs_its_flows_and_the_forecasts_of_all_that_vote():
     assert seconds("esn-N2000-RV-seed0", 4, 0.25) / one == pytest.approx(4.5 / 2.5, rel=0.1)
 
 
-def test_class_that_is_not_known_is_a_mistake():
-    with pytest.raises(KeyError, match="closed_lop"):
-        model().predicted("closed_lop", NETWORK)
-
-
 def test_prediction_does_not_depend_on_what_was_asked_before():
     costs = model()
     names = [f"esn-N{n}-RV-seed{seed}" for n, seed in ((500, 0), (3000, 0), (500, 7))]
     first, larger, again = (predicted("training", costs, forecaster=name) for name in names)
     assert first == again != larger
     assert predicted("training", forecaster=names[0]) == first
-    earlier = CONTROL["strategy"].replace("time2", "time1")
+    earlier = PLAN.replace("time2", "time1")
     assert predicted("control", costs, strategy=earlier) != predicted("control", costs)
-
-
-def test_case_whose_lyapunov_time_is_not_known_yet():
-    costs = model(case_defaults__lyapunov__time_unit="computed")
-    assert predicted("forecast", costs).seconds > 1
+    # a Lyapunov time that is not known yet, and a class that there is not
+    unknown = model(case_defaults__lyapunov__time_unit="computed")
+    assert predicted("forecast", unknown).seconds > 1
+    with pytest.raises(KeyError, match="closed_lop"):
+        costs.predicted("closed_lop", NETWORK)
 
 
 # -- what is asked for -----------------------------------------------------------------------------
@@ -308,11 +300,6 @@ def test_an_earlier_campaign_corrects_the_times_of_the_next(tmp_path, capsys):
     assert written["search"] == pytest.approx(2 * by_rule["search"][1].seconds, rel=0.1)
     main(options(tmp_path, "tiny"))
     assert "corrected by an earlier campaign: " in capsys.readouterr().out
-
-
-def test_a_part_of_a_campaign_writes_no_costs_of_the_whole(finished):
-    """It has no figures; test_miniature.py has what a whole one writes."""
-    assert not (finished.project.results / "benchmarks" / "rule_costs.csv").exists()
 
 
 def test_a_network_whose_gram_matrix_does_not_fit_is_named():

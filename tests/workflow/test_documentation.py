@@ -60,32 +60,19 @@ def project(tmp_path_factory):
     return made
 
 
-def planned(project, arguments):
-    """Plan what options of snakemake ask for; the text of the plan."""
-    options = [word for word in arguments if word not in ("-n", "--dry-run")]
-    result = subprocess.run(
-        [sys.executable, "-m", "snakemake", *options, "-n", "--quiet", "rules"],
-        cwd=project.directory,
-        env=project.environment(),
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+def said_by(command, project):
+    """What a command says in the project, where it succeeds."""
+    options = {"cwd": project.directory, "env": project.environment(), "text": True}
+    result = subprocess.run(command, capture_output=True, check=False, **options)
     assert result.returncode == 0, result.stdout + result.stderr
     return result.stdout
 
 
-def what_make_runs(project, words):
-    """Lines of a target's recipe, which make would run."""
-    result = subprocess.run(
-        ["make", "-n", *words, "-o", ".venv/installed"],
-        cwd=project.directory,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert result.returncode == 0, result.stderr
-    return result.stdout.splitlines()
+def planned(project, arguments):
+    """Plan what options of snakemake ask for; the text of the plan."""
+    options = [word for word in arguments if word not in ("-n", "--dry-run")]
+    command = [sys.executable, "-m", "snakemake", *options, "-n", "--quiet", "rules"]
+    return said_by(command, project)
 
 
 def tried(project, command):
@@ -95,7 +82,8 @@ def tried(project, command):
         del words[0]
     program = words[0]
     if program == "make":
-        lines = what_make_runs(project, words[1:])
+        # lines of a target's recipe
+        lines = said_by(["make", "-n", *words[1:], "-o", ".venv/installed"], project).splitlines()
         assert lines
         if not set(words) & set(TAKES_LONG):
             for line in lines:
@@ -110,15 +98,7 @@ def tried(project, command):
     elif words[:2] == [".venv/bin/python", "-m"] or program == ".venv/bin/burstcast":
         if program.endswith("burstcast"):
             words = ["", "-m", "burstcast_workflow.commands.command_line", *words[1:]]
-        result = subprocess.run(
-            [sys.executable, *words[1:]],
-            cwd=project.directory,
-            env=project.environment(),
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert result.returncode == 0, result.stderr
+        said_by([sys.executable, *words[1:]], project)
     elif program.startswith(".venv/bin/"):  # pytest, pip: their files are there
         files = [word for word in words[1:] if word.startswith(("tests/", "benchmarks/"))]
         assert all((ROOT / name).exists() for name in files)
@@ -144,29 +124,21 @@ def test_there_are_commands_and_files_of_the_reader():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_lines_are_short(name):
-    long = [
-        f"{number}: {line}"
-        for number, line in enumerate((ROOT / name).read_text().splitlines(), 1)
-        if len(line) > 100 and not line.lstrip().startswith("|")
-    ]
-    assert long == []
-
-
-def test_readme_is_short():
-    assert len((ROOT / "README.md").read_text().splitlines()) < 100
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_links_lead_somewhere(name):
-    page = ROOT / name
-    links = re.findall(r"\]\(([^)#\s]+)\)|^\[[^\]]+\]: (\S+)", page.read_text(), re.M)
+def test_lines_are_short_and_links_and_names_lead_somewhere(name):
+    page, text = ROOT / name, (ROOT / name).read_text()
+    wide = [line for line in text.splitlines() if len(line) > 100]
+    assert [line for line in wide if not line.lstrip().startswith("|")] == []
+    links = re.findall(r"\]\(([^)#\s]+)\)|^\[[^\]]+\]: (\S+)", text, re.M)
     for link in (first or second for first, second in links):
         if not link.startswith("http"):
             assert (page.parent / link).exists(), link
+    # ``burstcast.statistics.neighbour_divergence``, whatever room it has moved to
+    for dotted in set(re.findall(r"\bburstcast(?:\.[A-Za-z_]\w*){2,}", text)):
+        assert pkgutil.resolve_name(dotted) is not None, dotted
 
 
-def test_every_page_is_in_the_index():
+def test_the_readme_is_short_and_every_page_in_the_index():
+    assert len((ROOT / "README.md").read_text().splitlines()) < 100
     index = (ROOT / "docs" / "README.md").read_text()
     pages = {page.name for page in (ROOT / "docs").glob("*.md")} - {"README.md"}
     assert pages == set(re.findall(r"\]\((\S+\.md)\)", index))
@@ -176,13 +148,6 @@ def test_what_the_demo_is_said_to_take():
     """A few minutes on two cores, by the cost model."""
     jobs = predicted_costs(["--configfile", str(ROOT / "workflow/presets/quick.yaml")])
     assert jobs["predicted_minutes"].sum() < 8
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_what_pages_name_in_the_library_is_there(name):
-    """``burstcast.statistics.neighbour_divergence``, whatever room it has moved to."""
-    for dotted in set(re.findall(r"\bburstcast(?:\.[A-Za-z_]\w*){2,}", (ROOT / name).read_text())):
-        assert pkgutil.resolve_name(dotted) is not None, dotted
 
 
 # -- the site --------------------------------------------------------------------------------------
@@ -215,14 +180,15 @@ def test_a_public_name_without_a_docstring_is_found(build):
 
 
 def test_links_hold_where_their_page_lies(build):
-    def relinked(text, page):
-        return build._relinked(text, ROOT / "docs" / "method.md", page)
-
-    assert relinked("[a](solver.md#x)", "method.md") == "[a](solver.md#x)"
-    assert relinked("[a](../config.yaml)", "method.md") == "[a](repository/config.yaml)"
-    assert relinked("[a](figures.md)", "repository/b.md") == "[a](../figures.md)"
-    assert relinked("[a](README.md)", "method.md") == "[a](index.md)"
-    assert relinked("[a](nowhere.md)", "method.md") == "[a](nowhere.md)"
+    for link, page, expected in (
+        ("solver.md#x", "method.md", "solver.md#x"),
+        ("../config.yaml", "method.md", "repository/config.yaml"),
+        ("figures.md", "repository/b.md", "../figures.md"),
+        ("README.md", "method.md", "index.md"),
+        ("nowhere.md", "method.md", "nowhere.md"),
+    ):
+        found = build._relinked(f"[a]({link})", ROOT / "docs" / "method.md", page)
+        assert found == f"[a]({expected})"
 
 
 def test_every_figure_is_in_the_gallery_once(build):
@@ -256,16 +222,8 @@ def test_the_commands_of_the_gallery_make_their_figures(build, tmp_path):
         assert program == ".venv/bin/snakemake"
         targets.setdefault(tuple(options), []).append(target)
     for options, wanted in targets.items():
-        plan = subprocess.run(
-            [sys.executable, "-m", "snakemake", "-n", *wanted, *options],
-            cwd=project.directory,
-            env=project.environment(),
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert plan.returncode == 0, plan.stderr[-3000:]
-        assert re.search(rf"^figure +{len(wanted)}$", plan.stdout, re.MULTILINE)
+        plan = planned(project, [*wanted, *options])
+        assert re.search(rf"^figure +{len(wanted)}$", plan, re.MULTILINE)
 
 
 def test_names_of_settings_break_after_dots(build):

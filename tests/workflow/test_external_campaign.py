@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from helpers_rebuilds import Project, rules_of
+from helpers_rebuilds import Project, jobs_since, rules_of
 
 RESULTS, CASE = "results/external", "Re400"
 TIMES, UNIT, THRESHOLD = (1, 2, 3), 61, 0.07
@@ -45,8 +45,7 @@ def overlay(external=None):
 def project(tmp_path_factory, job_server):
     """The washouts of the campaign, exported, and forecasts of other programs."""
     project = Project.create(tmp_path_factory.mktemp("external") / "project", job_server)
-    outcome = project.snakemake(f"{RESULTS}/{CASE}/forecast_task.nc", overlay=overlay())
-    assert outcome.status == 0, outcome.text[-3000:]
+    project.made(f"{RESULTS}/{CASE}/forecast_task.nc", overlay=overlay())
     assert not (project.directory / RESULTS / CASE / "persistence").exists()
     directory = project.directory / "forecasts"
     directory.mkdir()
@@ -101,8 +100,7 @@ def write(path, facts, sizes, forecasts, horizon=None):
 
 @pytest.fixture(scope="module")
 def tables(project):
-    outcome = project.snakemake(*TARGETS, overlay=overlay(EXTERNAL))
-    assert outcome.status == 0, outcome.text[-3000:]
+    project.made(*TARGETS, overlay=overlay(EXTERNAL))
     directory = project.directory / RESULTS / CASE / "tables"
     return {name: pd.read_csv(directory / f"{name}.csv") for name in NAMES}
 
@@ -163,23 +161,14 @@ def test_an_exchanged_file_runs_again_what_depends_on_it(project, tables, tmp_pa
     lines = path.read_text().splitlines()
     lines[2] = re.sub(r",[^,]*$", ",1", lines[2])
     path.write_text("\n".join(lines))
-    before = logs(changed)
-    outcome = changed.snakemake(*TARGETS, overlay=overlay(EXTERNAL))
-    assert outcome.status == 0, outcome.text[-3000:]
-    ran = {name for name, time in logs(changed).items() if before.get(name) != time}
+    before = changed.logs(RESULTS)
+    changed.made(*TARGETS, overlay=overlay(EXTERNAL))
+    ran = jobs_since(before, changed.logs(RESULTS))
     assert {name for name in ran if "external_forecasts" in name} == {
         f"external_forecasts/{CASE}/external-given.log"
     }
     made = {"classification_table", "probability_scores", "lead_times"}
     assert made <= rules_of(ran) <= made | {"external_forecasts", "horizon_table"}
-
-
-def logs(project):
-    directory = project.directory / RESULTS / "logs"
-    return {
-        str(path.relative_to(directory)): path.stat().st_mtime_ns
-        for path in directory.rglob("*.log")
-    }
 
 
 def test_forecasts_of_other_washouts_are_named(project, tables, tmp_path):
@@ -195,19 +184,3 @@ def test_forecasts_of_other_washouts_are_named(project, tables, tmp_path):
         r"scored: export the case again, and forecast from the new washouts",
         outcome.text,
     )
-
-
-# -- mistakes, told before any job -----------------------------------------------------------------
-
-
-@pytest.fixture
-def files(tmp_path, monkeypatch):
-    """Files of forecasts in the directory that Snakemake runs in."""
-    monkeypatch.chdir(tmp_path)
-    for name, head in {
-        "right": "# case=Re400 case_version=0123456789abcdef seed=2022",
-        "case": "# case=Re500 case_version=1 seed=2022",
-        "seed": "# case=Re400 case_version=1 seed=7",
-        "headless": "point,step,observable",
-    }.items():
-        (tmp_path / f"{name}.csv").write_text(head + "\n", encoding="utf-8")

@@ -207,16 +207,10 @@ def test_a_comment_is_no_edit_while_a_job_runs(tmp_path):
     assert run(tmp_path, MAIN + edit)[0].returncode == 0
 
 
-@pytest.mark.parametrize(
-    ("body", "said"),
-    [
-        ("settings.name", True),
-        ("settings.name, settings.number", False),
-    ],
-)
-def test_settings_that_nobody_reads_are_in_the_log(tmp_path, body, said):
-    _, log = run(tmp_path, f"{MAIN}    {body}")
-    assert ("settings not read: number" in log) == said
+@pytest.mark.parametrize("read", ["name", "number"])
+def test_settings_that_nobody_reads_are_in_the_log(tmp_path, read):
+    _, log = run(tmp_path, f"{MAIN}    settings.name, settings.{read}")
+    assert ("settings not read: number" in log) == (read == "name")
     assert "is done" in log
 
 
@@ -285,54 +279,47 @@ def write(path, text, age=0.0):
     return path
 
 
-def test_nothing_failed(tmp_path):
+def failures(directory, age):
+    return failure_summary(directory / "logs", directory / "slurm", time.time() - age)
+
+
+def test_failure_summary_has_the_ends_of_logs_of_failed_and_killed_jobs_in_the_order_of_time(
+    tmp_path,
+):
     write(tmp_path / "logs" / "train" / "a.log", "starts\nINFO train (seed=1) is done: 1.00 s\n")
-    assert failure_summary(tmp_path / "logs", tmp_path / "none", time.time() - 60) == ""
-
-
-def test_ends_of_the_logs_of_failed_and_killed_jobs_in_the_order_of_time(tmp_path):
+    write(tmp_path / "logs" / "fine.log", "x is done: 1 s\n\n", age=5)
+    write(tmp_path / "logs" / "old.log", "ValueError: long ago\n", age=3600)
+    assert failures(tmp_path, 60) == ""
     lines = "".join(f"line {number}\n" for number in range(50))
     failed = write(tmp_path / "logs" / "b.log", lines + "ValueError: bad\n", age=20)
     killed = write(tmp_path / "logs" / "a.log", "", age=10)
-    write(tmp_path / "logs" / "fine.log", "x is done: 1 s\n\n", age=5)
     of_slurm = write(tmp_path / "slurm" / "group" / "7.log", "exceeded memory limit\n")
-    text = failure_summary(tmp_path / "logs", tmp_path / "slurm", time.time() - 60)
+    text = failures(tmp_path, 60)
     assert text.index(str(failed)) < text.index(str(killed)) < text.index(str(of_slurm))
-    assert "ValueError: bad" in text
-    assert "(empty)" in text
-    assert "exceeded memory limit" in text
-    assert "line 49" in text
-    assert "line 39\n" in text  # twelve lines in all
+    # twelve lines of each in all
+    for said in ("ValueError: bad", "(empty)", "exceeded memory limit", "line 49", "line 39\n"):
+        assert said in text
     assert "line 38\n" not in text
     assert "fine.log" not in text
-
-
-def test_logs_of_earlier_runs_do_not_count(tmp_path):
-    write(tmp_path / "logs" / "old.log", "ValueError: long ago\n", age=3600)
-    assert failure_summary(tmp_path / "logs", tmp_path / "none", time.time() - 60) == ""
 
 
 def test_many_failures_are_listed_by_name_only(tmp_path):
     for number in range(25):
         write(tmp_path / "logs" / f"{number}.log", f"reason {number}\n", age=100 - number)
-    text = failure_summary(tmp_path / "logs", tmp_path / "none", time.time() - 1000)
-    assert "reason 0" in text
-    assert "15 more" in text
-    assert "24.log" in text
+    text = failures(tmp_path, 1000)
+    for said in ("reason 0", "15 more", "24.log"):
+        assert said in text
     assert "reason 24" not in text
 
 
 # -- what numbers depend on beside settings, code and inputs ---------------------------------------
 
 
-def test_the_home_of_nobody_is_no_cache(monkeypatch, caplog):
+def test_shared_results_are_where_the_variable_says(monkeypatch, tmp_path, caplog):
     monkeypatch.setenv(environment.CACHE, "~nosuchuser/cache")
     assert environment.shared_results() is None
     assert "the cache ~nosuchuser/cache is not used: " in caplog.text
-
-
-def test_a_cache_is_where_the_variable_says(monkeypatch, tmp_path):
-    monkeypatch.delenv(environment.CACHE, raising=False)
+    monkeypatch.delenv(environment.CACHE)
     assert environment.shared_results() is None
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv(environment.CACHE, "~/cache")

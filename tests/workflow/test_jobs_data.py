@@ -58,10 +58,6 @@ def problems(tmp_path, steps=20, samples=400, **changed):
     return ""
 
 
-def test_what_fits_passes(tmp_path):
-    assert not problems(tmp_path)
-
-
 def test_all_that_does_not_fit_is_one_list(tmp_path):
     message = problems(tmp_path, steps=100)
     assert "a series of 400 samples has 4 Lyapunov times of 100 steps" in message
@@ -72,33 +68,33 @@ def test_all_that_does_not_fit_is_one_list(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("changed", "named"),
+    ("name", "value", "unasked"),
     [
-        ({"classification.longest_prediction_time_lt": 30}, "classification.longest_"),
-        ({"horizon.longest_lead_time_lt": 25}, "horizon.longest_lead_time_lt"),
-        ({"statistics.duration": 0.1}, "statistics.duration"),
-        ({"forecasters.quadratic.window_lt": 30}, "forecasters.quadratic.window_lt"),
-        ({"classification.resolution_lt": 0.001}, "classification.resolution_lt"),
+        ("classification.longest_prediction_time_lt", 30, {}),
+        ("horizon.longest_lead_time_lt", 25, {}),
+        ("statistics.duration", 0.1, {"asked.long_runs": False}),
+        ("forecasters.quadratic.window_lt", 30, {"asked.kinds": ["esn"]}),
+        ("search.interval_lt", 25, {"asked.validations": []}),
+        ("classification.resolution_lt", 0.001, {}),
     ],
 )
-def test_each_is_named_and_no_other(tmp_path, changed, named):
-    message = problems(tmp_path, **changed)
-    assert named in message
-    assert "; " not in message.partition("; ")[2]
-
-
-def test_only_what_the_case_has_is_asked_for(tmp_path):
-    window = {"forecasters.quadratic.window_lt": 30, "asked.kinds": ["esn"]}
-    assert not problems(tmp_path, **window)
-    assert not problems(tmp_path, **{"statistics.duration": 0.1, "asked.long_runs": False})
-    searched = {"search.interval_lt": 25, "asked.validations": []}
-    assert not problems(tmp_path, **searched)
+def test_lengths_of_case_names_each_and_no_other_and_only_what_the_case_has(
+    tmp_path, name, value, unasked
+):
+    assert not problems(tmp_path)
+    (tmp_path / "lengths.json").unlink()
+    message = problems(tmp_path, **{name: value})
+    assert name in message
+    # a search needs a washout before its interval, too
+    assert message.count("; ") == (2 if name.startswith("search.") else 1)
+    if unasked:
+        assert not problems(tmp_path, **{name: value}, **unasked)
 
 
 # -- units of time ---------------------------------------------------------------------------------
 
 
-def settings(published, time_unit="published", time_step=0.25, stride=4, file=""):
+def clock(published, time_unit="published", time_step=0.25, stride=4, file=""):
     declared = {
         "case.ensemble.time_step": time_step,
         "case.ensemble.sampling_stride": stride,
@@ -114,13 +110,10 @@ def computed(tmp_path, exponent):
     return str(path)
 
 
-def test_the_interval_of_the_networks():
-    assert settings(None, time_step=0.01, stride=2).sampling_interval == 0.02
-
-
 def test_the_config_is_believed_without_a_file():
-    assert settings(0.0163).lyapunov_time == 61
-    assert settings(0.9, time_step=0.01, stride=2).lyapunov_time == 55
+    assert clock(0.0163).lyapunov_time == 61
+    assert clock(0.9, time_step=0.01, stride=2).lyapunov_time == 55
+    assert clock(None, time_step=0.01, stride=2).sampling_interval == 0.02
 
 
 @pytest.mark.parametrize(
@@ -130,11 +123,11 @@ def test_the_config_is_believed_without_a_file():
 def test_the_computed_exponent(tmp_path, exponent, time_step, stride, steps):
     path = computed(tmp_path, exponent)
     of_steps = {"time_step": time_step, "stride": stride, "file": path}
-    assert settings(None, **of_steps).lyapunov_time == steps
+    assert clock(None, **of_steps).lyapunov_time == steps
     # where it sets the unit of time although there is a published one
-    assert settings(0.01, "computed", **of_steps).lyapunov_time == steps
+    assert clock(0.01, "computed", **of_steps).lyapunov_time == steps
     published = round(1 / (0.01 * time_step * stride))
-    assert settings(0.01, **of_steps).lyapunov_time == published != steps
+    assert clock(0.01, **of_steps).lyapunov_time == published != steps
 
 
 @pytest.mark.parametrize(
@@ -142,7 +135,7 @@ def test_the_computed_exponent(tmp_path, exponent, time_step, stride, steps):
 )
 def test_an_exponent_without_a_time_unit_names_the_settings(tmp_path, exponent, reason):
     with pytest.raises(ValueError, match=rf"lyapunov\.published_exponent.*: .*{reason}"):
-        _ = settings(None, file=computed(tmp_path, exponent)).lyapunov_time
+        _ = clock(None, file=computed(tmp_path, exponent)).lyapunov_time
 
 
 # -- other training series -------------------------------------------------------------------------
@@ -216,8 +209,5 @@ def test_blocks_of_series_are_taken_where_none_are_drawn(source):
     order = chosen(source[0], None)
     assert order[:TRAINING].tolist() == [82, 83, 84, 85]
     assert order[82:86].tolist() == [0, 1, 2, 3]
-
-
-def test_an_ensemble_without_enough_series_is_refused(source):
     with pytest.raises(ValueError, match=r"only 90 series did not laminarise"):
         chosen(source[0], {"shares": [0.2], "threshold": 0.1}, **{"case.test_series": 80})

@@ -76,7 +76,7 @@ def write(path, states):
     return states
 
 
-def test_training_series_are_the_first_with_noise(tmp_path):
+def test_learnt_is_the_first_series_with_noise(tmp_path):
     states = write(tmp_path / "e.nc", np.random.default_rng(1).normal(size=(7, 90, 3)))
     training = job().learnt(tmp_path / "e.nc")
     flat = states[:3].reshape(-1, 3)
@@ -86,19 +86,8 @@ def test_training_series_are_the_first_with_noise(tmp_path):
         numbers = random_streams.stream(2022, "noise", "lorenz", series).standard_normal((90, 3))
         expected = states[series] + 0.01 * flat.std(axis=0) * numbers
         np.testing.assert_allclose(training.observed[series], expected, rtol=1e-14, atol=1e-14)
-
-
-def test_the_series_after_them_change_nothing(tmp_path):
-    states = write(tmp_path / "a.nc", np.random.default_rng(1).normal(size=(7, 90, 3)))
-    write(tmp_path / "b.nc", states[:4])
-    first, second = (job().learnt(tmp_path / name) for name in ("a.nc", "b.nc"))
-    np.testing.assert_array_equal(first.observed, second.observed)
-
-
-def test_an_ensemble_that_is_too_small_names_the_setting(ensemble):
-    settings = {**SETTINGS, "case.training.series": 8}
     with pytest.raises(ValueError, match=r"training\.series is 8, but only 7 series"):
-        job(settings).learnt(ensemble)
+        job({**SETTINGS, "case.training.series": 8}).learnt(tmp_path / "e.nc")
 
 
 def test_a_reservoir_is_its_size_and_seed_whatever_the_case_and_strategy():
@@ -122,20 +111,23 @@ def network(ensemble):
     )
 
 
-@pytest.mark.parametrize("kind", trajectory_kinds())
-def test_a_forecaster_comes_back_bit_for_bit(kind, network, ensemble, tmp_path):
-    found = forecaster_class(kind)
-    identifier = IDENTIFIER.replace("esn", kind) if found.has_search else kind
+@pytest.fixture(params=trajectory_kinds())
+def forecaster(request, network, ensemble):
+    """One of each kind, and the settings of its job."""
+    found = forecaster_class(request.param)
+    identifier = IDENTIFIER.replace("esn", request.param) if found.has_search else request.param
     settings = job(forecaster=identifier)
     if issubclass(found, NetworkForecaster):
-        made = found(network.network, network.seed, network.divergence_bound)
-    else:
-        training = settings.learnt(ensemble).observed
-        made = forecaster_class(kind).fit(training, settings.forecasting_case())
+        return found(network.network, network.seed, network.divergence_bound), settings
+    return found.fit(settings.learnt(ensemble).observed, settings.forecasting_case()), settings
+
+
+def test_read_forecaster_gives_back_what_write_forecaster_was_given(forecaster, tmp_path):
+    made, settings = forecaster
     path = str(tmp_path / "forecaster.nc")
     write_forecaster(path, made, {"source": "test"})
     back = settings.read_forecaster(path)
-    assert type(back) is type(made) is forecaster_class(kind)
+    assert type(back) is type(made)
     washout = np.random.default_rng(5).normal(size=(12, 3, 3))
     outputs = [one.advance(one.start(washout), 20)[0] for one in (made, back)]
     assert np.isfinite(outputs[0]).all()
@@ -148,17 +140,7 @@ def test_a_forecaster_comes_back_bit_for_bit(kind, network, ensemble, tmp_path):
     }
 
 
-def test_a_network_keeps_what_training_told_of_it(network, tmp_path):
-    path = str(tmp_path / "forecaster.nc")
-    write_forecaster(path, network, {})
-    back = job().read_forecaster(path)
-    assert back.seed == network.seed
-    assert back.network.dynamics.reservoir.input_bias == 0.1
-    for name in ("tikhonov", "solver", "reciprocal_condition"):
-        assert getattr(back.network.readout, name) == getattr(network.network.readout, name)
-
-
-def test_the_file_says_what_it_is_made_of_and_holds_no_big_matrix(network, tmp_path):
+def test_the_file_of_a_network_says_what_it_is_made_of_and_holds_no_big_matrix(network, tmp_path):
     path = tmp_path / "forecaster.nc"
     write_forecaster(str(path), network, {"source": "test"})
     record = read_attributes(path)
@@ -167,24 +149,19 @@ def test_the_file_says_what_it_is_made_of_and_holds_no_big_matrix(network, tmp_p
     assert (record["neurons"], record["seed"], record["random_seed"]) == (40, 2, 2022)
     assert record["solver"] in ("cholesky", "ldl")
     assert path.stat().st_size < 40_000
-
-
-def test_a_forecaster_has_its_bound(network, tmp_path):
-    path = str(tmp_path / "forecaster.nc")
-    write_forecaster(path, network, {})
+    # what training told of it is kept
+    back = job().read_forecaster(str(path))
+    assert back.seed == network.seed
+    assert back.network.dynamics.reservoir.input_bias == 0.1
+    for name in ("tikhonov", "solver", "reciprocal_condition"):
+        assert getattr(back.network.readout, name) == getattr(network.network.readout, name)
+    # it is restored with the bound and the backend that the job is told
     outputs = np.full((2, 3, 1), 3.0) * network.network.input_range[:, np.newaxis]
     for bound, lost in ((2.0, True), (4.0, False)):
-        forecaster = job().read_forecaster(path, bound)
-        assert forecaster.diverged(outputs).tolist() == [lost]
+        assert job().read_forecaster(str(path), bound).diverged(outputs).tolist() == [lost]
     assert network.diverged(outputs).tolist() == [False]
-
-
-def test_unknown_backends_are_refused(network, tmp_path):
-    path = str(tmp_path / "forecaster.nc")
-    write_forecaster(path, network, {})
-    options = {"backend": "fortran"}
     with pytest.raises(ValueError, match="backend"):
-        job({**SETTINGS, "forecaster.options": options}).read_forecaster(path)
+        job({**SETTINGS, "forecaster.options": {"backend": "fortran"}}).read_forecaster(str(path))
 
 
 def test_what_forecasters_may_know_of_their_case():
@@ -194,29 +171,21 @@ def test_what_forecasters_may_know_of_their_case():
     assert case.options == {}
 
 
-@pytest.mark.parametrize("kind", trajectory_kinds())
-def test_only_the_bound_is_given_the_truth(kind, network):
-    kind_of_it = forecaster_class(kind)
-    if issubclass(kind_of_it, NetworkForecaster):
-        made = kind_of_it(network.network, network.seed, network.divergence_bound)
-    else:
-        series = np.random.default_rng(4).normal(size=(3, 90, 3)).cumsum(axis=1)
-        made = kind_of_it.fit(series, job().forecasting_case())
+def test_only_the_bound_is_given_the_truth(forecaster):
+    made, settings = forecaster
     observed, true = np.zeros(3), np.ones(3)
-    bounds = ("equations", "esn_true_washout")
-    assert seen(made, observed, true) is (true if kind in bounds else observed)
+    kind = settings.forecaster.partition("-")[0]
+    expected = true if kind in ("equations", "esn_true_washout") else observed
+    assert seen(made, observed, true) is expected
 
 
-def test_networks_with_true_washouts_learn_from_noisy_series(ensemble):
+def test_who_learns_from_noise_and_who_sees_the_truth_reads_none(ensemble):
     classes = map(forecaster_class, ("equations", "esn", "esn_true_washout"))
     true, noisy, same = (job().learnt_rows(kind, str(ensemble)) for kind in classes)
-    np.testing.assert_array_equal(true, job().training_states(str(ensemble)))
+    states = job().training_states(str(ensemble))
+    np.testing.assert_array_equal(true, states)
     np.testing.assert_array_equal(noisy, job().learnt(ensemble).observed)
     np.testing.assert_array_equal(same, noisy)
-
-
-def test_who_sees_the_truth_reads_no_noise(ensemble):
-    states = job().training_states(str(ensemble))
     unread = {key: value for key, value in SETTINGS.items() if key != "case.training.noise"}
     kinds = [forecaster_class(kind) for kind in ("equations", "equations_noisy")]
     assert seen_rows(kinds[0], job(unread), str(ensemble), 0, states) is states
@@ -226,22 +195,12 @@ def test_who_sees_the_truth_reads_no_noise(ensemble):
 
 # -- searches --------------------------------------------------------------------------------------
 
-STEPS = 25  # in a Lyapunov time
 RESERVOIR = "esn-N40-seed0"  # the reservoir of a scan
 OF_SEARCH = {
-    "case.system": "lorenz63",
+    **{name: value for name, value in SETTINGS.items() if name != "forecaster.options"},
     "case.parameters": {},
-    "case.ensemble.time_step": 0.01,
-    "case.ensemble.sampling_stride": 4,
-    "case.lyapunov.time_unit": "published",
-    "case.lyapunov.published_exponent": 1.0,  # a Lyapunov time of STEPS
-    "case.training.series": 3,
-    "case.training.noise": 0.01,
+    "case.lyapunov.published_exponent": 1.0,  # a Lyapunov time of 25 steps
     "case.recycle_validation": {"series": 2, "intervals_per_series": 4},
-    "random_seed": 2022,
-    "forecasters.esn.connectivity": 6,
-    "forecasters.esn.input_bias": 0.1,
-    "forecasters.esn.input_range": "all",
     "forecasters.esn.readout": "linear",
     "forecasters.esn.leak_rate": [1],
     "forecasters.esn.backend": "scipy",
@@ -311,10 +270,7 @@ def test_what_does_not_fit_is_told_before_anything_is_computed(searched, change,
 
 
 def test_intervals_that_just_fit_are_accepted(searched):
-    settings = {
-        **OF_SEARCH,
-        "case.recycle_validation": {"series": 3, "intervals_per_series": 5},
-    }
+    settings = OF_SEARCH | {"case.recycle_validation": {"series": 3, "intervals_per_series": 5}}
     assert len(validator(settings, searched)(POINT, [RecycleValidation()])) == 2
 
 

@@ -43,7 +43,7 @@ def forecaster(name="esn-N30-RV-seed0", case="Re400"):
     return {"case": case, "forecaster": name}
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=30)
 @given(st.permutations(NAMES), st.permutations(["a", "b", "c", "d", "e"]))
 def test_rows_are_labelled_by_the_files_in_any_order_and_at_any_place(
     tmp_path_factory, names, places
@@ -88,28 +88,19 @@ def test_key_columns_of_a_case():
     assert tables_of("lorenz", {"sigma": 10}, declared).with_keys(rows) == rows
 
 
-def test_two_files_of_one_forecaster(tmp_path):
-    paths = [written(tmp_path, forecaster(), suffix) for suffix in (".json", ".nc")]
+def test_files_that_do_not_belong_together_are_refused(tmp_path):
+    assert CASE.gathered([]) == []
+    twice = [written(tmp_path, forecaster(), suffix) for suffix in (".json", ".nc")]
     with pytest.raises(ValueError, match="are both of the job") as error:
-        origins(paths)
-    assert all(str(path) in str(error.value) for path in paths)
-
-
-def test_a_file_of_another_case(tmp_path):
-    paths = [written(tmp_path, forecaster(case=case)) for case in ("Re400", "Re600")]
-    assert [one.identity["case"] for one in origins(paths)] == ["Re400", "Re600"]
+        origins(twice)
+    assert all(str(path) in str(error.value) for path in twice)
+    cases = [written(tmp_path, forecaster(case=case)) for case in ("Re400", "Re600")]
+    assert [one.identity["case"] for one in origins(cases)] == ["Re400", "Re600"]
     with pytest.raises(ValueError, match="is of the case Re600"):
-        CASE.gathered(paths)
-
-
-def test_a_file_that_does_not_say_what_it_is(tmp_path):
+        CASE.gathered(cases)
     write_json(tmp_path / "x.json", {"seed": 1})
     with pytest.raises(ValueError, match=r"x\.json does not say which job wrote it"):
         origins([tmp_path / "x.json"])
-
-
-def test_nothing_is_gathered():
-    assert CASE.gathered([]) == []
 
 
 # -- sources of alarms -----------------------------------------------------------------------------
@@ -150,9 +141,7 @@ def test_committees_are_of_seeds_and_of_members_of_an_ensemble():
         assert by_name[name].forecasters == (name,)
         assert by_name[name].compared == (name not in networks)
     assert [by_name[name].forecasters for name in BASELINES] == [(), ()]
-
-
-def test_without_an_ensemble_there_is_no_committee():
+    # without an ensemble there is none
     found = alarm_sources(forecasts("esn-N2000-RV-seed0", "quadratic", "equations"))
     assert not any(source.committee for source in found)
 
@@ -166,16 +155,13 @@ ROWS = [
 DECLARED = ["case", "reynolds*", "seed", "nrmse_u*", "f_score"]
 
 
-def test_columns_are_those_declared_in_their_order():
+def test_columns_as_declared_in_their_order_and_no_others():
     table = as_declared(ROWS, DECLARED, "scores")
     assert list(table.columns) == ["case", "seed", "f_score"]
     assert table["seed"].dtype == "Int64"
     more = [*ROWS, {"case": "c", "seed": 3, "f_score": np.nan, "reynolds": 400, "nrmse_u": 0.1}]
     for rows in (more, []):
         assert list(as_declared(rows, DECLARED, "scores").columns) == plain(DECLARED)
-
-
-def test_other_columns_than_those_declared_are_refused():
     with pytest.raises(ValueError, match="table scores declares no column f_score"):
         as_declared(ROWS, DECLARED[:-1], "scores")
     with pytest.raises(ValueError, match="table scores declares recall, which no row has"):

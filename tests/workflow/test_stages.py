@@ -56,11 +56,9 @@ def script_of(rule):
 
 def wildcards_of(rule):
     found = {
-        "case": "Re400",
-        "forecaster": "esn-N2000-RV-seed0",
+        **{"case": "Re400", "forecaster": "esn-N2000-RV-seed0"},
+        **{"reservoir": "esn-N2000-seed0", "strategies": "RV+SSV"},
         "controller": "esn-N2000-RV-seed0",
-        "reservoir": "esn-N2000-seed0",
-        "strategies": "RV+SSV",
         "strategy": "prediction_triggered-prediction_time1-window1",
     }
     names = workflow().rules[rule].wildcard_names
@@ -105,11 +103,13 @@ def test_what_other_jobs_find_out_is_an_input_of_the_rules_that_read_it(rule):
 
 
 @pytest.mark.parametrize("rule", STAGES)
-def test_a_rule_runs_the_script_of_its_name(rule):
+def test_a_rule_runs_the_script_of_its_name_and_has_its_code(rule):
     # of rules in a loop not that of the last one
-    script = script_of(rule)
+    script, made = script_of(rule), dict(workflow().rules[rule].params.items())
+    entries = made["code"](wildcards_of(rule))
+    assert script.name in [entry.partition("@")[0] for entry in entries]
     if script == TABLES:
-        assert dict(workflow().rules[rule].params.items())["maker"] == rule
+        assert made["maker"] == rule
     else:
         assert script.stem == ("joined" if rule.startswith("joined_") else rule)
 
@@ -171,14 +171,6 @@ def test_tables_are_made_of_all_that_they_declare_and_of_nothing_else(name):
     assert {*taken} - {"scored", "searched"} == {*what} - ({*shared} - {*taken})
 
 
-@pytest.mark.parametrize("rule", STAGES)
-def test_the_code_of_a_rule_is_that_of_its_script(rule):
-    made = dict(workflow().rules[rule].params.items())
-    script = script_of(rule)
-    entries = made["code"](wildcards_of(rule))
-    assert script.name in [entry.partition("@")[0] for entry in entries]
-
-
 def test_every_script_belongs_to_a_rule():
     of_rules = {script_of(rule) for rule in STAGES}
     assert of_rules | {script_of("figure")} == set(SCRIPTS.glob("*/*.py"))
@@ -200,6 +192,8 @@ def test_a_figure_is_drawn_of_all_that_it_declares_and_of_nothing_else(name):
         node.id for part in function.body for node in ast.walk(part) if isinstance(node, ast.Name)
     }
     assert set(arguments) <= read
+    settings = settings_of(workflow().campaign, figure, "Re400")
+    assert set(settings) == set(figure.paths.values())
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -207,21 +201,12 @@ def test_the_code_of_a_figure_is_its_own_module_and_what_that_reaches(name):
     code = dict(workflow().rules["figure"].params.items())["code"]
     found = {one.partition("@")[0] for one in code(Wildcards(figure=name, of_case=""))}
     assert found & {f"burstcast.figures.{one}" for one in FIGURES} == {f"burstcast.figures.{name}"}
-    assert found > {
-        "figure.py",
-        "burstcast.figures.parts.style",
-        "burstcast_workflow.harness.version",
-    }
+    version = "burstcast_workflow.harness.version"
+    assert found > {"figure.py", "burstcast.figures.parts.style", version}
     # of what the module itself finds by name, only what the case is about
     strategies = {"burstcast.tuning.strategies.recycle", "burstcast.tuning.strategies.single_shot"}
     assert found & strategies == (strategies if name == "validation_strategies" else set())
     assert "burstcast.systems.lorenz63" not in found
-
-
-def test_settings_of_figures_are_those_of_the_config_and_of_the_campaign():
-    for name, figure in FIGURES.items():
-        found = settings_of(workflow().campaign, figure, "Re400")
-        assert set(found) == set(figure.paths.values()), name
 
 
 # -- settings --------------------------------------------------------------------------------------
@@ -270,7 +255,10 @@ def fields_of(cls):
 @pytest.mark.parametrize("rule", STAGES)
 def test_a_script_reads_every_setting_that_it_declares(rule):
     path, cls = script_of(rule), class_of(rule)
-    assert fields_read(getattr(script(path), main_of(path).name), cls, set()) == fields_of(cls)
+    found = fields_read(getattr(script(path), main_of(path).name), cls, set())
+    assert found == fields_of(cls)
+    if rule == "survival_choice":  # through methods and helpers
+        assert {"connectivity", "time_unit", "density", "washout_lt", "backend"} <= found
 
 
 @pytest.mark.parametrize("rule", [*STAGES, "figure"])
@@ -290,12 +278,6 @@ def covered(path, paths):
     return any(path == other or other.startswith(f"{path}.") for other in paths)
 
 
-def test_what_is_read_is_found_through_methods_and_helpers():
-    path, cls = script_of("survival_choice"), class_of("survival_choice")
-    found = fields_read(getattr(script(path), main_of(path).name), cls, set())
-    assert {"connectivity", "time_unit", "density", "washout_lt", "system", "backend"} <= found
-
-
 # -- forecasters -----------------------------------------------------------------------------------
 
 
@@ -310,23 +292,22 @@ def constraint(name):
     return re.compile(pattern)
 
 
-def test_every_forecaster_is_made_by_one_rule():
+def test_every_forecaster_is_made_by_one_rule_and_every_scan_named_as_its_rule_expects():
     networks, others, forecaster = map(constraint, ("NETWORKS", "OTHERS", "forecaster"))
-    for one in workflow().campaign.forecasters:
+    campaign = workflow().campaign
+    for one in campaign.forecasters:
         name = one.name.identifier
         assert forecaster.fullmatch(name)
         assert bool(networks.fullmatch(name)) == (one.name.kind == "esn")
         assert bool(others.fullmatch(name)) == (one.name.kind != "esn")
+        if one in campaign.networks:
+            for wildcard, found in zip(
+                ("reservoir", "strategies"), campaign.scan_of(name), strict=True
+            ):
+                assert constraint(wildcard).fullmatch(found)
     assert networks.fullmatch("esn_aware-N40-RV-seed0")
     for kind in [*available_kinds(), "quadratic_aware", "quadratic_aware_filtered"]:
         assert bool(others.fullmatch(kind)) or kind == "esn"
-
-
-def test_scans_are_named_as_their_rule_expects():
-    for one in workflow().campaign.networks:
-        reservoir, strategies = workflow().campaign.scan_of(one.name.identifier)
-        assert constraint("reservoir").fullmatch(reservoir)
-        assert constraint("strategies").fullmatch(strategies)
 
 
 # -- what rules ask for each job -------------------------------------------------------------------
@@ -357,7 +338,7 @@ def test_wildcards_of_some_names_and_of_none():
     assert not re.fullmatch(one_of([]), "")
 
 
-def test_files_of_cases_and_forecasters(paper):
+def test_files_of_cases_forecasters_and_tables(paper):
     assert paper.of_cases("dataset.json", ["Re600"]) == ["results/paper/Re600/dataset.json"]
     assert len(paper.of_cases("dataset.json")) == 4
     assert len(paper.of_forecasters("forecast.nc")) == 180 + 2 * 4
@@ -365,11 +346,8 @@ def test_files_of_cases_and_forecasters(paper):
     assert len(found) == 2 * 10 + 2
     assert all(path.startswith("results/paper/Re600/") for path in found)
     assert paper.files_in_case("x.nc", lambda campaign, case: [])(JOB) == []
-    (scan,) = [paper.scan_of_network("csv")(JOB)]
+    scan = paper.scan_of_network("csv")(JOB)
     assert scan == "results/paper/Re600/scan/esn-N2000-seed3-RV+SSV.csv"
-
-
-def test_tables_of_a_case_that_has_none(paper):
     tables = paper.tables_of_case("dataset training_realisations")
     assert tables["dataset"](JOB) == "results/paper/Re600/tables/dataset.csv"
     assert tables["training_realisations"](JOB) == []
@@ -385,14 +363,12 @@ def test_thresholds_are_inputs_where_they_are_quantiles(paper):
     assert other.unknowns_of("simulate")[THRESHOLDS](JOB) == []
 
 
-def test_values_of_a_stage_are_given_or_asked_for(paper):
+def test_values_and_needs_of_a_stage(paper):
     values = {"given": 3, "asked": of_job(lambda wildcards: wildcards["case"])}
     settings = paper.settings_of("data/training_set.py", **values)(JOB)
     expected = {"given": 3, "asked": "Re600", "washout_lt": 0.5}
     assert {name: settings[name] for name in expected} == expected
-
-
-def test_more_memory_for_each_attempt_and_what_the_cache_keeps(paper):
+    # more memory for each attempt, and what the cache keeps
     needed = paper.needs("forecast", "forecast", cached=True)
     first, second = (needed["mem_mb"](JOB, attempt) for attempt in (1, 2))
     assert 0 < first < second
@@ -422,30 +398,21 @@ PROFILE = yaml.safe_load((ROOT / "profiles" / "slurm" / "config.yaml").read_text
 DEFAULT = yaml.safe_load((ROOT / "profiles" / "default" / "config.yaml").read_text())
 
 
-def test_every_job_belongs_to_a_group_that_the_profile_describes():
+def test_the_profile_describes_the_group_of_every_job_and_spans_those_that_there_are():
     assert len(groups()) > 20
     described = (ROOT / "profiles" / "slurm" / "config.yaml").read_text()
     for rule, name in groups().items():
         assert re.search(rf"^#   {name} ", described, re.M), rule
     # a profile's groups would replace those of the rules
     assert "groups" not in PROFILE
-
-
-def test_groups_that_span_several_components_exist():
     spanning = {entry.split("=")[0] for entry in PROFILE["group-components"]}
-    assert spanning
-    assert spanning <= set(groups().values())
+    assert set() < spanning <= set(groups().values())
 
 
 def test_what_makes_a_job_run_again_is_the_same_everywhere():
     for option in ("rerun-triggers", "rerun-incomplete", "keep-going"):
         assert PROFILE[option] == DEFAULT[option]
-
-
-def test_log_directory_is_the_one_that_the_summary_of_failures_reads():
+    assert PROFILE["retries"] == 2  # with more
+    # logs are those that the summary of failures reads
     common = (ROOT / "workflow" / "rules" / "common.smk").read_text()
     assert f'SCHEDULER_LOGS = Path("{PROFILE["slurm-logdir"]}")' in common
-
-
-def test_a_failed_job_is_tried_again_with_more():
-    assert PROFILE["retries"] == 2

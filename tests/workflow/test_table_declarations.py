@@ -81,21 +81,27 @@ def told():
     }
 
 
-def test_another_format_runs_the_tables_for_papers_that_show_it(monkeypatch):
+@pytest.mark.parametrize(
+    ("declared", "name", "change", "changed", "same"),
+    [
+        # another format runs the tables for papers that show it
+        (COLUMNS, "f_score", {"format": ".4f"}, "classification", slice(2)),
+        # another column its table, and no other
+        (
+            TABLES,
+            "control",
+            {"columns": [*TABLES["control"].columns, "recall"]},
+            "control",
+            slice(2, 3),
+        ),
+    ],
+)
+def test_a_change_runs_what_shows_it(monkeypatch, declared, name, change, changed, same):
     before = told()
-    monkeypatch.setitem(COLUMNS, "f_score", replace(COLUMNS["f_score"], format=".4f"))
+    monkeypatch.setitem(declared, name, replace(declared[name], **change))
     after = told()
-    assert [name for name in TABLES if before[name] != after[name]] == ["classification"]
-    assert before["classification"][:2] == after["classification"][:2]
-
-
-def test_another_column_runs_its_table_and_no_other(monkeypatch):
-    before = told()
-    table = TABLES["control"]
-    monkeypatch.setitem(TABLES, "control", replace(table, columns=[*table.columns, "recall"]))
-    after = told()
-    assert [name for name in TABLES if before[name] != after[name]] == ["control"]
-    assert before["control"][2] == after["control"][2]
+    assert [one for one in TABLES if before[one] != after[one]] == [changed]
+    assert before[changed][same] == after[changed][same]
 
 
 def test_words_run_nothing(monkeypatch):
@@ -138,33 +144,21 @@ LAYOUTS = registry.typeset(["dataset", "control_strategies"])
 
 def rows(case: str, forecaster: str, seeds: list[float]) -> pd.DataFrame:
     """Rows of control under one strategy, by all who forecast."""
+    who = {"neurons": 40, "validation": "RV"} if forecaster == "esn" else {}
     return pd.DataFrame(
         {
-            "case": case,
-            "forecaster": forecaster,
-            "neurons": 40 if forecaster == "esn" else np.nan,
-            "validation": "RV" if forecaster == "esn" else np.nan,
-            "seed": seeds,
-            "strategy": "prediction_triggered",
-            "delay_lt": 0.0,
-            "prediction_time_lt": 1.0,
-            "metric": "exceedance_controlled",
-            "value": [0.1 + seed for seed in seeds],
-            "low": 0.0,
-            "high": 1.0,
+            **{"case": case, "forecaster": forecaster, "neurons": np.nan, "validation": np.nan},
+            **{**who, "seed": seeds, "strategy": "prediction_triggered", "delay_lt": 0.0},
+            **{"prediction_time_lt": 1.0, "metric": "exceedance_controlled"},
+            **{"value": [0.1 + seed for seed in seeds], "low": 0.0, "high": 1.0},
         }
     )
 
 
 def test_seeds_tell_networks_apart_also_after_a_case_without_networks():
-    table = pd.concat(
-        [
-            rows("alpha", "equations", [np.nan]),
-            rows("Zeta", "esn", [0, 1]),
-            rows("Zeta", "equations", [np.nan]),
-        ],
-        ignore_index=True,
-    )
+    seeds = {("alpha", "equations"): [np.nan], ("Zeta", "esn"): [0, 1]}
+    seeds["Zeta", "equations"] = [np.nan]
+    table = pd.concat([rows(*who, of) for who, of in seeds.items()], ignore_index=True)
     found = {
         case: texts for case, texts, _ in wide_tables(table, LAYOUTS["control_strategies"], KEYS)
     }
@@ -178,11 +172,9 @@ def test_what_no_case_has_is_no_column():
     layout = LAYOUTS["dataset"]
     names = [name for name in layout["metrics"] if name != "lyapunov_exponent_paper"]
     table = pd.DataFrame({"case": ["lab"], **{name: [1.5] for name in names}})
-    ((_, texts, _),) = wide_tables(table, layout, KEYS)
-    assert len(texts.columns) == 1 + len(names)
-    with_published = table.assign(lyapunov_exponent_paper=0.9)
-    ((_, texts, _),) = wide_tables(with_published, layout, KEYS)
-    assert len(texts.columns) == 2 + len(names)
+    for columns, one in enumerate((table, table.assign(lyapunov_exponent_paper=0.9)), 1):
+        ((_, texts, _),) = wide_tables(one, layout, KEYS)
+        assert len(texts.columns) == columns + len(names)
 
 
 def test_settings_that_only_later_cases_have_tell_their_rows_apart():

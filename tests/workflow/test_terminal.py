@@ -12,21 +12,18 @@ from snakemake_interface_logger_plugins.common import LogEvent
 
 from snakemake_logger_plugin_burstcast import terminal
 from snakemake_logger_plugin_burstcast.config_files import unreadable_config
-from snakemake_logger_plugin_burstcast.terminal import Progress, TerminalHandler, duration
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [
-        (0.2, "0 s"),
-        (59.4, "59 s"),
-        (61, "1 min 01 s"),
-        (3599.6, "1 h 00 min"),
-        (7500, "2 h 05 min"),
-    ],
+from snakemake_logger_plugin_burstcast.terminal import (
+    Progress,
+    TerminalHandler,
+    counted,
+    duration,
 )
-def test_durations(seconds, text):
-    assert duration(seconds) == text
+
+
+def test_durations_and_numbers_in_words():
+    said = {0.2: "0 s", 59.4: "59 s", 61: "1 min 01 s", 3599.6: "1 h 00 min", 7500: "2 h 05 min"}
+    assert {seconds: duration(seconds) for seconds in said} == said
+    assert [counted(number) for number in (0, 1, 2)] == ["0 jobs", "1 job", "2 jobs"]
 
 
 def jobs(*seconds, rule="train"):
@@ -62,8 +59,7 @@ def test_finished_jobs_correct_the_time_of_their_own_rule():
 
 
 def test_the_share_never_falls():
-    progress = Progress(jobs(1.0, 1.0, 1.0), cores=1, started=0.0)
-    shares = []
+    progress, shares = Progress(jobs(1.0, 1.0, 1.0), cores=1, started=0.0), []
     for job, now in ((1, 1.0), (2, 100.0), (3, 101.0)):
         progress.start(job, 0.0)
         progress.finish(job, now)
@@ -103,12 +99,8 @@ def send(handler, message="", event=None, level=logging.INFO, **fields):
 def run_of_a_hundred_jobs(handler, failing=()):
     send(handler, "Provided cores: 4", LogEvent.RESOURCES_INFO, cores=4)
     for number in range(1, 101):
-        label = {
-            "jobid": number,
-            "rule_msg": f"job number {number}",
-            "rule_name": "train",
-            "output": ["network.nc"],
-        }
+        label = {"jobid": number, "rule_msg": f"job number {number}", "rule_name": "train"}
+        label["output"] = ["network.nc"]
         send(handler, event=LogEvent.JOB_INFO, **label)
         if number in failing:
             error = {**label, "rule_msg": None, "log": ["logs/train.log"]}
@@ -122,30 +114,31 @@ def run_of_a_hundred_jobs(handler, failing=()):
     return handler._stream.getvalue().splitlines()
 
 
-def test_a_hundred_jobs_are_a_few_lines(handler):
-    lines = run_of_a_hundred_jobs(handler)
+@pytest.mark.parametrize("failing", [(), (7,)])
+def test_a_hundred_jobs_are_a_few_lines_and_a_failure_is_said_once(handler, failing):
+    lines = run_of_a_hundred_jobs(handler, failing)
     assert lines[0] == "100 jobs, about 25 s on 4 cores, estimated from sizes"
     assert len(lines) <= 27
-    assert [line for line in lines if line.startswith("100%")] == lines[-1:]
-    assert lines[-1].startswith("100%  100 of 100 jobs")
-
-
-def test_a_failure_is_said_once_and_with_its_log(handler):
-    lines = run_of_a_hundred_jobs(handler, failing=[7])
-    assert [line for line in lines if "FAILED" in line] == [
-        "FAILED  job number 7 (log: logs/train.log)"
-    ]
+    said = [f"FAILED  job number {number} (log: logs/train.log)" for number in failing]
+    assert [line for line in lines if "FAILED" in line] == said
     assert not any("CalledProcessError" in line for line in lines)
+    if not failing:
+        assert [line for line in lines if line.startswith("100%")] == lines[-1:]
+        assert lines[-1].startswith("100%  100 of 100 jobs")
 
 
 def test_messages_that_a_person_wants(handler):
+    said = handler._stream
     send(handler, "Building DAG of jobs...")
     send(handler, "Nothing to be done (all requested files are present and up to date).")
     send(handler, "the disk is nearly full", level=logging.WARNING)
-    assert handler._stream.getvalue().splitlines() == [
+    assert said.getvalue().splitlines() == [
         "Nothing to be done (all requested files are present and up to date).",
         "the disk is nearly full",
     ]
+    handler.common_settings.dryrun = True  # as Snakemake shows it
+    send(handler, "This was a dry-run (flag -n).")
+    assert "dry-run" in said.getvalue()
 
 
 def test_an_interruption_is_one_line(handler):
@@ -161,10 +154,12 @@ def test_an_interruption_is_one_line(handler):
     ]
 
 
+JOB = {"jobid": 1, "rule_msg": "Re400: train", "rule_name": "train", "output": ["a"]}
+
+
 def test_the_line_of_a_terminal_renews_itself(handler):
     handler._live = True
-    job = {"jobid": 1, "rule_msg": "Re400: train", "rule_name": "train", "output": ["a"]}
-    send(handler, event=LogEvent.JOB_INFO, **job)
+    send(handler, event=LogEvent.JOB_INFO, **JOB)
     send(handler, "something is odd", level=logging.WARNING)
     text = handler._stream.getvalue()
     assert "Re400: train" in text
@@ -173,8 +168,7 @@ def test_the_line_of_a_terminal_renews_itself(handler):
 
 
 def test_a_silent_minute_ends_with_what_runs(handler, monkeypatch):
-    job = {"jobid": 1, "rule_msg": "Re400: train", "rule_name": "train", "output": ["a"]}
-    send(handler, event=LogEvent.JOB_INFO, **job)
+    send(handler, event=LogEvent.JOB_INFO, **JOB)
     before = handler._stream.getvalue()
     handler.beat()
     assert handler._stream.getvalue() == before  # a line has just been written
@@ -183,18 +177,6 @@ def test_a_silent_minute_ends_with_what_runs(handler, monkeypatch):
     handler.beat()
     (line,) = handler._stream.getvalue().removeprefix(before).splitlines()
     assert line.endswith("left  Re400: train (1 min 01 s)")
-
-
-def test_a_dry_run_is_shown_as_snakemake_shows_it(handler):
-    handler.common_settings.dryrun = True
-    send(handler, "This was a dry-run (flag -n).")
-    assert "dry-run" in handler._stream.getvalue()
-
-
-def test_a_single_job_is_one_job():
-    from snakemake_logger_plugin_burstcast.terminal import counted
-
-    assert [counted(number) for number in (0, 1, 2)] == ["0 jobs", "1 job", "2 jobs"]
 
 
 # -- configs that cannot be read -------------------------------------------------------------------
@@ -241,10 +223,12 @@ def test_what_is_wrong_is_said_in_one_line(directory, arguments, said):
 
 
 def test_the_workflows_own_config_is_looked_at_too(directory):
-    (directory / "config.yaml").write_text("a: 1\nb: {\n")
-    assert unreadable_config([]).startswith("config.yaml, line 3, column 1: no valid YAML: ")
-    (directory / "config.yaml").write_bytes(b"a: \xff\n")
-    assert unreadable_config([]).startswith("config.yaml: cannot be read: ")
+    for text, said in (
+        (b"a: 1\nb: {\n", "config.yaml, line 3, column 1: no valid YAML: "),
+        (b"a: \xff\n", "config.yaml: cannot be read: "),
+    ):
+        (directory / "config.yaml").write_bytes(text)
+        assert unreadable_config([]).startswith(said)
     (directory / "config.yaml").write_text("a: 1\n")
     assert unreadable_config([]) is None
 

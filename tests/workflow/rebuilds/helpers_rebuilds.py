@@ -154,6 +154,12 @@ class Project:
             return Outcome(result.returncode, result.stdout)
         return self._request({"arguments": options}, environment)
 
+    def made(self, *targets: str, overlay: dict | None = None) -> Outcome:
+        """Run Snakemake, which makes what it is asked for."""
+        outcome = self.snakemake(*targets, overlay=overlay)
+        assert outcome.status == 0, outcome.text[-3000:]
+        return outcome
+
     def _request(self, request: dict, environment: dict[str, str]) -> Outcome:
         """Let the server run something, and wait for it."""
         assert self.server is not None
@@ -234,9 +240,9 @@ class Project:
         """Digests of all tables."""
         return digests(self.results / "tables")
 
-    def logs(self) -> dict[str, int]:
+    def logs(self, results: str = RESULTS) -> dict[str, int]:
         """When each job's log was written: a job writes it when it runs."""
-        logs = self.results / "logs"
+        logs = self.directory / results / "logs"
         return {
             str(path.relative_to(logs)): path.stat().st_mtime_ns for path in logs.rglob("*.log")
         }
