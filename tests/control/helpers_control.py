@@ -65,11 +65,13 @@ class TablePolicy:
     def __init__(self, table: BoolArray) -> None:
         self.table = table
         self.seen: dict[tuple[int, int], FloatArray] = {}
+        self.acting: dict[tuple[int, int], list[int]] = {}
 
     def __call__(self, look: Look) -> BoolArray:
         for position, key in enumerate(zip(look.rows, look.number, strict=True)):
             row, number = map(int, key)
             self.seen[row, number] = look.washout[:, :, position].copy()
+            self.acting[row, number] = look.acting[:, position].tolist()
         return self.table[look.rows, look.number]
 
 

@@ -1,11 +1,13 @@
 """What an actuation changes, which way a force pushes, and what that costs."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from helpers_control import FLOW, RAISED, Rotor, experiment, run
+from helpers_control import FLOW, RAISED, Rotor, experiment, plain_flow, run
 
+from burstcast.arrays import FloatArray
 from burstcast.control.actuation import ForcedSystem, actuated_system, reversed_actuation
 from burstcast.control.energy import actuation_cost
 from burstcast.control.strategies.reactive import Reactive, quantity
@@ -13,26 +15,26 @@ from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.flow_map import FlowMap
 from burstcast.systems.integration import integrate
 from burstcast.systems.kolmogorov import KolmogorovFlow
-from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast.systems.runge_kutta import step
 
 STATES = np.random.default_rng(0).normal(scale=0.1, size=(9, 5))
 
 
-def test_changed_parameter_is_the_system_with_that_parameter() -> None:
-    actuated = actuated_system(FLOW, {"reynolds": 2000.0})
-    expected = MoehlisFaisstEckhardt(reynolds=2000.0).right_hand_side(STATES)
-    np.testing.assert_array_equal(actuated.right_hand_side(STATES), expected)
-    assert FLOW.reynolds == 400.0
-
-
-def test_force_is_added_to_the_changed_system() -> None:
+@pytest.mark.parametrize(
+    ("strength", "reynolds"), [(1.0, 2000.0), (0.5, 1200.0), (0.25, 800.0), (0.125, 600.0)]
+)
+def test_actuated_system_changes_parameters_and_adds_a_force_by_its_strength(
+    strength: float, reynolds: float
+) -> None:
+    changed = replace(FLOW, reynolds=reynolds)
+    assert actuated_system(FLOW, {"reynolds": 2000.0}, None, strength) == changed
     force = np.arange(9.0)
-    actuated = actuated_system(FLOW, {"reynolds": 2000.0}, list(force))
-    expected = MoehlisFaisstEckhardt(reynolds=2000.0).right_hand_side(STATES) + force[:, np.newaxis]
-    np.testing.assert_array_equal(actuated.right_hand_side(STATES), expected)
-    np.testing.assert_array_equal(actuated.observable(STATES), FLOW.observable(STATES))
-    assert (actuated.dimension, actuated.observable_symbol) == (9, "k")
+    for parameters, system in (({"reynolds": 2000.0}, changed), ({}, FLOW)):
+        pushed = actuated_system(FLOW, parameters, list(force), strength)
+        expected = system.right_hand_side(STATES) + (strength * force)[:, np.newaxis]
+        np.testing.assert_array_equal(pushed.right_hand_side(STATES), expected)
+        np.testing.assert_array_equal(pushed.observable(STATES), FLOW.observable(STATES))
+        assert (pushed.dimension, pushed.observable_symbol) == (9, "k")
+    assert FLOW.reynolds == 400.0
 
 
 def test_jacobian_does_not_know_the_force() -> None:
@@ -49,25 +51,22 @@ def test_forced_batches_of_more_than_one_are_integrated_like_single_flows() -> N
         np.testing.assert_array_equal(together[:, :, flow : flow + 1], alone)
 
 
-@pytest.mark.parametrize("force", [[1.0], [np.inf] * 9])
-def test_bad_force_is_refused(force: list[float]) -> None:
-    with pytest.raises(ValueError, match="9 finite components"):
-        actuated_system(FLOW, {}, force)
-
-
-def test_unknown_parameter_is_refused_by_name() -> None:
-    with pytest.raises(ValueError, match=r"renolds.*reynolds"):
-        actuated_system(FLOW, {"renolds": 2000.0})
-
-
-def test_actuation_that_changes_nothing_is_refused() -> None:
-    with pytest.raises(ValueError, match="changes a parameter"):
-        actuated_system(FLOW, {})
-
-
-def test_parameters_of_a_forced_system_cannot_be_changed() -> None:
-    with pytest.raises(ValueError, match="dataclass"):
-        actuated_system(ForcedSystem(FLOW, [0.0] * 9), {"reynolds": 2000.0})
+@pytest.mark.parametrize(
+    ("system", "parameters", "force", "strength", "message"),
+    [
+        (FLOW, {}, [1.0], 1.0, "9 finite components"),
+        (FLOW, {}, [np.inf] * 9, 1.0, "9 finite components"),
+        (FLOW, {"renolds": 2000.0}, None, 1.0, "renolds.*reynolds"),
+        (FLOW, {}, None, 1.0, "changes a parameter"),
+        (ForcedSystem(FLOW, [0.0] * 9), {"reynolds": 2000.0}, None, 1.0, "dataclass"),
+        *((FLOW, {"reynolds": 2000.0}, None, none, "strength") for none in (0.0, -1.0, np.nan)),
+    ],
+)
+def test_an_actuation_that_cannot_be_is_refused(
+    system: Any, parameters: Any, force: Any, strength: float, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        actuated_system(system, parameters, force, strength)
 
 
 # -- a force that is pushed either way, and its cost
@@ -77,50 +76,42 @@ FORWARD, BACKWARD = actuated_system(FLOW, {}, PUSH), reversed_actuation(FLOW, PU
 STRATEGY = Reactive(decision_interval_lt=0.25, level=0.25, watch="a1", push="-a2")
 
 
-def pushed(flows=10):
-    return experiment(flows, actuated_system=FORWARD, reversed_system=BACKWARD)
+def test_energies_and_costs_of_flows_pushed_against_a_mode_are_those_of_a_plain_loop() -> None:
+    given = experiment(10, actuated_system=FORWARD, reversed_system=BACKWARD)
 
+    def decide(_: int, state: FloatArray) -> int:
+        a1, a2 = state[:2, 0]
+        return (2 if a2 > 0 else 1) if a1 >= 0.25 else 0
 
-def test_flows_pushed_against_a_mode_are_those_of_a_plain_loop():
-    given = pushed()
     flows = run(STRATEGY, given, None, keep_states=True, costs=True)
     timing, seen = flows.timing, set()
     assert flows.controlled_states is not None
     for position, row in enumerate(flows.rows):
-        state = given.washouts[row, -1][:, np.newaxis]
-        system, forces = FLOW, []
-        for now in range(timing.first_look, timing.counted_until):
-            if (now - timing.first_look) % 5 == 0:
-                a1, a2 = state[:2, 0]
-                system = (BACKWARD if a2 > 0 else FORWARD) if a1 >= 0.25 else FLOW
-            for _ in range(4):
-                state = step(system, state, 0.25)
-            np.testing.assert_array_equal(flows.controlled_states[position, now + 1], state[:, 0])
-            assert flows.actuated[position, now + 1] == (system is not FLOW)
-            seen.add(id(system))
-            if now >= timing.counted_from:
-                third = state[2, 0] * {id(FORWARD): 0.01, id(BACKWARD): -0.01}.get(id(system), 0.0)
-                forces.append((0.01 * (system is not FLOW), abs(third)))
-        assert flows.cost is not None
-        effort, power = np.mean(forces, axis=0)
-        assert flows.cost.effort[position] == pytest.approx(effort, rel=1e-9, abs=1e-15)
-        assert flows.cost.power[position] == pytest.approx(power, rel=1e-9, abs=1e-15)
-    assert len(seen) == 3
-
-
-def test_the_energy_input_has_the_work_of_either_force():
-    """The whole budget, step by step: dk/dt of the equations that a flow obeys."""
-    given = pushed()
-    flows = run(STRATEGY, given, None, keep_states=True, costs=True)
-    assert flows.controlled_states is not None
-    assert flows.controlled_energy is not None
-    counted = flows.timing.counted
-    states = flows.controlled_states[:, counted].transpose(2, 0, 1)
-    free = FLOW.energy_budget(states)
-    excess = flows.controlled_energy.input - free.input.mean(axis=1)
-    assert flows.cost is not None
-    assert (np.abs(excess) <= flows.cost.power + 1e-15).all()
-    assert (np.abs(excess) > 0).any()
+        plain = plain_flow(given, row, timing, decide)
+        np.testing.assert_array_equal(flows.controlled_states[position], plain.controlled)
+        acting = plain.acting[3::4][: timing.length - 1]
+        assert flows.actuated[position, 1:].tolist() == [bool(number) for number in acting]
+        seen.update(acting)
+        counted, costs = range(timing.counted_from, timing.counted_until), {}
+        costs["effort"] = [0.01 * (acting[step] != 0) for step in counted]
+        third = plain.controlled[1:, 2]
+        costs["power"] = [0.01 * abs(third[step]) * (acting[step] != 0) for step in counted]
+        for name, of_steps in costs.items():
+            found = getattr(flows.cost, name)[position]
+            assert found == pytest.approx(np.mean(of_steps), rel=1e-9, abs=1e-15)
+        # each step has the budget of the equations under which the flow came to it
+        for who, states in (("uncontrolled", plain.uncontrolled), ("controlled", plain.controlled)):
+            budgets = [
+                given.systems[acting[step] if who == "controlled" else 0].energy_budget(
+                    states[step + 1][:, np.newaxis]
+                )
+                for step in counted
+            ]
+            for name in ("input", "dissipation"):
+                mean = np.mean([getattr(budget, name)[0] for budget in budgets])
+                found = getattr(getattr(flows, f"{who}_energy"), name)[position]
+                assert found == pytest.approx(mean, rel=1e-12)
+    assert seen == {0, 1, 2}
 
 
 def test_the_cost_of_a_changed_parameter_is_that_of_the_force_that_does_the_same():

@@ -20,6 +20,9 @@ from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.state_space import component_names
 
+PART = ObservedPart.of(FLOW, ["a1", "mean = (a1 + a9) / 2"], "observable")
+WHOLE = ObservedPart.of(FLOW, [f"a{number}" for number in range(1, 10)], "observable")
+
 
 def encoded(encoder, names):
     """The flow with an encoder of all components."""
@@ -41,10 +44,13 @@ class WholeSeen:
         return np.concatenate([outputs, observable[:, np.newaxis]], axis=1), memory
 
 
-def test_channels_that_are_the_state_control_as_the_state_does():
+@pytest.mark.parametrize(
+    "sensor", [encoded(IdentityEncoder(), component_names(FLOW)), WHOLE], ids=["channels", "part"]
+)
+def test_what_shows_the_whole_state_controls_as_the_state_does(sensor):
     given = experiment()
     strategy = RecedingHorizon(decision_interval_lt=0.25, horizon_lt=1.0)
-    seen = dataclasses.replace(given, sensor=encoded(IdentityEncoder(), component_names(FLOW)))
+    seen = dataclasses.replace(given, sensor=sensor)
     one, other = run(strategy, seen, WholeSeen()), run(strategy, given, EQUATIONS)
     np.testing.assert_array_equal(one.actuated, other.actuated)
     np.testing.assert_array_equal(one.controlled, other.controlled)
@@ -128,9 +134,6 @@ def test_settings_that_do_not_fit_are_refused(changes, message):
 
 # -- a part of the state ---------------------------------------------------------------------------
 
-PART = ObservedPart.of(FLOW, ["a1", "mean = (a1 + a9) / 2"], "observable")
-WHOLE = ObservedPart.of(FLOW, [f"a{number}" for number in range(1, 10)], "observable")
-
 
 def test_a_part_has_its_quantities_and_the_observable():
     states = np.random.default_rng(1).normal(size=(9, 3, 2))
@@ -166,15 +169,6 @@ def test_noise_is_that_of_what_is_observed():
     )
     with pytest.raises(ValueError, match=r"the shape \(\d+, \d+ or more, 3\)"):
         run(rule, given, None, noise=np.zeros((len(given.series), length, 9)))
-
-
-def test_forecasts_of_the_observed_components_control_as_those_of_the_state():
-    given = experiment()
-    strategy = RecedingHorizon(decision_interval_lt=0.25, horizon_lt=1.0)
-    one = run(strategy, dataclasses.replace(given, sensor=WHOLE), WholeSeen())
-    other = run(strategy, given, EQUATIONS)
-    np.testing.assert_array_equal(one.actuated, other.actuated)
-    assert other.actuated.any()
 
 
 # -- encoders are fitted once ----------------------------------------------------------------------

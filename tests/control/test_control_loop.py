@@ -8,35 +8,27 @@ import numpy as np
 import pytest
 from helpers_control import (
     FLOW,
-    PAPER,
-    RAISED,
     SCHEDULE,
     Rotor,
-    TablePolicy,
     experiment,
     plain_flow,
     random_alarms,
     rotors,
     run,
-    turbulent_washouts,
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast.arrays import BoolArray
 from burstcast.control import loop as loop_module
 from burstcast.control.actuation import ForcedSystem
 from burstcast.control.experiment import controlled_series, noise_of_flows
 from burstcast.control.loop import ControlledFlows
-from burstcast.control.policy import Look
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast.control.strategies.probability_triggered import ProbabilityTriggered
 from burstcast.control.strategies.receding_horizon import RecedingHorizon
 from burstcast.control.timing import Schedule
 from burstcast.data import dataset
-from burstcast.systems.integration import integrate
-from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
 WINDOWED = PredictionTriggered(1.0, 1.0)
 SAMPLED = RecedingHorizon(decision_interval_lt=0.25, horizon_lt=1.0)
@@ -67,15 +59,20 @@ STRATEGIES = st.one_of(
 
 
 @settings(max_examples=120, deadline=None)
-@given(schedules(), STRATEGIES, st.sampled_from([0.02, 0.9]), st.integers(0, 2**32 - 1))
-def test_flows_are_those_of_a_plain_loop_bit_for_bit(
-    schedule: Schedule, strategy: ControlStrategy, frequency: float, seed: int
+@given(
+    schedules(), STRATEGIES, st.sampled_from([0.02, 0.9]), st.booleans(), st.integers(0, 2**32 - 1)
+)
+def test_simulate_is_a_plain_loop_bit_for_bit(
+    schedule: Schedule, strategy: ControlStrategy, frequency: float, quiet_starts: bool, seed: int
 ) -> None:
     generator, timing = np.random.default_rng(seed), strategy.timing(schedule)
     experiment = rotors(generator.normal(size=(2, 6)), schedule, frequency)
+    experiment = replace(experiment, quiet_starts=quiet_starts)
     policy = random_alarms(0.4, 6, timing, seed)
-    flows = strategy.simulate(experiment, policy, noise=None, keep_states=True)
+    noise = generator.normal(size=(6, timing.length + 3, 2))
+    flows = strategy.simulate(experiment, policy, noise=noise, keep_states=True)
     assert flows.controlled_states is not None
+    assert flows.uncontrolled_states is not None
     assert flows.left_out == 6 - len(flows)
     first, last = (step * schedule.sampling_stride for step in (timing.counted_from, timing.length))
     for row in range(6):
@@ -83,10 +80,11 @@ def test_flows_are_those_of_a_plain_loop_bit_for_bit(
             experiment, row, timing, lambda number, _, row=row: int(policy.table[row, number])
         )
         quiet = plain.uncontrolled[: timing.counted_from + 1, 0].max() < 0.9
-        assert quiet == (row in flows.rows)
-        if not quiet:
+        assert (quiet or not quiet_starts) == (row in flows.rows)
+        if row not in flows.rows:
             continue
         flow = int(np.flatnonzero(flows.rows == row)[0])
+        np.testing.assert_array_equal(flows.uncontrolled_states[flow], plain.uncontrolled)
         np.testing.assert_array_equal(flows.uncontrolled[flow], plain.uncontrolled[:, 0])
         np.testing.assert_array_equal(flows.controlled_states[flow], plain.controlled)
         np.testing.assert_array_equal(flows.controlled[flow], plain.controlled[:, 0])
@@ -99,74 +97,16 @@ def test_flows_are_those_of_a_plain_loop_bit_for_bit(
         mine = flows.looks.flow == flow
         assert flows.looks.step[mine].tolist() == [look.step for look in plain.looks]
         assert flows.looks.alarm[mine].tolist() == [look.alarm for look in plain.looks]
-        # what the policy saw is what lay behind it
+        # what the policy was given: states that lay behind it and their noise, the actuation under
+        # which the flow came from one to the next, and the one on its way
+        pending = timing.effect[0] // schedule.sampling_stride
         for number, look in enumerate(plain.looks):
             if look.step < timing.length:
-                behind = plain.controlled[: look.step + 1][-schedule.washout :]
-                np.testing.assert_array_equal(policy.seen[row, number], behind)
-
-
-def test_a_policy_is_given_the_actuation_behind_it_and_on_its_way() -> None:
-    schedule = replace(SCHEDULE, delay_lt=0.35)
-    given, seen = experiment(2, schedule, quiet_starts=False), []
-
-    def every_other(look: Look) -> BoolArray:
-        seen.append(look)
-        return look.number % 2 == 0
-
-    flows = SAMPLED.simulate(given, every_other, noise=None)
-    for number, look in enumerate(seen):
-        now = flows.timing.first_look + 5 * number
-        assert (look.delay, look.acting.shape) == (7, (4 + 7, 2))
-        if now + 7 < flows.timing.length:
-            expected = flows.actuated[:, now + 1 - 4 : now + 1 + 7]
-            assert look.acting.T.tolist() == expected.astype(int).tolist()
-            assert look.pending.T.tolist() == expected[:, 4:].astype(int).tolist()
-
-
-def test_actuation_lasts_from_the_alarm_for_366_integration_steps() -> None:
-    given = experiment(1, replace(PAPER, span_lt=2.0), threshold=np.inf)
-    policy = random_alarms(0.0, 1, WINDOWED.timing(given.schedule))
-    policy.table[0, 0] = True
-    flows = WINDOWED.simulate(given, policy, noise=None, keep_states=True)
-    assert flows.controlled_states is not None
-    raised = MoehlisFaisstEckhardt(reynolds=2000.0)
-    under_control = integrate(raised, given.washouts[:, -1].T, 0.25, 366, stride=1)
-    rest = (flows.timing.length - 30) * 4 - 366
-    after = integrate(FLOW, under_control[-1], 0.25, rest, stride=1)
-    truth = np.concatenate([under_control, after[1:]])[::4, :, 0]
-    np.testing.assert_array_equal(flows.controlled_states[0, 29:], truth)
-    # the next forecast is made at the end of the alarm's window
-    assert flows.looks.step[:3].tolist() == [29, 29 + 122, 29 + 183]
-    assert flows.actuated.sum() == 91
-
-
-def test_always_on_is_the_flow_under_actuation() -> None:
-    given = experiment(2, threshold=np.inf)
-    policy = random_alarms(2.0, 2, SAMPLED.timing(SCHEDULE))
-    flows = SAMPLED.simulate(given, policy, noise=None, keep_states=True)
-    first = flows.timing.first_look
-    steps = flows.timing.counted_until - first
-    expected = integrate(RAISED, given.washouts[:, -1].T.copy(), 0.25, steps * 4, stride=4)
-    assert flows.controlled_states is not None
-    np.testing.assert_array_equal(flows.controlled_states[:, first:], expected.transpose(2, 0, 1))
-    assert flows.switchings.tolist() == [1, 1]
-
-
-def test_a_delay_puts_off_what_was_decided() -> None:
-    """Decisions of the late actuator act when those of the prompt one did, a delay later."""
-    given = experiment(2, threshold=np.inf)
-    late = replace(given, schedule=replace(SCHEDULE, delay_lt=0.5))  # two intervals
-    prompt = random_alarms(0.5, 2, SAMPLED.timing(SCHEDULE))
-    prompt.table[:, :2] = False
-    delayed = TablePolicy(prompt.table[:, 2:])
-    one, other = (
-        SAMPLED.simulate(given, prompt, noise=None),
-        SAMPLED.simulate(late, delayed, noise=None),
-    )
-    assert other.timing.most_looks == one.timing.most_looks - 2
-    np.testing.assert_array_equal(one.controlled, other.controlled)
-    np.testing.assert_array_equal(one.actuated, other.actuated)
+                behind = slice(look.step + 1 - schedule.washout, look.step + 1)
+                observed = plain.controlled[behind] + noise[row, behind]
+                np.testing.assert_array_equal(policy.seen[row, number], observed)
+                acting = into_step[behind.start : look.step + pending]
+                assert policy.acting[row, number] == acting
 
 
 # -- whatever the strategy -------------------------------------------------------------------------
@@ -182,38 +122,6 @@ def assert_same(left: Any, right: Any) -> None:
         assert_same([*left.values()], [*right.values()])
     else:
         np.testing.assert_array_equal(left, right)
-
-
-@BOTH
-def test_without_alarms_the_controlled_flow_is_the_uncontrolled_one(strategy: Any) -> None:
-    given = experiment(3, threshold=np.inf)
-    never = random_alarms(0.0, 3, strategy.timing(SCHEDULE))
-    flows = strategy.simulate(given, never, noise=None, keep_states=True)
-    np.testing.assert_array_equal(flows.controlled_states, flows.uncontrolled_states)
-    np.testing.assert_array_equal(flows.controlled, flows.uncontrolled)
-    assert not flows.switchings.any()
-    assert not flows.actuated.any()
-
-
-@BOTH
-def test_noise_belongs_to_flow_and_step_and_stays_out_of_the_truth(strategy: Any) -> None:
-    given, timing = experiment(4, threshold=np.inf), strategy.timing(SCHEDULE)
-    noise = np.random.default_rng(2).normal(size=(4, timing.length + 3, 9))
-    plain, noisy = random_alarms(0.5, 4, timing), random_alarms(0.5, 4, timing)
-    without = strategy.simulate(given, plain, noise=None, keep_states=True)
-    assert without.actuated.any()
-    assert_same(without, strategy.simulate(given, noisy, noise=noise, keep_states=True))
-    assert noisy.seen.keys() == plain.seen.keys()
-    washout = SCHEDULE.washout
-    for (row, number), seen in noisy.seen.items():
-        states = without.controlled_states[row]
-        (end,) = [
-            now
-            for now in range(timing.first_look, timing.length)
-            if np.array_equal(states[now + 1 - washout : now + 1], plain.seen[row, number])
-        ]
-        expected = plain.seen[row, number] + noise[row, end + 1 - washout : end + 1]
-        np.testing.assert_array_equal(seen, expected)
 
 
 @BOTH
@@ -243,22 +151,15 @@ def test_results_do_not_depend_on_the_batch(strategy: Any, monkeypatch: pytest.M
 
 
 @BOTH
-def test_flows_that_are_not_quiet_at_the_start_are_left_out_where_they_must_be(
-    strategy: Any,
-) -> None:
+def test_simulate_may_be_left_with_no_flow(strategy: Any) -> None:
     given, timing = experiment(2, threshold=0.0), strategy.timing(SCHEDULE)
-
-    def simulated(given: Any) -> ControlledFlows:
+    for washouts, left_out in ((given.washouts, 2), (given.washouts[:0], 0)):
         never = random_alarms(0.0, 2, timing)
-        return strategy.simulate(given, never, noise=None, keep_states=True, costs=True)
-
-    quiet = simulated(given)
-    assert (len(quiet), quiet.left_out) == (0, 2)
-    assert quiet.controlled.shape == (0, timing.length)
-    flows = simulated(replace(given, quiet_starts=False))
-    assert (len(flows), flows.left_out) == (2, 0)
-    nothing = simulated(replace(given, washouts=given.washouts[:0]))
-    assert (len(nothing), nothing.left_out) == (0, 0)
+        flows = strategy.simulate(
+            replace(given, washouts=washouts), never, noise=None, keep_states=True, costs=True
+        )
+        assert (len(flows), flows.left_out) == (0, left_out)
+        assert flows.controlled.shape == (0, timing.length)
 
 
 def test_wrong_shapes_are_refused() -> None:
@@ -303,10 +204,3 @@ def test_the_noise_of_a_flow_is_that_of_its_series_and_not_the_one_of_the_data()
     np.testing.assert_array_equal(one[0], noise[2])
     observed = dataset.observed_series(np.zeros((4, 6, 2)), 10, 0.01, scales, 2022, "Re400")
     assert (noise != observed).all()
-
-
-def test_washouts_end_where_flows_begin() -> None:
-    washouts = turbulent_washouts(FLOW, 3, SCHEDULE)
-    flows = run(SAMPLED, experiment(3, quiet_starts=False), keep_states=True)
-    assert flows.uncontrolled_states is not None
-    np.testing.assert_array_equal(flows.uncontrolled_states[:, : SCHEDULE.washout], washouts)

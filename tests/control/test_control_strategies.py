@@ -1,7 +1,9 @@
 """Strategies by name, their settings, what their policies decide at a look, and votes."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -19,8 +21,8 @@ from helpers_control import (
     run,
 )
 from hypothesis import given
-from hypothesis import settings as limits
 from hypothesis import strategies as st
+from hypothesis.extra import numpy as npst
 
 from burstcast import random_streams
 from burstcast.arrays import FloatArray
@@ -131,35 +133,6 @@ def test_quiet_flows_of_all_strategies_are_the_same() -> None:
         np.testing.assert_array_equal(other, uncontrolled[0])
 
 
-def test_what_a_forecaster_sees_under_actuation_is_the_flow_as_it_was_observed() -> None:
-    """The washout is the last observed states, those under actuation among them, as they are."""
-    seen: list[FloatArray] = []
-
-    @dataclass(frozen=True)
-    class Recorder(MadeUpForecaster):
-        def start(self, washout: FloatArray) -> FloatArray:
-            seen.append(washout.copy())
-            return washout[-1]
-
-        def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
-            # an event ahead wherever the last state is energetic
-            return np.repeat(memory[np.newaxis], steps, axis=0), memory
-
-    given = experiment(4, threshold=0.05, quiet_starts=False)
-    noise = np.random.default_rng(0).normal(scale=1e-4, size=(4, 200, 9))
-    strategy = RecedingHorizon(decision_interval_lt=0.25, horizon_lt=1.0)
-    flows = run(strategy, given, Recorder(), noise=noise, keep_states=True)
-    assert flows.controlled_states is not None
-    assert flows.actuated.any()
-    timing = flows.timing
-    assert len(seen) == timing.most_looks
-    for number, washout in enumerate(seen):
-        now = timing.first_look + number * 5
-        span = slice(now - 4, now + 1)
-        observed = flows.controlled_states[:, span] + noise[:, span]
-        np.testing.assert_array_equal(washout, observed.transpose(1, 2, 0))
-
-
 def test_half_of_a_committee_decides_where_nothing_is_said() -> None:
     for name in ("prediction_triggered", "receding_horizon", "planned"):
         assert make_strategy(name, SETTINGS[name]).vote_share == 0.5  # type: ignore[attr-defined]
@@ -202,6 +175,8 @@ def test_decisions_at_equal_intervals_take_effect_a_delay_later() -> None:
 
 # -- policies --------------------------------------------------------------------------------------
 
+VOTING = ("receding_horizon", "prediction_triggered")
+EXPERIMENT = experiment(schedule=replace(SCHEDULE, steps_per_lyapunov_time=3))
 PLANE = MeasuredSeries(["height"], "height")
 
 
@@ -214,46 +189,35 @@ def heights(given: Any, **changes: Any) -> Any:
     return replace(given, sensor=Height(), **changes)
 
 
-def test_a_horizon_has_an_event_wherever_the_forecast_reaches_the_level() -> None:
-    forecasts = np.array(
-        [
-            [0, 0, 0, 1],  # at the last step
-            [1, 0, 0, 0],  # at the first one: under way
-            [0, 0, 0.999, 0],  # below
-            [0, 1, np.nan, np.nan],  # before it diverges
-            [0, 0, np.inf, np.nan],  # diverges
-            [0, 0, 0, 0],
-        ]
-    )
-    given, washout = heights(experiment(), threshold=1.0), np.zeros((2, 1, 6))
-    strategy = RecedingHorizon(decision_interval_lt=0.25, horizon_lt=0.2)
-
-    def found(**changes: Any) -> list[bool]:
-        return asked(replace(strategy, **changes).policy(given, Script(forecasts.T)), washout)
-
-    assert found() == [True, True, False, True, False, False]
-    assert found(horizon_lt=0.15) == [False, True, False, True, False, False]
-    assert found(margin=0.1) == [True, True, True, True, False, False]
+def holds_event(name: str, observable: FloatArray, threshold: float, per_lt: int = 20) -> bool:
+    """Whether one forecast, step by step, holds an event, for strategies of SETTINGS."""
+    if name == "receding_horizon":  # two Lyapunov times
+        return any(value >= threshold for value in observable[: 2 * per_lt])
+    # from the end of the first one, below, up to that of the second
+    window = observable[per_lt - 1 : 2 * per_lt]
+    # it crosses nothing once it is no longer finite
+    crosses = window[0] < threshold and any(value >= threshold for value in window)
+    return bool(np.isfinite(window).all() and crosses)
 
 
-def test_alarm_is_a_crossing_in_the_window_of_steps_3_to_6() -> None:
-    forecasts = np.array(
-        [
-            [0, 0, 0, 0, 0, 1],  # crosses at its last step
-            [0, 0, 0, 1, 0, 0],  # crosses at its first possible step
-            [0, 0, 1, 1, 1, 1],  # is above at its first step
-            [1, 1, 0, 0, 0, 0],  # was above before it
-            [0, 1, 0, 1, 0, 0],  # crosses again
-            [0, 0, 0, np.nan, np.nan, np.nan],  # diverges
-            [0, 0, 0, 0, 0, 0.999],  # stays below
-        ],
-        dtype=np.float64,
-    )
-    schedule = replace(SCHEDULE, steps_per_lyapunov_time=3)
-    given = heights(experiment(schedule=schedule), threshold=1.0)
-    policy = PredictionTriggered(1.0, 1.0).policy(given, Script(forecasts.T))
-    alarms = asked(policy, np.zeros((2, 1, 7)))
-    assert alarms == [True, True, False, False, True, False, False]
+@given(
+    npst.arrays(np.float64, (6, 5), elements=st.sampled_from([0.0, 0.8, 0.9, 0.999, 1.0, np.nan])),
+    st.sampled_from([0.0, 0.1]),
+)
+def test_a_policy_acts_where_the_forecast_holds_an_event(
+    forecasts: FloatArray, margin: float
+) -> None:
+    """Forecasts of two Lyapunov times of three steps; what has diverged is no event."""
+    space = heights(EXPERIMENT, threshold=1.0)
+    horizon = RecedingHorizon(decision_interval_lt=1.0, horizon_lt=2.0, margin=margin)
+    washout = np.zeros((2, 1, 5))
+    for strategy, level in ((horizon, 1.0 - margin), (PredictionTriggered(1.0, 1.0), 1.0)):
+        name = VOTING[isinstance(strategy, PredictionTriggered)]
+        expected = [holds_event(name, forecast, level, 3) for forecast in forecasts.T]
+        assert asked(strategy.policy(space, Script(forecasts)), washout) == expected
+    lost = np.where(forecasts == 0.8, np.inf, forecasts)
+    expected = [holds_event(VOTING[0], forecast, 1.0 - margin, 3) for forecast in forecasts.T]
+    assert asked(horizon.policy(space, Script(lost)), washout) == expected
 
 
 def test_reactive_control_looks_at_the_last_observed_state() -> None:
@@ -267,12 +231,6 @@ def test_random_alarms_take_each_flow_s_own_numbers() -> None:
     nothing = np.zeros((1, 1, 3))
     look = Look(np.array([1, 0, 1]), np.array([1, 1, 0]), nothing, np.zeros((0, 3), np.uint8))
     assert np.asarray(policy(look)).tolist() == [True, False, False]
-
-
-@pytest.mark.parametrize("probability", [-0.1, 1.1, np.nan])
-def test_random_alarms_need_a_probability(probability: float) -> None:
-    with pytest.raises(ValueError, match="must lie in"):
-        at_random(probability, np.zeros((1, 1)))
 
 
 def test_random_alarms_have_a_stream_for_each_flow() -> None:
@@ -304,16 +262,21 @@ def test_a_vote_needs_its_share() -> None:
         expected = [count >= needed for count in range(11)]
         assert asked(by_vote(members, needed / 10), washout) == expected
     assert asked(by_vote(members, 0.01), washout) == [False] + [True] * 10
-    for share in (0.0, 1.1, np.nan):
-        with pytest.raises(ValueError, match="share of a vote"):
-            by_vote(members, share)
+
+
+@pytest.mark.parametrize("share", [-0.1, 0.0, 1.1, np.nan])
+def test_shares_are_no_more_than_all(share: float) -> None:
+    with pytest.raises(ValueError, match="share of a vote"):
+        by_vote([lambda look: look.rows > 0], share)
+    if share != 0:
+        with pytest.raises(ValueError, match="must lie in"):
+            at_random(share, np.zeros((1, 1)))
     with pytest.raises(ValueError, match="one member"):
         by_vote([], 0.5)
 
 
 # -- control by a vote -----------------------------------------------------------------------------
 
-VOTING = ("receding_horizon", "prediction_triggered")
 NOISE = 0.02
 
 
@@ -344,14 +307,6 @@ def filtered() -> FilteredEquations:
     return FilteredEquations(EquationsFromObservation(FLOW, 0.25, 4), np.full(9, NOISE), 18, 1.0)
 
 
-def holds_event(name: str, observable: FloatArray, threshold: float) -> bool:
-    """Whether one forecast, step by step, holds an event, for strategies of SETTINGS."""
-    if name == "receding_horizon":  # two Lyapunov times of twenty steps
-        return any(value >= threshold for value in observable[:40])
-    # from step 20, below, up to step 40
-    return observable[19] < threshold and any(value >= threshold for value in observable[19:40])
-
-
 def washouts(flows: int, noise: float = 0.0) -> FloatArray:
     states = experiment(flows).washouts.transpose(1, 2, 0)
     errors = np.random.default_rng(3).normal(scale=noise, size=states.shape)
@@ -372,50 +327,32 @@ def test_the_strategies_that_let_vote() -> None:
 @pytest.mark.parametrize("name", VOTING)
 @pytest.mark.parametrize("share", [0.1, 0.5, 1.0])
 def test_a_committee_of_one_is_that_one(name: str, share: float) -> None:
-    given = experiment(6)
-    chosen = strategy(name, share)
-    noise = np.random.default_rng(1).normal(scale=1e-3, size=(6, 200, 9))
-    alone = make_strategy(name, SETTINGS[name])
-    followed = chosen.simulate(given, committee(chosen, given, [Biased(1.02)]), noise=noise)
-    expected = alone.simulate(given, alone.policy(given, Biased(1.02)), noise=noise)
-    assert expected.actuated.any()
-    np.testing.assert_array_equal(followed.controlled, expected.controlled)
-    np.testing.assert_array_equal(followed.actuated, expected.actuated)
+    given, washout = replace(experiment(40), threshold=0.05), washouts(40)
+    alone = asked(make_strategy(name, SETTINGS[name]).policy(given, Biased(1.02)), washout)
+    assert asked(committee(strategy(name, share), given, [Biased(1.02)]), washout) == alone
+    assert 0 < sum(alone) < 40
 
 
 @pytest.mark.parametrize("name", VOTING)
-def test_networks_vote_by_their_share(name: str) -> None:
-    given = replace(experiment(40), threshold=0.05)
-    forecasters = [Biased(0.9), Biased(1.0), Biased(1.1), Biased(1.2)]
-    washout = washouts(40)
-    count = np.zeros(40, dtype=int)
-    for one in forecasters:
-        for flow in range(40):
-            forecast, _ = one.advance(one.start(washout[:, :, flow : flow + 1]), 40)
-            observable = FLOW.observable(forecast.transpose(1, 0, 2))[:, 0]
-            count[flow] += holds_event(name, observable, 0.05)
-    assert len(set(count)) > 2
-    for needed in range(1, 5):
-        chosen = strategy(name, needed / 4)
-        found = asked(committee(chosen, given, forecasters), washout)
-        assert found == (count >= needed).tolist()
-
-
-@pytest.mark.parametrize("name", VOTING)
-def test_members_of_a_filter_vote_by_their_share(name: str) -> None:
+@pytest.mark.parametrize("members", ["networks", "members of a filter"])
+def test_a_committee_votes_by_its_share(name: str, members: str) -> None:
     """Any, a quarter, half, all of them: against each member of each flow alone."""
-    given = replace(experiment(12), threshold=0.05)
-    forecaster, washout = filtered(), washouts(12, NOISE)
-    count = np.zeros(12, dtype=int)
-    for flow in range(12):
-        memory = forecaster.ensemble(washout[:, :, flow : flow + 1])
-        for member in range(18):
-            forecast, _ = forecaster.advance(np.ascontiguousarray(memory[..., member, :]), 40)
+    networks = members == "networks"
+    flows, noise = (40, 0.0) if networks else (12, NOISE)
+    asks = [Biased(factor) for factor in (0.9, 1.0, 1.1, 1.2)] if networks else [filtered()]
+    given, washout = replace(experiment(flows), threshold=0.05), washouts(flows, noise)
+    count = np.zeros(flows, dtype=int)
+    for flow, one in product(range(flows), asks):
+        seen = washout[:, :, flow : flow + 1]
+        memories = [one.start(seen)] if networks else one.ensemble(seen).swapaxes(0, -2)
+        number = 4 if networks else len(memories)
+        for memory in memories:
+            forecast, _ = one.advance(np.ascontiguousarray(memory), 40)
             observable = FLOW.observable(forecast.transpose(1, 0, 2))[:, 0]
             count[flow] += holds_event(name, observable, 0.05)
-    assert any(0 < found < 18 for found in count)
-    for share, needed in ((1 / 18, 1), (0.25, 5), (0.5, 9), (1.0, 18)):
-        policy = committee(strategy(name, share), given, [forecaster])
+    assert any(0 < found < number for found in count)
+    for share in (1 / number, 0.25, 0.5, 0.75, 1.0):
+        policy, needed = committee(strategy(name, share), given, asks), math.ceil(share * number)
         assert asked(policy, washout) == (count >= needed).tolist()
 
 
@@ -431,31 +368,15 @@ def test_members_of_many_flows_are_asked_a_few_at_a_time(monkeypatch: pytest.Mon
     assert asked(policy, washout[:, :, :0]) == []
 
 
-@dataclass(frozen=True)
-class Listed:
-    """Members whose memory is one number each, and whose forecasts stay there."""
-
-    values: FloatArray  # (members, batch)
-    aware = False
-
-    def ensemble(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
-        return self.values[:, : washout.shape[2]]
-
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
-        return np.broadcast_to(memory, (steps, 1, *memory.shape)), memory
-
-    def leave_one_out(self, training, case, washout):  # type: ignore[no-untyped-def]
-        raise NotImplementedError
-
-
-@limits(max_examples=50)
-@given(st.data())
-def test_memories_without_rows_are_side_by_side_too(data: st.DataObject) -> None:
+def test_members_without_rows_of_their_memory_are_side_by_side_too() -> None:
     """Analogues have one number for each member: nothing before its axis."""
-    members, batch = data.draw(st.integers(1, 6)), data.draw(st.integers(1, 5))
-    values = np.array(
-        data.draw(st.lists(st.integers(0, 9), min_size=members * batch, max_size=members * batch)),
-        dtype=np.float64,
-    ).reshape(members, batch)
-    memory = Members(Listed(values)).start(np.zeros((1, 1, batch)))
-    assert memory.tolist() == values.ravel().tolist()
+    memory = np.arange(6.0).reshape(2, 3)  # (members, batch)
+
+    class Listed:
+        aware = False
+        advance = None
+
+        def ensemble(self, washout: FloatArray, parameters: FloatArray | None) -> FloatArray:
+            return memory
+
+    assert Members(Listed()).start(np.zeros((1, 1, 3))).tolist() == [*range(6)]  # type: ignore[arg-type]

@@ -19,7 +19,7 @@ from helpers_control import (
     simulation_of,
     turbulent_washouts,
 )
-from hypothesis import example, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.control.controllers import controlling_policy
@@ -28,68 +28,22 @@ from burstcast.control.loop import ControlledFlows, Looks
 from burstcast.control.records import Span, record_flows
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast.control.windows import (
+    SuppressedEvent,
     WindowCounts,
     count_windows,
     largest_suppressed_event,
     observable_histograms,
     totals,
 )
-from burstcast.events import upward_crossings
 from burstcast.forecast.examples import forecast_observable
 
 STRATEGY = PredictionTriggered(1.0, 1.0)
-# windows from 3 to 6 steps after a forecast; the first forecast at step 0, steps 7 to 15 count
 SHORT = replace(
     SCHEDULE,
-    **{"washout": 1, "quiet_lt": 0.0, "steps_per_lyapunov_time": 3, "sampling_stride": 2},
+    **{"washout": 3, "quiet_lt": 0.0, "steps_per_lyapunov_time": 3, "sampling_stride": 2},
     time_step=0.1,
 )
-TIMING = STRATEGY.timing(SHORT)
-EDGES = np.array([0.0, 0.5, 1.0, 1.5])
-NAMES = [field.name for field in fields(WindowCounts)]
-
-
-def looks_of(*entries: tuple[int, int, str]) -> Looks:
-    """Looks as (flow, step, outcome): "", "suppressed", "unsuppressed", "false", "early"."""
-    flow, step, outcome = zip(*entries, strict=True)
-    judged = {
-        "would_cross": np.isin(outcome, ("suppressed", "unsuppressed")),
-        "would_be_under_way": np.isin(outcome, ("early",)),
-        "reached": np.isin(outcome, ("unsuppressed",)),
-    }
-    return Looks(np.array(flow), np.array(step), np.array(outcome) != "", judged)
-
-
-def flows_of(
-    controlled: list[list[float]],
-    looks: Looks,
-    uncontrolled: Any = None,
-    actuated: tuple[int, int] = (0, 0),
-) -> ControlledFlows:
-    active = np.zeros((len(controlled), 16), dtype=bool)
-    active[:, slice(*actuated)] = True
-    return simulation_of(
-        TIMING,
-        controlled,
-        uncontrolled=np.zeros((len(controlled), 16)) if uncontrolled is None else uncontrolled,
-        looks=looks,
-        rows=10 + np.arange(len(controlled)),
-        left_out=2,
-        actuated=active,
-        actuated_integration_steps=np.full(len(controlled), 2 * (actuated[1] - actuated[0])),
-    )
-
-
-def series(*above: int, level: float = 1.0) -> list[float]:
-    return [level if step in above else 0.0 for step in range(16)]
-
-
-def counted(flows: ControlledFlows, laminarisation_threshold: float | None = None) -> dict:
-    records = record_flows(flows, laminarisation_threshold)
-    return totals(records, count_windows(flows), Span.of(flows.timing), flows.left_out)
-
-
-QUIET = [(0, step, "") for step in (0, 3, 6, 9, 12)]
+JUDGED = ("would_cross", "would_be_under_way", "reached")
 
 
 def test_windows_of_the_paper_s_control() -> None:
@@ -112,138 +66,140 @@ def test_windows_of_the_paper_s_control() -> None:
         STRATEGY.timing(replace(PAPER, actuation_duration_lt=0.0))
 
 
-@pytest.mark.parametrize("time", [1.0, 1.5, 2.0, 2.5])
-@pytest.mark.parametrize("window", [0.5, 1.0])
-def test_windows_without_an_alarm_leave_no_gap(time: float, window: float) -> None:
-    strategy = PredictionTriggered(time, window)
-    start, end = strategy.window(PAPER)
-    assert strategy.timing(PAPER).pauses == (end - start, end)
+# -- counts, against one plain loop for each flow --------------------------------------------------
+
+OUTCOMES = {  # what is judged of each look: "" has no alarm
+    "": (False, False, False),
+    "suppressed": (True, False, False),
+    "unsuppressed": (True, False, True),
+    "false": (False, False, True),
+    "early": (False, True, False),
+}
 
 
-@pytest.mark.parametrize(
-    ("above", "kind"),
-    [
-        ((4,), "missed_events"),  # the first step that a window can be crossed at
-        ((6,), "missed_events"),  # the window's last step
-        ((7,), "missed_events"),  # the next window's first
-        ((15,), "missed_events"),
-        ((1,), "events_between_windows"),  # before the first window
-        ((3,), "events_between_windows"),
-    ],
-)
-def test_an_event_without_alarms_is_missed_if_a_window_covers_it(above: Any, kind: str) -> None:
-    counts = counted(flows_of([series(*above)], looks_of(*QUIET)))
-    assert counts["events_controlled"] == counts[kind] == 1
+def random_flows(seed: int, share: float) -> ControlledFlows:
+    """Flows of a few heights, of which a share is at or above the threshold, 1.
 
-
-def test_an_event_in_a_window_that_began_in_one_is_under_way() -> None:
-    # the window from step 6 to 9 begins at or above the threshold
-    counts = counted(flows_of([series(6, 8)], looks_of(*QUIET)))
-    names = ("missed_events", "events_under_way", "events_controlled")
-    assert [counts[name] for name in names] == [1, 1, 2]
-
-
-@pytest.mark.parametrize(
-    ("outcome", "kind"),
-    [
-        ("unsuppressed", "events_after_true_alarms"),
-        ("false", "events_after_false_alarms"),
-        ("early", "events_after_false_alarms"),
-    ],
-)
-def test_an_event_after_an_alarm(outcome: str, kind: str) -> None:
-    # alarm at step 3: window 6 to 9, next forecast at 9, next window from 12
-    looks = looks_of((0, 0, ""), (0, 3, outcome), (0, 9, ""), (0, 12, ""))
-    counts = counted(flows_of([series(9)], looks))
-    assert counts[kind] == counts["events_controlled"] == 1
-    between = counted(flows_of([series(10, 12, 13)], looks))
-    assert between["events_between_windows"] == between["events_controlled"] == 2
-    # the second of these events lasts into the next window, which it does not cross
-    assert between["missed_events"] == 0
-
-
-def test_alarms_are_told_apart() -> None:
-    looks = looks_of(
-        *((0, 0, "suppressed"), (0, 6, "early"), (0, 12, "")),
-        *((1, 0, "unsuppressed"), (1, 6, "false"), (1, 12, "suppressed")),
+    Windows are from 3 to 6 steps after a look; the first look is at step 2, steps 9 to 17 count.
+    """
+    generator, timing, flows = np.random.default_rng(seed), STRATEGY.timing(SHORT), 12
+    odds, size = 0.5 * np.array([1 - share, 1 - share, share, share]), (flows, timing.length)
+    entries = []
+    for flow in range(flows):
+        step = timing.first_look
+        while step <= timing.last_look:
+            outcome = generator.choice(list(OUTCOMES))
+            entries.append((flow, step, bool(outcome), *OUTCOMES[outcome]))
+            step += 6 if outcome else 3
+    flow, step, alarm, *judged = map(np.array, zip(*entries, strict=True))
+    return simulation_of(
+        timing,
+        generator.choice([0.0, 0.6, 1.0, 2.0], size, p=odds),
+        uncontrolled=generator.choice([0.0, 0.6, 1.0, 2.0, 3.0], size),
+        looks=Looks(flow, step, alarm, dict(zip(JUDGED, judged, strict=True))),
+        rows=10 + np.arange(flows),
+        left_out=2,
+        actuated=generator.random(size) < 0.3,
+        actuated_integration_steps=generator.integers(0, 18, flows),
     )
-    # the first alarm's event is delayed: it comes after step 6, before the next window at 9
-    flows = flows_of([series(8), series(9)], looks)
-    of_flows = count_windows(flows)
-    assert of_flows.alarms.tolist() == [2, 3]
-    assert of_flows.true_alarms.tolist() == [1, 2]
-    counts = counted(flows)
-    expected = {"forecasts": 6, "alarms": 5, "true_alarms": 3, "false_alarms": 2, "early_alarms": 1}
-    expected |= {"suppressed_events": 2, "unsuppressed_events": 1, "delayed_events": 1}
-    assert counts.items() >= expected.items()
-    assert counts["alarm_rate"] == 5 / 6
 
 
-@pytest.mark.parametrize(("step", "delayed"), [(6, 0), (7, 1), (9, 1), (10, 0)])
-def test_a_delayed_event_comes_between_the_alarm_s_window_and_the_next(
-    step: int, delayed: int
+RANDOM_FLOWS = st.builds(random_flows, st.integers(0, 2**32 - 1), st.sampled_from([0.02, 0.3]))
+LAMINAR = st.sampled_from([None, 0.5, 2.0, 3.0])
+
+
+def kept_flows(flows: ControlledFlows, laminar: float | None) -> list[int]:
+    """Flows that laminarise neither with control nor without it."""
+    highest = np.maximum(flows.controlled, flows.uncontrolled)[:, 2:].max(axis=1)
+    return [flow for flow in range(12) if laminar is None or highest[flow] <= laminar]
+
+
+def plain_counts(flows: ControlledFlows, flow: int) -> dict[str, int]:
+    """Counts of one flow, one look and one step after the other."""
+    looks, height = flows.looks, flows.controlled[flow]
+    found = dict.fromkeys((field.name for field in fields(WindowCounts)), 0)
+    events = [step for step in range(3, 18) if height[step - 1] < 1 <= height[step]]
+    windows: dict[int, str] = {}
+    for look in np.flatnonzero(looks.flow == flow):
+        now = int(looks.step[look])
+        crosses, under_way, reached = (bool(looks.judged[name][look]) for name in JUDGED)
+        found["forecasts"] += 1
+        kind = "events_under_way" if height[min(now + 3, 17)] >= 1 else "missed_events"
+        if looks.alarm[look]:
+            found["alarms"] += 1
+            found["true_alarms" if crosses else "false_alarms"] += 1
+            found["early_alarms"] += under_way
+            kind = "events_after_true_alarms" if crosses else "events_after_false_alarms"
+        if crosses:
+            found["unsuppressed_events" if reached else "suppressed_events"] += 1
+            late = any(now + 6 < step <= now + 9 for step in events)
+            found["delayed_events"] += late and not reached
+        windows |= dict.fromkeys(range(now + 4, now + 7), kind)
+    for step in events:
+        found[windows.get(step, "events_between_windows")] += 1
+    free = [step for step in range(9, 18) if not flows.actuated[flow, step]]
+    found["steps_free"] = len(free)
+    found["exceeding_free"] = sum(height[step] >= 1 for step in free)
+    return found
+
+
+@settings(max_examples=60, deadline=None)
+@given(flows=RANDOM_FLOWS, laminar=LAMINAR)
+def test_count_windows_and_totals_are_those_of_a_plain_loop(
+    flows: ControlledFlows, laminar: float | None
 ) -> None:
-    # alarm at step 0: window 3 to 6, next window 9 to 12
-    looks = looks_of((0, 0, "suppressed"), (0, 6, ""), (0, 9, ""), (0, 12, ""))
-    counts = counted(flows_of([series(step)], looks))
-    assert counts["delayed_events"] == counts["events_between_windows"] == delayed
+    found, records = count_windows(flows), record_flows(flows, laminar)
+    expected = [plain_counts(flows, flow) for flow in range(12)]
+    for name, of_flows in vars(found).items():
+        assert of_flows.tolist() == [counts[name] for counts in expected], name
+    kept = kept_flows(flows, laminar)
+    total: dict[str, float] = {
+        name: sum(expected[flow][name] for flow in kept) for name in expected[0]
+    }
+    controlled, uncontrolled = flows.controlled[kept], flows.uncontrolled[kept]
+    for who, heights in (("controlled", controlled), ("uncontrolled", uncontrolled)):
+        total[f"exceeding_{who}"] = int((heights[:, 9:] >= 1).sum())
+        highest = getattr(flows, who)[:, 2:].max(axis=1)
+        total[f"laminarised_{who}"] = sum(highest > laminar) if laminar else 0
+    rises = (uncontrolled[:, 8:-1] < 1) & (uncontrolled[:, 9:] >= 1)
+    kinds = ("missed_events", "events_under_way", "events_after_true_alarms")
+    kinds += ("events_after_false_alarms", "events_between_windows")
+    acting = flows.actuated_integration_steps[kept].sum()
+    total |= {"flows": len(kept), "left_out": 2, "laminarised": 12 - len(kept)}
+    total |= {"steps": 9 * len(kept), "integration_steps": 18 * len(kept)}
+    total |= {"actuated_integration_steps": acting, "events_uncontrolled": rises.sum()}
+    total["events_controlled"] = sum(total[name] for name in kinds)
+
+    def share(part: str, whole: str) -> float:
+        return total[part] / total[whole] if total[whole] else np.nan
+
+    shares = {
+        "exceedance_uncontrolled": share("exceeding_uncontrolled", "steps"),
+        "exceedance_controlled": share("exceeding_controlled", "steps"),
+        "exceedance_free": share("exceeding_free", "steps_free"),
+        "reduction": 1 - share("exceeding_controlled", "exceeding_uncontrolled"),
+        "control_fraction": share("actuated_integration_steps", "integration_steps"),
+        "alarm_rate": share("alarms", "forecasts"),
+    }
+    counts = totals(records, found, Span.of(flows.timing), flows.left_out)
+    assert counts == pytest.approx(total | shares, nan_ok=True)
 
 
-def test_statistics_of_the_steps_that_count() -> None:
-    flows = flows_of(
-        [series(6, 7, 8), series(9)],
-        looks_of(*QUIET),
-        uncontrolled=np.array([series(5, 12, 13, 14), series(7, 8, level=0.6)]),
-        actuated=(8, 11),
-    )
-    counts = counted(flows)
-    expected = {"flows": 2, "left_out": 2, "steps": 18, "integration_steps": 36}
-    expected |= {"exceeding_uncontrolled": 3, "exceeding_controlled": 3}
-    expected |= {"steps_free": 12, "exceeding_free": 1, "actuated_integration_steps": 12}
-    assert counts.items() >= expected.items()
-    assert counts["exceedance_uncontrolled"] == counts["exceedance_controlled"] == 3 / 18
-    assert counts["exceedance_free"] == 1 / 12
-    assert counts["reduction"] == 0.0
-    assert counts["control_fraction"] == 12 / 36
-    found = observable_histograms(flows, EDGES)
-    assert found.histogram_uncontrolled.sum(axis=0).tolist() == [13, 2, 3]
-    assert found.histogram_controlled.tolist() == [[7, 0, 2], [8, 0, 1]]
-    assert found.histogram_free.sum(axis=0).tolist() == [11, 0, 1]
+@settings(max_examples=20, deadline=None)
+@given(flows=RANDOM_FLOWS)
+def test_observable_histograms_are_of_the_steps_that_count(flows: ControlledFlows) -> None:
+    edges = np.array([0.0, 0.5, 1.0, 1.5])  # values beyond them are in no bin
+    found = observable_histograms(flows, edges)
+    for flow in range(12):
+        controlled = flows.controlled[flow, 9:]
+        samples = {"uncontrolled": flows.uncontrolled[flow, 9:], "controlled": controlled}
+        samples["free"] = controlled[~flows.actuated[flow, 9:]]
+        for name, sample in samples.items():
+            counts = getattr(found, f"histogram_{name}")[flow].tolist()
+            assert counts == np.histogram(sample, edges)[0].tolist()
 
 
-def test_a_flow_that_laminarises_in_one_sample_counts_in_neither() -> None:
-    looks = looks_of(*((flow, 0, "suppressed") for flow in range(4)))
-    calm, high = series(9), series(9, level=2.0)
-    flows = flows_of([high, calm, high, calm], looks, np.array([calm, high, high, calm]))
-    counts = counted(flows, 1.5)
-    expected = {"flows": 1, "left_out": 2, "laminarised": 3, "alarms": 1, "forecasts": 1}
-    expected |= {"laminarised_controlled": 2, "laminarised_uncontrolled": 2, "steps": 9}
-    assert counts.items() >= (expected | {"events_uncontrolled": 1, "events_controlled": 1}).items()
-    assert counted(flows)["flows"] == 4
-    # exactly at the threshold is not above it
-    assert counted(flows, 2.0)["flows"] == 4
-
-
-def test_ratios_without_flows_are_not_numbers() -> None:
-    flows = flows_of([series(9)], looks_of(*QUIET), uncontrolled=np.array([series(9)]))
-    counts = counted(flows, 0.5)
-    assert counts["flows"] == 0
-    for ratio in ("exceedance_uncontrolled", "exceedance_free", "reduction", "alarm_rate"):
-        assert np.isnan(counts[ratio])
-
-
-def test_events_count_from_the_first_forecast_on() -> None:
-    flows = flows_of([series(1, 4)], looks_of((0, 2, ""), (0, 5, "")))
-    late = replace(flows, timing=STRATEGY.timing(replace(SHORT, washout=3, span_lt=7 / 3)))
-    assert [counted(one)["events_controlled"] for one in (flows, late)] == [2, 1]
-
-
-def test_upward_crossings() -> None:
-    observable = np.array([[2.0, 0.0, 1.0, 1.0, 0.9, 3.0], [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]])
-    assert np.argwhere(upward_crossings(observable, 1.0)).tolist() == [[0, 2], [0, 5], [1, 1]]
-
-
-# -- against one plain loop for each flow ----------------------------------------------------------
+# -- alarms, against one plain loop for each flow --------------------------------------------------
 
 
 def plain_judgement(flow: PlainFlow, strategy: Any, schedule: Any, threshold: float) -> list:
@@ -264,123 +220,41 @@ def plain_judgement(flow: PlainFlow, strategy: Any, schedule: Any, threshold: fl
     return found
 
 
-def plain_ledger(flow: PlainFlow, judged: list, window: Any, threshold: float) -> dict[str, int]:
-    """Events of a flow, one step after the other."""
-    height, (start, end) = flow.controlled[:, 0], window
-    kinds = ("missed_events", "events_under_way", "events_after_true_alarms")
-    kinds += ("events_after_false_alarms", "events_between_windows")
-    ledger = dict.fromkeys(kinds, 0)
-    for step in range(flow.looks[0].step + 1, len(height)):
-        if not height[step - 1] < threshold <= height[step]:
-            continue
-        kind = "events_between_windows"
-        for look, (crosses, _, _) in zip(flow.looks, judged, strict=True):
-            if not look.step + start < step <= look.step + end:
-                continue
-            assert kind == "events_between_windows", "two windows overlap"
-            if look.alarm:
-                kind = "events_after_true_alarms" if crosses else "events_after_false_alarms"
-            else:
-                under_way = height[look.step + start] >= threshold
-                kind = "events_under_way" if under_way else "missed_events"
-        ledger[kind] += 1
-    return ledger
-
-
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1),
     time=st.sampled_from([1.0, 1.5, 2.0]),
-    share=st.sampled_from([0.0, 0.3, 0.7, 1.0]),
+    share=st.sampled_from([0.3, 0.7, 1.0]),
     duration=st.sampled_from([0.5, 1.5, 4.0]),
     frequency=st.sampled_from([0.05, 1.1]),
-    laminar=st.sampled_from([None, 1.3]),
 )
-# a flow of a radius of almost 5
-@example(seed=1567, time=1.0, share=0.0, duration=1.5, frequency=0.05, laminar=None)
-def test_counts_are_those_of_a_plain_loop_and_add_up(
-    seed: int, time: float, share: float, duration: float, frequency: float, laminar: float | None
+def test_judge_alarms_is_a_plain_loop(
+    seed: int, time: float, share: float, duration: float, frequency: float
 ) -> None:
     changes = {"steps_per_lyapunov_time": 5, "span_lt": 5.0, "washout": 2, "time_step": 0.25}
     schedule = replace(SHORT, **changes, actuation_duration_lt=duration)
     strategy, generator = PredictionTriggered(time, 1.0), np.random.default_rng(seed)
-    timing = strategy.timing(schedule)
+    timing, (start, _) = strategy.timing(schedule), strategy.window(schedule)
     experiment = rotors(generator.normal(size=(2, 12)), schedule, frequency, 0.35)
+    experiment = replace(experiment, quiet_starts=False)
     policy = random_alarms(share, 12, timing, seed)
-    flows = strategy.simulate(experiment, policy, noise=None)
-    own, records = count_windows(flows), record_flows(flows, laminar)
-    assert own.alarms.tolist() == (own.true_alarms + own.false_alarms).tolist()
-    assert own.true_alarms.tolist() == (own.suppressed_events + own.unsuppressed_events).tolist()
-    assert (own.alarms <= own.forecasts).all()
-    assert (own.early_alarms <= own.false_alarms).all()
-    assert (own.delayed_events <= own.suppressed_events).all()
-    # bins that hold every value: values outside of them are in none
-    bound = 1 + np.abs([flows.controlled, flows.uncontrolled]).max(initial=0.0)
-    histograms = observable_histograms(flows, np.linspace(-bound, bound, 9))
-    for sample in (histograms.histogram_controlled, histograms.histogram_uncontrolled):
-        assert (sample.sum(axis=1) == timing.span).all()
-    assert histograms.histogram_free.sum(axis=1).tolist() == own.steps_free.tolist()
-    counts = totals(records, own, Span.of(timing), flows.left_out)
-    assert counts["flows"] + counts["left_out"] + counts["laminarised"] == 12
-    assert counts["steps"] == counts["flows"] * timing.span
-    assert counts["exceeding_free"] <= counts["exceeding_controlled"] <= counts["steps"]
-    summed = dict.fromkeys(("alarms", "exceeding_controlled", "actuated_integration_steps"), 0)
-    for flow, row in enumerate(flows.rows):
-        plain = plain_flow(
+    plain = [
+        plain_flow(
             experiment, row, timing, lambda number, _, row=row: int(policy.table[row, number])
         )
-        judged = plain_judgement(plain, strategy, schedule, 0.9)
-        mine = flows.looks.flow == flow
-        for name, expected in zip(
-            ("would_cross", "would_be_under_way", "reached"), zip(*judged, strict=True), strict=True
-        ):
-            assert flows.looks.judged[name][mine].tolist() == [*expected], name
-        ledger = plain_ledger(plain, judged, strategy.window(schedule), 0.9)
-        assert {name: int(getattr(own, name)[flow]) for name in ledger} == ledger
-        heights = np.stack([plain.controlled[:, 0], plain.uncontrolled[:, 0]])
-        if laminar is None or heights.max() <= laminar:
-            summed["alarms"] += sum(look.alarm for look in plain.looks)
-            summed["exceeding_controlled"] += int((heights[0, timing.counted] >= 0.9).sum())
-            acting = plain.acting[timing.counted_from * 2 : timing.counted_until * 2]
-            summed["actuated_integration_steps"] += sum(acting)
-    assert counts.items() >= summed.items()
-
-
-@pytest.mark.parametrize(
-    ("time", "start_lt", "crest", "number", "threshold", "expected"),
-    [
-        # the window from step 30 to 35 begins at the threshold: the event lasts into it
-        (1.0, -1.0, 22, 5, "at step 30", (False, True, True)),
-        (1.0, -1.0, 22, 5, "above it", (False, False, False)),
-        # between the actuation, from step 17 on, and the window, which begins at step 25
-        (2.0, -1.5, 19, 3, 0.98, (False, False, False)),  # crosses at 17: not to be prevented
-        (2.0, -1.5, 20, 3, 0.98, (False, False, True)),  # crosses at step 18
-        (2.0, -1.5, 22, 3, 0.98, (False, False, True)),  # is over at step 25
-        (2.0, -1.5, 23, 3, 0.98, (False, True, True)),  # lasts into the window
-    ],
-)
-def test_an_event_counts_as_reached_from_the_actuation_on(
-    time: float, start_lt: float, crest: int, number: int, threshold: Any, expected: Any
-) -> None:
-    schedule = replace(SHORT, span_lt=8.0, steps_per_lyapunov_time=5, sampling_stride=1)
-    changes = {"actuation_start_lt": start_lt, "actuation_duration_lt": 1.0, "time_step": 0.3}
-    schedule, strategy = replace(schedule, **changes), PredictionTriggered(time, 1.0)
-    first = np.array([[np.cos(0.09 * crest)], [-np.sin(0.09 * crest)]])
-    given = replace(rotors(first, schedule, 0.3), quiet_starts=False)
-    policy = random_alarms(0.0, 1, strategy.timing(schedule))
-    policy.table[0, number] = True
-
-    def simulated(level: float) -> ControlledFlows:
-        return strategy.simulate(replace(given, threshold=level), policy, noise=None)
-
-    heights = simulated(2.0).controlled[0]
-    assert heights[:40].argmax() == crest
-    at = heights[30]
-    levels = {"at step 30": at, "above it": np.nextafter(at, 2.0)}
-    looks = simulated(levels.get(threshold, threshold)).looks
-    assert looks.step[looks.alarm].tolist() == [5 * number]
-    judged = (looks.judged[name][looks.alarm][0] for name in looks.judged)
-    assert tuple(map(bool, judged)) == expected
+        for row in range(12)
+    ]
+    # thresholds that a flow has at the first step of a window, with and without control
+    alarms = [(flow, look) for flow in plain for look in flow.looks if look.alarm]
+    flow, look = alarms[seed % len(alarms)] if alarms else (plain[0], plain[0].looks[0])
+    reached = [flow.heights[look.step + start], *look.otherwise[start : start + 1]]
+    for threshold in (0.9, *reached):
+        given = replace(experiment, threshold=threshold)
+        looks = strategy.simulate(given, policy, noise=None).looks
+        for number, flow in enumerate(plain):
+            judged = plain_judgement(flow, strategy, schedule, threshold)
+            for name, expected in zip(JUDGED, zip(*judged, strict=True), strict=True):
+                assert looks.judged[name][looks.flow == number].tolist() == [*expected], name
 
 
 def test_a_perfect_forecaster_raises_no_false_alarm() -> None:
@@ -392,12 +266,16 @@ def test_a_perfect_forecaster_raises_no_false_alarm() -> None:
 
 @pytest.mark.long
 def test_the_equations_reduce_exceedance_and_chance_does_not() -> None:
+    def counted(flows: ControlledFlows) -> dict[str, float]:
+        records = record_flows(flows, 0.48)
+        return totals(records, count_windows(flows), Span.of(flows.timing), flows.left_out)
+
     schedule = replace(PAPER, span_lt=10.0, washout=1)
     washouts = turbulent_washouts(FLOW, 200, schedule, seed=8, steps=1600)
     given = experiment(200, schedule, threshold=0.1, washouts=washouts)
-    perfect = counted(run(STRATEGY, given), 0.48)
+    perfect = counted(run(STRATEGY, given))
     policy = controlling_policy("random", STRATEGY, given, [], perfect["alarm_rate"], 4)
-    chance = counted(STRATEGY.simulate(given, policy, noise=None), 0.48)
+    chance = counted(STRATEGY.simulate(given, policy, noise=None))
     assert perfect["false_alarms"] == 0
     assert perfect["exceedance_uncontrolled"] == pytest.approx(0.13, abs=0.04)
     assert perfect["reduction"] > 0.6
@@ -408,34 +286,22 @@ def test_the_equations_reduce_exceedance_and_chance_does_not() -> None:
 # -- the suppressed event that is shown ------------------------------------------------------------
 
 
-def test_the_largest_suppressed_event_is_found() -> None:
-    looks = looks_of(
-        *((0, 3, "suppressed"), (1, 3, "suppressed"), (2, 0, "false"), (2, 6, "suppressed")),
-        *((3, 3, "unsuppressed"), (4, 3, "suppressed"), (5, 9, "suppressed")),
-    )
-    levels = (1.1, 1.2, 1.9, 1.8, 1.7, 1.95)
-    uncontrolled = np.array([series(5, 8, 14, level=level) for level in levels])
-    # the event of flow 4 is only delayed; that of flow 2 does not follow its first alarm; that of
-    # flow 5 has no room for the steps after it
-    controlled = [series(), series(), series(), series(9), series(11), series()]
-    flows = flows_of(controlled, looks, uncontrolled)
-    event = largest_suppressed_event(flows, None)
-    assert event is not None
-    assert (event.flow, event.row, event.alarm_step) == (1, 11, 3)
-    first_below = largest_suppressed_event(flows, 1.15)
-    assert first_below is not None
-    assert first_below.flow == 0
-    assert largest_suppressed_event(flows, 1.05) is None
-    # its steps, up to the next window's first at 12, may end with the last one that counts
-    assert largest_suppressed_event(
-        replace(flows, timing=STRATEGY.timing(replace(SHORT, span_lt=2.0))), None
-    ) == replace(event)
-    assert (
-        largest_suppressed_event(
-            replace(flows, timing=STRATEGY.timing(replace(SHORT, span_lt=5 / 3))), None
-        )
-        is None
-    )
+@settings(max_examples=100, deadline=None)
+@given(flows=RANDOM_FLOWS, laminar=LAMINAR)
+def test_largest_suppressed_event_is_that_of_a_plain_search(
+    flows: ControlledFlows, laminar: float | None
+) -> None:
+    expected, largest = None, 0.0
+    for flow in kept_flows(flows, laminar):
+        mine = np.flatnonzero((flows.looks.flow == flow) & flows.looks.alarm)
+        for look in mine[:1]:  # the first alarm in its flow
+            now = int(flows.looks.step[look])
+            # up to the next window's first step, which counts
+            room = now + 9 <= 17 and flows.controlled[flow, now : now + 10].max() < 1
+            peak = flows.uncontrolled[flow, now + 3 : now + 7].max()
+            if flows.looks.judged["would_cross"][look] and room and peak > largest:
+                expected, largest = SuppressedEvent(flow, 10 + flow, now), peak
+    assert largest_suppressed_event(flows, laminar) == expected
 
 
 @pytest.mark.parametrize(
