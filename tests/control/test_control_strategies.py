@@ -97,6 +97,14 @@ def test_a_strategy_that_cannot_be_made(name: str, settings: dict, message: str)
         ("planned", {"durations_lt": [0.01]}, {}, "lasts no step"),
         ("planned", {"durations_lt": [0.01, 1.0]}, {}, "lasts no step"),
         ("prediction_triggered", {"prediction_time_lt": 0.5}, {}, "before the alarm"),
+        *(
+            ("probability_triggered", changes, {}, message)
+            for changes, message in (
+                ({"probability": 1.0}, "probability must lie between 0 and 1, not be 1"),
+                ({"hold_lt": 0.1}, "hold_lt must be at least decision_interval_lt, 0.25, not 0.1"),
+                ({"windows": 1.5}, "windows must be a whole number from 1 on, not 1.5"),
+            )
+        ),
         ("prediction_triggered", {"window_lt": 0.0}, {}, "must last a step"),
     ],
 )
