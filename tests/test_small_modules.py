@@ -21,14 +21,13 @@ from burstcast.natural_order import natural_order
 
 
 @pytest.mark.parametrize(
-    ("exponent", "steps"), [(0.0163, 61), (0.0135, 74), (0.0126, 79), (0.0121, 82)]
+    ("exponent", "interval", "steps"),
+    [
+        *((0.0163, 1.0, 61), (0.0135, 1.0, 74), (0.0126, 1.0, 79), (0.0121, 1.0, 82)),
+        *((0.1, 0.1, 100), (0.7, 0.01, 142)),  # rounding errors do not cost a step
+    ],
 )
-def test_lyapunov_times_of_the_paper(exponent, steps):
-    assert durations.steps_per_lyapunov_time(exponent, 1.0) == steps
-
-
-@pytest.mark.parametrize(("exponent", "interval", "steps"), [(0.1, 0.1, 100), (0.7, 0.01, 142)])
-def test_rounding_errors_do_not_cost_a_step(exponent, interval, steps):
+def test_steps_per_lyapunov_time_of_the_paper(exponent, interval, steps):
     assert durations.steps_per_lyapunov_time(exponent, interval) == steps
 
 
@@ -79,7 +78,7 @@ VALUES = st.sampled_from([0.0, 0.09, 0.1, 0.2, np.nan])
 
 
 @given(npst.arrays(np.float64, (3, 12), elements=VALUES))
-def test_events_start_where_the_threshold_is_reached_from_below(observable):
+def test_upward_crossings_start_where_the_threshold_is_reached_from_below(observable):
     found = upward_crossings(observable, 0.1)
     for row in range(3):
         for step in range(12):
@@ -92,11 +91,6 @@ def test_events_start_where_the_threshold_is_reached_from_below(observable):
 def test_time_may_be_any_axis(observable, axis):
     expected = np.moveaxis(upward_crossings(np.moveaxis(observable, axis, -1), 0.1), -1, axis)
     np.testing.assert_array_equal(upward_crossings(observable, 0.1, axis), expected)
-
-
-def test_an_event_under_way_at_the_first_step_has_no_start():
-    assert not upward_crossings(np.array([0.2, 0.2, 0.0, 0.0]), 0.1).any()
-    assert upward_crossings(np.array([0.2, 0.0, 0.1, 0.2]), 0.1).tolist() == [0, 0, 1, 0]
 
 
 # -- laminarisation --------------------------------------------------------------------------------
