@@ -1,9 +1,8 @@
 """Inputs that resemble a campaign's, the figures drawn from them, and what a reader sees."""
 
-import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations, product
 from typing import Any
 from unittest import mock
 
@@ -40,7 +39,7 @@ def percentile_rows(
     """A percentile table; medians fall with the prediction time and grow with the size."""
     rows = []
     times = prediction_times or (np.nan,)
-    for size, validation, time, (metric, scale) in itertools.product(
+    for size, validation, time, (metric, scale) in product(
         sizes, validations, times, metrics.items()
     ):
         median = scale * (1 - 100 / size - (0.05 if validation == "SSV" else 0.0))
@@ -93,7 +92,7 @@ def drawn_texts(figure: Figure) -> list[DrawnText]:
 def overlapping_texts(texts: Sequence[DrawnText]) -> list[tuple[str, str]]:
     """Pairs of texts that lie on each other by more than a hair."""
     pairs = []
-    for first, second in itertools.combinations(texts, 2):
+    for first, second in combinations(texts, 2):
         one, two = first.frame, second.frame
         width = min(one.x1, two.x1) - max(one.x0, two.x0)
         height = min(one.y1, two.y1) - max(one.y0, two.y0)
@@ -351,18 +350,14 @@ def control_tables() -> dict[str, pd.DataFrame]:
 def density_rows() -> pd.DataFrame:
     """Densities with and without control at four Reynolds numbers and two prediction times."""
     edges = np.linspace(0.015, 0.47, 41)
-    rows = []
-    for reynolds in (400, 600, 800, 1000):
-        for time, factor in ((1.0, 0.5), (2.0, 0.7)):
-            without = 40 * np.exp(-25 * edges[:-1])
-            keys = {"case": f"Re{reynolds}", "reynolds": float(reynolds), "forecaster": "esn"}
-            keys |= {"neurons": 2000.0, "validation": "RV", "prediction_time_lt": time}
-            table = {**keys, "low": edges[:-1], "high": edges[1:]}
-            for name, density in (("uncontrolled", without), ("controlled", factor * without)):
-                table[f"density_{name}"] = density
-                table[f"density_{name}_low"] = 0.9 * density
-                table[f"density_{name}_high"] = 1.1 * density
-            rows.append(pd.DataFrame(table))
+    without, rows = 40 * np.exp(-25 * edges[:-1]), []
+    for reynolds, (time, factor) in product((400, 600, 800, 1000), ((1.0, 0.5), (2.0, 0.7))):
+        keys = {"case": f"Re{reynolds}", "reynolds": float(reynolds), "forecaster": "esn", **SIZE}
+        table = {**keys, "prediction_time_lt": time, "low": edges[:-1], "high": edges[1:]}
+        for name, density in (("uncontrolled", without), ("controlled", factor * without)):
+            for end, share in (("", 1.0), ("_low", 0.9), ("_high", 1.1)):
+                table[f"density_{name}{end}"] = share * density
+        rows.append(pd.DataFrame(table))
     return pd.concat(rows, ignore_index=True)
 
 
@@ -404,62 +399,32 @@ def parameter_rows() -> dict[str, list[pd.DataFrame]]:
 def frontier_rows() -> pd.DataFrame:
     """Scores of control: the more a strategy acts, the less is left; nothing in one run."""
     rows = []
+    settings = ("horizon_lt", "decision_interval_lt", "prediction_time_lt", "level", "vote_share")
+    conditions = {"starts": "quiet", **USUAL, "quiet_lt": 3.0, "delay_lt": 0.0, "strength": 1.0}
+    usual = {**dict.fromkeys(settings, np.nan), **conditions}
 
-    def run(
-        forecaster: str,
-        strategy: str,
-        left: float,
-        acting: float,
-        conditions: dict[str, float] | None = None,
-        **settings: float,
-    ) -> None:
+    def run(forecaster: str, strategy: str, left: float, acting: float, **changes: float) -> None:
         size = SIZE if forecaster.startswith("esn") else NO_SIZE
-        keys = {
-            **size,
-            "horizon_lt": np.nan,
-            "decision_interval_lt": np.nan,
-            "prediction_time_lt": np.nan,
-        }
-        usual = {**USUAL, "quiet_lt": 3.0, "delay_lt": 0.0, "strength": 1.0}
+        keys = {"case": "Re400", "forecaster": forecaster, "strategy": strategy, **size}
         for metric, value in (("relative_exceedance", left), ("control_fraction", acting)):
-            rows.append(
-                {
-                    **{"case": "Re400", "forecaster": forecaster, "strategy": strategy},
-                    **keys,
-                    **{"level": np.nan, "vote_share": np.nan, **settings},
-                    **{"starts": "quiet", **usual},
-                    **(conditions or {}),
-                    **{"metric": metric, "value": value},
-                    **{"low": 0.5 * value, "high": 1.5 * value if value else 0.005},
-                }
-            )
+            score = {"value": value, "low": 0.5 * value, "high": 1.5 * value if value else 0.005}
+            rows.append({**keys, **usual, **changes, "metric": metric, **score})
 
+    horizons = ((1.0, 2e-2, 0.1), (2.0, 1e-3, 0.05), (3.0, 0.0, 0.03))
+    others = {"delay_lt": (0.25, 1.0), "strength": (0.25, 0.5), "noise": (0.03, 0.1)}
     for forecaster, factor in (("esn", 2.0), ("equations", 1.0)):
-        for horizon, left, acting in ((1.0, 2e-2, 0.1), (2.0, 1e-3, 0.05), (3.0, 0.0, 0.03)):
-            for interval in (0.1, 0.25):
-                run(
-                    *(forecaster, "receding_horizon", factor * left, acting * (1 + interval)),
-                    horizon_lt=horizon,
-                    decision_interval_lt=interval,
-                )
-        for conditions in (
-            *({"delay_lt": delay} for delay in (0.25, 1.0)),
-            *({"strength": strength} for strength in (0.25, 0.5)),
-            *({"noise": noise} for noise in (0.03, 0.1)),
-        ):
-            run(
-                *(forecaster, "receding_horizon", 2e-2 * factor, 0.06, conditions),
-                horizon_lt=2.0,
-                decision_interval_lt=0.25,
-            )
+        receding = (forecaster, "receding_horizon")
+        for (horizon, left, acting), interval in product(horizons, (0.1, 0.25)):
+            often = {"horizon_lt": horizon, "decision_interval_lt": interval}
+            run(*receding, factor * left, acting * (1 + interval), **often)
+        usual_run = {"horizon_lt": 2.0, "decision_interval_lt": 0.25}
+        for condition, values in others.items():
+            for value in values:
+                run(*receding, 2e-2 * factor, 0.06, **usual_run, **{condition: value})
         run(forecaster, "prediction_triggered", 0.2, 0.09, prediction_time_lt=1.0)
     for horizon, left, acting in ((2.0, 5e-4, 0.045), (3.0, 0.0, 0.025)):
-        run(
-            *("esn_committee", "receding_horizon", left, acting),
-            horizon_lt=horizon,
-            decision_interval_lt=0.25,
-            vote_share=0.5,
-        )
+        votes = {"horizon_lt": horizon, "decision_interval_lt": 0.25, "vote_share": 0.5}
+        run("esn_committee", "receding_horizon", left, acting, **votes)
     for level, left, acting in ((0.04, 0.01, 0.5), (0.06, 0.06, 0.24)):
         run("none", "reactive", left, acting, level=level, decision_interval_lt=0.25)
     return pd.DataFrame(rows)
@@ -520,26 +485,19 @@ def reliability_rows() -> pd.DataFrame:
     for (kind, good), probability in product(ALARMS.items(), ("calibrated", "votes")):
         levels = {"esn_committee": 11, "esn": 0, "climatology": 1}.get(kind, 2)
         told = np.linspace(0, 10, levels).astype(int)
+        size = SIZE if kind == "esn_committee" else NO_SIZE
+        keys = {"case": "Re400", "forecaster": kind, "probability": probability, **size}
         for number, mean in enumerate(np.linspace(0, 1, 11)):
-            frequency = mean * (good if probability == "votes" else 0.95)
+            count = (7000 if number == 0 else 40) if number in told else 0
             shown = {
-                **{"mean_probability": mean, "observed_frequency": frequency},
+                "mean_probability": mean,
+                "observed_frequency": mean * (good if probability == "votes" else 0.95),
                 "consistency_low": max(0.0, mean - 0.1),
                 "consistency_high": min(1.0, mean + 0.1),
             }
-            rows.append(
-                {
-                    **{"case": "Re400", "forecaster": kind, "probability": probability},
-                    **(SIZE if kind == "esn_committee" else NO_SIZE),
-                    **{"prediction_time_lt": 3.0, "bin": number, "forecasts": 0},
-                    **dict.fromkeys(shown, np.nan),
-                    **(
-                        {"forecasts": 7000 if number == 0 else 40, **shown}
-                        if number in told
-                        else {}
-                    ),
-                }
-            )
+            shown = shown if count else dict.fromkeys(shown, np.nan)
+            where = {"prediction_time_lt": 3.0, "bin": number, "forecasts": count}
+            rows.append({**keys, **where, **shown})
     return pd.DataFrame(rows)
 
 
