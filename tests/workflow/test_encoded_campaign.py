@@ -1,6 +1,5 @@
 """Campaigns of a flow that sensors see and encoders encode: from the config to the ranking."""
 
-import copy
 import dataclasses
 import json
 from pathlib import Path
@@ -30,21 +29,12 @@ TARGETS = (
 )
 
 
-def config(change=None):
-    """The tiny campaign of these tests with a change."""
-    return tiny_with(OVERLAY, change or {})
-
-
-# -- a run -----------------------------------------------------------------------------------------
-
-
 @pytest.fixture(scope="module")
 def results(tmp_path_factory, job_server):
     project = Project.create(tmp_path_factory.mktemp("encoded") / "project", job_server)
     directory = OVERLAY["results"]
     targets = [f"{directory}/{one}" for one in TARGETS]
-    outcome = project.snakemake(*targets, overlay=copy.deepcopy(OVERLAY))
-    assert outcome.status == 0, outcome.text[-3000:]
+    project.made(*targets, overlay=OVERLAY)
     return project.directory / directory
 
 
@@ -104,13 +94,8 @@ def test_ranking_by_other_means(results):
             "any": average_precision_score(true >= level, found),
         }
         for event, value in expected.items():
-            keys = {
-                "case": "turbulence",
-                "alarm": "equations_noisy",
-                "event": event,
-                "prediction_time_lt": time,
-                "metric": "average_precision",
-            }
+            keys = {"case": "turbulence", "alarm": "equations_noisy", "event": event}
+            keys |= {"prediction_time_lt": time, "metric": "average_precision"}
             row = table[(table[list(keys)] == pd.Series(keys)).all(axis=1)]
             assert row["value"].item() == pytest.approx(value)
             assert row["low"].item() <= value <= row["high"].item()
@@ -138,5 +123,5 @@ def test_control_through_sensors_and_encoders(results):
 
 
 def test_the_flow_is_that_of_the_case():
-    found = Campaign(load(config())).cases["sensors"].source_system
+    found = Campaign(load(tiny_with(OVERLAY))).cases["sensors"].source_system
     assert KolmogorovFlow(**found["parameters"]) == dataclasses.replace(FLOW)

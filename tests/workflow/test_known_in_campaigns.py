@@ -12,33 +12,22 @@ from burstcast_workflow import open_campaign
 
 SAMPLES, BLOCK = 1100, 50
 NETWORKS = {"neurons": [40], "validation": ["RV"], "seeds": 2}
+FORECASTERS = {
+    **{"esn": {**NETWORKS, "seeds": 1}, "esn_aware": NETWORKS, "quadratic_aware": {}},
+    **{"quadratic_aware_filtered": {}, "precursor": {}},
+}
+PLANT = {
+    "data": {
+        **{"files": ["plant.csv"], "time_step": "1 hour", "components": ["x", "y"]},
+        **{"observable": "x", "known": ["push", "day_sin"], "blocks": {"duration": BLOCK - 1}},
+    },
+    **{"training": {"series": 10}, "recycle_validation": {"series": 3}},
+    **{"event_threshold": 0.6, "lyapunov": {"published_exponent": 0.25}},
+}
 CONFIG = {
     "results": "results/plant",
-    "campaign": [
-        {
-            "cases": ["plant"],
-            "forecasters": {
-                **{"esn": {**NETWORKS, "seeds": 1}, "esn_aware": NETWORKS, "quadratic_aware": {}},
-                **{"quadratic_aware_filtered": {}, "precursor": {}},
-            },
-        }
-    ],
-    "cases": {
-        "plant": {
-            "data": {
-                "files": ["plant.csv"],
-                "time_step": "1 hour",
-                "components": ["x", "y"],
-                "observable": "x",
-                "known": ["push", "day_sin"],
-                "blocks": {"duration": BLOCK - 1},
-            },
-            "training": {"series": 10},
-            "recycle_validation": {"series": 3},
-            "event_threshold": 0.6,
-            "lyapunov": {"published_exponent": 0.25},
-        }
-    },
+    "campaign": [{"cases": ["plant"], "forecasters": FORECASTERS}],
+    "cases": {"plant": PLANT},
     "washout_lt": 2,
     "forecasters": {
         "esn": {"connectivity": 5, "backend": "scipy"},
@@ -104,8 +93,7 @@ def project(tmp_path_factory, job_server):
 
 def test_other_programs_are_given_what_is_known(project):
     """In the exported task: the push of the record, whose rows are found by the states."""
-    outcome = project.snakemake("results/plant/plant/forecast_task.nc")
-    assert outcome.status == 0, outcome.text[-3000:]
+    project.made("results/plant/plant/forecast_task.nc")
     directory = project.directory / "results/plant/plant"
     task, (states, push) = read_netcdf(directory / "forecast_task.nc"), plant()
     with netCDF4.Dataset(directory / "forecast_task.nc") as file:
@@ -136,8 +124,7 @@ def test_other_programs_are_given_what_is_known(project):
 
 @pytest.fixture(scope="module")
 def results(project):
-    outcome = project.snakemake(*TARGETS)
-    assert outcome.status == 0, outcome.text[-3000:]
+    outcome = project.made(*TARGETS)
     assert "velocity profiles, long runs of forecasters that learn from data.known" in outcome.text
     return project.directory / "results/plant"
 
@@ -209,11 +196,8 @@ def test_forecasts_one_by_one_are_those_of_the_files(results, monkeypatch):
 def test_no_stage_has_runs_without_known_values(project, results):
     assert (results / "plant/esn-N40-RV-seed0/long_term.nc").exists()
     assert not (results / "plant/esn_aware-N40-RV-seed0/long_term.nc").exists()
-    assert set(read_table(results / "tables/statistics.csv")["forecaster"]) <= {
-        "esn",
-        "floor",
-        "training",
-    }
+    forecasters = set(read_table(results / "tables/statistics.csv")["forecaster"])
+    assert forecasters <= {"esn", "floor", "training"}
     assert project.dry_run(*TARGETS) == {}
 
 
@@ -224,21 +208,14 @@ def test_other_values_in_advance_are_other_forecasts(project, results):
     push = plant()[1]
     push[10 * BLOCK :] = np.roll(push[10 * BLOCK :], 37)
     write_record(copied.directory, push)
-    outcome = copied.snakemake(*TARGETS)
-    assert outcome.status == 0, outcome.text[-3000:]
+    copied.made(*TARGETS)
     other = copied.directory / "results/plant"
     for name, same in (("esn", True), ("esn_aware", False)):
-        one, two = (
-            read_netcdf(place / f"plant/{name}-N40-RV-seed0/{file}.nc")
-            for place in (results, other)
-            for file in ("forecast",)
-        )
-        assert np.array_equal(one["largest"], two["largest"]) == same
-        one, two = (
-            read_netcdf(place / f"plant/{name}-N40-RV-seed0/forecaster.nc")
-            for place in (results, other)
-        )
-        np.testing.assert_array_equal(one["weights"], two["weights"])
+        places = [place / f"plant/{name}-N40-RV-seed0" for place in (results, other)]
+        one, two = (read_netcdf(place / "forecast.nc")["largest"] for place in places)
+        assert np.array_equal(one, two) == same
+        one, two = (read_netcdf(place / "forecaster.nc")["weights"] for place in places)
+        np.testing.assert_array_equal(one, two)
     scores = read_table(other / "tables/classification.csv").groupby("forecaster")["f_score"].mean()
     assert scores["quadratic_aware"] < 0.5
 

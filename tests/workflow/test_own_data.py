@@ -49,7 +49,7 @@ def test_own_data_with_five_lines_of_config(project):
     configure(project, "esn: {neurons: [30], validation: [RV], seeds: 1}")
     own = "results/own/own"
     network = f"{own}/esn-N30-RV-seed0"
-    outcome = project.snakemake(
+    project.made(
         f"{network}/forecast.nc",
         f"{network}/search.csv",
         "results/own/tables/survival.csv",
@@ -57,7 +57,6 @@ def test_own_data_with_five_lines_of_config(project):
         "results/own/figures/validation_strategies.png",
         "results/own/figures/observable_and_density.png",
     )
-    assert outcome.status == 0, outcome.text[-3000:]
     ensemble = read_netcdf(project.directory / own / "ensemble.nc")
     assert ensemble["state"].shape == (16, 801, 3)
     points = read_netcdf(project.directory / own / "evaluation_set.nc")
@@ -72,15 +71,11 @@ def test_own_data_with_five_lines_of_config(project):
 @pytest.mark.long
 def test_a_campaign_without_networks_is_a_campaign(project):
     configure(project, "analogues: {}, quadratic: {}, persistence: {}")
-    outcome = project.snakemake()
-    assert outcome.status == 0, outcome.text[-3000:]
+    outcome = project.made()
     assert "no networks in the campaign; off: " in outcome.text
     tables = project.directory / "results/own/tables"
-    assert set(read_table(tables / "horizon.csv")["forecaster"]) == {
-        "analogues",
-        "persistence",
-        "quadratic",
-    }
+    kinds = {"analogues", "persistence", "quadratic"}
+    assert set(read_table(tables / "horizon.csv")["forecaster"]) == kinds
     assert not (tables / "hyperparameters.csv").exists()
     figures = {path.stem for path in (project.directory / "results/own/figures").glob("*.png")}
     assert "forecast_skill" in figures
@@ -90,18 +85,16 @@ def test_a_campaign_without_networks_is_a_campaign(project):
 @pytest.mark.long
 def test_a_campaign_that_is_too_small_for_its_stages_ends(tmp_path, job_server):
     """Series in whose washouts events are always under way: nothing to calibrate with."""
-    project = Project.create(tmp_path / "project", job_server, "small.yaml")
-    config = yaml.safe_load((project.directory / "workflow/presets/tiny.yaml").read_text())
+    project = Project.create(tmp_path / "project", job_server)
     networks = {"neurons": [40], "validation": ["RV"], "seeds": 2}
     forecasters = {"esn": networks, "equations": {}, "quadratic_filtered": {}}
-    config["results"] = "results/small"
-    config["campaign"] = [{"reynolds": [1000, 400, 800], "forecasters": forecasters}]
-    config["case_defaults"]["test_series"] = 12
-    config["case_defaults"]["recycle_validation"] = {"series": 2, "intervals_per_series": None}
-    (project.directory / "small.yaml").write_text(yaml.safe_dump(config))
-    outcome = project.snakemake()
-    assert outcome.status == 0, outcome.text[-3000:]
-    results = project.directory / "results/small"
+    validation = {"series": 2, "intervals_per_series": None}
+    overlay = {
+        "campaign": [{"reynolds": [1000, 400, 800], "forecasters": forecasters}],
+        "case_defaults": {"test_series": 12, "recycle_validation": validation},
+    }
+    outcome = project.made(overlay=overlay)
+    results = project.results
     calibration = read_json(results / "Re1000/calibration.json")
     (rule,) = calibration["alarms"]["climatology"]["1"].values()
     assert rule["values"] == []
@@ -121,15 +114,10 @@ def test_a_campaign_that_is_too_small_for_its_stages_ends(tmp_path, job_server):
 @pytest.mark.long
 def test_a_campaign_without_any_event_ends(tmp_path, job_server):
     """Scores, horizons, probabilities and control have nothing to count."""
-    project = Project.create(tmp_path / "project", job_server, "quiet.yaml")
-    config = yaml.safe_load((project.directory / "workflow/presets/tiny.yaml").read_text())
-    config["results"] = "results/quiet"
-    config["case_defaults"]["event_threshold"] = 0.47
-    config["figures"] = {"flow_event": {"peak": 0.475}}
-    (project.directory / "quiet.yaml").write_text(yaml.safe_dump(config))
-    outcome = project.snakemake()
-    assert outcome.status == 0, outcome.text[-3000:]
-    results = project.directory / "results/quiet"
+    project = Project.create(tmp_path / "project", job_server)
+    quiet = {"case_defaults": {"event_threshold": 0.47}, "figures": {"flow_event": {"peak": 0.475}}}
+    project.made(overlay=quiet)
+    results = project.results
     assert read_table(results / "tables/classification.csv")["recall"].isna().all()
     assert set(read_table(results / "tables/dataset.csv")["events_per_series"]) == {0}
     strategies = read_table(results / "tables/control_strategies.csv")
@@ -143,17 +131,12 @@ def test_a_campaign_without_any_event_ends(tmp_path, job_server):
 # -- a record with dates and gaps ------------------------------------------------------------------
 
 DATA = {
-    "files": ["plant.csv"],
-    "time_step": "1 hour",
-    "observable": "load",
-    "gaps": "cut",
-    "blocks": {"duration": 24},
+    **{"files": ["plant.csv"], "time_step": "1 hour", "observable": "load"},
+    **{"gaps": "cut", "blocks": {"duration": 24}},
 }
 CASE = {
-    "data": DATA,
-    "event_threshold": 2,
+    **{"data": DATA, "event_threshold": 2, "training": {"series": 4}},
     "lyapunov": {"published_exponent": 1},
-    "training": {"series": 4},
 }
 LOST = (100, 101, 500)
 
@@ -167,9 +150,8 @@ def table():
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory, job_server):
     """A record by a clock that is put forward on 28 March, with its offsets from UTC."""
-    recorded = Project.create(
-        tmp_path_factory.mktemp("record") / "recorded", job_server, "plant.yaml"
-    )
+    directory = tmp_path_factory.mktemp("record") / "recorded"
+    recorded = Project.create(directory, job_server, "plant.yaml")
     forecasters = {"persistence": {}, "linear_inverse": {}}
     config = {
         "results": "results/plant",
@@ -184,8 +166,7 @@ def recorded(tmp_path_factory, job_server):
 
 
 def test_series_of_a_record(recorded):
-    outcome = recorded.snakemake("results/plant/plant/ensemble.nc")
-    assert outcome.status == 0, outcome.text[-3000:]
+    outcome = recorded.made("results/plant/plant/ensemble.nc")
     assert "gaps leave 3 parts of the record" not in outcome.text  # each is longer than a block
     found = read_netcdf(recorded.directory / "results/plant/plant/ensemble.nc")
     # 100, 398 and 499 hours make 4, 15 and 19 blocks of 25 samples
@@ -266,7 +247,8 @@ class DataSet:
     step: float
     stride: int
     header: str
-    config: str
+    neurons: int
+    data: str
     exponent: float
 
     def integrate(self) -> FloatArray:
@@ -287,40 +269,25 @@ class DataSet:
         return np.stack(found).transpose(2, 0, 1)
 
 
+FIVE_LINES_OF_OTHERS = """\
+results: results/own
+campaign: [{cases: [own], forecasters: {esn: {neurons: [NEURONS], validation: [RV], seeds: 3}}}]
+cases:
+  own: {event_threshold: {quantile: 0.95},
+        data: {files: ["own_*.csv"], DATA}}
+"""
 DATA_SETS = {
     "four species": DataSet(
-        four_species,
-        (0.301, 0.459, 0.131, 0.356),
-        1,
-        40_000,
-        0.1,
-        10,
-        "n1,n2,n3,n4",
-        """\
-results: results/own
-campaign: [{cases: [own], forecasters: {esn: {neurons: [100], validation: [RV], seeds: 3}}}]
-cases:
-  own: {event_threshold: {quantile: 0.95},
-        data: {files: ["own_*.csv"], observable: n1, time_step: 1, blocks: {duration: 800}}}
-""",
-        0.0203,
+        **{"rates": four_species, "start": (0.301, 0.459, 0.131, 0.356), "header": "n1,n2,n3,n4"},
+        **{"series": 1, "samples": 40_000, "step": 0.1, "stride": 10, "neurons": 100},
+        data="observable: n1, time_step: 1, blocks: {duration: 800}",
+        exponent=0.0203,
     ),
     "bursting neuron": DataSet(
-        bursting_neuron,
-        (-1.0, 0.3, 3.0),
-        24,
-        4_000,
-        0.05,
-        10,
-        "x,y,z",
-        """\
-results: results/own
-campaign: [{cases: [own], forecasters: {esn: {neurons: [300], validation: [RV], seeds: 3}}}]
-cases:
-  own: {event_threshold: {quantile: 0.95},
-        data: {files: ["own_*.csv"], observable: z, time_step: 0.5}}
-""",
-        0.0133,
+        **{"rates": bursting_neuron, "start": (-1.0, 0.3, 3.0), "header": "x,y,z"},
+        **{"series": 24, "samples": 4_000, "step": 0.05, "stride": 10, "neurons": 300},
+        data="observable: z, time_step: 0.5",
+        exponent=0.0133,
     ),
 }
 
@@ -356,14 +323,14 @@ def logistic_f_score(own, threshold: float, windows: tuple[int, int]) -> float:
 def test_from_generation_to_summary(name, tmp_path, job_server):
     data = DATA_SETS[name]
     project = Project.create(tmp_path / "project", job_server, "own.yaml")
-    assert len(data.config.splitlines()) == 5
-    (project.directory / "own.yaml").write_text(data.config)
+    config = FIVE_LINES_OF_OTHERS.replace("NEURONS", str(data.neurons)).replace("DATA", data.data)
+    assert len(config.splitlines()) == 5
+    (project.directory / "own.yaml").write_text(config)
     for number, series in enumerate(data.integrate()):
         rows = np.column_stack([data.step * data.stride * np.arange(len(series)), series])
         header = {"delimiter": ",", "header": f"time,{data.header}", "comments": ""}
         np.savetxt(project.directory / f"own_{number}.csv", rows, **header)
-    outcome = project.snakemake()
-    assert outcome.status == 0, outcome.text[-3000:]
+    outcome = project.made()
     summary = outcome.text.partition("F-score")[2]
     assert "permanent alarm" in summary
     results = project.directory / "results/own"

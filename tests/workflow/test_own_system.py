@@ -98,18 +98,20 @@ def mine(tmp_path_factory, job_server):
     """A user's directory, and a run there of the workflow that lies elsewhere."""
     project = Project.create(tmp_path_factory.mktemp("burstcast") / "project", job_server)
     directory = tmp_path_factory.mktemp("user") / "campaign"
-    (directory / "my_flows").mkdir(parents=True)
-    (directory / "my_flows" / "__init__.py").write_text("")
-    (directory / "my_flows" / "classical.py").write_text(CONSTANTS)
-    (directory / "my_flows" / "constants").mkdir()
-    (directory / "my_flows" / "constants" / "d.txt").write_text("1\n")
-    (directory / "my_flows" / "unused.py").write_text("D = 1\n")
-    (directory / "my_flows" / "roessler.py").write_text(MODULE)
+    (directory / "my_flows" / "constants").mkdir(parents=True)
+    files = {"__init__.py": "", "classical.py": CONSTANTS, "roessler.py": MODULE}
+    for name, text in {**files, "constants/d.txt": "1\n", "unused.py": "D = 1\n"}.items():
+        (directory / "my_flows" / name).write_text(text)
     own = replace(project, directory=directory, preset=str(project.directory / TINY))
     run = Elsewhere(own, project)
     outcome = run(*TABLES)
     assert outcome.status == 0, outcome.text[-3000:]
     return run
+
+
+def with_case(**changed):
+    """The campaign with a change of its case."""
+    return {**OVERLAY, "cases": {"roessler": {**OVERLAY["cases"]["roessler"], **changed}}}
 
 
 class Elsewhere:
@@ -193,8 +195,7 @@ def test_edits_of_ones_own_modules_and_their_files_run_what_depends_on_them(mine
     ],
 )
 def test_files_that_ones_own_module_reads_are_there_and_declared(mine, files, message):
-    overlay = {**OVERLAY, "cases": {"roessler": {**OVERLAY["cases"]["roessler"], "files": files}}}
-    outcome = mine("-n", overlay=overlay)
+    outcome = mine("-n", overlay=with_case(files=files))
     assert outcome.status == 1
     assert message in outcome.text
     assert "Traceback" not in outcome.text
@@ -219,8 +220,7 @@ def test_a_mistake_in_ones_own_module_is_told_before_any_job(mine):
 
 
 def test_a_quantile_that_changes_runs_what_reads_the_threshold(mine):
-    overlay = {**OVERLAY, "cases": {"roessler": {**OVERLAY["cases"]["roessler"]}}}
-    overlay["cases"]["roessler"]["event_threshold"] = {"quantile": 0.8}
+    overlay = with_case(event_threshold={"quantile": 0.8})
     outcome = mine("--quiet", "rules", "-n", *TABLES, overlay=overlay)
     assert {"event_threshold", "events", "horizon", "classification_table"} <= set(outcome.jobs)
     assert not {"simulate", "scan", "train", "forecast", "evaluation_set"} & set(outcome.jobs)

@@ -33,8 +33,7 @@ TRAINING, TIMES, THRESHOLD = 8, (1, 2, 3), 0.07
 @pytest.fixture(scope="module")
 def project(tmp_path_factory, job_server):
     project = Project.create(tmp_path_factory.mktemp("precursor") / "project", job_server)
-    outcome = project.snakemake(overlay=OVERLAY)
-    assert outcome.status == 0, outcome.text[-3000:]
+    project.made(overlay=OVERLAY)
     assert project.dry_run(overlay=OVERLAY) == {}
     return project
 
@@ -211,6 +210,7 @@ def test_a_reservoir_is_read_out_as_the_library_does_it(results, by_hand):
 
 # -- what runs again -------------------------------------------------------------------------------
 
+SPACED = {"forecasters": {"classifiers": {"start_spacing_lt": 0.2}}}
 SCORES = {
     *("calibrate", "classification_table", "probability_scores", "probability_diagrams"),
     *("lead_times", "warnings_table"),
@@ -223,10 +223,7 @@ SCORES = {
         ({"forecasters": {"precursor": {"lags_lt": [0.2]}}}, {"event_probabilities"}),
         ({"forecasters": {"classifiers": {"folds": 4}}}, {"event_probabilities"}),
         ({"forecasters": {"esn_direct": {"penalty": [2]}}}, {"event_probabilities"}),
-        (
-            {"forecasters": {"classifiers": {"start_spacing_lt": 0.2}}},
-            {"training_set", "event_probabilities"},
-        ),
+        (SPACED, {"training_set", "event_probabilities"}),
         ({"probability": {"prior_forecasts": 20}}, set()),
     ],
 )

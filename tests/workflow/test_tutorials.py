@@ -141,8 +141,7 @@ def project(tmp_path, job_server, monkeypatch):
 
 def test_from_numbers_to_a_probability(project, monkeypatch):
     assert (project.directory / "lab.csv").open().readline() == "time,x,y,z\n"
-    outcome = project.snakemake("results/lab/lab/lyapunov.json", "results/lab/lab/events.json")
-    assert outcome.status == 0, outcome.text[-3000:]
+    project.made("results/lab/lab/lyapunov.json", "results/lab/lab/events.json")
     lab = project.directory / "results/lab/lab"
     assert read_netcdf(lab / "ensemble.nc", "state")["state"].shape == (40, 2001, 3)
     assert read_json(lab / "lyapunov.json")["leading"]["mean"] == pytest.approx(0.906, rel=0.1)
@@ -159,13 +158,9 @@ def test_the_parts_of_a_state_are_a_config(project):
     config["campaign"].append({"reynolds": [400], "cases": list(part), "forecasters": forecasters})
     config["cases"] |= part
     (project.directory / "lab.yaml").write_text(yaml.safe_dump(config))
-    assert project.dry_run("results/lab/two_modes/evaluation_set.nc") == {
-        "simulate": 1,
-        "import_data": 1,
-        "evaluation_set": 1,
-    }
-    outcome = project.snakemake("-n", "results/lab/two_modes_and_their_past/evaluation_set.nc")
-    assert outcome.status == 0, outcome.text[-3000:]
+    planned = project.dry_run("results/lab/two_modes/evaluation_set.nc")
+    assert planned == {"simulate": 1, "import_data": 1, "evaluation_set": 1}
+    project.made("-n", "results/lab/two_modes_and_their_past/evaluation_set.nc")
 
 
 def test_the_second_run_counts_in_what_it_is_told(project):
@@ -179,8 +174,7 @@ def test_the_second_run_counts_in_what_it_is_told(project):
 
 @pytest.mark.long
 def test_the_whole_tutorial(project, monkeypatch):
-    outcome = project.snakemake()
-    assert outcome.status == 0, outcome.text[-3000:]
+    outcome = project.made()
     assert "lab: measured series; off: " in outcome.text
     table = read_table(project.directory / "results/lab/tables/classification.csv")
     at_one = table[table["prediction_time_lt"] == 1].groupby("forecaster")["f_score"].median()
@@ -209,14 +203,8 @@ def of(name):
 def shell(command, records):
     """Run a command of the page as a reader would, with one core."""
     environment = {name: text for name, text in os.environ.items() if name != "VIRTUAL_ENV"}
-    result = subprocess.run(
-        ["bash", "-ec", command],
-        cwd=records,
-        env={**environment, **THREADS},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    options = {"cwd": records, "env": {**environment, **THREADS}, "text": True}
+    result = subprocess.run(["bash", "-ec", command], capture_output=True, check=False, **options)
     assert result.returncode == 0, f"{command}: {result.stdout[-2000:]}{result.stderr[-3000:]}"
     return result.stdout
 

@@ -16,7 +16,7 @@ import netCDF4
 import numpy as np
 import pandas as pd
 from scipy.stats import chi2, t
-from sklearn.metrics import confusion_matrix, f1_score, precision_score, recall_score
+from sklearn.metrics import confusion_matrix, precision_recall_fscore_support
 
 from burstcast import random_streams
 
@@ -26,6 +26,11 @@ _FORECASTER = re.compile(
     r"(-N(?P<neurons>\d+)-(?P<validation>[A-Z]+)-seed(?P<seed>\d+))?"
 )
 _AVERAGES = {"mean_horizon_lt": np.mean, "median_horizon_lt": np.median}
+TABLES = (
+    *("dataset", "hyperparameters", "classification", "classification_intervals"),
+    *("horizon", "horizon_intervals", "horizon_differences", "statistics", "survival"),
+    *("lyapunov_spectrum", "kaplan_yorke", "control"),
+)
 _SAMPLES = ("uncontrolled", "controlled")
 _CONTROL = re.compile(r"prediction_triggered-prediction_time(?P<time>[\d.]+)-window[\d.]+")
 
@@ -410,10 +415,7 @@ class Recomputation:
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """All of them, by name; those of stages that are off are left out."""
-        names = ["dataset", "hyperparameters", "classification", "classification_intervals"]
-        names += ["horizon", "horizon_intervals", "horizon_differences", "statistics", "survival"]
-        names += ["lyapunov_spectrum", "kaplan_yorke", "control"]
-        made = {name: getattr(self, name)() for name in names}
+        made = {name: getattr(self, name)() for name in TABLES}
         return {name: table for name, table in made.items() if len(table)}
 
 
@@ -460,11 +462,11 @@ def _scores(
     # a resample without any scored point has no score
     if weights is not None and weights.sum() == 0:
         return dict.fromkeys(("precision", "recall", "f_score"), np.nan)
-    scores = (precision_score, recall_score, f1_score)
-    return {
-        name: float(score(happened, predicted, sample_weight=weights, zero_division=np.nan))
-        for name, score in zip(("precision", "recall", "f_score"), scores, strict=True)
-    }
+    scores = precision_recall_fscore_support(
+        happened, predicted, average="binary", sample_weight=weights, zero_division=np.nan
+    )
+    names = ("precision", "recall", "f_score")
+    return {name: float(score) for name, score in zip(names, scores[:3], strict=True)}
 
 
 def _distances(true: dict[str, Any], found: dict[str, Any]) -> dict[str, float]:
