@@ -81,15 +81,10 @@ JOBS = {
 def paper(tmp_path_factory, job_server):
     """The finished campaign, its files being empty."""
     project = Project.create(tmp_path_factory.mktemp("paper") / "project", job_server, PAPER)
+    assert plan(project) == JOBS
     outcome = project.snakemake(BURSTCAST_TEST_PRETEND="1")
     assert outcome.status == 0, outcome.text[-3000:]
     return project
-
-
-@pytest.fixture
-def edited(paper, tmp_path):
-    """A copy of it to edit."""
-    return paper.copy(tmp_path / "project")
 
 
 def plan(project: Project, overlay: dict | None = None) -> dict[str, int]:
@@ -105,13 +100,8 @@ def reason(project: Project, words: str, overlay: dict | None = None) -> str:
     return line
 
 
-def test_the_campaign_has_these_jobs(tmp_path, job_server):
-    project = Project.create(tmp_path / "project", job_server, PAPER)
-    assert plan(project) == JOBS
+def test_the_campaign_has_these_jobs_and_nothing_to_do_when_it_is_finished(paper):
     assert sum(JOBS.values()) == 1513
-
-
-def test_the_finished_campaign_has_nothing_to_do(paper):
     assert plan(paper) == {}
     assert paper.why() == "Nothing would run: all results are up to date.\n"
 
@@ -196,24 +186,22 @@ def test_one_more_prediction_time(paper):
     assert "classification_table (4)" in reason(paper, "prediction_times_lt with 6 (", overlay)
 
 
-def test_another_colour(edited):
-    edited.edit("src/burstcast/figures/parts/style.py", 'BLUE = "#0072B2"', 'BLUE = "#0072B3"')
-    assert plan(edited) == {"figure": JOBS["figure"]}
-    assert "figure" in reason(edited, "code of burstcast.figures.parts.style changed: ")
-
-
-def test_a_line_of_the_classification(edited):
-    path = edited.directory / "src/burstcast/forecast/classification.py"
-    path.write_text(path.read_text() + "\nEDITED = 1\n")
-    jobs = plan(edited)
-    assert jobs == OF_A_SCORE
-    assert sum(jobs.values()) == 37
-    line = reason(edited, "code of burstcast.forecast.classification changed (")
-    assert "classification_table (4)" in line
-
-
-@pytest.mark.parametrize(("module", "count"), [("esn", 1160), ("equations", 85)])
-def test_a_line_of_a_forecaster(edited, module, count):
-    path = edited.directory / f"src/burstcast/forecasters/{module}.py"
-    path.write_text(path.read_text() + "\nEDITED = 1\n")
-    assert sum(plan(edited).values()) == count
+@pytest.mark.parametrize(
+    ("module", "count", "jobs", "affected"),
+    [
+        ("figures.parts.style", JOBS["figure"], {"figure": JOBS["figure"]}, "figure"),
+        ("forecast.classification", 37, OF_A_SCORE, "classification_table (4)"),
+        ("forecasters.esn", 1160, None, ""),
+        ("forecasters.equations", 85, None, ""),
+    ],
+)
+def test_a_line_of_a_module(paper, module, count, jobs, affected):
+    name = f"src/burstcast/{module.replace('.', '/')}.py"
+    path = paper.directory / name
+    with paper.restored(name):
+        path.write_text(path.read_text() + "\nEDITED = 1\n")
+        planned = plan(paper)
+        line = reason(paper, f"code of burstcast.{module} changed")
+    assert sum(planned.values()) == count
+    assert jobs in (None, planned)
+    assert affected in line
