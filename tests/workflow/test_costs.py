@@ -82,9 +82,15 @@ def options(directory: Path, preset: str | None = None) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def paper(directory):
+def plan(directory):
+    """The paper's campaign, planned."""
+    return planned([*options(directory), "--forceall"])
+
+
+@pytest.fixture(scope="module")
+def paper(plan):
     """Costs of the rules of the paper's campaign."""
-    return predicted_costs(options(directory))
+    return costs_of_plan(plan)
 
 
 # -- classes ---------------------------------------------------------------------------------------
@@ -205,13 +211,13 @@ def test_rules_ask_for_what_is_predicted(directory):
 # -- campaigns -------------------------------------------------------------------------------------
 
 
-def test_totals_of_the_papers_campaign_are_those_that_the_benchmark_has_written(paper, directory):
+def test_totals_of_the_papers_campaign_are_those_that_the_benchmark_has_written(paper, plan):
     text = (ROOT / "benchmarks" / "measured.md").read_text(encoding="utf-8")
     _, section = text.split("<!-- predicted: begin -->")
     units = re.findall(r"^\| ([a-z ]+) \| ([-+.e\d]+) \| ([-+.e\d]+) \|$", section, re.M)
     assert {unit: float(ours) for unit, _, ours in units} == SECONDS_PER
     measured = {unit: float(rate) for unit, rate, _ in units}
-    assert costs_text(predicted_costs(options(directory), measured)) in section
+    assert costs_text(costs_of_plan(plan, measured)) in section
     # the rates of the model itself are of a similar machine
     total = float(re.findall(r"on one core: ([.\d]+)", section)[0])
     assert paper["predicted_minutes"].sum() == pytest.approx(total, rel=0.1)
@@ -251,7 +257,8 @@ def write_record(path, seconds, memory):
 def test_records_stand_beside_the_predictions_of_their_jobs(tmp_path, capsys):
     shutil.copy(ROOT / "config.yaml", tmp_path)
     arguments = options(tmp_path, "tiny")
-    assert predicted_costs(arguments)["records"].sum() == 0
+    workflow = planned([*arguments, "--forceall"])
+    assert costs_of_plan(workflow)["records"].sum() == 0
     root = tmp_path / "results" / "tiny"
     for validation, seconds, memory in (("RV", 1000, 70), ("SSV", 3000, 71)):
         record = root / "benchmarks" / "train" / "Re400" / f"esn-N30-{validation}-seed0.tsv"
@@ -262,7 +269,6 @@ def test_records_stand_beside_the_predictions_of_their_jobs(tmp_path, capsys):
     output = root / "Re400" / "esn-N30-RV-seed0" / "forecaster.nc"
     output.parent.mkdir(parents=True)
     output.write_bytes(bytes(3 * 2**20))
-    workflow = planned([*arguments, "--forceall"])
     rows = costs_of_plan(workflow).set_index("rule")
     in_rules = [rule.name for rule in workflow.rules if rule.name in rows.index]
     assert rows.index.tolist() == in_rules
