@@ -37,9 +37,6 @@ class Expressions(DynamicalSystem):
     def right_hand_side(self, state):
         return self._right_hand_side(state)
 
-    def jacobian(self, state):
-        raise NotImplementedError
-
     def observable(self, state):
         return self._observable(state)
 
@@ -192,17 +189,6 @@ def test_an_observable_that_cannot_be_compiled_is_left_to_numpy():
     state = initial_states(system, 11, 1)
     observed = integrate_observed(system, state, 0.25, 4)
     assert np.array_equal(observed.largest_observable, np.abs(state[0]))
-
-
-def test_a_system_without_a_hash_is_left_to_numpy():
-    system = dataclasses.replace(MFE, reynolds=np.array([400.0, 500.0]))
-    with pytest.raises(TypeError, match="unhashable"):
-        hash(system)
-    state = initial_states(system, 2, 1)
-    together = integrate(system, state, 0.25, 4)
-    for index, reynolds in enumerate((400.0, 500.0)):
-        alone = integrate(MoehlisFaisstEckhardt(reynolds), state[:, [index]], 0.25, 4)
-        assert np.array_equal(together[..., [index]], alone)
 
 
 def test_an_error_of_the_system_is_raised_by_numpy():

@@ -73,42 +73,30 @@ def test_what_is_switched_is_integrated_as_scipy_does(parameters, right_hand_sid
         np.testing.assert_allclose(found[:, :, flow], expected, atol=2e-6)
 
 
-def test_two_parameters_change_together():
-    parameters = SystemParameters.of(Lorenz63(), ["rho", "sigma"])
-    assert parameters.own == (28.0, 10.0)
-    schedule = np.array([[28.0, 10.0], [25.0, 10.0], [25.0, 8.0]])[:, :, np.newaxis]
-    start = np.array([[1.0], [2.0], [20.0]])
-    found = integrate_scheduled(parameters, schedule, start, 0.002, 10)
-    state = start
-    for row, (rho, sigma) in enumerate(schedule[:, :, 0]):
-        state = integrate(Lorenz63(rho=rho, sigma=sigma), state, 0.002, 10, 10)[-1]
-        assert np.array_equal(found[row + 1], state)
+LORENZ = SystemParameters.of(Lorenz63(), ["rho", "sigma"])
 
 
-@pytest.mark.parametrize("value", [400.0, 650.0])
-def test_a_constant_schedule_is_plain_integration_bit_for_bit(value):
-    start = states(11)
-    found = integrate_scheduled(REYNOLDS, REYNOLDS.constant(30, 11, [value]), start, 0.25, 4)
-    plain = integrate(MoehlisFaisstEckhardt(value), start, 0.25, 120, 4)
-    assert np.array_equal(found, plain)
-
-
-def test_trajectories_do_not_depend_on_one_another():
-    schedule, start = telegraph(25, 9, (400.0, 500.0, 2000.0)), states(9)
-    together = integrate_scheduled(REYNOLDS, schedule, start, 0.25, 4)
-    for flow in range(9):
-        one = slice(flow, flow + 1)
-        alone = integrate_scheduled(REYNOLDS, schedule[..., one], start[:, one], 0.25, 4)
-        assert np.array_equal(alone[:, :, 0], together[:, :, flow])
-
-
-def test_many_values_by_numpy_are_few_values_compiled_bit_for_bit():
-    """A schedule with more values than are compiled: its first trajectories have few of them."""
-    few = telegraph(20, 4, (400.0, 2000.0))
-    many = np.concatenate([few, telegraph(20, 30, tuple(range(300, 330)))], axis=2)
-    start = states(34)
-    compiled = integrate_scheduled(REYNOLDS, few, start[:, :4], 0.25, 4)
-    assert np.array_equal(integrate_scheduled(REYNOLDS, many, start, 0.25, 4)[..., :4], compiled)
+@pytest.mark.parametrize(
+    ("parameters", "schedule"),
+    [
+        (REYNOLDS, telegraph(20, 9, (400.0, 500.0, 2000.0))),
+        (REYNOLDS, telegraph(20, 30, tuple(range(300, 330)))),  # more values than are compiled
+        (REYNOLDS, REYNOLDS.constant(20, 3, [650.0])),
+        (LORENZ, np.repeat([[28.0, 10.0], [25.0, 10.0], [25.0, 8.0]], 4, axis=0)[..., np.newaxis]),
+    ],
+)
+def test_integrate_scheduled_is_plain_integration_of_each_trajectory_bit_for_bit(
+    parameters, schedule
+):
+    assert LORENZ.own == (28.0, 10.0)
+    start = states(schedule.shape[2])[: parameters.system(parameters.own).dimension]
+    found = integrate_scheduled(parameters, schedule, start, 0.02, 4)
+    for flow, state in enumerate(start.T):
+        expected = [state[:, np.newaxis]]
+        for values in schedule[..., flow]:
+            system = parameters.system(values.tolist())
+            expected.append(integrate(system, expected[-1], 0.02, 4, 4)[-1])
+        assert np.array_equal(found[..., [flow]], expected)
 
 
 def test_values_and_stretches_put_a_schedule_together_again():

@@ -164,32 +164,24 @@ def test_a_mistake_in_a_module_is_told(module, old, new, name, message):
 
 
 def test_one_broken_module_spoils_no_other(monkeypatch, tmp_path):
-    """A module of the package with a mistake, beside those that have none."""
-    import burstcast.systems
-
-    (tmp_path / "broken.py").write_text("def right_hand_side(:")
-    (tmp_path / "unfinished.py").write_text(OWN.replace("def observable", "def observed"))
-    monkeypatch.setattr(burstcast.systems, "__path__", [*burstcast.systems.__path__, str(tmp_path)])
-    assert make_system("lorenz63", {}) == Lorenz63()
-    assert available_systems() == ["fitzhugh_nagumo", "kolmogorov", "lorenz63", "mfe"]
-    with pytest.raises(
-        ValueError, match=r"did you mean 'lorenz63'\?\); the available systems are f"
-    ):
-        make_system("lorenz36", {})
-    with pytest.raises(ValueError, match=r"broken\.py, line 1: SyntaxError"):
-        make_system("broken", {})
-    with pytest.raises(ValueError, match=r"class Circle of .*unfinished lacks observable"):
-        make_system("unfinished", {})
-
-
-def test_a_module_of_the_package_defines_one_system(monkeypatch, tmp_path):
+    """Modules of the package with a mistake, beside those that have none."""
     import burstcast.systems
 
     second = OWN[OWN.index("@dataclass") :].replace("Circle", "Square")
     (tmp_path / "several.py").write_text(OWN + second)
+    (tmp_path / "broken.py").write_text("def right_hand_side(:")
+    (tmp_path / "unfinished.py").write_text(OWN.replace("def observable", "def observed"))
     monkeypatch.setattr(burstcast.systems, "__path__", [*burstcast.systems.__path__, str(tmp_path)])
-    with pytest.raises(TypeError, match="must define one system, not several: Circle, Square"):
-        make_system("several", {})
+    assert make_system("lorenz63", {}) == Lorenz63()
+    assert available_systems() == ["fitzhugh_nagumo", "kolmogorov", "lorenz63", "mfe", "several"]
+    for name, error, message in (
+        ("lorenz36", ValueError, r"did you mean 'lorenz63'\?\); the available systems are f"),
+        ("broken", ValueError, r"broken\.py, line 1: SyntaxError"),
+        ("unfinished", ValueError, r"class Circle of .*unfinished lacks observable"),
+        ("several", TypeError, "must define one system, not several: Circle, Square"),
+    ):
+        with pytest.raises(error, match=message):
+            make_system(name, {})
 
 
 # -- what every system keeps to --------------------------------------------------------------------
@@ -377,27 +369,8 @@ def test_the_command_line(capsys):
         assert message in capsys.readouterr().err
 
 
-@dataclass(frozen=True)
-class HindmarshRose(FirstObserved, DynamicalSystem):
-    """A bursting neuron (Proc. R. Soc. B 221 (1984) 87), whose exponent is a hundredth."""
-
-    current: float = 3.25
-
-    dimension: ClassVar[int] = 3
-    observable_name: ClassVar[str] = "membrane potential"
-    observable_symbol: ClassVar[str] = "x"
-
-    def right_hand_side(self, state):
-        x, y, z = state
-        derivative = np.empty_like(state)
-        derivative[0] = y - x**3 + 3.0 * x**2 - z + self.current
-        derivative[1] = 1.0 - 5.0 * x**2 - y
-        derivative[2] = 0.006 * (4.0 * (x + 1.6) - z)
-        return derivative
-
-
-class Tempered(HindmarshRose):
-    """The same with an operation that cannot be compiled."""
+class Tempered(Lorenz63):
+    """With an operation that cannot be compiled."""
 
     def right_hand_side(self, state):
         return super().right_hand_side(np.tanh(state / 10.0) * 10.0)
@@ -407,4 +380,4 @@ def test_what_hinders_compilation_is_named_with_its_line():
     reason = hindrance(Tempered(), 0.1)
     assert reason is not None
     assert re.match(r".*test_registry.py:\d+, return super.*np.tanh.*_Symbol", reason)
-    assert hindrance(HindmarshRose(), 0.1) is None
+    assert hindrance(Lorenz63(), 0.1) is None
