@@ -20,12 +20,8 @@ from burstcast.data.starting_points import (
     starting_points,
     steps_before_events,
 )
-from burstcast.forecasters._options import options_of_kind
-from burstcast.forecasters.analogues import Analogues
-from burstcast.forecasters.base import ForecastingCase
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
-from burstcast.systems.measured import MeasuredSeries
 from burstcast_workflow.harness.settings import cases_of_thresholds, with_thresholds
 
 # -- made and observed -----------------------------------------------------------------------------
@@ -52,7 +48,7 @@ def ensemble(starts=STARTS, **changes):
     return list(dataset.generate_ensemble(SYSTEM, starts, **arguments))
 
 
-def test_initial_states_are_the_papers():
+def test_initial_states_are_the_papers_and_more_of_them_begin_with_the_same():
     states = dataset.initial_states(START, 3, 0.01, 500, np.random.default_rng(5))
     assert states.shape == (9, 500)
     perturbation = states - START[:, None]
@@ -61,14 +57,8 @@ def test_initial_states_are_the_papers():
     assert epsilon.min() > 0
     assert epsilon.max() < 1
     assert np.histogram(epsilon, bins=5, range=(0, 1))[0].min() > 60
-
-
-def test_a_longer_ensemble_begins_with_the_shorter_one():
-    states = [
-        dataset.initial_states(START, 3, 0.01, series, np.random.default_rng(5))
-        for series in (3, 7)
-    ]
-    np.testing.assert_array_equal(states[0], states[1][:, :3])
+    fewer = dataset.initial_states(START, 3, 0.01, 7, np.random.default_rng(5))
+    np.testing.assert_array_equal(fewer, states[:, :7])
 
 
 def test_what_has_no_ensemble_and_no_scale():
@@ -88,48 +78,27 @@ def test_what_has_no_ensemble_and_no_scale():
         dataset.component_scales(states)
 
 
-def test_kept_series_are_those_of_single_trajectories_that_do_not_laminarise():
-    expected, index = [], []
-    for number in range(12):
-        state, samples, largest = STARTS[:, number], [], 0.0
-        for step in range(100 + 300 + 1):
-            if step >= 100:  # after the transient
-                largest = max(largest, state[2])
-                if (step - 100) % 6 == 0:
-                    samples.append(state)
-            state = textbook_step(state)
-        if largest <= 41.0:
-            expected.append(samples)
-            index.append(number)
-    assert 0 < len(index) < 12, "the threshold must decide something"
-    (kept,) = ensemble()
-    assert kept.index.tolist() == index
-    assert kept.states.shape == (len(index), 51, 3)
-    np.testing.assert_allclose(kept.states, expected, rtol=0, atol=1e-10)
-
-
-def test_a_burst_between_two_samples_is_seen():
-    (sampled,) = ensemble(laminarisation_threshold=None)
-    (fine,) = ensemble(laminarisation_threshold=None, sampling_stride=1)
-    largest = fine.states[:, :, 2].max(axis=1)
-    largest_sampled = sampled.states[:, :, 2].max(axis=1)
-    row = int(np.argmax(largest - largest_sampled))
-    between = (largest[row] + largest_sampled[row]) / 2
-    assert largest_sampled[row] < between < largest[row]
-    (kept,) = ensemble(laminarisation_threshold=between)
-    # no sample tells when: it is given all steps
-    assert row not in kept.index
-    assert kept.lifetimes[row] == 50
-    assert kept.index.tolist() == np.flatnonzero(largest <= between).tolist()
-
-
-def test_a_burst_in_the_transient_is_not_seen():
-    starts = STARTS + np.array([[0.0], [0.0], [40.0]])
-    assert (starts[2] > 41).all()
-    (fine,) = ensemble(starts, laminarisation_threshold=None, sampling_stride=1)
-    (kept,) = ensemble(starts)
-    assert kept.index.tolist() == np.flatnonzero(fine.states[:, :, 2].max(axis=1) <= 41).tolist()
-    assert len(kept.index) > 0
+@pytest.mark.parametrize("raised", [0.0, 40.0])  # a burst in the transient is not seen
+def test_generate_ensemble_keeps_single_trajectories_that_do_not_laminarise(raised):
+    starts = STARTS + np.array([[0.0], [0.0], [raised]])
+    course = [starts]
+    for _ in range(100 + 300):
+        course.append(textbook_step(course[-1]))
+    course = np.array(course)[100:]  # after the transient
+    largest, sampled = course[:, 2].max(axis=0), course[::6, 2]
+    between = (largest + sampled.max(axis=0)) / 2
+    hidden = (between > largest.min()) & (between < largest - 1e-6)
+    assert hidden.sum() > 3
+    for threshold in (41.0, *between[hidden]):
+        (kept,) = ensemble(starts, laminarisation_threshold=threshold)
+        index = np.flatnonzero(largest <= threshold)
+        assert kept.index.tolist() == index.tolist()
+        assert 0 < len(index) < 12, "the threshold must decide something"
+        expected = course[::6, :, index].transpose(2, 0, 1)
+        np.testing.assert_allclose(kept.states, expected, rtol=0, atol=1e-10)
+        # no sample tells of a burst between two of them: such a series is given all steps
+        above = sampled > threshold
+        assert kept.lifetimes.tolist() == np.where(above.any(0), above.argmax(0), 50).tolist()
 
 
 def test_the_threshold_itself_is_not_exceeded_and_without_one_every_series_is_kept():
@@ -137,17 +106,9 @@ def test_the_threshold_itself_is_not_exceeded_and_without_one_every_series_is_ke
     largest = fine.states[:, :, 2].max(axis=1)
     (kept,) = ensemble(laminarisation_threshold=float(np.sort(largest)[5]))
     assert len(kept.index) == 6
-    assert ensemble(laminarisation_threshold=None)[0].index.tolist() == [*range(12)]
-
-
-def test_lifetimes_are_those_of_all_series():
-    (whole,) = ensemble(laminarisation_threshold=None)
-    (kept,) = ensemble()
-    assert len(kept.lifetimes) == 12
-    for number, series in enumerate(whole.states):
-        above = np.flatnonzero(series[:, 2] > 41.0)
-        assert kept.lifetimes[number] == (above[0] if above.size else 50)
-    assert (whole.lifetimes == 50).all()
+    (every,) = ensemble(laminarisation_threshold=None)
+    assert every.index.tolist() == [*range(12)]
+    assert (every.lifetimes == 50).all()
 
 
 def test_batches_change_nothing(monkeypatch):
@@ -165,12 +126,9 @@ def test_batches_change_nothing(monkeypatch):
 def test_scales_are_componentwise_over_all_series():
     states = np.random.default_rng(1).normal(size=(3, 50, 4)) * [1, 2, 3, 4] + 7
     scales = dataset.component_scales(states)
-    for component in range(4):
-        values = [value for series in states for value in series[:, component]]
-        assert scales.range[component] == max(values) - min(values)
-        mean = sum(values) / len(values)
-        variance = sum((value - mean) ** 2 for value in values) / len(values)
-        np.testing.assert_allclose(scales.standard_deviation[component], np.sqrt(variance))
+    flat = states.reshape(-1, 4)
+    np.testing.assert_array_equal(scales.range, np.ptp(flat, axis=0))
+    np.testing.assert_allclose(scales.standard_deviation, np.std(flat, axis=0))
 
 
 def observed(states, first, noise=0.01, root_seed=2022, name="Re400"):
@@ -268,12 +226,7 @@ def test_starting_points_are_as_many_as_leave_room(series, length, spacing, wash
     assert len(points) == len(pairs)
 
 
-def test_starting_points_of_the_paper_and_steps_before_events():
-    points = starting_points(150, 4001, 61, 30, 366)
-    assert points.step[0] == 29  # the washout: inputs 0 to 29
-    assert (np.diff(points.step[:60]) == 61).all()
-    assert points.step.max() + 366 <= 4000
-    assert points.step.max() + 61 + 366 > 4000
+def test_steps_before_events_leave_room_for_the_washout():
     assert steps_before_events(45, 40, 5) == 44
     with pytest.raises(ValueError, match="44 samples leave no room for a washout of 5 steps and a"):
         steps_before_events(44, 40, 5)
@@ -327,20 +280,13 @@ def test_segments_beyond_the_series_are_refused(step, before, after):
 # -- thresholds as quantiles -----------------------------------------------------------------------
 
 
-@given(st.lists(st.floats(-1e6, 1e6), min_size=2, unique=True), st.floats(0.01, 0.99))
-def test_the_share_below_is_the_quantile(values, quantile):
-    observable = np.array(values).reshape(1, -1)
-    try:
-        threshold = threshold_at(quantile, observable)
-    except ValueError:  # neighbouring floats
-        return
-    below = (observable < threshold).sum()
-    assert abs(below - quantile * (len(values) - 1)) <= 1 + 1e-9 * len(values)
-
-
-def test_known_quantiles():
-    assert threshold_at(0.95, np.arange(101.0)) == 95.0
-    assert threshold_at(0.5, -np.arange(5.0)) == -2.0
+@given(st.lists(st.integers(-9, 9), min_size=2, unique=True), st.floats(0.01, 0.99))
+def test_threshold_at_a_quantile_lies_in_proportion_between_two_samples(values, quantile):
+    place = quantile * (len(values) - 1)
+    below, above = sorted(values)[int(place)], sorted(values)[int(place) + 1]
+    expected = below + (place - int(place)) * (above - below)
+    found = threshold_at(quantile, np.array(values, float).reshape(1, -1))
+    assert found == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -381,7 +327,7 @@ def test_values_replace_quantiles_wherever_they_are():
     delays=st.lists(st.integers(1, 7), max_size=4, unique=True),
     seed=st.integers(0, 99),
 )
-def test_value_by_value(samples, delays, seed):
+def test_delay_coordinates_value_by_value(samples, delays, seed):
     series = np.random.default_rng(seed).normal(size=(3, samples, 2))
     found = delay_coordinates(series, delays)
     longest = max(delays, default=0)
@@ -393,33 +339,11 @@ def test_value_by_value(samples, delays, seed):
             assert found[row, step].tolist() == expected
 
 
-def test_mistakes():
+def test_names_and_mistakes_of_delays():
     series = np.zeros((2, 5, 1))
     with pytest.raises(ValueError, match=r"whole numbers above 0, not \[2, 0\]"):
         delay_coordinates(series, [2, 0])
     with pytest.raises(ValueError, match="reach back by 5 steps, but a series has 5 samples"):
         delay_coordinates(series, [5])
     assert delay_coordinates(series, [4]).shape == (2, 1, 2)
-
-
-def error_of_analogues(x, delays):
-    """Median error of x, half a Lyapunov time ahead, in series that were not learnt from."""
-    series, lead, longest = delay_coordinates(x, delays), 27, max(delays, default=0)
-    space = MeasuredSeries(["x", *(delayed_name("x", delay) for delay in delays)], "x")
-    case = ForecastingCase(space, 0.005, 4, 55, options_of_kind("analogues"))
-    forecaster = Analogues.fit(series[:8], case)
-    now = np.arange(100, 900, 20)  # of the whole series
-    seen = series[8:, now - longest].reshape(-1, series.shape[2])
-    forecast, _ = forecaster.advance(forecaster.start(seen.T[np.newaxis]), lead)
-    return float(np.median(np.abs(forecast[-1, 0] - x[8:, now + lead, 0].ravel())))
-
-
-def test_the_past_of_one_component_tells_of_the_others():
-    """Analogues have no memory: x of Lorenz's system alone does not tell where it goes."""
-    start = np.array([[1.0, 1.0, 20.0]] * 12).T
-    start += np.random.default_rng(3).uniform(-5, 5, start.shape)
-    states = integrate(Lorenz63(), start, 0.01, 3000, stride=2)[500:].transpose(2, 0, 1)
-    x = states[..., :1]
-    alone, with_past = error_of_analogues(x, []), error_of_analogues(x, [4, 8])
-    assert with_past < 0.25 * alone
-    assert with_past < 0.1 * x.std()
+    assert delayed_name("x", 5) == "x(t-5)"

@@ -551,9 +551,3 @@ def test_in_a_notebook(tmp_path, monkeypatch):
 
 def test_every_recipe_is_run():
     assert len(RECIPES) == len(CASES) + 1
-
-
-def test_rows_that_are_never_a_time_step_apart():
-    time = 2 * STEP * np.arange(12)
-    with pytest.raises(ValueError, match=r"no two rows are the time step .* apart; most are"):
-        runs_without_gaps(record(time, u=np.ones(12)), STEP)
