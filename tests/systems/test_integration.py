@@ -20,6 +20,7 @@ from burstcast.control.actuation import (
 )
 from burstcast.systems import integration
 from burstcast.systems.base import DynamicalSystem, has_own
+from burstcast.systems.check import check_system
 from burstcast.systems.compiled import compiled_steps
 from burstcast.systems.differentiation import derivative, derivative_method, jacobian
 from burstcast.systems.exponential import SemilinearSystem
@@ -163,17 +164,11 @@ def test_parameters_of_the_wrong_size_raise():
 # -- what is optional ------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class LorenzWithoutJacobian(DynamicalSystem):
+class LorenzWithoutJacobian(FirstObserved, DynamicalSystem):
     dimension: ClassVar[int] = 3
-    observable_name: ClassVar[str] = "z"
-    observable_symbol: ClassVar[str] = "z"
 
     def right_hand_side(self, state):
         return Lorenz63().right_hand_side(state)
-
-    def observable(self, state):
-        return np.array(state[2])
 
 
 class LorenzOfRealNumbers(LorenzWithoutJacobian):
@@ -197,6 +192,9 @@ class Henon(FirstObserved, FlowMap):
         new[0] = 1.0 - self.a * state[0] * state[0] + state[1]
         new[1] = self.b * state[0]
         return new
+
+    def sample_initial_states(self, series, generator):
+        return np.asarray(generator.uniform(-0.1, 0.1, (2, series)))
 
 
 @dataclass(frozen=True)
@@ -289,7 +287,8 @@ def test_what_is_compiled_with_a_jacobian_is_not_without_and_as_right():
 
 
 # -- maps ------------------------------------------------------------------------------------------
-def test_a_map_is_iterated():
+def test_a_map_is_iterated_and_checked_like_everything_else():
+    assert "its own integrator" in check_system(Henon(), np.random.default_rng(7))
     states = np.array([[0.1, 0.2], [0.1, 0.0]])
     found = integrate(Henon(), states, 1.0, 6, stride=2)
     x, y = 0.1, 0.1

@@ -5,7 +5,6 @@ import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -21,14 +20,12 @@ from burstcast.systems.check import (
 )
 from burstcast.systems.compiled import hindrance
 from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
-from burstcast.systems.flow_map import FlowMap
 from burstcast.systems.integration import integrate
 from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.registry import available_systems, make_system, system_module
 from burstcast_workflow.commands.command_line import main
-from helpers_library import FirstObserved
 
 
 def test_systems_are_made_by_name_with_defaults_and_integers():
@@ -338,20 +335,6 @@ def test_a_system_that_explodes_is_refused():
     growing = mistaken(right_hand_side=lambda self, x: x * x, jacobian=DynamicalSystem.jacobian)
     with pytest.raises(UnsoundSystemError, match="do not stay finite"):
         check_system(growing, generator())
-
-
-def test_a_map_is_checked_like_everything_else():
-    @dataclass(frozen=True)
-    class Henon(FirstObserved, FlowMap):
-        dimension: ClassVar[int] = 2
-
-        def flow_map(self, state, time_step):
-            return np.stack([1.0 - 1.4 * state[0] * state[0] + state[1], 0.3 * state[0]])
-
-        def sample_initial_states(self, series, generator):
-            return np.asarray(generator.uniform(-0.1, 0.1, (2, series)))
-
-    assert "its own integrator" in check_system(Henon(), generator())
 
 
 def test_the_command_line(capsys):
