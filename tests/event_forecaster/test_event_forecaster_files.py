@@ -7,29 +7,33 @@ import tracemalloc
 import netCDF4
 import numpy as np
 import pytest
-from test_event_forecaster import SMALL, lorenz
-from test_event_forecaster_classifiers import settings
+from test_event_forecaster import fit, lorenz
+from test_event_forecaster_classifiers import OPTIONS, settings
 
 import burstcast
 from burstcast.event_forecaster.files import _digest
 from burstcast.systems.lorenz63 import Lorenz63
 
+NAN = float("nan")
+QUANTILE = {"event_threshold": {"quantile": 0.9}}
+LEAKY = {"backend": "scipy", "readout": "quadratic", "leak_rate": [1, 0.6]}
 KINDS = {
     "analogues": {},
-    "esn": {"members": 1, "options": {"backend": "scipy"}},
-    "quadratic": {"event_threshold": {"quantile": 0.9}},
-    "precursor": settings("precursor"),
+    "esn": {"members": 2, "calibrate": False, "options": LEAKY},
+    "quadratic": QUANTILE,
+    "quadratic_filtered": {},
+    **{kind: settings(kind) for kind in OPTIONS},
 }
 
 
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
-    """A file of each kind."""
-    directory, training = tmp_path_factory.mktemp("saved"), lorenz(4, 900, 1)
+    """A fitted forecaster of each kind, and its file."""
+    directory, training, found = tmp_path_factory.mktemp("saved"), lorenz(6, 900, 1), {}
     for kind, changes in KINDS.items():
-        given = {**SMALL, "options": None, "kind": kind} | changes
-        burstcast.EventForecaster(**given).fit(training).save(directory / f"{kind}.nc")
-    return directory
+        found[kind] = fit(training, **{"kind": kind, **changes}), directory / f"{kind}.nc"
+        found[kind][0].save(found[kind][1])
+    return found
 
 
 def tampered(path, target, change):
@@ -38,12 +42,8 @@ def tampered(path, target, change):
         found = {name: file.getncattr(name) for name in file.ncattrs()}
         arrays = {name: np.asarray(variable[...]) for name, variable in file.variables.items()}
     parameters, fitted = (json.loads(found[name]) for name in ("parameters", "fitted"))
-    change(parameters, fitted, arrays)
-    attributes = {
-        "event_forecaster": 2,
-        "parameters": json.dumps(parameters),
-        "fitted": json.dumps(fitted),
-    }
+    fitted = change(parameters, fitted, arrays) or json.dumps(fitted)
+    attributes = {"event_forecaster": 2, "parameters": json.dumps(parameters), "fitted": fitted}
     attributes["digest"] = _digest(attributes, arrays)
     with netCDF4.Dataset(target, "w") as file:
         file.setncatts(attributes)
@@ -67,123 +67,214 @@ def refused(path, most=50e6):
     return str(error.value)
 
 
-@pytest.mark.parametrize("kind", sorted(KINDS))
-def test_what_is_copied_unchanged_is_loaded(kind, saved, tmp_path):
-    path = tampered(saved / f"{kind}.nc", tmp_path / "copy.nc", lambda *_: None)
-    series = lorenz(2, 300, 3)
-    expected = burstcast.EventForecaster.load(saved / f"{kind}.nc").predict_proba(series)
-    np.testing.assert_array_equal(
-        burstcast.EventForecaster.load(path).predict_proba(series), expected
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_saved_forecaster_forecasts_the_same_bits(kind, saved, tmp_path):
+    forecaster, path = saved[kind]
+    found = burstcast.EventForecaster.load(path)
+    copied = burstcast.EventForecaster.load(tampered(path, tmp_path / "copy", lambda *_: None))
+    assert found.get_params() == copied.get_params() == forecaster.get_params()
+    series = lorenz(5, 800, 2)
+    seen = series[:, :200]
+    for time in (0.5, 1.0):
+        expected = forecaster.predict_proba(seen, time)
+        for one in (found, copied):
+            np.testing.assert_array_equal(one.predict_proba(seen, time), expected)
+    assert found.scores(series) == pytest.approx(forecaster.scores(series), nan_ok=True)
+    if kind not in OPTIONS:  # classifiers have no trajectories
+        np.testing.assert_array_equal(found.forecast(seen), forecaster.forecast(seen))
+        found.save(tmp_path / "again.nc")
+        assert (tmp_path / "again.nc").read_bytes() == path.read_bytes()
+    for sample in seen[0, -40:]:
+        found.update(sample)
+    # sums over the points of a batch are rounded otherwise
+    assert found.probability() == pytest.approx(forecaster.predict_proba(seen)[0, 1], rel=1e-12)
+
+
+def test_networks_may_leak_and_square(saved):
+    forecaster, _ = saved["esn"]
+    for member, chosen in zip(forecaster.members_, forecaster.hyperparameters_, strict=True):
+        dynamics = member.network.dynamics
+        assert dynamics.readout == "quadratic"
+        assert dynamics.leak_rate == chosen.get("leak_rate", 1)
+        assert dynamics.leak_rate in (1, 0.6)
+
+
+# -- observables that are no component -------------------------------------------------------------
+@pytest.mark.parametrize("observable", [0, lambda states: states[..., 0], Lorenz63()])
+def test_an_observable_that_is_given_is_that_of_the_fit(observable, tmp_path):
+    """A function is not saved but given again; a system of the package is found."""
+    path, series, load = (
+        tmp_path / "forecaster.nc",
+        lorenz(5, 800, 2),
+        burstcast.EventForecaster.load,
     )
+    forecaster = fit(lorenz(4, 900, 1), kind="persistence", observable=observable, **QUANTILE)
+    forecaster.save(path)
+    same = [observable]
+    if callable(observable):
+        with pytest.raises(ValueError, match="give it as load"):
+            load(path)
+    else:
+        assert load(path).observable == observable
+        same.append(None)
+    if observable != Lorenz63():
+        same += [0, lambda states: states.sum(axis=-1) - states[..., 1:].sum(axis=-1)]
+    for given in same:
+        found = load(path, given).scores(series)
+        assert found == pytest.approx(forecaster.scores(series), nan_ok=True)
+    for other in (1, lambda states: states[..., 0] + 1e-6, lambda states: -states[..., 0]):
+        with pytest.raises(ValueError, match=r"load was given differs from .*forecaster\.nc"):
+            load(path, other)
 
 
+# -- damage ----------------------------------------------------------------------------------------
+def test_a_damaged_file_is_no_forecaster(saved, tmp_path):
+    """A byte changed anywhere is found, or it is one that nobody reads."""
+    damaged, seen = tmp_path / "damaged.nc", lorenz(5, 200, 2)
+    forecaster, path = saved["analogues"]
+    content, refusals = path.read_bytes(), 0
+    expected = forecaster.forecast(seen, duration=0.1)
+    for place in np.random.default_rng(29).choice(len(content), 50, replace=False):
+        changed = bytearray(content)
+        changed[place] ^= 0x10
+        damaged.write_bytes(changed)
+        try:
+            found = burstcast.EventForecaster.load(damaged)
+        except ValueError:
+            refusals += 1
+        else:
+            np.testing.assert_array_equal(found.forecast(seen, duration=0.1), expected)
+            assert found.get_params() == forecaster.get_params()
+    assert refusals > 30
+
+
+TEXTS = {"event_forecaster": 2, "parameters": "{}", "fitted": "{}"}
+
+
+@pytest.mark.parametrize(
+    ("attributes", "message"),
+    [
+        ({}, "holds no event forecaster"),
+        ({"event_forecaster": 1}, "holds no event forecaster"),
+        ({"event_forecaster": 2}, "holds no event forecaster"),
+        ({"event_forecaster": [2, 2]}, "holds no event forecaster"),
+        ({**TEXTS, "fitted": [1.5, 2]}, "is not what was saved"),
+        ({**TEXTS, "digest": [1.5, 2]}, "is not what was saved"),
+        (None, "is damaged"),
+    ],
+)
+def test_another_file_is_no_forecaster(attributes, message, tmp_path):
+    path, mark = tmp_path / "forecaster.nc", tmp_path / "mark"
+    # a pickle, which would make the file
+    path.write_bytes(b"cos\nsystem\n(S'touch " + str(mark).encode() + b"'\ntR.")
+    if attributes is not None:
+        with netCDF4.Dataset(path, "w") as file:
+            file.setncatts(attributes)
+    assert f"{path} {message}" in refused(path)
+    assert not mark.exists()
+    with pytest.raises(FileNotFoundError, match=r"another\.nc"):
+        burstcast.EventForecaster.load(tmp_path / "another.nc")
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"datatype": "f8", "chunksizes": [1024]},
+        {"datatype": "f8", "chunksizes": [1024], "zlib": True},
+        {"datatype": str},
+    ],
+    ids=str,
+)
+def test_arrays_that_lie_not_in_the_file_or_are_no_numbers(how, tmp_path):
+    """A file of some kB may declare 745 GiB, and have the right words beside them."""
+    path = tmp_path / "large.nc"
+    with netCDF4.Dataset(path, "w") as file:
+        file.setncatts({**TEXTS, "digest": "x"})
+        file.createDimension("row", 1 if how["datatype"] is str else 10**11)
+        file.createVariable("member0_training", dimensions=("row",), **how)
+    assert path.stat().st_size < 1e6
+    assert "is no plain array" in refused(path)
+
+
+# -- contents that nobody has saved, with the right digest -----------------------------------------
 @pytest.mark.parametrize("name", ["this:X", "antigravity:X", "json.tool:main", "os.path:join"])
 def test_a_module_that_a_file_names_is_not_imported(name, saved, tmp_path):
     def change(parameters, fitted, arrays):
         parameters["observable"] = {"system": name, "parameters": {}}
 
     before = set(sys.modules)
-    message = refused(tampered(saved / "analogues.nc", tmp_path / "bad.nc", change))
+    message = refused(tampered(saved["analogues"][1], tmp_path / "bad.nc", change))
     assert f"names the system {name}, which is not one of burstcast's" in message
     assert name.partition(":")[0] not in set(sys.modules) - before
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"kind": "os"},
-        {"kind": "../esn"},
-        {"kind": "_filtered"},
-        {"kind": "base"},
-        {"kind": "external"},
-        {"kind": ["esn"]},
-        {"observable": {"system": "../base", "parameters": {}}},
-        {"observable": {"system": "lorenz63", "parameters": {"sigma": [1]}}},
-        {"observable": {"system": "kolmogorov", "parameters": {"largest_wavenumber": 1e9}}},
-        {"observable": {"parameters": {}}},
-        {"observable": [[]]},
-        {"observable": None},
-        {"nonsense": 1},
-        {"prediction_times": 3},
-        {"prediction_times": [0.5]},
-        {"lyapunov_time": -1},
-        {"sampling_interval": "a"},
-        {"sampling_stride": 0},
-        {"options": [1]},
-        {"options": {"nonsense": 1}},
-        {"tikhonov": None},
-        {"sampling_stride": 10**9},
-        {"prediction_times": [0.5, 1e9]},
-        {"washout": 1e9},
-        {"options": {"neighbours": 10**9}},
-    ],
-    ids=str,
-)
-def test_parameters_that_are_none(change, saved, tmp_path):
-    refused(tampered(saved / "analogues.nc", tmp_path / "bad.nc", lambda p, *_: p.update(change)))
+WRONG = {
+    "parameters": {
+        "kind": ["os", "../esn", "_filtered", "base", "external", ["esn"]],
+        "observable": [
+            {"system": "../base", "parameters": {}},
+            {"system": "lorenz63", "parameters": {"sigma": [1]}},
+            {"system": "kolmogorov", "parameters": {"largest_wavenumber": 1e9}},
+            *({"parameters": {}}, [[]], None),
+        ],
+        "nonsense": [1],
+        "prediction_times": [3, [0.5], [0.5, 1e9]],
+        "lyapunov_time": [-1],
+        "sampling_interval": ["a"],
+        "sampling_stride": [0, 10**9],
+        "options": [[1], {"nonsense": 1}, {"neighbours": 10**9}],
+        "tikhonov": [None],
+        "washout": [1e9],
+    },
+    "fitted": {
+        "event_threshold": [NAN, None],
+        "components": [10**9, "x"],
+        "reference_states": [[["a"]], []],
+        "reference_observable": [None],
+        "members": [[], [[]], 3],
+        "alarms": [[], [{"prediction_time": 0.5}]],
+        "stream": [
+            {"latest": [[1.0]], "time": None},
+            {"latest": [[1.0, 2.0, 3.0]], "time": "noon"},
+            5,
+        ],
+    },
+    "alarms": {
+        # one knot for several probabilities, knots that do not rise, and chances that are none
+        "values": [[0.0], [1.0, 0.0]],
+        "probabilities": [[2.0, 2.0], [NAN, NAN]],
+        "threshold": [NAN, "0.5"],
+        "prediction_time": [7.0],
+    },
+    "members": {
+        "neurons": [10**9, 61, -5],
+        "connectivity": [1e9, NAN, -1.0],
+        "readout": ["pickle"],
+        "spectral_radius": ["large"],
+        "seed": [None],
+    },
+}
 
 
 @pytest.mark.parametrize(
-    "change",
+    ("place", "name", "value"),
     [
-        {"event_threshold": float("nan")},
-        {"event_threshold": None},
-        {"components": 10**9},
-        {"components": "x"},
-        {"reference_states": [["a"]]},
-        {"reference_states": []},
-        {"reference_observable": None},
-        {"members": []},
-        {"members": [[]]},
-        {"members": 3},
-        {"alarms": []},
-        {"alarms": [{"prediction_time": 0.5}]},
-        {"stream": {"latest": [[1.0]], "time": None}},
-        {"stream": {"latest": [[1.0, 2.0, 3.0]], "time": "noon"}},
-        {"stream": 5},
+        (place, name, value)
+        for place, names in WRONG.items()
+        for name, values in names.items()
+        for value in values
     ],
     ids=str,
 )
-def test_a_fit_that_is_none(change, saved, tmp_path):
-    refused(tampered(saved / "analogues.nc", tmp_path / "bad.nc", lambda p, f, a: f.update(change)))
+def test_what_nobody_has_saved_is_refused(place, name, value, saved, tmp_path):
+    def change(parameters, fitted, arrays):
+        if place == "alarms":  # two knots, to which one wrong thing is added
+            fitted["alarms"][0] |= {"values": [0.0, 1.0], "probabilities": [0.0, 1.0]}
+        whole = {"parameters": parameters, "fitted": fitted}
+        (whole.get(place) or fitted[place][0])[name] = value
 
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"values": [0.0]},
-        {"values": [1.0, 0.0, 0.5], "probabilities": [0.0, 0.5, 1.0]},
-        {"probabilities": [2.0], "values": [0.0]},
-        {"probabilities": [float("nan")], "values": [0.0]},
-        {"threshold": float("nan")},
-        {"threshold": "0.5"},
-        {"prediction_time": 7.0},
-    ],
-    ids=str,
-)
-def test_alarms_that_are_none(change, saved, tmp_path):
-    path, bad = saved / "analogues.nc", tmp_path / "bad.nc"
-    refused(tampered(path, bad, lambda p, f, a: f["alarms"][0].update(change)))
-
-
-@pytest.mark.parametrize(
-    ("kind", "change"),
-    [
-        ("esn", {"neurons": 10**9}),
-        ("esn", {"neurons": 61}),
-        ("esn", {"neurons": -5}),
-        ("esn", {"connectivity": 1e9}),
-        ("esn", {"connectivity": float("nan")}),
-        ("esn", {"connectivity": -1.0}),
-        ("esn", {"readout": "pickle"}),
-        ("esn", {"spectral_radius": "large"}),
-        ("esn", {"seed": None}),
-    ],
-    ids=str,
-)
-def test_networks_that_the_arrays_do_not_hold(kind, change, saved, tmp_path):
-    path, bad = saved / f"{kind}.nc", tmp_path / "bad.nc"
-    refused(tampered(path, bad, lambda p, f, a: f["members"][0].update(change)))
+    _, path = saved["esn" if place == "members" else "analogues"]
+    refused(tampered(path, tmp_path / "bad.nc", change))
 
 
 @pytest.mark.parametrize("degree", [50, 10**6, 10**18])
@@ -191,61 +282,22 @@ def test_polynomials_that_the_arrays_do_not_hold(degree, saved, tmp_path):
     def change(parameters, fitted, arrays):
         parameters["options"] = {"degree": degree}
 
-    refused(tampered(saved / "quadratic.nc", tmp_path / "bad.nc", change))
+    refused(tampered(saved["quadratic"][1], tmp_path / "bad.nc", change))
 
 
-def test_arrays_that_are_missing_or_of_another_shape(saved, tmp_path):
-    for change in (
+@pytest.mark.parametrize(
+    "change",
+    [
         lambda p, f, a: a.clear(),
         lambda p, f, a: a.update(member0_weights=a["member0_weights"][:-1]),
         lambda p, f, a: a.update(member0_weights=a["member0_weights"] * np.nan),
         lambda p, f, a: a.update(member0_input_range=a["member0_input_range"][:1]),
-    ):
-        refused(tampered(saved / "esn.nc", tmp_path / "bad.nc", change))
+    ],
+)
+def test_arrays_that_are_missing_or_of_another_shape(change, saved, tmp_path):
+    refused(tampered(saved["esn"][1], tmp_path / "bad.nc", change))
 
 
 def test_deeply_nested_json(saved, tmp_path):
-    path = tampered(saved / "analogues.nc", tmp_path / "bad.nc", lambda *_: None)
-    with netCDF4.Dataset(path, "a") as file:
-        found = {name: file.getncattr(name) for name in ("event_forecaster", "parameters")}
-        arrays = {name: np.asarray(variable[...]) for name, variable in file.variables.items()}
-        attributes = {**found, "event_forecaster": 2, "fitted": "[" * 10**5}
-        file.setncatts({**attributes, "digest": _digest(attributes, arrays)})
+    path = tampered(saved["analogues"][1], tmp_path / "bad.nc", lambda *_: "[" * 10**5)
     assert "RecursionError" in refused(path)
-
-
-def declared(path, **how):
-    """A file of some kB that declares 745 GiB and has the right words beside them."""
-    with netCDF4.Dataset(path, "w") as file:
-        file.setncatts({"event_forecaster": 2, "parameters": "{}", "fitted": "{}", "digest": "x"})
-        file.createDimension("row", 10**11)
-        file.createVariable("member0_training", "f8", ("row",), **how)
-    return path
-
-
-@pytest.mark.parametrize("how", [{"chunksizes": [1024]}, {"zlib": True, "chunksizes": [1024]}])
-def test_a_file_that_declares_more_than_it_holds(how, tmp_path):
-    path = declared(tmp_path / "large.nc", **how)
-    assert path.stat().st_size < 1e6
-    assert "is no plain array" in refused(path)
-
-
-def test_types_that_are_no_numbers(tmp_path):
-    path = tmp_path / "texts.nc"
-    with netCDF4.Dataset(path, "w") as file:
-        file.createDimension("row", 1)
-        file.createVariable("member0_training", str, ("row",))[0] = "x"
-    assert "is no plain array" in refused(path)
-
-
-def test_a_pickle_is_no_forecaster(tmp_path):
-    """What it would do is not done."""
-    path, mark = tmp_path / "forecaster.nc", tmp_path / "mark"
-    path.write_bytes(b"cos\nsystem\n(S'touch " + str(mark).encode() + b"'\ntR.")
-    assert "is damaged" in refused(path)
-    assert not mark.exists()
-
-
-def test_a_system_of_the_package_is_loaded(saved):
-    found = burstcast.EventForecaster.load(saved / "precursor.nc")
-    assert found.observable == Lorenz63()
