@@ -55,18 +55,6 @@ def test_kinds_say_that_they_have_no_trajectories():
             classifier_class(kind)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_restored_classifier_gives_the_same_bits(kind):
-    points, of_case = labelled(), case(kind)
-    fitted = classifier_class(kind).fit(points, of_case)
-    restored = classifier_class(kind).restore(fitted.record(), of_case)
-    fresh = np.random.default_rng(2).normal(size=(50, 5, 3))
-    found = fitted.probabilities(fresh)
-    assert found.shape == (50, 2)
-    assert ((found > 0) & (found < 1)).all()
-    np.testing.assert_array_equal(restored.probabilities(fresh), found)
-
-
 def test_a_logistic_precursor_is_that_of_scikit_learn_on_features_cut_by_hand():
     points = labelled()
     of_case = case("precursor", classifier="logistic", lags_lt=[0.2])

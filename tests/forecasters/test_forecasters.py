@@ -40,28 +40,6 @@ def flow():
     return integrate(SYSTEM, perturbed, 0.25, 4 * 260, stride=4)[200:]
 
 
-EQUATIONS = [EquationsFromTruth, EquationsFromObservation]
-
-
-@pytest.mark.parametrize("kind", EQUATIONS)
-def test_the_equations_continue_the_true_flow(kind, flow):
-    forecaster = kind(SYSTEM, time_step=0.25, sampling_stride=4)
-    memory = forecaster.start(flow[:20])
-    outputs, _ = forecaster.advance(memory, 30)
-    assert outputs.shape == (30, 9, 5)
-    np.testing.assert_array_equal(outputs, flow[20:50])
-    assert not forecaster.diverged(outputs).any()
-
-
-@pytest.mark.parametrize("kind", EQUATIONS)
-def test_the_equations_see_the_last_observation_alone(kind, flow):
-    forecaster = kind(SYSTEM, 0.25, 4)
-    noisy = flow[:20] + 0.01
-    noisy[-1] = flow[19]
-    outputs, _ = forecaster.advance(forecaster.start(noisy), 3)
-    np.testing.assert_array_equal(outputs, flow[20:23])
-
-
 SEED = ReservoirSeed(random_seed=2022, neurons=30, seed=5, connectivity=6, input_bias=0.1)
 
 
@@ -95,33 +73,48 @@ FORECASTERS = {
 }
 
 
+CASE = ForecastingCase(
+    system=SYSTEM,
+    time_step=0.25,
+    sampling_stride=4,
+    steps_per_lyapunov_time=61,
+    options={
+        "backend": "scipy",
+        "divergence_bound": 10.0,
+        "degree": 2,
+        "members": 18,
+        "inflation": 1.01,
+        "neighbours": 5,
+    },
+)
+
+
 @pytest.mark.parametrize("name", FORECASTERS)
-def test_forecasts_go_on_where_they_were_left(name, flow):
-    forecaster = FORECASTERS[name]
-    memory = forecaster.start(flow[:20])
+def test_forecasts_depend_on_nothing_but_their_washout(name, flow):
+    """Not on pauses, nor on their batch at any step, nor on having been in a file."""
+    forecaster, washout = FORECASTERS[name], flow[:20]
+    memory = forecaster.start(washout)
     whole, _ = forecaster.advance(memory, 12)
     parts = []
     for steps in (5, 1, 6):
         part, memory = forecaster.advance(memory, steps)
         parts.append(part)
     np.testing.assert_array_equal(np.concatenate(parts), whole)
-
-
-@pytest.mark.parametrize("name", FORECASTERS)
-def test_forecasts_can_be_picked_out_at_any_step(name, flow):
-    forecaster = FORECASTERS[name]
-    washout = flow[:20]
-    whole, _ = forecaster.advance(forecaster.start(washout), 12)
     _, memory = forecaster.advance(forecaster.start(washout), 4)
     for part in ([3, 1], [0], [4, 3, 2, 1, 0]):
         some, _ = forecaster.advance(np.ascontiguousarray(memory[..., part]), 8)
         np.testing.assert_array_equal(some, whole[4:, :, part])
         started = forecaster.start(np.ascontiguousarray(washout[..., part]))
         np.testing.assert_array_equal(started, forecaster.start(washout)[..., part])
+    restored = forecaster_class(name).restore(forecaster.record(), CASE)
+    assert type(restored) is type(forecaster)
+    np.testing.assert_array_equal(restored.advance(restored.start(washout), 12)[0], whole)
+    outputs = np.full((1, 9, 1), 11.0)
+    assert restored.diverged(outputs).tolist() == forecaster.diverged(outputs).tolist()
 
 
 @pytest.mark.parametrize("name", FORECASTERS)
-def test_an_ensemble_stands_for_the_single_forecast(name, flow):
+def test_members_of_an_ensemble_forecast_as_if_each_were_alone(name, flow):
     forecaster = FORECASTERS[name]
     ensemble, memory = forecaster.ensemble(flow[:20]), forecaster.start(flow[:20])
     assert ensemble.shape[-1] == 5
@@ -130,17 +123,24 @@ def test_an_ensemble_stands_for_the_single_forecast(name, flow):
     assert forecaster.provides_ensemble == (ensemble.shape[-2] > 1)
     if not forecaster.provides_ensemble:
         np.testing.assert_array_equal(ensemble[..., 0, :], memory)
-
-
-@pytest.mark.parametrize("name", FORECASTERS)
-def test_members_forecast_side_by_side_as_if_each_were_alone(name, flow):
-    forecaster = FORECASTERS[name]
-    ensemble = forecaster.ensemble(flow[:20])
     states = member_forecasts(forecaster, flow[:20], 6)
     assert states.shape == (6, 9, *ensemble.shape[-2:])
     for member in range(ensemble.shape[-2]):
         alone, _ = forecaster.advance(np.ascontiguousarray(ensemble[..., member, :]), 6)
         np.testing.assert_array_equal(states[:, :, member], alone)
+
+
+@pytest.mark.parametrize("kind", [EquationsFromTruth, EquationsFromObservation])
+def test_the_equations_learn_nothing_and_continue_the_last_observation(kind, flow):
+    training, forecaster = flow.transpose(2, 0, 1), kind(SYSTEM, time_step=0.25, sampling_stride=4)
+    assert kind.fit(training, CASE) == kind.fit(0 * training, CASE) == forecaster
+    assert forecaster.record() == ForecasterRecord()
+    assert list(forecaster.leave_one_out(training, CASE, 20)) == [forecaster] * 5
+    noisy = flow[:20] + 0.01
+    noisy[-1] = flow[19]
+    outputs, _ = forecaster.advance(forecaster.start(noisy), 30)
+    np.testing.assert_array_equal(outputs, flow[20:50])
+    assert not forecaster.diverged(outputs).any()
 
 
 def test_the_network_is_driven_by_the_washout_and_then_by_itself(flow):
@@ -171,22 +171,6 @@ def test_what_counts_as_diverged():
 
 
 # -- kinds, and what forecasters are restored from -------------------------------------------------
-CASE = ForecastingCase(
-    system=SYSTEM,
-    time_step=0.25,
-    sampling_stride=4,
-    steps_per_lyapunov_time=61,
-    options={
-        "backend": "scipy",
-        "divergence_bound": 10.0,
-        "degree": 2,
-        "members": 18,
-        "inflation": 1.01,
-        "neighbours": 5,
-    },
-)
-
-
 INTEGRATING = {"equations", "equations_filtered", "equations_noisy"}
 FILTERING = {"equations_filtered", "quadratic_filtered", "quadratic_aware_filtered"}
 AWARE = {"esn_aware", "quadratic_aware", "quadratic_aware_filtered"}
@@ -227,17 +211,6 @@ def test_what_is_not_there_is_named_with_what_is():
         NetworkForecaster.restore(FORECASTERS["esn"].record(), case)
 
 
-@pytest.mark.parametrize("name", FORECASTERS)
-def test_a_restored_forecaster_forecasts_the_same_bits(name, flow):
-    forecaster = FORECASTERS[name]
-    restored = forecaster_class(name).restore(forecaster.record(), CASE)
-    assert type(restored) is type(forecaster)
-    forecasts = [one.advance(one.start(flow[:20]), 12)[0] for one in (forecaster, restored)]
-    np.testing.assert_array_equal(*forecasts)
-    outputs = np.full((1, 9, 1), 11.0)
-    assert restored.diverged(outputs).tolist() == forecaster.diverged(outputs).tolist()
-
-
 def test_a_restored_network_leaks_and_squares_as_before(flow):
     network = make_network(np.random.default_rng(5), 0.4, "quadratic")
     forecaster = NetworkForecaster(network, SEED, 10.0)
@@ -253,14 +226,6 @@ def test_a_restored_network_leaks_and_squares_as_before(flow):
     assert np.abs(outputs[0] - outputs[2]).max() > 1e-3
 
 
-@pytest.mark.parametrize("kind", EQUATIONS)
-def test_the_equations_learn_nothing(kind, flow):
-    training = flow.transpose(2, 0, 1)
-    fitted = kind.fit(training, CASE)
-    assert fitted == kind.fit(0 * training, CASE) == kind(SYSTEM, 0.25, 4)
-    assert fitted.record() == ForecasterRecord()
-
-
 def test_a_network_that_has_not_seen_a_series_is_trained_on_the_others(flow):
     training, network = flow.transpose(2, 0, 1), FORECASTERS["esn"].network
     found = list(FORECASTERS["esn"].leave_one_out(training, CASE, 20))
@@ -273,13 +238,6 @@ def test_a_network_that_has_not_seen_a_series_is_trained_on_the_others(flow):
         assert (one.seed, one.divergence_bound) == (SEED, 10.0)
 
 
-@pytest.mark.parametrize("kind", EQUATIONS)
-def test_the_equations_are_the_same_without_any_series(kind, flow):
-    equations = kind(SYSTEM, 0.25, 4)
-    found = list(equations.leave_one_out(flow.transpose(2, 0, 1), CASE, 20))
-    assert found == [equations] * 5
-
-
 def test_the_bound_of_a_restored_network_is_that_of_the_case_and_it_is_not_fitted_without_a_search(
     flow,
 ):
@@ -290,22 +248,6 @@ def test_the_bound_of_a_restored_network_is_that_of_the_case_and_it_is_not_fitte
         assert NetworkForecaster.restore(record, case).diverged(outputs).tolist() == [lost]
     with pytest.raises(NotImplementedError, match="search"):
         NetworkForecaster.fit(flow.transpose(2, 0, 1), CASE)
-
-
-def same(one, other):
-    return (
-        np.array_equal(one.input_weight, other.input_weight)
-        and np.array_equal(one.input_column, other.input_column)
-        and np.array_equal(one.recurrent.toarray(), other.recurrent.toarray())
-    )
-
-
-def test_a_reservoir_is_its_size_and_seed():
-    one = SEED.reservoir(9)
-    assert same(one, SEED.reservoir(9))
-    for change in ({"seed": 6}, {"random_seed": 1}):
-        assert not same(one, replace(SEED, **change).reservoir(9))
-    assert replace(SEED, neurons=31).reservoir(9).neurons == 31
 
 
 # -- analogues and persistence ---------------------------------------------------------------------
