@@ -2,6 +2,7 @@
 
 import os
 
+import pytest
 from hypothesis import settings
 
 # Before anything loads a BLAS: as in the workflow's jobs, and because threads of tests that run
@@ -11,3 +12,29 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 # a machine that does other work, too, breaks no test
 settings.register_profile("any machine", deadline=None)
 settings.load_profile("any machine")
+
+
+@pytest.fixture(scope="session")
+def signal():
+    """Noisy data of several frequencies: five series of 900 steps, (steps, dimension, batch)."""
+    import numpy as np
+
+    generator = np.random.default_rng(7)
+    time = np.arange(900)[:, None, None]
+    frequency = np.array([0.05, 0.081, 0.131, 0.212])
+    phase = generator.uniform(0, 2 * np.pi, size=(frequency.size, 5))
+    waves = np.sin(2 * np.pi * frequency[None, :, None] * time / 4 + phase[None])
+    mixing = generator.normal(size=(4, frequency.size))
+    clean = np.einsum("ij,tjb->tib", mixing, waves + 0.5 * waves[:, ::-1] ** 2)
+    noise = generator.normal(size=clean.shape) * clean.std(axis=(0, 2))[:, None]
+    return clean + 0.01 * noise
+
+
+@pytest.fixture(scope="session")
+def reservoir():
+    """A reservoir for the signal."""
+    import numpy as np
+
+    from burstcast.esn.reservoir import make_reservoir
+
+    return make_reservoir(150, 4, 8, 0.1, np.random.default_rng(3))
