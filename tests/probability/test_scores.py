@@ -40,21 +40,6 @@ def test_counts_are_those_of_the_points(sample, seed):
             assert found.events[row, column] == (here & happened).sum()
 
 
-def test_a_resample_is_what_repeating_series_gives():
-    probability, happened, series = informative_sample()
-    found = count_by_series(probability, happened, series, 40)
-    chosen = np.random.default_rng(3).integers(0, 40, 40)
-    rows = np.concatenate([np.flatnonzero(series == row) for row in chosen])
-    repeated = count_by_series(probability[rows], happened[rows], np.zeros(len(rows), int), 1)
-    resampled = found.resampled(np.bincount(chosen, minlength=40)[np.newaxis])
-    there = resampled.points[0] > 0
-    np.testing.assert_array_equal(resampled.levels[there], repeated.levels)
-    np.testing.assert_array_equal(resampled.points[0][there], repeated.points[0])
-    np.testing.assert_array_equal(resampled.events[0][there], repeated.events[0])
-    once = found.resampled(np.ones((1, 40), dtype=np.int64))
-    np.testing.assert_array_equal(once.events[0], found.total().events)
-
-
 @given(samples())
 def test_other_values_for_the_levels_are_those_of_the_points(sample):
     probability, happened, series = sample
