@@ -6,11 +6,64 @@ import tracemalloc
 import netCDF4
 import numpy as np
 import pytest
-from helpers_benchmark import table, write_csv, write_netcdf
 
 from burstcast.benchmark.forecast_files import ForecastFileError, facts_of, read_forecasts
-from burstcast.forecast.windows import summarise
+from burstcast.benchmark.task import ForecastTask
+from burstcast.forecast.windows import summarise, window_boundaries
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.state_space import component_names
+
+HEAD = "# case=small case_version=3f seed=2026"
+
+
+def write_netcdf(path, facts, **variables):
+    """Write arrays with their dimensions: name = (dimensions, array)."""
+    with netCDF4.Dataset(path, "w") as file:
+        file.setncatts(facts)
+        for name, (dimensions, array) in variables.items():
+            for dimension, length in zip(dimensions, np.shape(array), strict=True):
+                if dimension not in file.dimensions:
+                    file.createDimension(dimension, length)
+            kind = np.asarray(array).dtype
+            file.createVariable(name, kind, dimensions, fill_value=False)[...] = array
+    return path
+
+
+def write_csv(path, header, rows, head=HEAD, separator=","):
+    lines = [separator.join(f"{value:.17g}" for value in row) for row in rows]
+    path.write_text("\n".join([head, header, *lines, ""]), encoding="utf-8")
+    return path
+
+
+def table(array, first=(0, 0)):
+    """Rows of a CSV file: all indices, then the value."""
+    indices = np.indices(array.shape).reshape(array.ndim, -1).T
+    offsets = [0] * (array.ndim - 2) + list(first)
+    return np.column_stack([indices + offsets, array.ravel()])
+
+
+@pytest.fixture(scope="module")
+def task():
+    """Forty points, forecast for three Lyapunov times; ten of the horizon."""
+    return ForecastTask(
+        case="small",
+        version="3f",
+        seed=2026,
+        space=MoehlisFaisstEckhardt(400.0),
+        points=40,
+        boundaries=window_boundaries(0.5, 5, 61),
+        prediction_times_lt=(1.0, 2.0),
+        window_lt=1.0,
+        resolution_lt=0.5,
+        horizon_points=10,
+        horizon_steps=122,
+    )
+
+
+@pytest.fixture(scope="module")
+def facts(task):
+    """Attributes of a file of forecasts."""
+    return {"case": "small", "case_version": "3f", "seed": task.seed}
 
 
 @pytest.fixture
@@ -22,9 +75,15 @@ def trajectories(task, generator, members=()):
     return generator.uniform(0, 0.1, (*members, task.points, task.steps))
 
 
-def test_trajectories_of_members_are_read_from_netcdf(task, facts, generator, tmp_path):
-    values = trajectories(task, generator, (3,))
-    path = write_netcdf(tmp_path / "a.nc", facts, observable=(("member", "point", "step"), values))
+@pytest.mark.parametrize("suffix", ["nc", "csv"])
+def test_trajectories_of_members_are_read(task, facts, generator, tmp_path, suffix):
+    """Rows of a table come in any order."""
+    values, path = trajectories(task, generator, (3,)), tmp_path / f"a.{suffix}"
+    if suffix == "nc":
+        write_netcdf(path, facts, observable=(("member", "point", "step"), values))
+    else:
+        rows = generator.permutation(table(values, (0, 1)))
+        write_csv(path, "member,point,step,observable", rows)
     assert facts_of(path) == ("small", "3f", 2026)
     found = read_forecasts([path], task)
     assert len(found.members) == 3
@@ -34,16 +93,6 @@ def test_trajectories_of_members_are_read_from_netcdf(task, facts, generator, tm
         expected = summarise(one.T, task.boundaries)
         assert np.array_equal(member.first, expected.first)
         assert np.array_equal(member.largest, expected.largest)
-
-
-def test_a_csv_file_in_any_order_of_rows_is_the_same(task, generator, tmp_path):
-    values = trajectories(task, generator, (2,))
-    rows = generator.permutation(table(values, (0, 1)))
-    path = write_csv(tmp_path / "a.csv", "member,point,step,observable", rows)
-    found = read_forecasts([path], task)
-    assert len(found.members) == 2
-    expected = summarise(values[1].T, task.boundaries)
-    assert np.array_equal(found.members[1].largest, expected.largest)
 
 
 def test_the_observable_is_computed_from_components(task, facts, generator, tmp_path):

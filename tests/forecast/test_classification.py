@@ -1,7 +1,6 @@
 """Counts and scores against scikit-learn on the same truth values."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
@@ -62,23 +61,6 @@ def test_counts_of_a_series_are_those_of_its_points(data, points):
 def counts_of(true_positive, false_positive, false_negative, true_negative=5):
     values = np.broadcast_arrays(true_positive, false_positive, false_negative, true_negative)
     return Counts(*(value.astype(np.int64) for value in values))
-
-
-@pytest.mark.parametrize(
-    ("counts", "precision", "recall", "f_score"),
-    [
-        ((3, 1, 2), 0.75, 0.6, 2 / (1 / 0.75 + 1 / 0.6)),
-        ((0, 0, 0), np.nan, np.nan, np.nan),  # no event, and none predicted
-        ((0, 0, 4), np.nan, 0.0, 0.0),  # nothing predicted
-        ((0, 4, 0), 0.0, np.nan, 0.0),  # nothing happened
-        ((2, 0, 0), 1.0, 1.0, 1.0),
-    ],
-)
-def test_undefined_scores_are_not_a_number(counts, precision, recall, f_score):
-    found = counts_of(*counts)
-    np.testing.assert_allclose(
-        [found.precision, found.recall, found.f_score], [precision, recall, f_score]
-    )
 
 
 def test_ratios_of_arrays_and_numbers():

@@ -24,7 +24,7 @@ from burstcast.forecast.forecast_files import (
     schedule_variables,
 )
 from burstcast.forecast.observed_points import observed_points
-from burstcast.forecast.window_forecasts import member_forecasts, window_forecasts
+from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import WindowForecasts, crosses, summarise, window_boundaries
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
@@ -68,7 +68,8 @@ def test_a_window_crosses_if_the_observable_itself_does(
         return
     boundaries = window_boundaries(resolution, before + length + 1, lyapunov_time)
     # from 0, the starting point itself, which no forecast contains
-    elements = st.sampled_from([0.0, 0.05, THRESHOLD, 0.2, np.nan, np.inf])
+    below = np.nextafter(THRESHOLD, 0)
+    elements = st.sampled_from([0.0, 0.05, below, THRESHOLD, 0.2, np.nan, np.inf])
     how = {"elements": elements, "fill": st.sampled_from([0.0, 0.05, 0.2])}
     observable = data.draw(npst.arrays(np.float64, (boundaries[-1] + 1, 3), **how))
     found = crosses(summarise(observable[1:], boundaries), before, length, THRESHOLD)
@@ -76,34 +77,6 @@ def test_a_window_crosses_if_the_observable_itself_does(
     last = int((before + 1 + length) * resolution * lyapunov_time)
     expected = [crosses_by_hand(observable[:, row], first, last, THRESHOLD) for row in range(3)]
     assert found.tolist() == expected
-
-
-def one_window(*values):
-    """Whether these values, from the window's first step on, cross the threshold."""
-    observable = np.concatenate([[0.5], values])[:, np.newaxis]  # an event before the window
-    return bool(crosses(summarise(observable, (2, 1 + len(values))), 0, 1, THRESHOLD)[0])
-
-
-@pytest.mark.parametrize(
-    ("values", "expected"),
-    [
-        ((0.0, 0.0, 0.2), True),
-        ((0.0, 0.2, 0.0), True),
-        ((0.0, 0.0, 0.0), False),
-        ((0.2, 0.0, 0.0), False),  # under way at the first step
-        ((0.2, 0.0, 0.2), False),  # even if it comes again
-        ((0.1, 0.0, 0.2), False),  # the threshold itself counts as an event
-        ((0.0, 0.0, 0.1), True),
-        ((np.nextafter(0.1, 0), 0.0, 0.1), True),
-        ((0.0, np.nan, 0.2), False),
-        ((np.nan, 0.0, 0.2), False),
-        ((0.0, 0.2, np.nan), False),
-        ((0.0, 0.2, np.inf), False),
-        ((0.0, -np.inf, 0.05), False),
-    ],
-)
-def test_edges(values, expected):
-    assert one_window(*values) is expected
 
 
 def test_windows_share_their_common_step_and_hold_both_of_their_ends():
@@ -148,9 +121,15 @@ def washouts(training):
     return found + 0.05 * np.random.default_rng(1).standard_normal(found.shape)
 
 
+@pytest.mark.parametrize("batches", [(1, 1), (5, 30), (12, 7), ()])
 @pytest.mark.parametrize(("kind", "number"), MEMBERS.items())
-def test_forecasts_are_those_of_each_memory_alone(kind, number, training, washouts):
+def test_forecasts_are_those_of_each_memory_alone(
+    kind, number, batches, training, washouts, monkeypatch
+):
+    """Whatever the batches are."""
     forecaster = kind.fit(training, CASE)
+    for name, size in zip(("POINTS_PER_BATCH", "TRAJECTORIES_PER_BATCH"), batches, strict=False):
+        monkeypatch.setattr(module, name, size)
     found = window_forecasts(forecaster, first_component, washouts, BOUNDARIES)
     assert len(found.members) == number
     assert found.member_first.shape == (12, number if number > 1 else 0, 2)
@@ -165,18 +144,6 @@ def test_forecasts_are_those_of_each_memory_alone(kind, number, training, washou
             expected = summarise(outputs[:, 0], BOUNDARIES)
             np.testing.assert_array_equal(summaries.first[point], expected.first[0])
             np.testing.assert_array_equal(summaries.largest[point], expected.largest[0])
-
-
-@pytest.mark.parametrize("kind", MEMBERS)
-@pytest.mark.parametrize("sizes", [(1, 1), (5, 30), (12, 7)])
-def test_batches_change_nothing(kind, sizes, training, washouts, monkeypatch):
-    forecaster = kind.fit(training, CASE)
-    whole = window_forecasts(forecaster, first_component, washouts, BOUNDARIES)
-    for name, size in zip(("POINTS_PER_BATCH", "TRAJECTORIES_PER_BATCH"), sizes, strict=True):
-        monkeypatch.setattr(module, name, size)
-    parts = window_forecasts(forecaster, first_component, washouts, BOUNDARIES)
-    for name, values in vars(whole).items():
-        np.testing.assert_array_equal(getattr(parts, name), values)
 
 
 class Counting(MadeUpForecaster):
@@ -209,17 +176,6 @@ def test_forecasts_begin_one_step_after_the_last_observation(monkeypatch):
     np.testing.assert_array_equal(found.first, expected)
     np.testing.assert_array_equal(found.largest, expected + np.array([3, 4]))
     assert found.diverged.tolist() == [False, False, True, False, False, False, False]
-
-
-def test_members_scatter_around_the_forecast_of_their_mean(training, washouts):
-    forecaster = FilteredEquations.fit(training, CASE)
-    washout = np.ascontiguousarray(washouts.transpose(1, 2, 0))
-    states = member_forecasts(forecaster, washout, 3)
-    assert states.shape == (3, 3, OPTIONS["members"], len(washouts))
-    of_mean, _ = forecaster.advance(forecaster.start(washout), 3)
-    # nearly linear over so short a time
-    np.testing.assert_allclose(states.mean(axis=2), of_mean, rtol=0.01, atol=0.02)
-    assert (states.std(axis=2) > 1e-3).all()
 
 
 def test_forecasts_under_a_schedule_are_those_of_each_point_by_itself(monkeypatch):
