@@ -18,6 +18,7 @@ from burstcast.esn.reservoir import (
     make_reservoir,
     spectral_radius,
 )
+from burstcast.esn.training import TrainingSeries, train
 
 
 def dense_radius(matrix):
@@ -136,15 +137,9 @@ WASHOUT = 100
 def network(reservoir, signal):
     input_range = np.ptp(signal, axis=(0, 2))
     dynamics = Dynamics(reservoir, 0.4, 0.5)
-    accumulator = MomentsAccumulator(reservoir.neurons, reservoir.dimension)
-    inputs = signal[:-101] / input_range[:, None]
-    for panel in dynamics.state_panels(inputs, breakpoints=[WASHOUT]):
-        if panel.start >= WASHOUT:
-            targets = signal[panel.start + 1 : panel.stop + 1]
-            accumulator.add(
-                panel.columns, targets.transpose(1, 0, 2).reshape(reservoir.dimension, -1)
-            )
-    return EchoStateNetwork(dynamics, solve_ridge(accumulator.moments(), 1e-6), input_range)
+    training = TrainingSeries(signal[:-100].transpose(2, 0, 1), input_range)
+    readout = train(dynamics, training, washout=WASHOUT, tikhonov=1e-6)
+    return EchoStateNetwork(dynamics, readout, input_range)
 
 
 def test_trained_network_predicts_unseen_data(network, signal):

@@ -1,6 +1,5 @@
 """Kinds that learn how the flow depends on a parameter; schedules; columns known in advance."""
 
-import functools
 from dataclasses import replace
 
 import numpy as np
@@ -44,8 +43,10 @@ from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.parameters import Parameters, SystemParameters, integrate_scheduled
 
 RHO = SystemParameters.of(Lorenz63(), ["rho"])
-OPTIONS = {**options_of_kind("quadratic_aware_filtered"), "transform": "identity"}
+ALL_OPTIONS = {name: value for section in DEFAULTS.values() for name, value in section.items()}
+OPTIONS = {**ALL_OPTIONS, **options_of_kind("quadratic_aware_filtered"), "transform": "identity"}
 CASE = ForecastingCase(Lorenz63(), 0.0025, 8, 50, OPTIONS, RHO)
+PLAIN = replace(CASE, parameters=None)
 TRAINED, WASHOUT, AHEAD = (25.0, 28.0, 32.0), 30, 60
 
 
@@ -124,10 +125,12 @@ def test_forecasts_under_unseen_values_are_nearly_those_of_the_equations(kind, m
     assert np.median(np.abs(untold / scale).mean(axis=(0, 1))) > 4 * typical
 
 
-def test_a_filter_that_is_told_estimates_better_than_an_observation(models, switched):
+@pytest.mark.parametrize("kind", [FilteredAwareQuadraticModel, FilteredEquations])
+def test_a_filter_that_is_told_estimates_better_than_an_observation(kind, models, switched):
+    """Not told, it trusts a flow under other parameters."""
     schedule, true, observed = switched
-    model, past = models[FilteredAwareQuadraticModel], schedule[: WASHOUT - 1]
-    now = true[WASHOUT - 1]
+    model = models.get(kind) or kind.fit(observed.transpose(2, 0, 1), CASE)
+    past, now = schedule[: WASHOUT - 1], true[WASHOUT - 1]
     told = np.sqrt(np.mean((model.start(observed[:WASHOUT], past) - now) ** 2))
     assert told < 0.6 * np.sqrt(np.mean((observed[WASHOUT - 1] - now) ** 2))
     assert told < 0.3 * np.sqrt(np.mean((model.start(observed[:WASHOUT]) - now) ** 2))
@@ -144,8 +147,7 @@ def scheduled(request, models, network, training):
     """A forecaster of each kind that uses a schedule, and its case."""
     if request.param is AwareNetworkForecaster:
         return network[1], network[0]
-    case = replace(CASE, options=ALL_OPTIONS) if request.param in EQUATIONS else CASE
-    return models.get(request.param) or request.param.fit(training[0], case), case
+    return models.get(request.param) or request.param.fit(training[0], CASE), CASE
 
 
 def test_forecasts_under_a_schedule_depend_on_nothing_else(scheduled, switched):
@@ -271,120 +273,73 @@ def test_a_network_is_refitted_with_its_factors(network, training, switched):
 
 # -- schedules, of kinds that use them and of all others -------------------------------------------
 
-FREE, SEEN, FOLLOWING = MoehlisFaisstEckhardt(400.0), 30, 150
-REYNOLDS = SystemParameters.of(FREE, ["reynolds"])
-ALL_OPTIONS = {name: value for section in DEFAULTS.values() for name, value in section.items()}
-SWITCHED = ForecastingCase(FREE, 0.25, 4, 61, ALL_OPTIONS, REYNOLDS)
-PLAIN = ForecastingCase(FREE, 0.25, 4, 61, ALL_OPTIONS)
 
-
-def switching(steps, batch, on=2000.0, seed=7):
-    changes = np.random.default_rng(seed).random((steps, batch)) < 0.1
-    acting = np.cumsum(changes, axis=0) % 2 == 1
-    return np.where(acting, on, 400.0)[:, np.newaxis]
-
-
-@pytest.fixture(scope="module")
-def actuated():
-    """Flows under switching actuation: their schedule, true and observed states."""
-    start = np.array([1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0])[:, np.newaxis]
-    perturbed = start + 0.01 * np.random.default_rng(2).random((9, 12))
-    developed = integrate(FREE, perturbed, 0.25, 4 * 400, stride=1600)[-1]
-    schedule = switching(SEEN - 1 + FOLLOWING, 12)
-    true = integrate_scheduled(REYNOLDS, schedule, developed, 0.25, 4)
-    noise = 0.01 * true.std(axis=(0, 2))[:, np.newaxis]
-    return schedule, true, true + noise * np.random.default_rng(3).standard_normal(true.shape)
-
-
-forecast_of = functools.partial(forecast, steps=FOLLOWING)
-
-
-def test_the_equations_told_of_the_schedule_forecast_perfectly(actuated):
-    schedule, true, _ = actuated
-    model = EquationsFromTruth.fit(np.empty((0, 2, 9)), SWITCHED)
-    told = forecast_of(model, true[:SEEN], schedule[: SEEN - 1], schedule[SEEN - 1 :])
-    assert np.array_equal(told, true[SEEN:])
-    assert not np.allclose(forecast_of(model, true[:SEEN]), true[SEEN:], atol=0.05)
-
-
-def test_a_filter_told_of_the_schedule_estimates_better(actuated):
-    """The filter's error at the end of a washout under actuation; not told it trusts a free flow.
-
-    Told, it is as good as it is in the free flow.
-    """
-    schedule, true, observed = actuated
-    model = FilteredEquations.fit(observed[: 2 * SEEN].transpose(2, 0, 1), SWITCHED)
-    told = model.start(observed[:SEEN], schedule[: SEEN - 1]) - true[SEEN - 1]
-    ignorant = model.start(observed[:SEEN]) - true[SEEN - 1]
-    noise = model.noise[:, np.newaxis]
-    assert np.sqrt(np.mean((told / noise) ** 2)) < 0.6
-    assert np.sqrt(np.mean((ignorant / noise) ** 2)) > 2 * np.sqrt(np.mean((told / noise) ** 2))
+def test_the_equations_told_of_the_schedule_forecast_perfectly(switched):
+    schedule, true, _ = switched
+    model = EquationsFromTruth.fit(np.empty((0, 2, 3)), CASE)
+    past, ahead = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
+    assert np.array_equal(forecast(model, true[:WASHOUT], past, ahead), true[WASHOUT:])
+    assert not np.allclose(forecast(model, true[:WASHOUT]), true[WASHOUT:], atol=0.05)
+    with pytest.raises(ValueError, match=r"must have the shape \(20, 1, 20\)"):
+        model.advance(true[0], 20, schedule[:19])
+    plain = EquationsFromTruth.fit(np.empty((0, 2, 3)), PLAIN)
+    with pytest.raises(ValueError, match="the case has no parameters"):
+        plain.advance(true[0], 20, schedule[:20])
 
 
 @pytest.mark.parametrize("kind", [EquationsFromObservation, FilteredEquations])
-def test_the_case_s_own_values_are_in_force_without_a_schedule(kind, actuated):
-    _, _, observed = actuated
-    training = observed.transpose(2, 0, 1)
-    own = REYNOLDS.constant(SEEN - 1, 12), REYNOLDS.constant(FOLLOWING, 12)
-    washout = observed[:SEEN]
-    told = forecast_of(kind.fit(training, SWITCHED), washout, *own)
-    assert np.array_equal(told, forecast_of(kind.fit(training, SWITCHED), washout))
-    assert np.array_equal(told, forecast_of(kind.fit(training, PLAIN), washout))
+def test_the_case_s_own_values_are_in_force_without_a_schedule(kind, switched):
+    _, _, observed = switched
+    training, washout = observed.transpose(2, 0, 1), observed[:WASHOUT]
+    own = RHO.constant(WASHOUT - 1, 20), RHO.constant(AHEAD, 20)
+    told = forecast(kind.fit(training, CASE), washout, *own)
+    assert np.array_equal(told, forecast(kind.fit(training, CASE), washout))
+    assert np.array_equal(told, forecast(kind.fit(training, PLAIN), washout))
 
 
 @pytest.mark.parametrize(
     "kind", [Analogues, LinearInverseModel, Persistence, QuadraticModel, FilteredQuadraticModel]
 )
-def test_kinds_that_are_not_aware_ignore_a_schedule(kind, actuated):
-    schedule, _, observed = actuated
-    model = kind.fit(observed.transpose(2, 0, 1), SWITCHED, schedule.transpose(2, 0, 1))
+def test_kinds_that_are_not_aware_ignore_a_schedule(kind, switched):
+    schedule, _, observed = switched
+    training, washout = observed.transpose(2, 0, 1), observed[:WASHOUT]
+    model = kind.fit(training, CASE, schedule.transpose(2, 0, 1))
     assert not model.aware
-    washout = observed[:SEEN]
-    told = forecast_of(model, washout, schedule[: SEEN - 1], schedule[SEEN - 1 :])
-    plain = kind.fit(observed.transpose(2, 0, 1), PLAIN)
-    assert np.array_equal(told, forecast_of(plain, washout), equal_nan=True)
+    told = forecast(model, washout, schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :])
+    plain = kind.fit(training, PLAIN)
+    assert np.array_equal(told, forecast(plain, washout), equal_nan=True)
 
 
-def test_members_have_the_schedule_of_their_own_trajectory(actuated):
+def test_members_have_the_schedule_of_their_own_trajectory(switched):
     """Of a whole ensemble side by side, or of each trajectory by itself."""
-    schedule, _, observed = actuated
-    model = FilteredEquations.fit(observed.transpose(2, 0, 1), SWITCHED)
-    past, ahead = schedule[: SEEN - 1], schedule[SEEN - 1 :]
-    ensemble = model.ensemble(observed[:SEEN], past)
-    together, _ = model.advance(
-        ensemble.reshape(9, -1), FOLLOWING, for_members(ahead, ensemble.shape[1])
-    )
-    together = together.reshape(FOLLOWING, 9, -1, 12)
+    schedule, _, observed = switched
+    model = FilteredEquations.fit(observed.transpose(2, 0, 1), CASE)
+    past, ahead = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
+    ensemble = model.ensemble(observed[:WASHOUT], past)
+    number = ensemble.shape[1]
+    together, _ = model.advance(ensemble.reshape(3, -1), AHEAD, for_members(ahead, number))
+    together = together.reshape(AHEAD, 3, -1, 20)
     for one in range(3):
         only = slice(one, one + 1)
-        members = model.ensemble(observed[:SEEN, :, only], past[..., only])
+        members = model.ensemble(observed[:WASHOUT, :, only], past[..., only])
         assert np.array_equal(members[:, :, 0], ensemble[:, :, one])
-        alone, _ = model.advance(
-            np.ascontiguousarray(members[..., 0]), FOLLOWING, ahead[..., [one] * members.shape[1]]
-        )
+        start = np.ascontiguousarray(members[..., 0])
+        alone, _ = model.advance(start, AHEAD, ahead[..., [one] * number])
         assert np.array_equal(alone, together[..., one])
 
 
 def test_the_share_of_a_force_is_a_parameter_like_any_other():
-    share = ActuatorShare.of(FREE, {}, [0, 0, 0.01, 0, 0, 0, 0, 0, 0])
-    case = ForecastingCase(FREE, 0.25, 4, 61, ALL_OPTIONS, share)
-    model = EquationsFromTruth.fit(np.empty((0, 2, 9)), case)
+    flow = MoehlisFaisstEckhardt(400.0)
+    share = ActuatorShare.of(flow, {}, [0, 0, 0.01, 0, 0, 0, 0, 0, 0])
+    model = EquationsFromTruth.fit(
+        np.empty((0, 2, 9)), ForecastingCase(flow, 0.25, 4, 61, ALL_OPTIONS, share)
+    )
     start = 0.1 * np.ones((9, 2))
     on = np.concatenate([share.constant(20, 1), share.constant(20, 1, [1.0])], axis=2)
     outputs, _ = model.advance(start, 20, on)
     free, _ = model.advance(start, 20)
     assert np.array_equal(outputs[..., 0], free[..., 0])
     assert not np.allclose(outputs[..., 1], free[..., 1], atol=0.01)
-
-
-def test_a_schedule_that_does_not_fit_is_refused(actuated):
-    schedule, true, _ = actuated
-    told = EquationsFromTruth.fit(np.empty((0, 2, 9)), SWITCHED)
-    with pytest.raises(ValueError, match=r"must have the shape \(20, 1, 12\)"):
-        told.advance(true[0], 20, schedule[:19])
-    plain = EquationsFromTruth.fit(np.empty((0, 2, 9)), PLAIN)
-    with pytest.raises(ValueError, match="the case has no parameters"):
-        plain.advance(true[0], 20, schedule[:20])
 
 
 # -- columns of a record that are known in advance -------------------------------------------------
