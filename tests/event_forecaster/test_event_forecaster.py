@@ -131,35 +131,33 @@ def test_tables_of_nullable_types():
         as_series([frame.fillna(0), frame])
 
 
-@pytest.mark.parametrize(
-    ("data", "message"),
-    [
+NO_SERIES = {
+    ValueError: [
         (np.zeros((5, 3)), r"not \(5, 3\): a single series is series\[np.newaxis\]"),
         (np.zeros(5), r"not \(5,\): a single series is series\[np.newaxis, :, np.newaxis\]"),
         (pd.DataFrame(np.zeros((5, 3))), r"not \(5, 3\): a single table is \[table\]"),
         (np.zeros((0, 5, 3)), "empty"),
         (np.array([[[0.0], [np.nan]]]), "series 0 is nan at step 1, component 0"),
         (FakeArray(np.zeros((1, 2, 3)), ("run", "time", "component")), "not run, time, component"),
+        ([np.zeros((5, 1)), np.zeros((5, 1)), np.zeros((4, 1))], "series 0 has 5 .* series 2 4"),
     ],
-)
-def test_other_layouts_are_refused(data, message):
-    with pytest.raises(ValueError, match=message):
-        as_series(data)
+    TypeError: [
+        ([[["1.5"]]], "must consist of real numbers"),
+        (np.full((1, 2, 3), 1 + 0j), "must consist of real numbers"),
+        (np.full((1, 2, 3), 1.0, dtype=object), "must consist of real numbers"),
+        (np.zeros((1, 2, 3), "M8[s]"), "must consist of real numbers"),
+        ([[[1.0], [2.0, 3.0]]], "must consist of real numbers"),
+        (type("Set", (), {"data_vars": ()})(), "has several variables"),
+    ],
+}
 
 
 @pytest.mark.parametrize(
-    "data",
-    [
-        [[["1.5"]]],
-        np.full((1, 2, 3), 1 + 0j),
-        np.full((1, 2, 3), 1.0, dtype=object),
-        np.zeros((1, 2, 3), "M8[s]"),
-        [[[1.0], [2.0, 3.0]]],
-        type("Set", (), {"data_vars": ()})(),
-    ],
+    ("error", "data", "message"),
+    [(error, *row) for error, rows in NO_SERIES.items() for row in rows],
 )
-def test_what_is_no_array_of_numbers_is_refused(data):
-    with pytest.raises(TypeError, match=r"must consist of real numbers|has several variables"):
+def test_other_layouts_and_what_is_no_array_of_numbers_are_refused(error, data, message):
+    with pytest.raises(error, match=message):
         as_series(data)
 
 

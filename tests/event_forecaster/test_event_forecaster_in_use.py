@@ -103,11 +103,6 @@ def test_whole_numbers_and_single_times_are_taken_for_what_they_are(series):
     assert list(one.alarms_) == [1.0]
 
 
-def test_series_of_unequal_lengths_are_told(series):
-    with pytest.raises(ValueError, match=r"unequal lengths: series 0 has 500 .* series 2 400"):
-        burstcast.EventForecaster(**TINY).fit([series[0], series[1], series[2][:400]])
-
-
 def test_the_signature_can_be_read():
     text = str(inspect.signature(burstcast.EventForecaster))
     assert "observable: 'Observable' = 0" in text
@@ -314,26 +309,18 @@ def aware():
     return that_knows_reynolds(3, kind="quadratic_aware", **settings)
 
 
-def test_probabilities_depend_on_what_is_planned(aware):
+def test_probabilities_depend_on_what_is_planned_and_are_saved_with_it(aware, tmp_path):
     observed = flows(500.0, 40)
     asked = aware.what_if(observed, {"actuated": 2000.0}, parameters=500.0)
-    np.testing.assert_array_equal(
-        asked["none"], aware.predict_proba(observed, parameters=500.0)[:, 1]
-    )
+    expected = aware.predict_proba(observed, parameters=500.0)[:, 1]
+    np.testing.assert_array_equal(asked["none"], expected)
     assert asked["none"].sum() > asked["actuated"].sum()
-
-
-def test_plans_may_change_in_time(aware):
-    observed, steps = flows(400.0, 5), aware._timing.boundaries[-1]
-    never = np.full((5, steps), 400.0)
-    one = aware.predict_proba(observed, parameters=np.full(5, 400.0), planned=never)
-    np.testing.assert_array_equal(one, aware.predict_proba(observed, parameters=400.0))
-
-
-def test_it_is_saved_with_what_it_knows(aware, tmp_path):
+    # plans may change in time
+    planned = np.full((40, aware._timing.boundaries[-1]), 500.0)
+    one = aware.predict_proba(observed, parameters=np.full(40, 500.0), planned=planned)
+    np.testing.assert_array_equal(one[:, 1], expected)
     aware.save(tmp_path / "aware.nc")
     loaded = EventForecaster.load(tmp_path / "aware.nc", aware.observable)
-    observed = flows(700.0, 4)
     np.testing.assert_array_equal(loaded.predict_proba(observed), aware.predict_proba(observed))
     assert loaded.own_parameters_ == pytest.approx([np.mean(REYNOLDS)])
 
