@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+import scipy.sparse
 
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.factored import FactoredStates, driven_neurons, factored_closed_loop
 from burstcast.esn.network import EchoStateNetwork
-from burstcast.esn.reservoir import make_reservoir
+from burstcast.esn.reservoir import Reservoir, make_reservoir
 from burstcast.esn.training import TrainingSeries, collect, train, train_leaving_one_out
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import make_strategy
@@ -157,6 +158,17 @@ def test_under_constant_factors_it_is_a_plain_network(dynamics, training, readou
     factors = np.tile(values[:, np.newaxis], (40, 1, 5))
     expected, _ = network.forecast(states, 40, factors)
     assert np.array_equal(network.under(values).forecast(states, 40)[0], expected)
+
+
+def test_neurons_that_no_input_reaches():
+    """0 sees an input, 1 the bias, 2 the bias and neuron 0, 3 the bias and neuron 1."""
+    recurrent = scipy.sparse.csr_array(
+        ([0.5, -0.5], ([2, 3], [0, 1])), shape=(5, 5), dtype=np.float64
+    )
+    column = np.array([0, 1, 1, 1, 0], dtype=np.int32)
+    weight = np.array([1.0, 1.0, 1.0, 1.0, 0.0])
+    reservoir = Reservoir(column, weight, recurrent, 1, 0.1)
+    assert driven_neurons(reservoir).tolist() == [0, 2]
 
 
 def test_neurons_that_are_not_driven_are_those_that_settle():
