@@ -59,8 +59,14 @@ def test_every_bit_is_that_of_the_numbers_one_by_one(rows, seed, inflation):
     expected = assimilated_number_by_number(ensemble, observation, noise, inflation)
     found = assimilate(ensemble, observation, noise, inflation)
     np.testing.assert_array_equal(found, expected)
-    one = assimilate(ensemble[:, :, 2:], observation[:, 2:], noise, inflation)
-    np.testing.assert_array_equal(one, expected[:, :, 2:])
+    for point in range(3):
+        others, only = ensemble.copy(), slice(point, point + 1)
+        others[..., np.arange(3) != point] = np.nan
+        found = assimilate(others, observation, noise, inflation)
+        alone = assimilate(ensemble[..., only], observation[:, only], noise, inflation)
+        np.testing.assert_array_equal(found[..., only], expected[..., only])
+        np.testing.assert_array_equal(alone, expected[..., only])
+        np.testing.assert_array_equal(mean(alone), mean(found)[:, only])
 
 
 def kalman_update(centre, covariance, observation, noise):
@@ -119,51 +125,6 @@ def test_an_observation_moves_mean_and_covariance_as_kalmans_does(
         centre, covariance = kalman_update(centre, covariance, observation[:, point], noise)
         np.testing.assert_allclose(updated[:, :, point].mean(axis=1), centre, atol=1e-10)
         np.testing.assert_allclose(np.cov(updated[:, :, point]), covariance, atol=1e-10)
-
-
-def test_along_a_linear_system_it_stays_the_kalman_filter():
-    generator = np.random.default_rng(3)
-    matrix = np.linalg.qr(generator.normal(size=(4, 4)))[0] * np.array([1.1, 1.0, 0.9, 0.7])
-    noise = np.array([0.3, 0.2, 0.4, 0.1])
-    observations = generator.normal(size=(25, 4))
-    ensemble = symmetric_members(observations[0][:, np.newaxis], noise, 8)
-    centre, covariance = observations[0], np.diag(noise**2)
-    for observation in observations[1:]:
-        ensemble = np.einsum("ij,jmb->imb", matrix, ensemble)
-        ensemble = assimilate(ensemble, observation[:, np.newaxis], noise, 1.0)
-        centre, covariance = kalman_update(
-            matrix @ centre, matrix @ covariance @ matrix.T, observation, noise
-        )
-    np.testing.assert_allclose(mean(ensemble)[:, 0], centre, atol=1e-10)
-    np.testing.assert_allclose(np.cov(ensemble[:, :, 0]), covariance, atol=1e-12)
-
-
-def test_a_perfect_observation_is_believed_and_a_certain_state_does_not_move():
-    ensemble = np.random.default_rng(4).normal(size=(2, 6, 1))
-    updated = assimilate(ensemble, np.array([[3.0]]), np.zeros(1), 1.0)
-    np.testing.assert_allclose(updated[0], 3.0, atol=1e-12)
-    certain = np.repeat(np.array([[[1.0]], [[2.0]]]), 6, axis=1)
-    for noise in (0.0, 1.0):
-        updated = assimilate(certain, np.array([[5.0]]), np.array([noise]), 1.0)
-        np.testing.assert_array_equal(updated, certain)
-
-
-def test_points_do_not_depend_on_one_another():
-    generator = np.random.default_rng(5)
-    ensemble, observation = generator.normal(size=(3, 10, 20)), generator.normal(size=(3, 20))
-    noise = np.array([0.1, 0.2, 0.3])
-    together = assimilate(ensemble, observation, noise, 1.02)
-    ensemble[1, 2, 5] = np.nan
-    with_gap = assimilate(ensemble, observation, noise, 1.02)
-    others = np.arange(20) != 5
-    np.testing.assert_array_equal(with_gap[..., others], together[..., others])
-    assert np.isnan(with_gap[..., 5]).all()
-    for point in range(20):
-        alone = assimilate(
-            ensemble[..., point : point + 1], observation[:, point : point + 1], noise, 1.02
-        )
-        np.testing.assert_array_equal(alone[..., 0], with_gap[..., point])
-        np.testing.assert_array_equal(mean(alone)[:, 0], mean(with_gap)[:, point])
 
 
 def test_static_gains_are_the_kalman_filters_and_leading_directions_make_the_covariance():

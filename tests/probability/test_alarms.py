@@ -122,27 +122,6 @@ def points(count, spacing=10, series=1):
     )
 
 
-def one_event(alarms, scored=None, step=95):
-    """Event at step 95, starting points at 0, 10, ..., 90."""
-    alarms = np.asarray(alarms)
-    scored = np.ones(10, dtype=bool) if scored is None else scored
-    events = SeriesPoints(np.array([0]), np.array([step]))
-    return lead_times(alarms, WINDOWS, points(10), scored, events)
-
-
-def test_the_lead_time_of_alarms_that_stay():
-    alarms = np.zeros((10, 3), dtype=bool)
-    alarms[5:, :] = True  # from 45 steps before the event on
-    found = one_event(alarms)
-    assert (found.stayed[0], found.first[0], found.possible[0]) == (45, 45, 45)
-    alarms[7] = False  # 25 steps before: the alarm is called off
-    found = one_event(alarms)
-    assert (found.stayed[0], found.first[0], found.possible[0]) == (15, 45, 45)
-    alarms[8] = False  # the last one that could be right
-    found = one_event(alarms)
-    assert (found.stayed[0], found.first[0]) == (0, 45)
-
-
 @given(st.integers(0, 2**31))
 def test_lead_times_are_those_of_all_pairs(seed):
     generator = np.random.default_rng(seed)

@@ -1,7 +1,6 @@
 """Calibrations, logistic readouts and probabilities of points that were not learnt from."""
 
 import json
-from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -15,6 +14,7 @@ from sklearn.isotonic import IsotonicRegression, isotonic_regression
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasters._options import options_of_kind
+from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.precursor import LearntPrecursor
@@ -32,7 +32,7 @@ from burstcast.probability.out_of_sample_classifiers import out_of_sample_probab
 from burstcast.probability.outcomes import Outcomes
 from burstcast.probability.scores import resampled_scores
 from burstcast.systems.lorenz63 import Lorenz63
-from helpers_library import MadeUpForecaster, count_by_series, samples
+from helpers_library import count_by_series, samples
 
 
 @given(st.lists(st.tuples(st.floats(-5, 5), st.floats(0.1, 10)), min_size=1, max_size=40))
@@ -42,18 +42,14 @@ def test_pooling_is_that_of_scikit_learn(pairs):
     np.testing.assert_allclose(pool_adjacent_violators(values, weights), expected, atol=1e-10)
 
 
-@given(samples(), st.lists(st.floats(-1, 2), min_size=1, max_size=20))
-def test_the_calibration_is_that_of_scikit_learn(sample, asked):
-    probability, happened, _ = sample
-    found = isotonic(count_by_series(*sample).total())
-    oracle = IsotonicRegression(out_of_bounds="clip").fit(probability, happened)
-    np.testing.assert_allclose(found(np.array(asked)), oracle.predict(asked), atol=1e-10)
-
-
-@given(samples(), st.floats(0, 50))
-def test_a_prior_counts_as_forecasts_that_came_true(sample, prior):
+@given(
+    samples(),
+    st.just(0.0) | st.floats(0, 50),
+    st.lists(st.floats(-1, 2), min_size=1, max_size=20),
+)
+def test_the_calibration_is_that_of_scikit_learn(sample, prior, asked):
+    """A prior counts as forecasts that came true."""
     whole = count_by_series(*sample).total()
-    found = isotonic(whole, prior)
     values = np.concatenate([whole.levels] * 3)
     outcome = np.repeat([1.0, 0.0, 1.0], len(whole.levels))
     outcome[2 * len(whole.levels) :] = whole.levels
@@ -61,13 +57,16 @@ def test_a_prior_counts_as_forecasts_that_came_true(sample, prior):
         [whole.events, whole.points - whole.events, np.full(len(whole.levels), prior)]
     )
     oracle = IsotonicRegression(out_of_bounds="clip").fit(values, outcome, sample_weight=weights)
-    np.testing.assert_allclose(found(whole.levels), oracle.predict(whole.levels), atol=1e-10)
+    asked = np.concatenate([whole.levels, asked])
+    found = isotonic(whole, prior)(asked)
+    np.testing.assert_allclose(found, oracle.predict(asked), atol=1e-10)
 
 
 @given(samples())
 def test_calibration_never_lowers_and_is_reliable_where_it_was_fitted(sample):
     whole = count_by_series(*sample).total()
     found = isotonic(whole)
+    np.testing.assert_array_equal(UNCALIBRATED(whole.levels), whole.levels)
     assert (np.diff(found.values) > 0).all()
     assert (np.diff(found.probabilities) >= 0).all()
     calibrated = whole.at(found(whole.levels))
@@ -76,21 +75,14 @@ def test_calibration_never_lowers_and_is_reliable_where_it_was_fitted(sample):
     assert calibration_error(calibrated, 1000) < 1e-9
 
 
-def test_a_strong_prior_believes_the_votes():
-    sample = np.array([0.0, 0.5, 1.0]), np.array([True, False, False]), np.zeros(3, dtype=int)
-    whole = count_by_series(*sample).total()
-    np.testing.assert_allclose(isotonic(whole, 1e12)(whole.levels), whole.levels, atol=1e-10)
-    np.testing.assert_array_equal(UNCALIBRATED(whole.levels), whole.levels)
-
-
 def test_what_cannot_be_learnt_from():
     whole = count_by_series(np.array([0.5]), np.array([True]), np.array([0])).total()
     for prior in (-1, np.inf, np.nan):
         with pytest.raises(ValueError, match="0 forecasts or more"):
             isotonic(whole, prior)
-    training = np.zeros((1, 30, 3))
+    training = np.random.default_rng(0).standard_normal((1, 30, 3))
     with pytest.raises(ValueError, match="two training series"):
-        list(MeanForecaster(0.0).leave_one_out(training, CASE, 5))
+        list(LinearInverseModel.fit(training, CASE).leave_one_out(training, CASE, 5))
     points = labelled(series=1)
     with pytest.raises(ValueError, match="two training series and two folds at least, not 1 and 9"):
         out_of_sample_probabilities(LearntPrecursor, points, LABELLED_CASE, 9, *asked(points))
@@ -203,68 +195,29 @@ def test_events_that_are_told_apart_stay_finite_and_a_constant_feature_is_no_tro
 
 # -- without what the series has taught ------------------------------------------------------------
 
-CASE = ForecastingCase(Lorenz63(), 0.01, 5, 20, {})
+CASE = ForecastingCase(Lorenz63(), 0.01, 5, 20, {"neighbours": 3})
 BOUNDARIES = (2, 5, 9)
 
 
-@dataclass
-class MeanForecaster(MadeUpForecaster):
-    """Forecasts the mean of the training series; three members add their number to it."""
+@pytest.mark.parametrize("kind", [Analogues, LinearInverseModel])
+def test_each_point_is_forecast_by_what_has_not_seen_its_series(kind):
+    """By a single forecast, and by the members of an ensemble."""
 
-    mean: float
+    def observable(states):
+        return states[0]
 
-    @classmethod
-    def fit(cls, training, case, parameters=None):
-        return cls(float(training.mean()))
-
-    def start(self, washout, parameters=None):
-        return np.zeros((1, washout.shape[2]))
-
-    def ensemble(self, washout, parameters=None):
-        return np.arange(3.0)[np.newaxis, :, np.newaxis] * np.ones((1, 3, washout.shape[2]))
-
-    def advance(self, memory, steps, parameters=None):
-        return np.repeat((self.mean + memory)[np.newaxis], steps, axis=0), memory
-
-
-def first_component(states):
-    return states[0]
-
-
-def test_each_point_is_forecast_by_those_who_have_not_seen_its_series():
-    training = np.arange(4.0)[:, np.newaxis, np.newaxis] * np.ones((4, 30, 3))
-    series = np.array([2, 0, 3, 2])  # none in series 1, and not in order
-    points = first_component, np.zeros((4, 5, 3)), series, BOUNDARIES
-    mean = MeanForecaster.fit(training, CASE)
-    found = out_of_sample_forecasts(mean, training, CASE, 5, *points)
-    without = {row: np.delete(np.arange(4.0), row).mean() for row in range(4)}
-    expected = np.array([without[row] for row in series])[:, np.newaxis] * np.ones((4, 2))
-    for number, forecasts in ((0, found), *enumerate(found.members)):
-        np.testing.assert_allclose(forecasts.first, expected + number)
-        np.testing.assert_allclose(forecasts.largest, expected + number)
-    assert len(found.members) == 3
-    assert found.diverged.tolist() == [False] * 4
-
-
-def test_a_fitted_kind_is_fitted_anew():
     generator = np.random.default_rng(0)
-    training = generator.standard_normal((3, 40, 3)).cumsum(axis=1)
+    training = generator.standard_normal((4, 40, 3)).cumsum(axis=1)
     washouts = generator.standard_normal((6, 4, 3))
-    series = np.array([0, 0, 1, 1, 2, 2])
-    arguments = CASE, 4, first_component, washouts, series, BOUNDARIES
-    whole = LinearInverseModel.fit(training, CASE)
-    found = out_of_sample_forecasts(whole, training, *arguments)
-    for row in range(3):
-        anew = LinearInverseModel.fit(np.delete(training, row, axis=0), CASE)
-        here = series == row
-        expected = window_forecasts(anew, first_component, washouts[here], BOUNDARIES)
-        np.testing.assert_array_equal(found.largest[here], expected.largest)
-    # whatever the series was
-    other = training.copy()
-    other[1] = generator.standard_normal((40, 3))
-    again = out_of_sample_forecasts(whole, other, *arguments)
-    np.testing.assert_array_equal(again.first[2:4], found.first[2:4])
-    assert (again.first[[0, 1, 4, 5]] != found.first[[0, 1, 4, 5]]).all()
+    series = np.array([2, 0, 3, 2, 0, 3])  # none in series 1, and not in order
+    points = observable, washouts, series, BOUNDARIES
+    found = out_of_sample_forecasts(kind.fit(training, CASE), training, CASE, 4, *points)
+    assert len(found.members) == (3 if kind is Analogues else 1)
+    for row in (0, 2, 3):
+        anew = kind.fit(np.delete(training, row, axis=0), CASE)
+        expected = window_forecasts(anew, observable, washouts[series == row], BOUNDARIES)
+        for name, values in vars(expected).items():
+            np.testing.assert_array_equal(getattr(found, name)[series == row], values)
 
 
 OPTIONS = options_of_kind("precursor") | {"lags_lt": [0.2]}
@@ -314,19 +267,6 @@ def test_each_fold_is_forecast_by_what_has_learnt_from_the_others(folds, parts):
     for part in parts:
         here = np.isin(series, part)
         np.testing.assert_array_equal(found[here], by_hand(points, washouts[here], part))
-
-
-def test_a_series_does_not_teach_its_own_probabilities():
-    points = labelled()
-    washouts, series = asked(points)
-    happened = points.happened.copy()
-    happened[points.series == 1] = ~happened[points.series == 1]
-    one, other = (
-        out_of_sample_probabilities(LearntPrecursor, some, LABELLED_CASE, 4, washouts, series)
-        for some in (points, replace(points, happened=happened))
-    )
-    np.testing.assert_array_equal(one[series == 1], other[series == 1])
-    assert not np.array_equal(one[series == 0], other[series == 0])
 
 
 def test_without_an_event_in_the_other_series_none_is_forecast():

@@ -22,7 +22,7 @@ from burstcast.probability.outcomes import outcomes_by_series
 from burstcast.probability.reliability import reliability_diagram
 from burstcast.probability.scores import probability_scores, resampled_scores
 from burstcast.probability.votes import share_of_votes
-from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
+from burstcast.statistics.resampling import bootstrap_weights
 from helpers_library import SERIES, count_by_series, informative_sample, samples
 
 
@@ -38,21 +38,6 @@ def test_counts_are_those_of_the_points(sample, seed):
             here = scored & (series == row) & (probability == level)
             assert found.points[row, column] == here.sum()
             assert found.events[row, column] == (here & happened).sum()
-
-
-def test_a_resample_is_what_repeating_series_gives():
-    probability, happened, series = informative_sample()
-    found = count_by_series(probability, happened, series, 40)
-    chosen = np.random.default_rng(3).integers(0, 40, 40)
-    rows = np.concatenate([np.flatnonzero(series == row) for row in chosen])
-    repeated = count_by_series(probability[rows], happened[rows], np.zeros(len(rows), int), 1)
-    resampled = found.resampled(np.bincount(chosen, minlength=40)[np.newaxis])
-    there = resampled.points[0] > 0
-    np.testing.assert_array_equal(resampled.levels[there], repeated.levels)
-    np.testing.assert_array_equal(resampled.points[0][there], repeated.points[0])
-    np.testing.assert_array_equal(resampled.events[0][there], repeated.events[0])
-    once = found.resampled(np.ones((1, 40), dtype=np.int64))
-    np.testing.assert_array_equal(once.events[0], found.total().events)
 
 
 @given(samples())
@@ -213,23 +198,6 @@ def test_a_ratio_of_sums_is_resampled_series_by_series():
         for row in weights
     ]
     assert [low, high] == pytest.approx(np.quantile(ratios, [0.05, 0.95]).tolist())
-
-
-def test_clustered_events_widen_the_interval():
-    # ten series behave as one: their points are no independent evidence
-    probability, happened, _ = informative_sample()
-    generator = np.random.default_rng(6)
-
-    def width(series, count):
-        found = count_by_series(probability, happened, series, count)
-        skill = brier_skill(found.resampled(bootstrap_weights(count, 500, generator)))
-        low, high = percentile_interval(skill, 0.9)
-        return high - low
-
-    order = np.argsort(np.abs(happened - probability), kind="stable")
-    clustered = np.empty(1000, dtype=np.int64)
-    clustered[order] = np.arange(1000) // 100
-    assert width(clustered, 10) > 2 * width(np.arange(1000), 1000)
 
 
 def bars(probability, happened, series, resamples=400):

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from burstcast.data.dataset import generate_ensemble, initial_states
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.reservoir import ReservoirSeed, make_reservoir
@@ -26,6 +27,7 @@ from burstcast.statistics.neighbour_divergence import (
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lyapunov import kaplan_yorke_dimension, lyapunov_spectrum
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from helpers_library import MadeUpForecaster
 
 ROTATION = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3))).Q
@@ -319,3 +321,16 @@ def test_an_exponent_that_cannot_be_told_from_zero_is_none():
         except NoExponentError as error:
             refused.append(str(error))
     assert any(re.search(r"\(-.* to .*\), cannot be told from 0", one) for one in refused)
+
+
+def test_shear_flow():
+    """Re = 400, whose published exponent is 0.0163."""
+    start = [1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0]
+    generator = np.random.default_rng(3)
+    starts = initial_states(np.array(start, float), 3, 0.01, 16, generator)
+    steps = {"time_step": 0.25, "sampling_stride": 4, "transient_steps": 800, "kept_steps": 10000}
+    system = MoehlisFaisstEckhardt(400.0)
+    (flow,) = generate_ensemble(system, starts, **steps, laminarisation_threshold=0.48)
+    assert len(flow.states) >= 10
+    found = estimate(flow.states[:10], 1.0)
+    assert found.exponent == pytest.approx(0.0163, rel=0.2)

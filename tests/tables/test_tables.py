@@ -2,8 +2,8 @@
 
 import math
 import re
+from itertools import product
 
-import numpy as np
 import pandas as pd
 import pytest
 from hypothesis import given
@@ -16,69 +16,49 @@ from burstcast.tables.ranked import shown_once
 from burstcast.tables.wide import cell, wide_table
 
 KEYS = ["case", "reynolds", "neurons"]
+CASES = [("Re600", 600.0, 500), ("Re400", 400.0, 500), ("lorenz", math.nan, 500)]
+VALUES = st.one_of(st.floats(-1e3, 1e3), st.just(math.nan))
 
 
-def networks(values, **keys):
-    defaults: dict[str, object] = {"case": "Re400", "reynolds": 400.0, "neurons": 500}
-    return pd.DataFrame(
-        [{**defaults, **keys, "seed": seed, "score": v} for seed, v in enumerate(values)]
-    )
+def networks(entries):
+    """Rows of networks from their cases, scores and recalls."""
+    rows = [(*CASES[case], *metrics) for case, *metrics in entries]
+    return pd.DataFrame(rows, columns=[*KEYS, "score", "recall"])
 
 
 def quantile_by_hand(values, fraction):
-    """Linear interpolation between order statistics, written out."""
-    ordered = sorted(values)
+    """Linear interpolation between order statistics, written out; of defined values alone."""
+    ordered = sorted(value for value in values if not math.isnan(value))
+    if not ordered:
+        return math.nan
     position = fraction * (len(ordered) - 1)
     below = math.floor(position)
     above = min(below + 1, len(ordered) - 1)
     return ordered[below] + (position - below) * (ordered[above] - ordered[below])
 
 
-@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=12))
-def test_percentiles_interpolate_between_order_statistics(values):
-    row = percentiles(networks(values), KEYS, ["score"]).iloc[0]
-    for name, fraction in (("p25", 0.25), ("p50", 0.5), ("p75", 0.75)):
-        assert row[name] == pytest.approx(quantile_by_hand(values, fraction), abs=1e-9)
-    assert row["networks"] == len(values)
-
-
-def test_undefined_values_are_ignored_and_percentiles_of_nothing_empty():
-    row = percentiles(networks([0.1, math.nan, 0.3, math.nan]), KEYS, ["score"]).iloc[0]
-    assert row["p50"] == pytest.approx(0.2)
-    assert row["networks"] == 2
-    row = percentiles(networks([math.nan, math.nan]), KEYS, ["score"]).iloc[0]
-    assert np.isnan(row["p25"])
-    assert np.isnan(row["p50"])
-    assert row["networks"] == 0
-    result = percentiles(networks([1.0]).iloc[:0], KEYS, ["score"])
-    assert result.empty
-    assert "p50" in result.columns
-
-
-def test_groups_stay_apart_also_without_a_reynolds_number():
-    table = pd.concat([networks([1.0, 1.0]), networks([5.0], case="Re600", reynolds=600.0)])
-    result = percentiles(table, KEYS, ["score"])
-    assert list(result["case"]) == ["Re400", "Re600"]
-    assert list(result["p50"]) == [1.0, 5.0]
-    assert list(result["networks"]) == [2, 1]
-    table = networks([1.0, 3.0], case="lorenz", reynolds=math.nan)
-    result = percentiles(table, KEYS, ["score"])
-    assert len(result) == 1
-    assert result.loc[0, "p50"] == 2.0
-    assert np.isnan(result.loc[0, "reynolds"])
-
-
-def test_columns_are_keys_then_metric_then_percentiles():
-    result = percentiles(networks([1.0]).assign(other=2.0), KEYS, ["score", "other"])
-    assert list(result.columns) == [*KEYS, "metric", "p25", "p50", "p75", "networks"]
-    assert list(result["metric"]) == ["score", "other"]
+@given(st.lists(st.tuples(st.integers(0, 2), VALUES, VALUES), max_size=12))
+def test_percentiles_interpolate_between_order_statistics_of_each_group(entries):
+    """Groups in the order of their appearance, also without a Reynolds number."""
+    table = percentiles(networks(entries), KEYS, ["score", "recall"])
+    assert list(table.columns) == [*KEYS, "metric", "p25", "p50", "p75", "networks"]
+    groups = product(dict.fromkeys(case for case, *_ in entries), enumerate(["score", "recall"], 1))
+    rows = table.to_dict("records")
+    for row, (case, (place, metric)) in zip(rows, groups, strict=True):
+        values = [entry[place] for entry in entries if entry[0] == case]
+        keys = dict(zip(KEYS, CASES[case], strict=True))
+        quantiles = {f"p{100 * f:g}": quantile_by_hand(values, f) for f in (0.25, 0.5, 0.75)}
+        expected = keys | quantiles | {"networks": sum(not math.isnan(one) for one in values)}
+        assert row.pop("metric") == metric
+        assert row.pop("case") == expected.pop("case")
+        assert row == pytest.approx(expected, abs=1e-9, nan_ok=True)
 
 
 def test_infinite_values_and_missing_columns_are_refused():
     with pytest.raises(ValueError, match="infinite values in column score"):
-        percentiles(networks([1.0, math.inf]), KEYS, ["score"])
-    with pytest.raises(KeyError, match="the table has no column recall"):
-        percentiles(networks([1.0]), KEYS, ["recall"])
+        percentiles(networks([(0, 1.0, 1.0), (0, math.inf, 1.0)]), KEYS, ["score"])
+    with pytest.raises(KeyError, match="the table has no column precision"):
+        percentiles(networks([(0, 1.0, 1.0)]), KEYS, ["precision"])
 
 
 @pytest.mark.parametrize(
