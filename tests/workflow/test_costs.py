@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 import yaml
-from helpers_rules import predicted_costs
+from helpers_configs import predicted_costs
 
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load

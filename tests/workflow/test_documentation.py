@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from helpers_configs import predicted_costs
 from helpers_rebuilds import Project
-from helpers_rules import predicted_costs
 from PIL import Image
 
 ROOT = Path(__file__).parents[2]
