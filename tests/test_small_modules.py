@@ -14,7 +14,6 @@ from hypothesis.extra import numpy as npst
 
 import burstcast
 from burstcast import durations, random_streams
-from burstcast.control.setting_names import as_columns, options_in
 from burstcast.events import upward_crossings
 from burstcast.laminarisation import first_laminar_step, is_laminar
 from burstcast.natural_order import natural_order
@@ -187,14 +186,6 @@ def test_what_is_no_name_is_refused():
         random_streams.stream(1)
     with pytest.raises(TypeError):
         random_streams.stream(1, 0.5)
-
-
-@given(st.text(), st.text())
-def test_any_text_in_a_name_is_put_back(one, other):
-    assert options_in(as_columns({"watch": one, "push": other})["options"]) == {
-        "watch": one,
-        "push": other,
-    }
 
 
 def test_natural_order():

@@ -30,6 +30,7 @@ from burstcast.control import policy as policy_module
 from burstcast.control.controllers import controlling_policy, votes
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.policy import Look, Members, Policy, at_random, by_vote
+from burstcast.control.setting_names import as_columns, options_in
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast.control.strategies.reactive import Reactive
@@ -388,3 +389,10 @@ def test_members_without_rows_of_their_memory_are_side_by_side_too() -> None:
             return memory
 
     assert Members(Listed()).start(np.zeros((1, 1, 3))).tolist() == [*range(6)]  # type: ignore[arg-type]
+
+
+@given(st.text(), st.text(), st.floats(allow_nan=False))
+def test_any_text_in_a_name_is_put_back(one, other, number):
+    columns = as_columns({"watch": one, "force": number, "push": other})
+    assert columns == {"force": number, "options": columns["options"]}
+    assert options_in(columns["options"]) == {"watch": one, "push": other}
