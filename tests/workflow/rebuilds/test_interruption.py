@@ -117,7 +117,7 @@ def _state(process: int) -> str:
 def test_a_job_runs_out_of_memory(project, tmp_path):
     large = {"case_defaults": {"ensemble": {"series": 3000, "duration": 400}}}
     target = f"{RESULTS}/Re400/dataset.json"
-    memory = {"BURSTCAST_TEST_JOB_MEMORY": str(300 * MEGABYTE)}
+    memory = {"BURSTCAST_TEST_JOB_MEMORY": str(450 * MEGABYTE)}
     assert project.snakemake(target, overlay=large, **memory).status != 0
     assert "MemoryError" in (project.results / "logs" / "simulate" / "Re400.log").read_text()
     assert results(project) == {}
