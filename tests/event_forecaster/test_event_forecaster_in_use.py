@@ -21,8 +21,6 @@ from test_event_forecaster import SMALL, fit, lorenz
 import burstcast
 from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.event_forecaster.schedules import as_schedules
-from burstcast.probability.alarms import useless_votes
-from burstcast.probability.outcomes import Outcomes
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
@@ -120,16 +118,6 @@ def test_a_search_that_ended_on_its_edge_warns(series):
     narrow = {**TINY, "calibrate": False, "input_scaling": (9.0, 10.0)}
     with pytest.warns(UserWarning, match=r"input_scaling at its (lower|upper) bound .* beyond it"):
         burstcast.EventForecaster(**narrow).fit(series)
-
-
-def test_when_votes_tell_something():
-    def outcomes(points, events):
-        return Outcomes(np.array([0.0, 1.0]), np.array(points), np.array(events))
-
-    assert useless_votes(outcomes([50, 50], [5, 45])) == ""
-    assert "area below the ROC curve 0.50" in useless_votes(outcomes([50, 50], [25, 25]))
-    assert "no better than chance" in useless_votes(outcomes([50, 50], [45, 5]))
-    assert "0 of 100 starting points" in useless_votes(outcomes([50, 50], [0, 0]))
 
 
 # -- pages -----------------------------------------------------------------------------------------

@@ -24,9 +24,11 @@ from burstcast.probability.alarms import (
     counts_at_all_levels,
     false_alarm_rate,
     roc_area,
+    useless_votes,
 )
 from burstcast.probability.calibration import isotonic
 from burstcast.probability.lead_times import lead_time_scores, lead_times
+from burstcast.probability.outcomes import Outcomes
 from helpers_library import count_by_series, samples
 
 
@@ -200,3 +202,18 @@ def test_alarms_are_those_of_baselines_forecasters_and_committees():
     assert [name for name, one in sources.items() if one.committee] == committees
     assert sources[committees[0]].forecasters == ("esn-N50-RV-seed0", "esn-N50-RV-seed1")
     assert [name for name, one in sources.items() if not one.compared] == list(forecasts)[1:4]
+
+
+@pytest.mark.parametrize(
+    ("events", "said"),
+    [
+        # two standard errors from one half: an area of 0.616
+        *(([19, 31], ""), ([20, 30], "area below the ROC curve 0.60, chance 0.50 +- 0.06")),
+        *(([45, 5], "no better than chance"), ([0, 0], "0 of 100 starting points")),
+    ],
+)
+def test_useless_votes(events, said):
+    outcomes = Outcomes(np.array([0.0, 1.0]), np.array([50, 50]), np.array(events))
+    found = useless_votes(outcomes)
+    assert said in found
+    assert bool(found) == bool(said)

@@ -542,8 +542,8 @@ def test_who_takes_part_in_what(tmp_path, monkeypatch):
     """Of forecasts from files."""
     monkeypatch.chdir(tmp_path)
     external = {"b": {"files": ["right.csv"]}, "a": {"files": ["{case}.csv", "right.csv"]}}
-    for name in ("right.csv", "Re400.csv"):
-        Path(name).write_text("# case=Re400 case_version=0123456789abcdef seed=2022\n")
+    for name, case in {"right.csv": "Re400", "Re400.csv": "Re400", "Re600.csv": "Re600"}.items():
+        Path(name).write_text(f"# case={case} case_version=0123456789abcdef seed=2022\n")
     forecasters = {"persistence": {}, "analogues": {}, "external": external}
     off = {"forecasters": {"esn": None, "equations": None}}
     overlay = {"campaign": [{"reynolds": [400], "forecasters": forecasters}]}
@@ -558,3 +558,9 @@ def test_who_takes_part_in_what(tmp_path, monkeypatch):
         assert not {one.name.kind for one in others} & {"external"}
     kinds = {one.name.kind for one in campaign.horizon_forecasters}
     assert kinds == {"external", "persistence", "analogues"}
+    assert campaign.alarm_thresholds("Re400") == {"external-a": 0.5, "external-b": 0.5}
+    other = {"external": {"c": {"files": ["{case}.csv"], "alarm_threshold": 0.3}}}
+    overlay["campaign"].append({"reynolds": [600], "forecasters": other})
+    overlay["cases"] = {"Re600": {"test_series": 10, "recycle_validation": {"series": 2}}}
+    campaign = Campaign(load(tiny_with(overlay)))
+    assert campaign.alarm_thresholds("Re600") == {"external-c": 0.3}
