@@ -256,6 +256,7 @@ def test_dimensions_of_other_names(tmp_path, variables, message):
     [
         ("hours since 2020-03-01 06:00:00", "standard", "2020-03-01 06:00"),
         ("minutes since 2020-03-01", "proleptic_gregorian", "2020-03-01"),
+        ("seconds since 2020-03-01", "standard", "2020-03-01"),
         ("days since 1970-01-01T00:00:00Z", "gregorian", "1970-01-01"),
         ("days since 1970-01-01 00:00:00 UTC", "gregorian", "1970-01-01"),
         ("hours since 2020-03-01 06:00 +01:00", "standard", "2020-03-01 05:00"),
@@ -267,7 +268,7 @@ def test_times_of_netcdf_are_what_the_file_says(tmp_path, units, calendar, expec
     with netCDF4.Dataset(path, "a") as file:
         file["time"].units, file["time"].calendar = units, calendar
     (found,) = runs(path, "u", unit="minute")
-    scale = {"h": 60, "m": 1, "d": 1440}[units[0]]
+    scale = {"h": 60, "m": 1, "d": 1440, "s": 1 / 60}[units[0]]
     first = (pd.Timestamp(expected) - pd.Timestamp(0)) / pd.Timedelta("1min")
     assert found.columns["time"].tolist() == [first, first + 60 * scale]
     assert runs(path, "u")[0].columns["time"].tolist() == [0, 60]  # without a unit, numbers

@@ -131,13 +131,14 @@ def test_a_failed_write_leaves_the_old_file_and_new_ones_have_ordinary_permissio
     path = tmp_path / "record.txt"
     path.write_text("old")
 
-    def write_half():
-        with atomic_files.atomic(path) as partial:
-            partial.write_text("half of the new")
-            raise KeyboardInterrupt
+    def stopped():
+        raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
-        write_half()
+    # amid the content, and by the check of what is whole
+    for during, check in ((stopped, None), (lambda: None, stopped)):
+        with pytest.raises(KeyboardInterrupt), atomic_files.atomic(path, check) as partial:  # noqa: PT012
+            partial.write_text("half of the new")
+            during()
     assert [entry.name for entry in tmp_path.iterdir()] == ["record.txt"]
     assert path.read_text() == "old"
     (tmp_path / "plain").write_text("")

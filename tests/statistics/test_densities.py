@@ -339,6 +339,8 @@ NRMSE = normalised_root_mean_square_error
         (lambda: histogram(np.array([0.2]), np.array([0.0, 1.0, 1.0])), "increase"),
         (lambda: Histogram(EDGES, np.array([1, 2])), "bound"),
         (lambda: filled([1, -1, 0, 0]), "negative"),
+        (lambda: filled([1, 1, 0, 0], -1), "negative"),
+        (lambda: filled([1, 1, 0, 0], 0, -1), "negative"),
         (lambda: kantorovich_metric(ONES, OTHER), "common bins"),
         (lambda: mean_logarithmic_error(ONES, OTHER), "common bins"),
         (lambda: mean_density([]), "no density"),
