@@ -59,6 +59,45 @@ def _classes_in(module: ModuleType, base: type) -> tuple[Any, ...]:
     )
 
 
+def own_class(name: str, base: type[Base], noun: str) -> type[Base]:
+    """Find a class in a module of one's own.
+
+    ``name``: Module and class, ``my_flows.kuramoto:KuramotoSivashinsky``: any module that Python
+    finds. ``base``: Interface that the class must fulfil. ``noun``: What such classes are called,
+    for messages: "system". Raises ValueError if there is no such class, or it is unfinished.
+    """
+    module_name, _, class_name = name.partition(":")
+    module = imported(module_name)
+    found = getattr(module, class_name, None)
+    place = f"{module_name} ({getattr(module, '__file__', None) or 'a namespace package'})"
+    if found is None:
+        names = [candidate.__name__ for candidate in classes_in(module, base)]
+        raise ValueError(
+            f"the module {place} has no class {class_name}{suggestion(class_name, names)}; "
+            f"its {noun}s are {', '.join(names) or 'none'}"
+        )
+    if not (inspect.isclass(found) and issubclass(found, base)):
+        raise ValueError(
+            f"{class_name} of {place} is no {noun}: it must be a subclass of "
+            f"{base.__module__}.{base.__qualname__}"
+        )
+    if inspect.isabstract(found):
+        raise ValueError(unfinished(found))
+    return found
+
+
+def unfinished(candidate: type) -> str:
+    """Message about a class that lacks methods of its interface."""
+    methods = ", ".join(sorted(getattr(candidate, "__abstractmethods__", ())))
+    return f"the class {candidate.__name__} of {candidate.__module__} lacks {methods}"
+
+
+def module_of(name: str, package: ModuleType) -> str:
+    """Full name of a module: of a package's own ``name``, or of one's own ``module:Class``."""
+    module, colon, _ = name.partition(":")
+    return module if colon else f"{package.__name__}.{name}"
+
+
 def imported(name: str) -> ModuleType:
     """Import a module by its name."""
     try:

@@ -1,24 +1,31 @@
-"""Encoders by name: the module ``burstcast.encoders.<kind>`` holds the kind ``<kind>``."""
+"""Encoders by name, of this package and of modules of the user.
+
+The module ``burstcast.encoders.<kind>`` holds the kind ``<kind>``. An encoder of one's own is named
+by its module and class, ``my_flows.encoders:Moduli``: any module that Python finds.
+"""
 
 import burstcast.encoders
-from burstcast.discovery import concrete_classes, module_names, suggestion
+from burstcast.discovery import concrete_classes, module_names, own_class, suggestion
 from burstcast.encoders.base import Encoder
 
 _OTHERS = ("base", "channels", "registry", "state_maps")
 
 
 def available_encoders() -> list[str]:
-    """Names of all kinds of encoders, sorted."""
+    """Names of all kinds of encoders of this package, sorted."""
     return [name for name in module_names(burstcast.encoders) if name not in _OTHERS]
 
 
 def encoder_class(kind: str) -> type[Encoder]:
-    """Class of the encoders of a kind: "identity", "pod", ..."""
+    """Class of the encoders of a kind: "identity", "pod", ..., "my_flows.encoders:Moduli"."""
+    if ":" in kind:
+        return own_class(kind, Encoder, "encoder")  # type: ignore[type-abstract]
     available = available_encoders()
     if kind not in available:
         raise ValueError(
             f"unknown kind of encoder {kind!r}{suggestion(kind, available)}; "
-            f"the available kinds are {', '.join(available)}"
+            f"the available kinds are {', '.join(available)}; "
+            "a class in a module of yours is named <module>:<class>"
         )
     (found,) = concrete_classes(burstcast.encoders, kind, Encoder)  # type: ignore[type-abstract]
     return found

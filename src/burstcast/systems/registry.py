@@ -6,7 +6,6 @@ system is one concrete subclass of `DynamicalSystem`; nothing has to be register
 """
 
 import dataclasses
-import inspect
 from collections.abc import Mapping
 from typing import Any
 
@@ -17,7 +16,10 @@ from burstcast.discovery import (
     concrete_classes,
     imported,
     module_names,
+    module_of,
+    own_class,
     suggestion,
+    unfinished,
 )
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.state_space import MEASURED, StateSpace, make_measured
@@ -57,19 +59,19 @@ def make_space(name: str, parameters: Mapping[str, Any]) -> StateSpace:
 def system_class(name: str) -> type[DynamicalSystem]:
     """Find the class of the system ``name`` (see `make_system`)."""
     if ":" in name:
-        return _own_class(*name.split(":", 1))
+        return _complete(own_class(name, DynamicalSystem, "system"))  # type: ignore[type-abstract]
     if name not in module_names(burstcast.systems):
         raise ValueError(_unknown(name))
     module = imported(f"burstcast.systems.{name}")
     classes = concrete_classes(burstcast.systems, name, DynamicalSystem)  # type: ignore[type-abstract]
     if not classes:
         # an unfinished class; the interface itself, and bases of systems, are in other modules
-        unfinished = [
+        begun = [
             found
             for found in classes_in(module, DynamicalSystem)  # type: ignore[type-abstract]
             if found is not DynamicalSystem
         ]
-        raise ValueError(_lacks(unfinished[0]) if unfinished else _unknown(name))
+        raise ValueError(unfinished(begun[0]) if begun else _unknown(name))
     if len(classes) > 1:
         names = ", ".join(system_class.__name__ for system_class in classes)
         raise TypeError(f"burstcast.systems.{name} must define one system, not several: {names}")
@@ -88,33 +90,7 @@ def parameters_of(system: DynamicalSystem) -> dict[str, float]:
 
 def system_module(name: str) -> str:
     """Full name of the module of the system ``name``."""
-    module, colon, _ = name.partition(":")
-    return module if colon else f"burstcast.systems.{name}"
-
-
-def _own_class(module_name: str, class_name: str) -> type[DynamicalSystem]:
-    module = imported(module_name)
-    found = getattr(module, class_name, None)
-    place = f"{module_name} ({getattr(module, '__file__', None) or 'a namespace package'})"
-    if found is None:
-        names = [one.__name__ for one in classes_in(module, DynamicalSystem)]  # type: ignore[type-abstract]
-        raise ValueError(
-            f"the module {place} has no class {class_name}{suggestion(class_name, names)}; "
-            f"its systems are {', '.join(names) or 'none'}"
-        )
-    if not (inspect.isclass(found) and issubclass(found, DynamicalSystem)):
-        raise ValueError(
-            f"{class_name} of {place} is no system: it must be a subclass of "
-            "burstcast.systems.base.DynamicalSystem"
-        )
-    if inspect.isabstract(found):
-        raise ValueError(_lacks(found))
-    return _complete(found)
-
-
-def _lacks(unfinished: type[DynamicalSystem]) -> str:
-    methods = ", ".join(sorted(getattr(unfinished, "__abstractmethods__", ())))
-    return f"the class {unfinished.__name__} of {unfinished.__module__} lacks {methods}"
+    return module_of(name, burstcast.systems)
 
 
 def _complete(found: type[DynamicalSystem]) -> type[DynamicalSystem]:
