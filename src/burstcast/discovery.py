@@ -15,8 +15,8 @@ import pkgutil
 import traceback
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
-from types import ModuleType
-from typing import Any, TypeVar
+from types import ModuleType, NoneType, UnionType
+from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 Base = TypeVar("Base")
 
@@ -136,13 +136,18 @@ def suggestion(name: str, candidates: Iterable[str]) -> str:
 def checked_values(what: str, part: str, owner: type, values: Mapping[str, Any]) -> dict[str, Any]:
     """Check the values of the fields of a dataclass.
 
-    ``owner``: The class. Its fields are annotated as ``bool``, ``str``, ``tuple[float, ...]``; all
-    others are numbers. ``values``: By the names of its fields; those with a default may be left
-    out. Returns the values: numbers as floats, sequences as tuples of floats.
+    ``owner``: The class. Its fields are numbers, or annotated as ``bool``, ``int``, ``str``, a
+    ``Literal``, ``tuple[float, ...]``, ``tuple[str, ...]`` or one of these ``| None``; fields with
+    ``fitted`` in their metadata take no value. ``values``: By the names of its fields; those with a
+    default may be left out. Returns the values: numbers as floats, sequences as tuples.
     """
     if not dataclasses.is_dataclass(owner):
         raise TypeError(f"{owner.__name__} must be a dataclass of its {part}s")
-    fields = {field.name: field for field in dataclasses.fields(owner) if field.init}
+    fields = {
+        field.name: field
+        for field in dataclasses.fields(owner)
+        if field.init and not field.metadata.get("fitted")
+    }
     for key in values:
         if key not in fields:
             raise ValueError(
@@ -156,24 +161,42 @@ def checked_values(what: str, part: str, owner: type, values: Mapping[str, Any])
         )
         if not optional and field.name not in values:
             raise ValueError(f"{what} needs the {part} {field.name!r}")
+    types = {name: field.type for name, field in fields.items()}
+    if any(isinstance(types[key], str) for key in values):  # annotations that are not evaluated
+        types = get_type_hints(owner)
     return {
-        key: _checked(value, fields[key].type, f"{part} {key!r} of {what}")
+        key: _checked(value, types[key], f"{part} {key!r} of {what}")
         for key, value in values.items()
     }
 
 
 def _checked(value: Any, expected: Any, what: str) -> Any:
     """A value of the type of a field."""
+    if get_origin(expected) in (UnionType, Union):
+        if value is None and NoneType in get_args(expected):
+            return None
+        (expected,) = [kind for kind in get_args(expected) if kind is not NoneType][:1]
+    if get_origin(expected) is Literal:
+        if value not in get_args(expected):
+            allowed = " or ".join(map(str, get_args(expected)))
+            raise ValueError(f"{what} must be {allowed}, not {value!r}")
+        return value
     if expected in (bool, str):
         if not isinstance(value, expected):
             kind = "true or false" if expected is bool else "a text"
             raise ValueError(f"{what} must be {kind}, not {value!r}")
         return value
-    if expected == tuple[float, ...]:
+    if get_origin(expected) is tuple:
+        kind = get_args(expected)[0]
         if not isinstance(value, Sequence) or isinstance(value, str):
-            raise ValueError(f"{what} must be a list of numbers, not {value!r}")
-        return tuple(_checked(one, float, f"an entry of {what}") for one in value)
+            words = "texts" if kind is str else "numbers"
+            raise ValueError(f"{what} must be a list of {words}, not {value!r}")
+        return tuple(_checked(entry, kind, f"an entry of {what}") for entry in value)
     is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
     if not is_number or not math.isfinite(value):
         raise ValueError(f"{what} must be a finite number, not {value!r}")
+    if expected is int:
+        if value != int(value):
+            raise ValueError(f"{what} must be a whole number, not {value!r}")
+        return int(value)
     return float(value)

@@ -76,9 +76,11 @@ STARTED = time.time()
 
 # Networks have a search before they are trained; forecasters of other kinds are fitted at once.
 NETWORKS = r"[a-z_]+(-[a-z][a-z0-9]*)?-N\d+-[A-Z]+-seed\d+"
-OTHERS = r"(?![a-z_]+(-[a-z][a-z0-9]*)?-N\d)[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*"
+OTHERS = r"(?![a-z_]+(-[a-z][a-z0-9]*)?-N\d)[A-Za-z][A-Za-z0-9_.]*(-[A-Za-z0-9.]+)*"
 # Kinds that give probabilities without a trajectory have one stage for all that.
-CLASSIFIERS = one_of(sorted({one.name.kind for one in campaign.classifiers}))
+CLASSIFIERS = one_of(
+    sorted({one.name.identifier for one in campaign.classifiers})
+)
 # Forecasts of other programs come in files.
 EXTERNAL = one_of(
     sorted({one.name.identifier for one in campaign.external_forecasters})
@@ -97,8 +99,8 @@ if workflow.is_main_process:
 
 wildcard_constraints:
     case=r"[A-Za-z][A-Za-z0-9_.-]*",
-    forecaster=r"[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*",
-    controller=r"[a-z][a-z0-9_]*(-[A-Za-z0-9.]+)*",
+    forecaster=r"[A-Za-z][A-Za-z0-9_.]*(-[A-Za-z0-9.]+)*",
+    controller=r"[A-Za-z][A-Za-z0-9_.]*(-[A-Za-z0-9.]+)*",
     reservoir=r"[a-z_]+(-[a-z][a-z0-9]*)?-N\d+-seed\d+",
     strategies=r"[A-Z]+(\+[A-Z]+)*",
     strategy=r"[a-z][A-Za-z0-9_.+-]*",

@@ -69,11 +69,11 @@ def informed_memory(forecaster: Forecaster, look: Look, values: ActuationValues)
     its way.
     """
     past = look.acting[: len(look.washout) - 1]
-    memory = forecaster.start(look.washout, values.schedule(past))
+    memory = forecaster.start_under(look.washout, values.schedule(past))
     if look.delay:
         members = memory.shape[-1] // look.washout.shape[-1]
         schedule = for_members(values.schedule(look.pending), members)
-        _, memory = forecaster.advance(memory, look.delay, schedule)
+        _, memory = forecaster.advance_under(memory, look.delay, schedule)
     return memory
 
 
@@ -94,12 +94,16 @@ class Members:
     """Members of an ensemble side by side, asked like a forecaster with a batch for each."""
 
     def __init__(self, forecaster: Forecaster) -> None:
-        self.forecaster, self.advance = forecaster, forecaster.advance
-        self.aware = forecaster.aware
+        self.forecaster, self.aware = forecaster, forecaster.aware
+        self.advance, self.advance_under = forecaster.advance, forecaster.advance_under
 
-    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+    def start(self, washout: FloatArray) -> FloatArray:
         """Memories of all members after an observed washout, ``(..., members * batch)``."""
-        return side_by_side(self.forecaster.ensemble(washout, parameters))
+        return side_by_side(self.forecaster.ensemble(washout))
+
+    def start_under(self, washout: FloatArray, schedule: FloatArray | None) -> FloatArray:
+        """Memories of all members after a washout under a schedule."""
+        return side_by_side(self.forecaster.ensemble_under(washout, schedule))
 
 
 def by_members(policy: Policy, share: float) -> Policy:

@@ -12,8 +12,9 @@ from burstcast.arrays import FloatArray, IntArray
 from burstcast.data.dataset import network_input_range
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
-from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
-from burstcast.forecasters.esn_aware import factored_training
+from burstcast.forecasters.base import Forecaster, ForecastingCase
+from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.forecasters.esn_aware import AwareNetworkForecaster, factored_training
 from burstcast.statistics.warning_signs import optimum_on_edge
 from burstcast.tuning.hyperparameters import SearchSpace
 from burstcast.tuning.negligible_ridge import negligible_ridge
@@ -31,7 +32,7 @@ _MOST_VALIDATION_SERIES = 4
 
 
 def trained_committee(
-    kind: type[ForecasterKind],
+    network: NetworkForecaster,
     training: TrainingSeries,
     knowledge: Mapping[str, Any],
     case: ForecastingCase,
@@ -41,53 +42,63 @@ def trained_committee(
 ) -> tuple[list[Forecaster], list[dict[str, Any]]]:
     """Networks of a committee, each after its search, and what the searches found.
 
-    ``training``, ``knowledge``: Of `training_of`. ``said``: Parameters of an `EventForecaster`.
+    ``network``: The unfitted network. ``training``, ``knowledge``: Of `training_of`. ``said``:
+    Parameters of an `EventForecaster`.
     """
     if said["members"] < 1:
         raise ValueError(f"members must be 1 at least, not {said['members']}")
-    strategy, options = make_strategy(said["validation"]), case.options
+    strategy = make_strategy(said["validation"])
     together = [make_strategy(name) for name in scanned_with(strategy.name)]
     series, _, dimension = training.observed.shape
     validated = said["validation_series"] or min(_MOST_VALIDATION_SERIES, series)
     plan = ValidationPlan(washout, interval, validated, said["intervals_per_series"])
-    ranges = said["spectral_radius"], said["input_scaling"], options["leak_rate"]
+    ranges = said["spectral_radius"], said["input_scaling"], network.leak_rate
     bounds: Any = [tuple(map(float, one)) for one in ranges]
     space = SearchSpace(*bounds)
-    drawn = float(options["connectivity"]), float(options["input_bias"])
-    as_said = {name: options[name] for name in ("backend", "readout")}
+    drawn = network.connectivity, network.input_bias
     members: list[Forecaster] = []
     found = []
     for number in range(said["members"]):
         seed = ReservoirSeed(said["random_seed"], said["neurons"], number, *drawn)
         reservoir, tikhonov = seed.reservoir(dimension), list(said["tikhonov"])
         validator = PointValidator(
-            reservoir, training, case.system.observable, plan, tikhonov, **as_said
+            reservoir,
+            training,
+            case.system.observable,
+            plan,
+            tikhonov,
+            backend=network.backend,
+            readout=network.readout,
         )
         scanned = scan(validator, space, together, said["grid"])
         optimiser = optimiser_seed(seed, said["case"], strategy.name)
         points = search(validator, space, strategy, scanned, said["bayesian_points"], optimiser)
         record = best(points).record()
-        as_trained = {"washout": washout, "divergence_bound": options["divergence_bound"]}
         members += trained_networks(
-            kind, seed, reservoir, training, [record], knowledge=knowledge, **as_trained, **as_said
+            network, seed, reservoir, training, [record], washout=washout, knowledge=knowledge
         )
         found.append({name: record[name] for name in _FOUND if name in record})
     return members, found
 
 
 def training_of(
-    states: FloatArray, observed: FloatArray, schedules: FloatArray | None, case: ForecastingCase
+    states: FloatArray,
+    observed: FloatArray,
+    schedules: FloatArray | None,
+    case: ForecastingCase,
+    network: NetworkForecaster,
 ) -> tuple[TrainingSeries, dict[str, Any]]:
     """Training series, and what networks that know the parameters are given beside them.
 
     ``schedules``: Parameters in force, ``(series, time - 1, parameters)``; None for other networks.
     """
-    scale = network_input_range(states, case.options["input_range"])
+    scale = network_input_range(states, network.input_range)
     if schedules is None:
         return TrainingSeries(observed, scale), {}
     turns = in_turns(schedules)
-    training, factors = factored_training(observed[turns], scale, schedules[turns], case)
-    return training, {"factors": factors, "parameters": case.parameters}
+    assert isinstance(network, AwareNetworkForecaster)
+    training, factors = factored_training(observed[turns], scale, schedules[turns], case, network)
+    return training, {"factors": factors, "in_force": case.parameters}
 
 
 def in_turns(schedules: FloatArray) -> IntArray:

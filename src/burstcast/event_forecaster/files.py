@@ -18,7 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from burstcast.event_forecaster.observed_states import Observable
-from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
+from burstcast.forecasters.base import ForecasterKind, ForecasterRecord, ForecastingCase
+from burstcast.forecasters.registry import kind_name
 from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system, parameters_of
@@ -68,8 +69,10 @@ def write_saved(path: str | Path, saved: SavedForecaster) -> None:
     write_netcdf(path, variables, attributes)
 
 
-def read_saved(path: str | Path, observable: Observable | None) -> SavedForecaster:
-    """Read an event forecaster, whose observable may be one that the file does not have."""
+def read_saved(
+    path: str | Path, observable: Observable | None, kind: type[ForecasterKind] | None
+) -> SavedForecaster:
+    """Read an event forecaster, whose observable and kind may be none that the file has."""
     from burstcast.files.netcdf import read_attributes, read_netcdf
 
     try:
@@ -93,6 +96,7 @@ def read_saved(path: str | Path, observable: Observable | None) -> SavedForecast
         )
     record = parameters["observable"]
     parameters["observable"] = _observable_of(record, components, observable, path)
+    parameters["kind"] = _kind_of(parameters["kind"], kind, path)
     own: list[dict[str, Any]] = [{} for _ in fitted["members"]]
     for name, array in arrays.items():
         number, _, label = name.removeprefix("member").partition("_")
@@ -112,7 +116,7 @@ def as_one_error(path: str | Path) -> Iterator[None]:
         raise ValueError(f"{path} holds no event forecaster that can be read: {told}") from error
 
 
-def check_sizes(record: ForecasterRecord, case: ForecastingCase) -> None:
+def check_sizes(record: ForecasterRecord, case: ForecastingCase, kind: ForecasterKind) -> None:
     """Check that a forecaster restored from a record is no larger than its arrays.
 
     They have a number for each neuron, and for each monomial of a state or of parameters.
@@ -127,7 +131,7 @@ def check_sizes(record: ForecasterRecord, case: ForecastingCase) -> None:
         if rows % (neurons + 1) or ranges != dimension or not few:
             raise ValueError(f"{stored} stored numbers are no network of {neurons} neurons")
     of_parameters = 0 if case.parameters is None else len(case.parameters.names)
-    counted = [(int(case.options.get("degree", 0)), dimension)] if record.arrays else []
+    counted = [(int(kind.options.get("degree", 0)), dimension)] if record.arrays else []
     counted.append((int(said.get("parameter_degree", 0)), of_parameters))
     for degree, of in counted:
         # the smaller number first: neither the binomial coefficient nor its computing is long
@@ -135,14 +139,14 @@ def check_sizes(record: ForecasterRecord, case: ForecastingCase) -> None:
             raise ValueError(f"{stored} stored numbers are no polynomial of degree {degree}")
 
 
-def check_effort(case: ForecastingCase, steps: int, stride: int) -> None:
+def check_effort(kind: ForecasterKind, steps: int, stride: int) -> None:
     """Check that a forecast of a loaded forecaster is none that never ends.
 
     ``steps``: Of a washout and the longest forecast. ``stride``: Integration steps in each of them.
     """
-    numbers = {"steps of washout and forecast": steps, "sampling_stride": stride, **case.options}
+    numbers = {"steps of washout and forecast": steps, "sampling_stride": stride, **kind.options}
     for name, number in numbers.items():
-        if isinstance(number, int) and name != "random_seed" and abs(number) > _MOST:
+        if isinstance(number, int) and abs(number) > _MOST:
             raise ValueError(f"{name} is {number}, which is more than {_MOST}")
 
 
@@ -196,6 +200,22 @@ def _observable_record(observable: Observable) -> Any:
             return {"system": name, "parameters": parameters_of(observable)}
         return "given"
     return "given" if callable(observable) else int(observable)
+
+
+def _kind_of(
+    name: str, given: type[ForecasterKind] | None, path: str | Path
+) -> str | type[ForecasterKind]:
+    """Kind of a file: of this package by its name, or the given class of one's own."""
+    if ":" not in name:
+        return name
+    if given is None:
+        raise ValueError(
+            f"the forecaster of {path} is a class of one's own, {name}, which the file has not: "
+            "give it as load(path, kind=...)"
+        )
+    if kind_name(given).rpartition(":")[2] != name.rpartition(":")[2]:
+        raise ValueError(f"the forecaster of {path} is a {name}, not a {kind_name(given)}")
+    return given
 
 
 def _observable_of(

@@ -7,6 +7,7 @@ forecasts an event by leave-one-out forecasts of the training series. It has no 
 
 from __future__ import annotations  # help() then shows Observable and FloatArray, not their parts
 
+import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
@@ -18,7 +19,6 @@ from burstcast.arrays import BoolArray, FloatArray
 from burstcast.compiled.backends import usable_backend
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
-from burstcast.discovery import suggestion
 from burstcast.event_forecaster import files
 from burstcast.event_forecaster.estimator import Estimator
 from burstcast.event_forecaster.events import ByTime, Events, EventTiming
@@ -31,9 +31,8 @@ from burstcast.forecast.observed_points import ObservedPoints, observed_points
 from burstcast.forecast.window_forecasts import member_forecasts, window_forecasts
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters._event_classifier import EventClassifier
-from burstcast.forecasters._options import DEFAULTS, options_of_kind
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
-from burstcast.forecasters.registry import forecaster_class, kind_class, learns_parameters
+from burstcast.forecasters.registry import as_forecaster, kind_name, make_kind, make_kind_of
 from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.calibration import UNCALIBRATED
 from burstcast.probability.out_of_sample import out_of_sample_forecasts
@@ -104,9 +103,11 @@ class EventForecaster(Estimator):
     lyapunov_time: float | None = None
     sampling_interval: float = 1.0  #: time between two samples
     washout: float = 0.5  #: length of the observations that a forecast starts from
-    #: kind of forecaster, a module of `burstcast.forecasters`: "esn", "quadratic", ..., or a
-    #: classifier of events without trajectories, "precursor" or "esn_direct"
-    kind: str = "esn"
+    #: a kind of `burstcast.forecasters` by its name: "esn", "nvar", "quadratic", ..., or a
+    #: classifier of events without trajectories, "precursor" or "esn_direct"; or a class of
+    #: forecasters, or an unfitted forecaster with its options, of burstcast or of one's own:
+    #: ``NVAR(lags=3)``
+    kind: str | ForecasterKind | type[ForecasterKind] = "esn"
     #: number of networks in the committee. Other kinds ignore it: the members of their ensemble
     #: vote (filters, analogues), or the single forecaster votes 0 or 1.
     members: int = 10
@@ -134,8 +135,7 @@ class EventForecaster(Estimator):
     #: component; 0 for measured series
     noise: float = 0.0
     sampling_stride: int = 1  #: integration steps in a sample, for kinds that integrate equations
-    #: options of the kind that differ from its defaults (`burstcast.forecasters._options`); of
-    #: classifiers also ``start_spacing_lt`` and ``folds``
+    #: options that differ from the defaults of a kind that is given by its name
     options: Mapping[str, Any] | None = None
     #: random_seed, case: root of all random numbers, and the name of the case in their streams: a
     #: case of the workflow with the same settings has the same networks, bit for bit
@@ -163,6 +163,7 @@ class EventForecaster(Estimator):
         states = as_series(series, "the training series")
         learnt = self._told(parameters, len(states), states.shape[1] - 1, "fit")
         own = None if learnt is None else learnt.mean(axis=(0, 1)).tolist()
+        labelled = None
         case = self._case(states.shape[2], own)
         value = case.system.observable(states.transpose(2, 0, 1))
         events = Events(timing, self._threshold(value))
@@ -179,30 +180,30 @@ class EventForecaster(Estimator):
         members: Any
         found: list[dict[str, Any]] = []
         findings: list[str] = []
-        labelled = None
-        if issubclass(kind, EventClassifier):
-            spacing = timing.samples("start_spacing_lt", case.options["start_spacing_lt"])
+        if isinstance(kind, EventClassifier):
+            spacing = timing.samples("start_spacing_lt", kind.start_spacing_lt)
             labelled = events.labelled(self._points(case, observed, value, spacing))
             members = [kind.fit(labelled, case)]
         elif kind.has_search:
             # networks take a moment to load, which other kinds need not wait for
             from burstcast.event_forecaster import committee
 
-            training = committee.training_of(states, observed, learnt, case)
+            training = committee.training_of(states, observed, learnt, case, cast(Any, kind))
             steps = self._samples("washout"), self._samples("validation_interval")
-            members, found = committee.trained_committee(kind, *training, case, checked, *steps)
+            members, found = committee.trained_committee(
+                cast(Any, kind), *training, case, checked, *steps
+            )
             findings += committee.search_edges(found, checked, states.shape[0] * states.shape[1])
         else:
-            members = [forecaster_class(self.kind).fit(observed, case, learnt)]
+            members = [as_forecaster(kind).fit_under(observed, case, learnt)]
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
         if self.calibrate:
             if labelled is None:
                 values = events.shares(_left_out(members, case, observed, points, timing, learnt))
             else:
-                tuned, folds = members[0].tuned(case), case.options["folds"]
                 asked = points.washouts, points.points.series
                 values = events.by_time(
-                    out_of_sample_probabilities(cast(Any, kind), labelled, tuned, folds, *asked)
+                    out_of_sample_probabilities(members[0].tuned(), labelled, case, *asked)
                 )
             prior = None if labelled else checked["prior_forecasts"]
             alarms, told = events.calibrated(points, values, prior)
@@ -235,7 +236,7 @@ class EventForecaster(Estimator):
         the end of the last prediction window.
         """
         self._check_fitted()
-        forecaster_class(self.kind)  # refuses classifiers, which have no trajectories
+        as_forecaster(self._kind)  # refuses classifiers, which have no trajectories
         timing = self._timing
         steps = timing.boundaries[-1]
         if duration is not None:
@@ -365,7 +366,8 @@ class EventForecaster(Estimator):
     def save(self, path: str | Path) -> None:
         """Write the fitted state to a NetCDF file, without pickling.
 
-        An observable that is a function or a system of your own is not written: pass it to `load`.
+        An observable that is a function or a system of your own is not written, nor the code of a
+        forecaster of your own: pass them to `load`.
         """
         self._check_fitted()
         fitted = {name: getattr(self, f"{name}_") for name in _FITTED}
@@ -374,23 +376,26 @@ class EventForecaster(Estimator):
         ]
         fitted["stream"] = None if self._stream is None else self._stream.record()
         members = [member.record() for member in self.members_]
-        files.write_saved(path, files.SavedForecaster(self.get_params(), fitted, members))
+        parameters = {**self.get_params(), **self._named_kind()}
+        files.write_saved(path, files.SavedForecaster(parameters, fitted, members))
 
     @classmethod
     def load(
         cls,
         path: str | Path,
         observable: Callable[[FloatArray], FloatArray] | DynamicalSystem | None = None,
+        kind: type[ForecasterKind] | None = None,
     ) -> Self:
         """Read a file of `save`: forecasts are identical, bit for bit.
 
         Nothing in a file is run or imported. ``observable``: The observable, if it is a function or
-        a system of your own, which is not in the file. Raises ValueError if the file holds no such
+        a system of your own, which is not in the file. ``kind``: The class of the forecaster, if it
+        is one of your own; its options are in the file. Raises ValueError if the file holds no such
         forecaster or is damaged; if its observable is needed and not given, or the given one has
         other values than the observable of the fit.
         """
         with files.as_one_error(path):
-            saved = files.read_saved(path, observable)
+            saved = files.read_saved(path, observable, kind)
             self, fitted = cls(**saved.parameters), dict(saved.fitted)
             self.warnings_ = []
             for name in _FITTED:
@@ -398,12 +403,13 @@ class EventForecaster(Estimator):
             for name in ("reference_states_", "reference_observable_"):
                 setattr(self, name, np.array(getattr(self, name), dtype=np.float64))
             case, timing = self._case(self.components_, self.own_parameters_), self._timing
+            unfitted = self._kind
             files.check_effort(
-                case, self._samples("washout") + timing.boundaries[-1], self.sampling_stride
+                unfitted, self._samples("washout") + timing.boundaries[-1], self.sampling_stride
             )
             for record in saved.members:
-                files.check_sizes(record, case)
-            self.members_ = [self._kind.restore(record, case) for record in saved.members]
+                files.check_sizes(record, case, unfitted)
+            self.members_ = [unfitted.restore(record, case) for record in saved.members]
             given, stored = (
                 case.system.observable(self.reference_states_.T),
                 self.reference_observable_,
@@ -426,11 +432,33 @@ class EventForecaster(Estimator):
     # -- what parameters mean ----------------------------------------------------------------------
 
     @property
-    def _kind(self) -> type[ForecasterKind]:
-        found = kind_class(self.kind)
-        if found.from_files:
-            raise ValueError(f"forecasts of the kind {self.kind} come in files: take another kind")
-        return found
+    def _kind(self) -> ForecasterKind:
+        """The unfitted forecaster with its options."""
+        given, kind = self.kind, None
+        if isinstance(given, str):
+            kind = make_kind(given, self.options or {})
+        elif isinstance(given, type) and issubclass(given, ForecasterKind):
+            kind = make_kind_of(given, self.options or {})
+        elif isinstance(given, ForecasterKind):
+            kind = given
+            if self.options:
+                raise ValueError("options are those of the forecaster that kind is: leave them out")
+        else:
+            raise TypeError(
+                f"kind must be the name of a kind, a class of forecasters or a forecaster, not "
+                f"{given!r}"
+            )
+        if "backend" in kind.options:
+            backend = usable_backend(kind.options["backend"])
+            kind = dataclasses.replace(cast(Any, kind), backend=backend)
+        return kind
+
+    def _named_kind(self) -> dict[str, Any]:
+        """Parameters that say the kind by its name, and its options."""
+        if isinstance(self.kind, str):
+            return {}
+        kind = self._kind
+        return {"kind": kind_name(type(kind)), "options": kind.options}
 
     @property
     def _timing(self) -> EventTiming:
@@ -446,47 +474,35 @@ class EventForecaster(Estimator):
         """Knowledge of forecasters beside the series, with their ``own`` parameter values."""
         if self.sampling_stride < 1:
             raise ValueError(f"sampling_stride must be 1 at least, not {self.sampling_stride}")
-        system = state_space(self.observable, components)
-        options, is_classifier = options_of_kind(self.kind), not self._kind.has_trajectories
-        if is_classifier:
-            options |= DEFAULTS["classifiers"]
-        for name in self.options or {}:
-            if name not in options:
-                raise ValueError(
-                    f"forecasters of the kind {self.kind} have no option "
-                    f"{name!r}{suggestion(name, options)}; their options are "
-                    f"{', '.join(options) or 'none'}"
-                )
-        options |= self.options or {}
-        if "backend" in options:
-            options["backend"] = usable_backend(options["backend"])
-        if is_classifier:
-            options["random_seed"] = self.random_seed
         return ForecastingCase(
-            system=system,
+            system=state_space(self.observable, components),
             time_step=self.sampling_interval / self.sampling_stride,
             sampling_stride=self.sampling_stride,
             steps_per_lyapunov_time=self._timing.unit,
-            options=options,
+            random_seed=self.random_seed,
             parameters=None if own is None else Parameters(self._parameter_names, tuple(own)),
         )
 
     @property
+    def _words(self) -> str:
+        return self.kind if isinstance(self.kind, str) else kind_name(type(self._kind))
+
+    @property
     def _parameter_names(self) -> tuple[str, ...]:
-        return tuple({**options_of_kind(self.kind), **(self.options or {})}["parameters"])
+        return tuple(self._kind.options["parameters"])
 
     def _told(self, given: Any, series: int, steps: int, where: str) -> FloatArray | None:
         """Schedules of a kind that knows the parameters; None of others."""
-        if not learns_parameters(self.kind):
+        if not self._kind.learns_parameters:
             if given is not None:
                 raise ValueError(
-                    f"forecasters of the kind {self.kind} do not know the parameters: leave them "
+                    f"forecasters of the kind {self._words} do not know the parameters: leave them "
                     f"out of {where}, or take a kind that does, such as quadratic_aware"
                 )
             return None
         if given is None:
             raise ValueError(
-                f"forecasters of the kind {self.kind} need the values of "
+                f"forecasters of the kind {self._words} need the values of "
                 f"{', '.join(self._parameter_names)}: {where}(..., parameters=...)"
             )
         return as_schedules(given, series, steps, self._parameter_names)
@@ -494,9 +510,10 @@ class EventForecaster(Estimator):
     def _schedules(self, washouts: FloatArray, parameters: Any, planned: Any) -> FloatArray | None:
         """Schedules over washouts and forecasts; None without parameters."""
         series, steps = washouts.shape[:2]
-        if parameters is None and planned is None and not learns_parameters(self.kind):
+        learns = self._kind.learns_parameters
+        if parameters is None and planned is None and not learns:
             return None
-        known = self.own_parameters_ if learns_parameters(self.kind) else planned  # refused
+        known = self.own_parameters_ if learns else planned  # refused
         known = known if parameters is None else parameters
         past = self._told(known, series, steps - 1, "predict_proba")
         assert past is not None

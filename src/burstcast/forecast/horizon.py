@@ -98,11 +98,11 @@ def accurate_steps(
     accurate = np.full(batch, steps, dtype=np.int64)
     running = np.arange(batch)
     past, ahead = schedules_of(parameters, len(washouts))
-    memory = forecaster.start(washouts, past)
+    memory = forecaster.start_under(washouts, past)
     for start in range(0, steps, STEPS_BETWEEN_CHECKS):
         chunk = min(STEPS_BETWEEN_CHECKS, steps - start)
         in_force = None if ahead is None else ahead[start : start + chunk][..., running]
-        outputs, memory = forecaster.advance(memory, chunk, in_force)
+        outputs, memory = forecaster.advance_under(memory, chunk, in_force)
         error = np.abs(
             observable(outputs.transpose(1, 0, 2)) - truth[start : start + chunk, running]
         )

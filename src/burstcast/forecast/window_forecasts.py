@@ -34,7 +34,7 @@ def window_forecasts(
         batch = washouts[start : start + POINTS_PER_BATCH].transpose(1, 2, 0)
         in_force = None if parameters is None else parameters[start : start + POINTS_PER_BATCH]
         past, ahead = schedules_of(in_force, washouts.shape[1])
-        ensemble = forecaster.ensemble(np.ascontiguousarray(batch), past)
+        ensemble = forecaster.ensemble_under(np.ascontiguousarray(batch), past)
         single, diverged = _summaries(
             forecaster, observable, forecaster.combined(ensemble), boundaries, ahead
         )
@@ -71,9 +71,9 @@ def member_forecasts(
     ``washout``: Observed states up to the starting points, ``(steps, dimension, batch)``.
     """
     past, ahead = schedules_of(parameters, len(washout))
-    ensemble = forecaster.ensemble(washout, past)
+    ensemble = forecaster.ensemble_under(washout, past)
     of_members = for_members(ahead, ensemble.shape[-2])
-    outputs, _ = forecaster.advance(side_by_side(ensemble), steps, of_members)
+    outputs, _ = forecaster.advance_under(side_by_side(ensemble), steps, of_members)
     return outputs.reshape(*outputs.shape[:2], *ensemble.shape[-2:])
 
 
@@ -95,7 +95,7 @@ def _summaries(
         batch = slice(start, start + TRAJECTORIES_PER_BATCH)
         in_force = None if parameters is None else parameters[..., batch]
         some = np.ascontiguousarray(memory[..., batch])
-        outputs, _ = forecaster.advance(some, boundaries[-1], in_force)
+        outputs, _ = forecaster.advance_under(some, boundaries[-1], in_force)
         found = summarise(observable(outputs.transpose(1, 0, 2)), boundaries)
         first.append(found.first)
         largest.append(found.largest)

@@ -2,7 +2,7 @@
 
 from burstcast.arrays import FloatArray
 from burstcast.data.parameter_factors import ParameterFactors
-from burstcast.forecasters._options import DEFAULTS
+from burstcast.forecasters._options import AwareOptions
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
 from burstcast.systems.parameters import Parameters
 
@@ -14,15 +14,17 @@ def parameters_of(case: ForecastingCase) -> Parameters:
     return case.parameters
 
 
-def fitted_factors(schedules: FloatArray | None, case: ForecastingCase) -> ParameterFactors:
+def fitted_factors(
+    schedules: FloatArray | None, case: ForecastingCase, options: AwareOptions
+) -> ParameterFactors:
     """Factors scaled by the schedules of training series; at least one parameter must vary.
 
     ``schedules``: ``(series, time - 1, parameters)``; None: the case's own values throughout.
     """
-    parameters, options = parameters_of(case), {**DEFAULTS["aware"], **case.options}
+    parameters = parameters_of(case)
     names = parameters.names
     values = parameters.constant(1, 1)[..., 0] if schedules is None else schedules
-    factors = ParameterFactors.of(names, values, options["transform"], options["parameter_degree"])
+    factors = ParameterFactors.of(names, values, options.transform, options.parameter_degree)
     if factors.count == 0:
         raise ValueError(
             f"{', '.join(names)} does not vary in training, so that nothing can be learnt of it: "

@@ -13,6 +13,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.forecasters._options import ClassifierOptions
 from burstcast.forecasters.base import ForecasterKind, ForecastingCase
 
 
@@ -50,28 +51,27 @@ class LabelledPoints:
                 )
 
 
-class EventClassifier(ForecasterKind):
+@dataclass(frozen=True)
+class EventClassifier(ClassifierOptions, ForecasterKind, abc.ABC):
     """Probabilities of an event in each prediction window, straight from a washout."""
 
     has_trajectories: ClassVar[bool] = False
 
-    @classmethod
     @abc.abstractmethod
-    def fit(cls, points: LabelledPoints, case: ForecastingCase) -> Self:
-        """Learn from labelled starting points.
+    def fit(self, points: LabelledPoints, case: ForecastingCase) -> Self:
+        """Return a classifier that has learnt from labelled starting points.
 
         ``points``: Points of the training series; each window has points with an event and points
-        without one. ``case``: What may be known beside them. Kinds with random numbers find the
-        root of all streams as the option ``random_seed``.
+        without one. ``case``: What may be known beside them.
         """
 
-    def tuned(self, case: ForecastingCase) -> ForecastingCase:
-        """Case in which `fit` takes this classifier's hyperparameters instead of choosing some.
+    def tuned(self) -> Self:
+        """Classifier whose `fit` takes the chosen hyperparameters instead of choosing some.
 
         Probabilities are calibrated with classifiers of the same hyperparameters, which have learnt
         from fewer series.
         """
-        return case
+        return self
 
     @abc.abstractmethod
     def probabilities(self, washouts: FloatArray, known: FloatArray | None = None) -> FloatArray:

@@ -12,16 +12,18 @@ import numpy as np
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.data.observation_noise import observation_noise
 from burstcast.filters.square_root import assimilate, mean, symmetric_members
+from burstcast.forecasters._options import FilterOptions, ObservationOptions
 from burstcast.forecasters.base import (
     Forecaster,
     ForecasterRecord,
     ForecastingCase,
+    fitted,
     for_members,
 )
 
 
 @dataclass(frozen=True)
-class FilteredForecaster(Forecaster):
+class FilteredForecaster(ObservationOptions, FilterOptions, Forecaster):
     """A forecaster whose memory after the washout is estimated by an ensemble filter.
 
     The ensemble starts around the first observation of the washout, with the scatter of the noise.
@@ -33,39 +35,48 @@ class FilteredForecaster(Forecaster):
     has_filter: ClassVar[bool] = True
     model_class: ClassVar[type[Forecaster]]
 
-    model: Forecaster  #: forecaster that advances the ensemble, and then forecasts
-    noise: FloatArray  #: standard deviation of the errors of an observation, ``(dimension,)``
-    members: int  #: size of the ensemble: even, and at least twice the dimension
-    inflation: float  #: see `burstcast.filters.square_root.assimilate`
+    model: Forecaster = fitted()  #: forecaster that advances the ensemble, and then forecasts
+    #: standard deviation of the errors of an observation, ``(dimension,)``
+    errors: FloatArray = fitted()
 
-    @classmethod
-    def fit(
-        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
-    ) -> Self:
+    def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Fit the model; estimate the noise unless it is known (see `Forecaster.fit`)."""
-        noise = observation_noise(training, case.options["noise"])
-        return cls._of(cls.model_class.fit(training, case, parameters), noise, case)
+        return self.fit_under(training, case, None)
+
+    def fit_under(
+        self, training: FloatArray, case: ForecastingCase, schedules: FloatArray | None
+    ) -> Self:
+        """Fit the model to series under schedules (see `Forecaster.fit_under`)."""
+        errors = observation_noise(training, self.noise)
+        model = self._unfitted_model.fit_under(training, case, schedules)
+        return self.with_fitted(model=model, errors=errors)
+
+    @property
+    def _unfitted_model(self) -> Forecaster:
+        names = [option.name for option in self.model_class.option_fields()]
+        return self.model_class(**{name: getattr(self, name) for name in names})
 
     def record(self) -> ForecasterRecord:
         """Learnt model and noise."""
         record = self.model.record()
-        return ForecasterRecord({**record.arrays, "noise": self.noise}, record.attributes)
+        return ForecasterRecord({**record.arrays, "noise": self.errors}, record.attributes)
 
-    @classmethod
-    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+    def restore(self, record: ForecasterRecord, case: ForecastingCase) -> Self:
         """Restore the model, and put the filter before it."""
-        return cls._of(cls.model_class.restore(record, case), record.arrays["noise"], case)
+        model = self._unfitted_model.restore(record, case)
+        return self.with_fitted(model=model, errors=record.arrays["noise"])
 
-    @classmethod
-    def _of(cls, model: Forecaster, noise: FloatArray, case: ForecastingCase) -> Self:
-        return cls(model, noise, case.options["members"], case.options["inflation"])
-
-    def ensemble(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+    def ensemble(self, washout: FloatArray) -> FloatArray:
         """Memories of the filter's members after a washout (see `Forecaster.ensemble`)."""
+        return self.ensemble_under(washout, None)
+
+    def ensemble_under(self, washout: FloatArray, schedule: FloatArray | None) -> FloatArray:
+        """Memories of the filter's members under a schedule (see `Forecaster.ensemble_under`)."""
         batch, memory = washout.shape[2], self.first_members(washout[0])
         for step, observation in enumerate(washout[1:]):
-            in_force = None if parameters is None else parameters[step : step + 1]
-            outputs, memory = self.model.advance(memory, 1, for_members(in_force, self.members))
+            in_force = None if schedule is None else schedule[step : step + 1]
+            of_members = for_members(in_force, self.members)
+            outputs, memory = self.model.advance_under(memory, 1, of_members)
             # the forecast of what is observed, and below it all that goes on from there
             rows = np.concatenate([outputs[0], memory.reshape(-1, memory.shape[-1])])
             updated = self.corrected(rows.reshape(-1, self.members, batch), observation)
@@ -77,27 +88,35 @@ class FilteredForecaster(Forecaster):
 
         ``observation``: The first of the washout, ``(dimension, batch)``.
         """
-        states = symmetric_members(observation, self.noise, self.members)
+        states = symmetric_members(observation, self.errors, self.members)
         return self.model.start(states.reshape(1, len(states), -1))
 
     def corrected(self, ensemble: FloatArray, observation: FloatArray) -> FloatArray:
         """Members after an observation (`burstcast.filters.square_root.assimilate`)."""
-        return assimilate(ensemble, observation, self.noise, self.inflation)
+        return assimilate(ensemble, observation, self.errors, self.inflation)
 
-    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+    def start(self, washout: FloatArray) -> FloatArray:
         """Mean of the members' memories (see `Forecaster.start`)."""
-        return self.combined(self.ensemble(washout, parameters))
+        return self.start_under(washout, None)
+
+    def start_under(self, washout: FloatArray, schedule: FloatArray | None) -> FloatArray:
+        """Mean of the members' memories under a schedule (see `Forecaster.start_under`)."""
+        return self.combined(self.ensemble_under(washout, schedule))
 
     def combined(self, ensemble: FloatArray) -> FloatArray:
         """Mean of the members' memories (see `Forecaster.combined`)."""
         shape = (*ensemble.shape[:-2], ensemble.shape[-1])
         return mean(ensemble.reshape(-1, *ensemble.shape[-2:])).reshape(shape)
 
-    def advance(
-        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray]:
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Let the model forecast (see `Forecaster.advance`)."""
-        return self.model.advance(memory, steps, parameters)
+        return self.model.advance(memory, steps)
+
+    def advance_under(
+        self, memory: FloatArray, steps: int, schedule: FloatArray | None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Let the model forecast under a schedule (see `Forecaster.advance_under`)."""
+        return self.model.advance_under(memory, steps, schedule)
 
     def diverged(self, outputs: FloatArray) -> BoolArray:
         """Mark diverged forecasts, by the criterion of the model."""

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from burstcast.arrays import FloatArray
-from burstcast.forecasters.base import Forecaster
+from burstcast.forecasters.base import Forecaster, fitted
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate
 from burstcast.systems.lyapunov import with_perturbations
@@ -19,19 +19,17 @@ class IntegratedForecaster(Forecaster):
     may_diverge: ClassVar[bool] = False
     """Whether states that are not finite are a forecast that has diverged, or an error."""
 
-    system: DynamicalSystem
+    system: DynamicalSystem = fitted()
     #: time_step, sampling_stride: time step and sampling stride of the integration: time units, and
     #: integration steps in a step of the forecast
-    time_step: float
-    sampling_stride: int
+    time_step: float = fitted()
+    sampling_stride: int = fitted()
 
-    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+    def start(self, washout: FloatArray) -> FloatArray:
         """Last state of the washout, ``(dimension, batch)``."""
         return np.ascontiguousarray(washout[-1])
 
-    def advance(
-        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray]:
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Integrate the equations (see `Forecaster.advance`)."""
         samples = integrate(
             self.system,

@@ -1,9 +1,10 @@
 """Identifiers of forecasters and controllers in paths, tables, figures and messages.
 
 An identifier of a forecaster is the kind, and then what tells forecasters of a kind apart:
-``equations``, ``esn-N2000-RV-seed3``, ``external-lstm``. Kinds are modules of
-`burstcast.forecasters`. A controller is a forecaster, ``none``, random alarms beside a forecaster
-(``esn-N2000-RV-seed3-random``) or a committee (``esn-N2000-RV-committee``).
+``equations``, ``esn-N2000-RV-seed3``. Kinds are modules of `burstcast.forecasters`, or classes of
+one's own: ``my_models.NVAR`` is the class ``NVAR`` of the module ``my_models``. A controller is a
+forecaster, ``none``, random alarms beside a forecaster (``esn-N2000-RV-seed3-random``) or a
+committee (``esn-N2000-RV-committee``).
 """
 
 import re
@@ -17,7 +18,7 @@ PERMANENT_ALARM = "permanent_alarm"
 """What tables call an alarm at every time, in the place of a forecaster."""
 
 _PATTERN = re.compile(
-    r"(?P<kind>[a-z][a-z0-9_]*)(-(?!(committee|random|seed\d+)(-|$))(?P<label>[a-z][a-z0-9]*))?(-N(?P<neurons>\d+))?(-(?P<validation>[A-Z]+))?(-seed(?P<seed>\d+))?"
+    r"(?P<kind>[a-z][a-z0-9_]*|[A-Za-z_]\w*(\.[A-Za-z_]\w*)+)(-(?!(committee|random|seed\d+)(-|$))(?P<label>[a-z][a-z0-9]*))?(-N(?P<neurons>\d+))?(-(?P<validation>[A-Z]+))?(-seed(?P<seed>\d+))?"
     r"(-(?P<role>committee|random))?"
 )
 
@@ -26,14 +27,16 @@ _PATTERN = re.compile(
 class ForecasterName:
     """Name of a forecaster or controller, whatever its case: None for what does not apply to it."""
 
-    kind: str  #: module of `burstcast.forecasters`
+    #: module of `burstcast.forecasters`, or module and class of one's own, "my_models:NVAR"
+    kind: str
     #: neurons, validation, seed: size, validation strategy and seed of a network
     neurons: int | None = None
     validation: str | None = None
     seed: int | None = None
     #: role of a controller that is no single forecaster: "committee" or "random"
     role: str | None = None
-    label: str | None = None  #: name that a user gives to forecasts from files
+    #: name that a user gives to a variant of networks, or to a class of one's own with some options
+    label: str | None = None
 
     @property
     def asks_forecasters(self) -> bool:
@@ -46,7 +49,7 @@ class ForecasterName:
         parts = [
             f"{prefix}{value}"
             for prefix, value in (
-                ("", self.kind),
+                ("", self.kind.replace(":", ".")),
                 ("", self.label),
                 ("N", self.neurons),
                 ("", self.validation),
@@ -60,7 +63,8 @@ class ForecasterName:
     @property
     def keys(self) -> dict[str, Any]:
         """Key columns of the forecaster in tables."""
-        kind = f"{self.kind}_{self.label}" if self.label else self.kind
+        kind = self.kind.rpartition(":")[2]
+        kind = f"{kind}_{self.label}" if self.label else kind
         return {
             "forecaster": {"committee": f"{kind}_committee", "random": "random"}.get(
                 self.role or "", kind
@@ -91,5 +95,8 @@ def parsed(identifier: str) -> ForecasterName:
     neurons, seed = (
         None if match[name] is None else int(match[name]) for name in ("neurons", "seed")
     )
-    names = match["kind"], neurons, match["validation"], seed, match["role"], match["label"]
+    kind = match["kind"]
+    if "." in kind:
+        kind = ":".join(kind.rsplit(".", 1))
+    names = kind, neurons, match["validation"], seed, match["role"], match["label"]
     return ForecasterName(*names)

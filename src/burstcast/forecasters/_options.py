@@ -1,57 +1,129 @@
-"""Options of the kinds of forecasters: shared sections and their defaults.
+"""Options that several kinds of forecasters share, and sections of options of single kinds.
 
-The workflow's config has the same sections, ``forecasters``, with the same values.
+Each class is one section of ``forecasters`` in the workflow's config, with the same names and
+defaults. A kind has the options of the sections that it inherits from.
 """
 
-from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import ClassVar, Literal
 
-DEFAULTS: Mapping[str, Mapping[str, Any]] = {
-    "esn": {
-        **{"connectivity": 20, "input_bias": 0.1, "input_range": "all"},
-        **{"readout": "linear", "leak_rate": [1]},
-        **{"divergence_bound": 10, "backend": "compiled"},
-    },
-    "observation": {"noise": None},
-    "filter": {"members": 40, "inflation": 1},
-    "quadratic": {"degree": 2, "window_lt": 0.2},
-    "analogues": {"neighbours": 10},
-    "classifiers": {"start_spacing_lt": 0.1, "folds": 10},
-    "precursor": {"classifier": "boosting", "lags_lt": [0.1, 0.2, 0.3, 0.4]},
-    "esn_direct": {
-        **{"neurons": 1000, "spectral_radius": [0.9], "input_scaling": [1, 10]},
-        "penalty": [1, 30],
-    },
-    "aware": {"parameters": ["reynolds"], "transform": "inverse", "parameter_degree": 1},
+
+@dataclass(frozen=True, kw_only=True)
+class NetworkOptions:
+    """Options of echo state networks."""
+
+    section: ClassVar[str] = "esn"
+
+    connectivity: float = 20.0  #: mean number of connections of a neuron
+    input_bias: float = 0.1  #: constant that is appended to the normalised inputs
+    #: training series whose range the inputs are divided by
+    input_range: Literal["all", "first"] = "all"
+    readout: Literal["linear", "quadratic"] = "linear"  #: `burstcast.esn.readout`
+    leak_rate: tuple[float, ...] = (1.0,)  #: several: chosen by the search
+    #: a forecast beyond this many training ranges of any component has diverged; None: not judged
+    divergence_bound: float | None = 10.0
+    backend: Literal["compiled", "scipy"] = "compiled"  #: implementation of the dynamics
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObservationOptions:
+    """Knowledge about the observations."""
+
+    section: ClassVar[str] = "observation"
+
+    #: standard deviation of the noise, in standard deviations of each component; None: estimated
+    noise: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class FilterOptions:
+    """Options of an ensemble filter."""
+
+    section: ClassVar[str] = "filter"
+
+    members: int = 40  #: size of the ensemble: even, and at least twice the dimension
+    inflation: float = 1.0  #: see `burstcast.filters.square_root.assimilate`
+
+
+@dataclass(frozen=True, kw_only=True)
+class QuadraticOptions:
+    """Options of learnt equations."""
+
+    section: ClassVar[str] = "quadratic"
+
+    degree: int = 2  #: highest degree of the polynomials
+    window_lt: float = 0.2  #: time that the equations are integrated over, in Lyapunov times
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnalogueOptions:
+    """Options of analogues."""
+
+    section: ClassVar[str] = "analogues"
+
+    neighbours: int = 10  #: number of analogues
+
+
+@dataclass(frozen=True, kw_only=True)
+class NVAROptions:
+    """Options of nonlinear vector autoregression."""
+
+    section: ClassVar[str] = "nvar"
+
+    lags: int = 2  #: number of last states that the next one depends on
+    ridge: float = 1e-6  #: Tikhonov parameter, for features of standardised states
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClassifierOptions:
+    """Options of the training of classifiers."""
+
+    section: ClassVar[str] = "classifiers"
+
+    start_spacing_lt: float = 0.1  #: distance of the training points, in Lyapunov times
+    folds: int = 10  #: parts of the training series that calibrate the probabilities
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrecursorOptions:
+    """Options of learnt precursors."""
+
+    section: ClassVar[str] = "precursor"
+
+    classifier: Literal["boosting", "logistic"] = "boosting"  #: `burstcast.probability.precursor`
+    lags_lt: tuple[float, ...] = (0.1, 0.2, 0.3, 0.4)  #: past values, in Lyapunov times
+
+
+@dataclass(frozen=True, kw_only=True)
+class DirectReadoutOptions:
+    """Options of reservoirs with a readout for the event. Several values: chosen in training."""
+
+    section: ClassVar[str] = "esn_direct"
+
+    neurons: int = 1000  #: size of the reservoir
+    spectral_radius: tuple[float, ...] = (0.9,)
+    input_scaling: tuple[float, ...] = (1.0, 10.0)
+    #: strength of the penalty on squared weights of neurons of unit variance
+    penalty: tuple[float, ...] = (1.0, 30.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AwareOptions:
+    """Options of kinds that learn how the flow depends on parameters."""
+
+    section: ClassVar[str] = "aware"
+
+    parameters: tuple[str, ...] = ("reynolds",)  #: names of the parameters
+    #: function of a parameter that the factors are made of (`burstcast.data.parameter_factors`)
+    transform: Literal["identity", "inverse"] = "inverse"
+    parameter_degree: int = 1  #: highest degree of the factors
+
+
+SECTIONS: dict[str, type] = {
+    options.section: options
+    for options in (
+        *(NetworkOptions, ObservationOptions, FilterOptions, QuadraticOptions, AnalogueOptions),
+        *(NVAROptions, ClassifierOptions, PrecursorOptions, DirectReadoutOptions, AwareOptions),
+    )
 }
-"""Options by section. Those of ``aware`` set which parameters a forecaster knows, and the functions
-of them that it learns (`burstcast.data.parameter_factors`). Those of ``classifiers`` set the points
-that these learn from, and the folds of the training series that calibrate their probabilities."""
-
-_SECTIONS: Mapping[str, tuple[str, ...]] = {
-    "equations_filtered": ("observation", "filter"),
-    "quadratic": ("observation", "quadratic"),
-    "quadratic_filtered": ("observation", "quadratic", "filter"),
-    "quadratic_aware": ("observation", "quadratic", "aware"),
-    "esn_aware": ("esn", "aware"),
-    "esn_direct": ("esn", "esn_direct"),
-    "esn_true_washout": ("esn",),
-    "quadratic_aware_filtered": ("observation", "quadratic", "aware", "filter"),
-}
-"""Sections by kind; all other kinds have one section, of their own name."""
-
-
-def sections_of_kind(kind: str) -> tuple[str, ...]:
-    """Sections with the options of a kind of forecaster."""
-    return _SECTIONS.get(kind, (kind,))
-
-
-def options_of_kind(
-    kind: str, sections: Mapping[str, Mapping[str, Any]] = DEFAULTS
-) -> dict[str, Any]:
-    """Options of a kind of forecaster, from all of its sections; empty if it has none."""
-    return {
-        name: value
-        for section in sections_of_kind(kind)
-        for name, value in sections.get(section, {}).items()
-    }
+"""Classes of options by section."""

@@ -12,11 +12,12 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from burstcast.arrays import FloatArray
-from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
+from burstcast.forecasters._options import AnalogueOptions
+from burstcast.forecasters.base import Forecaster, ForecastingCase, fitted
 
 
 @dataclass(frozen=True)
-class Analogues(Forecaster):
+class Analogues(AnalogueOptions, Forecaster):
     """Forecasts the mean continuation of the nearest states of the training series.
 
     States are compared in units of each component's standard deviation. Where the series of an
@@ -26,28 +27,17 @@ class Analogues(Forecaster):
 
     provides_ensemble: ClassVar[bool] = True
 
-    training: FloatArray  #: observed training series, ``(series, time, dimension)``
-    neighbours: int  #: how many analogues
+    training: FloatArray = fitted()  #: observed series, ``(series, time, dimension)``
 
     def __repr__(self) -> str:
+        if self.training is None:
+            return f"Analogues(neighbours={self.neighbours})"
         series, samples, _ = self.training.shape
         return f"Analogues({self.neighbours} of {series} series of {samples} samples)"
 
-    @classmethod
-    def fit(
-        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
-    ) -> Self:
+    def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Remember the series (see `Forecaster.fit`)."""
-        return cls(training, case.options["neighbours"])
-
-    def record(self) -> ForecasterRecord:
-        """The training series."""
-        return ForecasterRecord({"training": self.training})
-
-    @classmethod
-    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
-        """Take the remembered series."""
-        return cls(record.arrays["training"], case.options["neighbours"])
+        return self.with_fitted(training=training)
 
     @cached_property
     def _scale(self) -> FloatArray:
@@ -60,7 +50,7 @@ class Analogues(Forecaster):
         candidates = self.training[:, :-1] / self._scale
         return KDTree(candidates.reshape(-1, candidates.shape[2]))
 
-    def ensemble(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+    def ensemble(self, washout: FloatArray) -> FloatArray:
         """Memories of one analogue each, ``(1, neighbours, batch)`` (see `Forecaster.ensemble`)."""
         return self.start(washout)[np.newaxis]
 
@@ -69,7 +59,7 @@ class Analogues(Forecaster):
         memory: FloatArray = ensemble[0]
         return memory
 
-    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+    def start(self, washout: FloatArray) -> FloatArray:
         """Analogues of the last observed state, ``(neighbours, batch)``.
 
         They are numbers of steps, counted through all series.
@@ -81,9 +71,7 @@ class Analogues(Forecaster):
         steps: FloatArray = (found + found // (length - 1)).astype(np.float64)
         return steps
 
-    def advance(
-        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray]:
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Follow the analogues (see `Forecaster.advance`); one that has ended is not a number."""
         length, dimension = self.training.shape[1:]
         states = self.training.reshape(-1, dimension)

@@ -2,18 +2,23 @@
 
 Scoring, prediction horizon, long-term runs and control know only this interface. A forecaster's
 memory is an array whose last axis is the batch, so that forecasts can be picked out and put aside
-at any step. A new kind of forecaster is one new module of this package with one concrete subclass
-of `Forecaster` in it; its name is the module's.
+at any step.
+
+A kind of forecaster is a frozen dataclass, a subclass of `Forecaster`, in this package or in any
+other module (`burstcast.forecasters.registry`). Its fields are its options, with defaults. What
+`fit` learns are fields as well, declared by `fitted`. A forecaster whose options alone are given is
+unfitted.
 
 Parameters of the equations may differ between series, and change in time: parameters of the system,
 such as a Reynolds number, or the share of an actuator in force (`burstcast.systems.parameters`).
 Columns of a record that are known in advance are parameters, too. A
 *schedule* is an array of their values, each in force from one state to the next; like states, it
-has the parameters in the middle and the batch last. Kinds that are `aware` use schedules. All
-others ignore them.
+has the parameters in the middle and the batch last. Kinds that are `aware` use schedules, by the
+methods whose names end in `_under`. All others are without these methods.
 """
 
 import abc
+import dataclasses
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self
@@ -41,8 +46,6 @@ class ForecastingCase:
         Integration steps in one step of a forecast.
     steps_per_lyapunov_time
         Steps of a forecast in a Lyapunov time.
-    options
-        Settings of the kind itself.
     parameters
         Parameters that schedules are about, and their values in this case; None: there are none.
     source
@@ -51,16 +54,23 @@ class ForecastingCase:
     maps
         Between states of the source and channels, which are all components of the case but the
         last one, the observable of the source; None where a forecaster is restored.
+    random_seed
+        Root of all random numbers.
     """
 
     system: StateSpace
     time_step: float
     sampling_stride: int
     steps_per_lyapunov_time: int
-    options: Mapping[str, Any]
     parameters: Parameters | None = None
     source: DynamicalSystem | None = None
     maps: StateMaps | None = None
+    random_seed: int = 0
+
+
+def fitted() -> Any:
+    """Declare a field of a forecaster that `fit` fills in; its other fields are options."""
+    return field(default=None, kw_only=True, repr=False, metadata={"fitted": True})
 
 
 @dataclass(frozen=True)
@@ -79,7 +89,7 @@ class ForecasterRecord:
     attributes: Mapping[str, str | int | float] = field(default_factory=dict)
 
 
-class ForecasterKind(abc.ABC):
+class ForecasterKind:
     """Common base of all kinds of forecasters: properties of the kind, and a record of the fit.
 
     A kind forecasts trajectories (`Forecaster`), or probabilities of events without them
@@ -107,25 +117,66 @@ class ForecasterKind(abc.ABC):
     searched_as: ClassVar[str] = ""
     """Another kind whose search finds its hyperparameters; empty: its own."""
 
-    @abc.abstractmethod
-    def record(self) -> ForecasterRecord:
-        """Return the record from which `restore` recreates the forecaster."""
+    learns_parameters: ClassVar[bool] = False
+    """Whether it is `aware` and learns how the flow depends on parameters; equations need not."""
 
     @classmethod
-    @abc.abstractmethod
-    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
-        """Make a forecaster from its record."""
+    def option_fields(cls) -> "list[dataclasses.Field[Any]]":
+        """Fields that are options: all that `fit` does not fill in."""
+        assert dataclasses.is_dataclass(cls)
+        return [one for one in dataclasses.fields(cls) if not one.metadata.get("fitted")]
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Options by name."""
+        return {option.name: getattr(self, option.name) for option in self.option_fields()}
+
+    def record(self) -> ForecasterRecord:
+        """Return the record from which `restore` recreates the forecaster.
+
+        By default it holds all fitted fields, which must be arrays, numbers or texts.
+
+        Raises
+        ------
+        TypeError
+            If a fitted field is of another type: the kind then defines `record` and `restore`.
+        """
+        arrays, attributes = {}, {}
+        for name in sorted(set(vars(self)) & self._fitted_names()):
+            value = getattr(self, name)
+            if isinstance(value, np.ndarray):
+                arrays[name] = np.asarray(value, dtype=np.float64)
+            elif isinstance(value, str | int | float | np.number):
+                attributes[name] = value.item() if isinstance(value, np.number) else value
+            else:
+                raise TypeError(
+                    f"{type(self).__name__}.{name} is {type(value).__name__}, which no file holds: "
+                    "make it an array, a number or a text, or define record and restore"
+                )
+        return ForecasterRecord(arrays, attributes)
+
+    def restore(self, record: ForecasterRecord, case: ForecastingCase) -> Self:
+        """Return this forecaster with what a record says was fitted."""
+        names = self._fitted_names()
+        values = {**record.arrays, **record.attributes}
+        return self.with_fitted(**{name: values[name] for name in names})
+
+    def with_fitted(self, **values: Any) -> Self:
+        """Return a forecaster with the same options and these fitted fields."""
+        return dataclasses.replace(self, **values)  # type: ignore[type-var]
+
+    @classmethod
+    def _fitted_names(cls) -> set[str]:
+        assert dataclasses.is_dataclass(cls)
+        return {one.name for one in dataclasses.fields(cls) if one.metadata.get("fitted")}
 
 
-class Forecaster(ForecasterKind):
+class Forecaster(ForecasterKind, abc.ABC):
     """Continues many observed series at once."""
 
-    @classmethod
     @abc.abstractmethod
-    def fit(
-        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
-    ) -> Self:
-        """Learn from series.
+    def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
+        """Return a forecaster that has learnt from series, with the same options.
 
         Parameters
         ----------
@@ -133,9 +184,6 @@ class Forecaster(ForecasterKind):
             Observed training series, ``(series, time, dimension)``.
         case
             What may be known beside them.
-        parameters
-            Schedules of the training series, ``(series, time - 1, parameters)``; None: the case's
-            own values throughout.
 
         Raises
         ------
@@ -143,12 +191,21 @@ class Forecaster(ForecasterKind):
             If the kind is made otherwise: networks have a search for hyperparameters.
         """
 
+    def fit_under(
+        self, training: FloatArray, case: ForecastingCase, schedules: FloatArray | None
+    ) -> Self:
+        """Fit to series under schedules of parameters, which kinds that are not `aware` ignore.
+
+        ``schedules``: ``(series, time - 1, parameters)``; None: the case's own values throughout.
+        """
+        return self.fit(training, case)
+
     def leave_one_out(
         self,
         training: FloatArray,
         case: ForecastingCase,
         washout: int,
-        parameters: FloatArray | None = None,
+        schedules: FloatArray | None = None,
     ) -> Iterator[Self]:
         """Forecasters that have learnt from all training series but one, for each one in turn.
 
@@ -156,12 +213,10 @@ class Forecaster(ForecasterKind):
 
         Parameters
         ----------
-        training, case
-            As `fit` was given them.
+        training, case, schedules
+            As `fit_under` was given them.
         washout
             Steps at the beginning of each series that training leaves out.
-        parameters
-            As `fit` was given them.
 
         Raises
         ------
@@ -171,27 +226,32 @@ class Forecaster(ForecasterKind):
         if len(training) < 2:
             raise ValueError("leaving one series out takes two training series at least")
         for row in range(len(training)):
-            others = None if parameters is None else np.delete(parameters, row, axis=0)
-            yield self.fit(np.delete(training, row, axis=0), case, others)
+            others = None if schedules is None else np.delete(schedules, row, axis=0)
+            yield self.fit_under(np.delete(training, row, axis=0), case, others)
 
     @abc.abstractmethod
-    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+    def start(self, washout: FloatArray) -> FloatArray:
         """Memory after an observed washout.
 
         Parameters
         ----------
         washout
             Observed states up to and including the starting point, ``(steps, dimension, batch)``.
-        parameters
-            Values in force from each of them to the next, ``(steps - 1, parameters, batch)``; None:
-            the case's own.
 
         Returns
         -------
         Memory, ``(..., batch)``.
         """
 
-    def ensemble(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+    def start_under(self, washout: FloatArray, schedule: FloatArray | None) -> FloatArray:
+        """Memory after a washout under a schedule of parameters (`start`).
+
+        ``schedule``: Values in force from each observed state to the next, ``(steps - 1,
+        parameters, batch)``; None: the case's own.
+        """
+        return self.start(washout)
+
+    def ensemble(self, washout: FloatArray) -> FloatArray:
         """Memories of all members of an ensemble after an observed washout, equally likely.
 
         By default, the memory of `start` is the only member. A kind with several overrides this
@@ -200,23 +260,25 @@ class Forecaster(ForecasterKind):
 
         Parameters
         ----------
-        washout, parameters
+        washout
             As for `start`.
 
         Returns
         -------
         ``(..., members, batch)``. With its last two axes flattened it is a memory of `advance`.
         """
-        return self.start(washout, parameters)[..., np.newaxis, :]
+        return self.start(washout)[..., np.newaxis, :]
+
+    def ensemble_under(self, washout: FloatArray, schedule: FloatArray | None) -> FloatArray:
+        """Memories of all members after a washout under a schedule (`ensemble`, `start_under`)."""
+        return self.ensemble(washout)
 
     def combined(self, ensemble: FloatArray) -> FloatArray:
         """Memory of the single forecast that an ensemble stands for: `start` of its washout."""
         return ensemble[..., 0, :]
 
     @abc.abstractmethod
-    def advance(
-        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray]:
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Forecast the next steps.
 
         Parameters
@@ -226,15 +288,22 @@ class Forecaster(ForecasterKind):
             side.
         steps
             Steps of the forecast.
-        parameters
-            Values that will be in force during each of them, ``(steps, parameters, batch)``; None:
-            the case's own.
 
         Returns
         -------
         Forecast states ``(steps, dimension, batch)``, the first one step after the starting point
         or after the last forecast state, and the memory from which the forecast goes on.
         """
+
+    def advance_under(
+        self, memory: FloatArray, steps: int, schedule: FloatArray | None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Forecast the next steps under a schedule of parameters (`advance`).
+
+        ``schedule``: Values in force during each step, ``(steps, parameters, batch)``; None: the
+        case's own.
+        """
+        return self.advance(memory, steps)
 
     def advance_tangent(
         self, memory: FloatArray, tangent: FloatArray, steps: int
@@ -263,6 +332,11 @@ class Forecaster(ForecasterKind):
             If the kind provides no derivative.
         """
         raise NotImplementedError(f"{type(self).__name__} does not linearise its forecasts")
+
+    @classmethod
+    def linearises(cls) -> bool:
+        """Whether the kind linearises its forecasts, so that it has Lyapunov exponents."""
+        return cls.advance_tangent is not Forecaster.advance_tangent
 
     def diverged(self, outputs: FloatArray) -> BoolArray:
         """Mark forecasts ``(steps, dimension, batch)`` that are not finite."""

@@ -45,14 +45,14 @@ class FilteredEquations(FilteredForecaster):
     @cached_property
     def _static_gain(self) -> FloatArray:
         assert self._maps is not None
-        noise = self.noise[:-1]
+        noise = self.errors[:-1]
         return static_gain(self._maps.covariance, self._maps.matrix, noise, STATIC_SHARE)
 
     def first_members(self, observation: FloatArray) -> FloatArray:
         """Members around an estimate of the state (see `FilteredForecaster.first_members`)."""
         if self._maps is None:
             return super().first_members(observation)
-        pairs, errors = self.members // 2, self._maps.error_covariance(self.noise[:-1])
+        pairs, errors = self.members // 2, self._maps.error_covariance(self.errors[:-1])
         directions = leading_directions(errors, pairs)
         count = directions.shape[1]
         apart = symmetric_members(np.zeros((count, 1)), np.ones(count), self.members)[..., 0]

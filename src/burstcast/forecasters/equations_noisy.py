@@ -4,14 +4,14 @@ What separates it from the equations that see the truth is the error of the pres
 """
 
 from dataclasses import dataclass, fields
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.encoders.state_maps import StateMaps
 from burstcast.forecasters._integrated import IntegratedForecaster
-from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters, integrate_scheduled
 
@@ -28,52 +28,55 @@ class EquationsFromObservation(IntegratedForecaster):
     aware: ClassVar[bool] = True
 
     #: equations under other parameters than the case's own, for schedules; None: there are none
-    parameters: Parameters | None = None
+    in_force: Parameters | None = fitted()
     #: between states of the equations and channels of the case; None: they are equal
-    maps: StateMaps | None = None
+    maps: StateMaps | None = fitted()
 
-    @classmethod
-    def fit(
-        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
-    ) -> Self:
+    def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Nothing is learnt: the equations are known."""
-        return cls.restore(ForecasterRecord(vars(case.maps) if case.maps else {}), case)
+        return self.restore(ForecasterRecord(vars(case.maps) if case.maps else {}), case)
 
     def record(self) -> ForecasterRecord:
         """Nothing was learnt: only the maps to and from channels."""
         return ForecasterRecord(vars(self.maps) if self.maps else {})
 
-    @classmethod
-    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+    def restore(self, record: ForecasterRecord, case: ForecastingCase) -> Self:
         """Take the equations of the case."""
-        steps = case.time_step, case.sampling_stride
+        steps: dict[str, Any] = {
+            "time_step": case.time_step,
+            "sampling_stride": case.sampling_stride,
+        }
         if case.source is not None:
             maps = StateMaps(**{one.name: record.arrays[one.name] for one in fields(StateMaps)})
-            return cls(case.source, *steps, maps=maps)
+            return self.with_fitted(system=case.source, maps=maps, **steps)
         if not isinstance(case.system, DynamicalSystem):
             raise ValueError("measured series have no equations to forecast with")
-        return cls(case.system, *steps, case.parameters)
+        return self.with_fitted(system=case.system, in_force=case.parameters, **steps)
 
-    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+    def start(self, washout: FloatArray) -> FloatArray:
         """Last state of the washout, ``(dimension, batch)``, decoded where it is encoded."""
         if self.maps is None:
             return super().start(washout)
         return self.maps.estimates(washout[-1, :-1])
 
-    def advance(
-        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Integrate the equations under a schedule (see `Forecaster.advance`)."""
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Integrate the equations (see `Forecaster.advance`); encode what was decoded."""
+        states, memory = super().advance(memory, steps)
         if self.maps is not None:
-            states, memory = super().advance(memory, steps)
-            return _with_observable(self.maps, self.system, states), memory
-        if parameters is None:
-            return super().advance(memory, steps)
-        if self.parameters is None:
+            states = _with_observable(self.maps, self.system, states)
+        return states, memory
+
+    def advance_under(
+        self, memory: FloatArray, steps: int, schedule: FloatArray | None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Integrate the equations under a schedule (see `Forecaster.advance_under`)."""
+        if self.maps is not None or schedule is None:
+            return self.advance(memory, steps)
+        if self.in_force is None:
             raise ValueError("a schedule was given, but the case has no parameters")
-        self.parameters.check(parameters, steps, memory.shape[-1])
+        self.in_force.check(schedule, steps, memory.shape[-1])
         samples = integrate_scheduled(
-            self.parameters, parameters, memory, self.time_step, self.sampling_stride
+            self.in_force, schedule, memory, self.time_step, self.sampling_stride
         )
         return samples[1:], samples[-1]
 

@@ -14,41 +14,37 @@ from burstcast.esn.readout import Readout
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.tangent import ClosedLoopTangent
 from burstcast.esn.training import TrainingSeries, train, train_leaving_one_out
+from burstcast.forecasters._options import NetworkOptions
 from burstcast.forecasters._reservoirs import recorded_dynamics, restored_dynamics
-from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
+from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase, fitted
 
 
 @dataclass(frozen=True)
-class NetworkForecaster(Forecaster):
+class NetworkForecaster(NetworkOptions, Forecaster):
     """An echo state network: open loop over the washout, closed loop from there on."""
 
     has_search: ClassVar[bool] = True
 
-    network: EchoStateNetwork  #: the trained network
-    seed: ReservoirSeed  #: what its reservoir is made from
-    #: a forecast beyond this many training ranges of any component has diverged; None: not judged
-    divergence_bound: float | None
+    network: EchoStateNetwork = fitted()  #: the trained network
+    seed: ReservoirSeed = fitted()  #: what its reservoir is made from
 
     def __repr__(self) -> str:
+        if self.network is None:
+            return f"NetworkForecaster(readout={self.readout!r})"
         return f"NetworkForecaster(seed {self.seed.seed}: {self.network!r})"
 
-    @classmethod
-    def fit(
-        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
-    ) -> Self:
+    def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Refuse: a network needs hyperparameters, which a search finds."""
         raise NotImplementedError("networks are trained with hyperparameters that a search finds")
 
-    @classmethod
     def trained(
-        cls,
+        self,
         dynamics: Dynamics,
         seed: ReservoirSeed,
         training: TrainingSeries,
         *,
         washout: int,
         tikhonov: float,
-        divergence_bound: float | None,
         **knowledge: Any,
     ) -> Self:
         """Train a network on all series.
@@ -57,20 +53,20 @@ class NetworkForecaster(Forecaster):
         """
         readout = train(dynamics, training, washout=washout, tikhonov=tikhonov)
         network = EchoStateNetwork(dynamics, readout, training.input_range)
-        return cls(network, seed, divergence_bound, **knowledge)
+        return self.with_fitted(network=network, seed=seed, **knowledge)
 
     def leave_one_out(
         self,
         training: FloatArray,
         case: ForecastingCase,
         washout: int,
-        parameters: FloatArray | None = None,
+        schedules: FloatArray | None = None,
     ) -> Iterator[Self]:
         """Train the readout again without each series (see `Forecaster.leave_one_out`)."""
         network = self.network
         readouts = train_leaving_one_out(
             network.dynamics,
-            self._training_series(training, parameters),
+            self._training_series(training, schedules),
             washout=washout,
             tikhonov=network.readout.tikhonov,
         )
@@ -78,7 +74,7 @@ class NetworkForecaster(Forecaster):
             yield replace(self, network=replace(network, readout=readout))
 
     def _training_series(
-        self, training: FloatArray, parameters: FloatArray | None
+        self, training: FloatArray, schedules: FloatArray | None
     ) -> TrainingSeries:
         """Series that the network is trained on."""
         return TrainingSeries(training, self.network.input_range)
@@ -96,11 +92,10 @@ class NetworkForecaster(Forecaster):
             },
         )
 
-    @classmethod
-    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+    def restore(self, record: ForecasterRecord, case: ForecastingCase) -> Self:
         """Make the reservoir anew, and put the readout to it."""
         attributes, input_range = record.attributes, record.arrays["input_range"]
-        seed, dynamics = restored_dynamics(attributes, len(input_range), case.options["backend"])
+        seed, dynamics = restored_dynamics(attributes, len(input_range), self.backend)
         readout = Readout(
             weights=np.ascontiguousarray(record.arrays["weights"]),
             tikhonov=float(attributes["tikhonov"]),
@@ -108,21 +103,17 @@ class NetworkForecaster(Forecaster):
             reciprocal_condition=float(attributes["reciprocal_condition"]),
         )
         network = EchoStateNetwork(dynamics, readout, input_range)
-        bound = case.options["divergence_bound"]
-        return cls(network, seed, bound, **cls._knowledge(record, case))
+        return self.with_fitted(network=network, seed=seed, **self._knowledge(record, case))
 
-    @classmethod
-    def _knowledge(cls, record: ForecasterRecord, case: ForecastingCase) -> dict[str, Any]:
+    def _knowledge(self, record: ForecasterRecord, case: ForecastingCase) -> dict[str, Any]:
         """Fields of a kind that has more than a network."""
         return {}
 
-    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+    def start(self, washout: FloatArray) -> FloatArray:
         """Reservoir states after the washout, ``(neurons, batch)``."""
         return self.network.washout(washout)
 
-    def advance(
-        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray]:
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Closed loop (see `Forecaster.advance`)."""
         return self.network.forecast(memory, steps)
 

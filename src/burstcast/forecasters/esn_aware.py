@@ -18,33 +18,37 @@ from burstcast.forecasters._aware import (
     recorded_factors,
     restored_factors,
 )
-from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
+from burstcast.forecasters._options import AwareOptions
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.systems.parameters import Parameters
 
 
 @dataclass(frozen=True)
-class AwareNetworkForecaster(NetworkForecaster):
+class AwareNetworkForecaster(AwareOptions, NetworkForecaster):
     """An echo state network whose closed loop follows a schedule."""
 
     aware: ClassVar[bool] = True
+    learns_parameters: ClassVar[bool] = True
 
     #: function from values of the parameters to the factors that the readout is linear in
-    factors: ParameterFactors
-    parameters: Parameters  #: the parameters, and their values in the case
+    factors: ParameterFactors = fitted()
+    in_force: Parameters = fitted()  #: the parameters, and their values in the case
 
     def __repr__(self) -> str:
+        if self.network is None:
+            return f"AwareNetworkForecaster(by {', '.join(self.parameters)})"
         return (
             f"AwareNetworkForecaster(seed {self.seed.seed}: {self.network!r}, "
             f"by {', '.join(self.factors.names)})"
         )
 
     def _training_series(
-        self, training: FloatArray, parameters: FloatArray | None
+        self, training: FloatArray, schedules: FloatArray | None
     ) -> TrainingSeries:
-        if parameters is None:
+        if schedules is None:
             raise ValueError("the training series of this network have schedules")
-        return TrainingSeries(training, self.network.input_range, self.factors(parameters))
+        return TrainingSeries(training, self.network.input_range, self.factors(schedules))
 
     def record(self) -> ForecasterRecord:
         """Record of a plain network with the scaling of the parameters."""
@@ -53,30 +57,37 @@ class AwareNetworkForecaster(NetworkForecaster):
             {**network.arrays, **scaling.arrays}, {**network.attributes, **scaling.attributes}
         )
 
-    @classmethod
-    def _knowledge(cls, record: ForecasterRecord, case: ForecastingCase) -> dict[str, Any]:
-        return {"factors": restored_factors(record, case), "parameters": parameters_of(case)}
+    def _knowledge(self, record: ForecasterRecord, case: ForecastingCase) -> dict[str, Any]:
+        return {"factors": restored_factors(record, case), "in_force": parameters_of(case)}
 
-    def advance(
-        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Closed loop under the case's own values (see `Forecaster.advance`)."""
+        return self.advance_under(memory, steps, None)
+
+    def advance_under(
+        self, memory: FloatArray, steps: int, schedule: FloatArray | None
     ) -> tuple[FloatArray, FloatArray]:
-        """Closed loop under a schedule (see `Forecaster.advance`)."""
+        """Closed loop under a schedule (see `Forecaster.advance_under`)."""
         batch = memory.shape[-1]
-        if parameters is None:
-            parameters = self.parameters.constant(steps, batch)
-        self.parameters.check(parameters, steps, batch)
-        return self.network.forecast(memory, steps, self.factors.of_schedule(parameters))
+        if schedule is None:
+            schedule = self.in_force.constant(steps, batch)
+        self.in_force.check(schedule, steps, batch)
+        return self.network.forecast(memory, steps, self.factors.of_schedule(schedule))
 
     @cached_property
     def _tangent(self) -> ClosedLoopTangent:
         # perturbations grow under the case's own values
         return ClosedLoopTangent(
-            self.network.under(self.factors(self.parameters.constant(1, 1)[0, :, 0]))
+            self.network.under(self.factors(self.in_force.constant(1, 1)[0, :, 0]))
         )
 
 
 def factored_training(
-    observed: FloatArray, input_range: FloatArray, schedules: FloatArray, case: ForecastingCase
+    observed: FloatArray,
+    input_range: FloatArray,
+    schedules: FloatArray,
+    case: ForecastingCase,
+    options: AwareOptions,
 ) -> tuple[TrainingSeries, ParameterFactors]:
     """Training series of a network that knows the parameters, for its search and its training.
 
@@ -84,5 +95,5 @@ def factored_training(
     ``(dimension,)``. ``schedules``: Values in force from each sample to the next, ``(series, time -
     1, parameters)``.
     """
-    factors = fitted_factors(schedules, case)
+    factors = fitted_factors(schedules, case, options)
     return TrainingSeries(observed, input_range, factors(schedules)), factors

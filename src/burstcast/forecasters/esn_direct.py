@@ -18,8 +18,9 @@ from burstcast.forecasters._event_classifier import (
     LabelledPoints,
     with_known,
 )
+from burstcast.forecasters._options import DirectReadoutOptions, NetworkOptions
 from burstcast.forecasters._reservoirs import recorded_dynamics, restored_dynamics
-from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.probability.alarms import average_precision
 from burstcast.probability.logistic_readout import event_probability, fit_logistic
 from burstcast.probability.outcomes import outcomes_by_series
@@ -31,87 +32,94 @@ _POINTS_PER_BATCH = 1024
 
 
 @dataclass(frozen=True)
-class DirectReadout(EventClassifier):
+class DirectReadout(NetworkOptions, DirectReadoutOptions, EventClassifier):
     """Probabilities from the state of a reservoir after the washout."""
 
-    dynamics: Dynamics  #: reservoir with its hyperparameters
-    seed: ReservoirSeed  #: what the reservoir is made from
+    dynamics: Dynamics = fitted()  #: reservoir with its hyperparameters
+    seed: ReservoirSeed = fitted()  #: what the reservoir is made from
     #: range of each observed component in training, by which inputs are divided
-    input_range: FloatArray
+    input_scale: FloatArray = fitted()
     #: weights of the state's neurons, of what is known in advance, and last the bias, for each
     #: window, ``(neurons + known features + 1, windows)``
-    weights: FloatArray
-    penalty: float  #: strength of the penalty on squared weights of neurons of unit variance
+    weights: FloatArray = fitted()
+    chosen_penalty: float = fitted()  #: one of ``penalty``
 
-    @classmethod
-    def fit(cls, points: LabelledPoints, case: ForecastingCase) -> Self:
+    def fit(self, points: LabelledPoints, case: ForecastingCase) -> Self:
         """Choose hyperparameters where several are given, and fit the readout to all points.
 
         The choice has the largest average precision on every third training series, averaged over
         windows, by readouts that have learnt from the others.
         """
-        options = case.options
-        names = ("random_seed", "neurons", "connectivity", "input_bias")
-        root, neurons, connectivity, bias = (options[name] for name in names)
-        seed = ReservoirSeed(root, neurons, 0, connectivity, bias)
+        drawn = case.random_seed, self.neurons, 0, self.connectivity, self.input_bias
+        seed = ReservoirSeed(*drawn)
         observed = points.washouts
         first = points.series == points.series.min()
-        ranged = observed[first] if options["input_range"] == "first" else observed
-        input_range = np.ptp(ranged.reshape(-1, observed.shape[2]), axis=0)
+        ranged = observed[first] if self.input_range == "first" else observed
+        input_scale = np.ptp(ranged.reshape(-1, observed.shape[2]), axis=0)
         reservoir = seed.reservoir(observed.shape[2])
-        choices = [options[name] for name in _SEARCHED]
+        choices = [getattr(self, name) for name in _SEARCHED]
         *applied, penalties = choices
         best, highest = [some[0] for some in choices], -np.inf
 
         def driven(radius: float, scaling: float, leak_rate: float) -> Dynamics:
-            kind = options["backend"], leak_rate, options["readout"]
-            return Dynamics(reservoir, radius, scaling, *kind)
+            return Dynamics(reservoir, radius, scaling, self.backend, leak_rate, self.readout)
 
         several = np.prod([len(some) for some in choices]) > 1
         for point in product(*applied) if several else ():
             dynamics = driven(*point)
-            states = with_known(_states(dynamics, observed / input_range), points.known)
+            states = with_known(_states(dynamics, observed / input_scale), points.known)
             for penalty in penalties:
                 score = _validation_score(states, points, penalty)
                 if score > highest:
                     best, highest = [*point, penalty], score
         *chosen, penalty = best
         dynamics = driven(*chosen)
-        states = with_known(_states(dynamics, observed / input_range), points.known)
+        states = with_known(_states(dynamics, observed / input_scale), points.known)
         weights = fit_logistic(states, points.happened, penalty)
-        return cls(dynamics, seed, input_range, weights, penalty)
+        return self.with_fitted(
+            dynamics=dynamics,
+            seed=seed,
+            input_scale=input_scale,
+            weights=weights,
+            chosen_penalty=float(penalty),
+        )
 
-    def tuned(self, case: ForecastingCase) -> ForecastingCase:
-        """Case with the chosen hyperparameters alone (see `EventClassifier.tuned`)."""
-        dynamics = self.dynamics
-        chosen = (dynamics.spectral_radius, dynamics.input_scaling, dynamics.leak_rate)
-        options = {
-            name: [value] for name, value in zip(_SEARCHED, (*chosen, self.penalty), strict=True)
-        }
-        return replace(case, options={**case.options, **options})
+    def tuned(self) -> Self:
+        """Classifier with the chosen hyperparameters alone (see `EventClassifier.tuned`)."""
+        return replace(
+            self,
+            spectral_radius=(self.dynamics.spectral_radius,),
+            input_scaling=(self.dynamics.input_scaling,),
+            leak_rate=(self.dynamics.leak_rate,),
+            penalty=(self.chosen_penalty,),
+        )
 
     def probabilities(self, washouts: FloatArray, known: FloatArray | None = None) -> FloatArray:
         """Probability of an event in each window (see `EventClassifier.probabilities`)."""
-        states = _states(self.dynamics, washouts / self.input_range)
+        states = _states(self.dynamics, washouts / self.input_scale)
         return event_probability(self.weights, with_known(states, known))
 
     def record(self) -> ForecasterRecord:
         """Readout, normalisation and seed of the reservoir, without large matrices."""
         return ForecasterRecord(
-            {"weights": self.weights, "input_range": self.input_range},
+            {"weights": self.weights, "input_range": self.input_scale},
             {
                 **recorded_dynamics(self.seed, self.dynamics),
-                "penalty": self.penalty,
+                "penalty": self.chosen_penalty,
             },
         )
 
-    @classmethod
-    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+    def restore(self, record: ForecasterRecord, case: ForecastingCase) -> Self:
         """Make the reservoir anew, and put the readout to it."""
-        said, input_range = record.attributes, record.arrays["input_range"]
-        seed, dynamics = restored_dynamics(said, len(input_range), case.options["backend"])
-        weights = np.ascontiguousarray(record.arrays["weights"])
-        return cls(dynamics, seed, input_range, weights, float(said["penalty"]))
+        attributes, input_scale = record.attributes, record.arrays["input_range"]
+        seed, dynamics = restored_dynamics(attributes, len(input_scale), self.backend)
+        return self.with_fitted(
+            dynamics=dynamics,
+            seed=seed,
+            input_scale=input_scale,
+            weights=np.ascontiguousarray(record.arrays["weights"]),
+            chosen_penalty=float(attributes["penalty"]),
+        )
 
 
 def _states(dynamics: Dynamics, washouts: FloatArray) -> FloatArray:

@@ -11,47 +11,35 @@ from typing import Self
 import numpy as np
 
 from burstcast.arrays import FloatArray
-from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase
+from burstcast.forecasters.base import Forecaster, ForecastingCase, fitted
 
 
 @dataclass(frozen=True)
 class LinearInverseModel(Forecaster):
     """Next state = propagator @ state + constant."""
 
-    propagator: FloatArray  #: ``(dimension, dimension)``
-    constant: FloatArray
+    propagator: FloatArray = fitted()  #: ``(dimension, dimension)``
+    constant: FloatArray = fitted()  #: ``(dimension,)``
 
     def __repr__(self) -> str:
-        return f"LinearInverseModel({len(self.constant)} components)"
+        components = "" if self.constant is None else f"{len(self.constant)} components"
+        return f"LinearInverseModel({components})"
 
-    @classmethod
-    def fit(
-        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
-    ) -> Self:
+    def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Fit the map by least squares over all steps of all series (see `Forecaster.fit`)."""
         dimension = training.shape[2]
         now = training[:, :-1].reshape(-1, dimension)
         following = training[:, 1:].reshape(-1, dimension)
         inputs = np.column_stack([now, np.ones(len(now))])
         weights = np.linalg.lstsq(inputs, following)[0]
-        return cls(np.ascontiguousarray(weights[:-1].T), weights[-1])
+        propagator = np.ascontiguousarray(weights[:-1].T)
+        return self.with_fitted(propagator=propagator, constant=weights[-1])
 
-    def record(self) -> ForecasterRecord:
-        """Propagator and constant."""
-        return ForecasterRecord({"propagator": self.propagator, "constant": self.constant})
-
-    @classmethod
-    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
-        """Put propagator and constant together again."""
-        return cls(record.arrays["propagator"], record.arrays["constant"])
-
-    def start(self, washout: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+    def start(self, washout: FloatArray) -> FloatArray:
         """Last observed state, ``(dimension, batch)``."""
         return np.ascontiguousarray(washout[-1])
 
-    def advance(
-        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray]:
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Apply the map again and again (see `Forecaster.advance`)."""
         outputs = np.empty((steps, *memory.shape))
         state = memory

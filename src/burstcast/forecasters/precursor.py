@@ -4,7 +4,7 @@ The classifiers come from `burstcast.probability.precursor`.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Self
 
 from burstcast import durations
@@ -14,40 +14,38 @@ from burstcast.forecasters._event_classifier import (
     LabelledPoints,
     with_known,
 )
-from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
-from burstcast.probability.precursor import Precursor, PrecursorOptions, precursor_features
+from burstcast.forecasters._options import PrecursorOptions
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
+from burstcast.probability.precursor import Precursor, PrecursorTraining, precursor_features
 
 
 @dataclass(frozen=True)
-class LearntPrecursor(EventClassifier):
+class LearntPrecursor(PrecursorOptions, EventClassifier):
     """Probabilities by a classifier for each prediction window.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from burstcast.forecasters._options import options_of_kind
-    >>> from burstcast.forecasters.registry import classifier_class
+    >>> from burstcast.forecasters.precursor import LearntPrecursor
     >>> from burstcast.systems.lorenz63 import Lorenz63
     >>> generator = np.random.default_rng(0)
     >>> washouts = generator.normal(size=(2000, 9, 3))   # points, steps, components
     >>> happened = washouts[:, -1, :1] > 1.0             # points, windows
     >>> points = LabelledPoints(washouts, happened, series=np.arange(2000) // 500)
-    >>> options = options_of_kind("precursor") | {"classifier": "logistic"}
-    >>> case = ForecastingCase(Lorenz63(), 0.01, 1, 20, options)
-    >>> fitted = classifier_class("precursor").fit(points, case)
-    >>> found = fitted.probabilities(generator.normal(size=(5, 9, 3)))
-    >>> found.shape
+    >>> case = ForecastingCase(Lorenz63(), time_step=0.01, sampling_stride=1,
+    ...     steps_per_lyapunov_time=20)
+    >>> precursor = LearntPrecursor(classifier="logistic").fit(points, case)
+    >>> precursor.probabilities(generator.normal(size=(5, 9, 3))).shape
     (5, 1)
     """
 
-    precursor: Precursor  #: the classifiers, fitted
+    precursor: Precursor = fitted()  #: the classifiers
 
-    @classmethod
-    def fit(cls, points: LabelledPoints, case: ForecastingCase) -> Self:
+    def fit(self, points: LabelledPoints, case: ForecastingCase) -> Self:
         """Fit the classifiers to the present and the lags of each point."""
-        options = precursor_options(case)
-        features = with_known(precursor_features(points.washouts, options.lags), points.known)
-        return cls(Precursor.fit(features, points.happened, options))
+        training = self._training(case)
+        features = with_known(precursor_features(points.washouts, training.lags), points.known)
+        return self.with_fitted(precursor=Precursor.fit(features, points.happened, training))
 
     def probabilities(self, washouts: FloatArray, known: FloatArray | None = None) -> FloatArray:
         """Probability of an event in each window (see `EventClassifier.probabilities`)."""
@@ -58,17 +56,14 @@ class LearntPrecursor(EventClassifier):
         """Training data of the classifiers, which are fitted again."""
         return ForecasterRecord(self.precursor.record())
 
-    @classmethod
-    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+    def restore(self, record: ForecasterRecord, case: ForecastingCase) -> Self:
         """Fit the classifiers again, to the same bits."""
-        return cls(Precursor.restore(record.arrays, precursor_options(case)))
+        return self.with_fitted(precursor=Precursor.restore(record.arrays, self._training(case)))
 
-
-def precursor_options(case: ForecastingCase) -> PrecursorOptions:
-    """Options of a case, with its lags in steps."""
-    lags = lag_steps(case.options["lags_lt"], case.steps_per_lyapunov_time)
-    names = {field.name for field in fields(PrecursorOptions)} - {"lags"}
-    return PrecursorOptions(lags=lags, **{name: case.options[name] for name in names})
+    def _training(self, case: ForecastingCase) -> PrecursorTraining:
+        """Options of the training, with lags in steps."""
+        lags = lag_steps(self.lags_lt, case.steps_per_lyapunov_time)
+        return PrecursorTraining(self.classifier, lags)
 
 
 def lag_steps(

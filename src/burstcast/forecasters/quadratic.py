@@ -11,7 +11,8 @@ from burstcast import durations
 from burstcast.arrays import FloatArray
 from burstcast.data.observation_noise import observation_noise
 from burstcast.forecasters._integrated import IntegratedForecaster
-from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
+from burstcast.forecasters._options import ObservationOptions, QuadraticOptions
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.polynomials.regression import SIGNIFICANCE, polynomial_coefficients
 from burstcast.polynomials.system import PolynomialSystem
 
@@ -26,42 +27,44 @@ def window_steps(window_lt: float, steps_per_lyapunov_time: int, length: int) ->
 
 
 @dataclass(frozen=True)
-class QuadraticModel(IntegratedForecaster):
+class QuadraticModel(ObservationOptions, QuadraticOptions, IntegratedForecaster):
     """Integrates learnt equations from the last state of the washout."""
 
     may_diverge: ClassVar[bool] = True
 
     #: coefficients of the equations, ``(monomials, dimension)``, in inverse time units
-    coefficients: FloatArray
+    coefficients: FloatArray = fitted()
 
     def __repr__(self) -> str:
+        if self.coefficients is None:
+            return f"QuadraticModel(degree={self.degree}, window_lt={self.window_lt:g})"
         terms, components = int((self.coefficients != 0).sum()), self.coefficients.shape[1]
         return f"QuadraticModel({terms} terms of {components} components)"
 
-    @classmethod
-    def fit(
-        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
-    ) -> Self:
+    def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Learn the equations (see `Forecaster.fit`)."""
-        options = case.options
-        window = window_steps(options["window_lt"], case.steps_per_lyapunov_time, training.shape[1])
+        window = window_steps(self.window_lt, case.steps_per_lyapunov_time, training.shape[1])
         coefficients = polynomial_coefficients(
             training,
-            observation_noise(training, options["noise"]),
+            observation_noise(training, self.noise),
             case.time_step * case.sampling_stride,
-            options["degree"],
+            self.degree,
             window,
             SIGNIFICANCE,
         )
-        return cls.restore(ForecasterRecord({"coefficients": coefficients}), case)
+        return self.restore(ForecasterRecord({"coefficients": coefficients}), case)
 
     def record(self) -> ForecasterRecord:
         """Coefficients of the equations."""
         return ForecasterRecord({"coefficients": self.coefficients})
 
-    @classmethod
-    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+    def restore(self, record: ForecasterRecord, case: ForecastingCase) -> Self:
         """Make the equations from their coefficients."""
         coefficients = record.arrays["coefficients"]
-        system = PolynomialSystem(coefficients, case.options["degree"], case.system)
-        return cls(system, case.time_step, case.sampling_stride, coefficients)
+        system = PolynomialSystem(coefficients, self.degree, case.system)
+        return self.with_fitted(
+            system=system,
+            time_step=case.time_step,
+            sampling_stride=case.sampling_stride,
+            coefficients=coefficients,
+        )

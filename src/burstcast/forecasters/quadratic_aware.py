@@ -20,16 +20,18 @@ from burstcast.forecasters._aware import (
     restored_factors,
 )
 from burstcast.forecasters._integrated import IntegratedForecaster
-from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
+from burstcast.forecasters._options import AwareOptions, ObservationOptions, QuadraticOptions
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.forecasters.quadratic import window_steps
 from burstcast.polynomials.basis import monomials
 from burstcast.polynomials.regression import SIGNIFICANCE, factored_coefficients
 from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.parameters import Parameters, stretches
+from burstcast.systems.state_space import StateSpace
 
 
 @dataclass(frozen=True)
-class AwareQuadraticModel(IntegratedForecaster):
+class AwareQuadraticModel(ObservationOptions, QuadraticOptions, AwareOptions, IntegratedForecaster):
     """Integrates learnt equations under a schedule from the last state of the washout.
 
     The system has the factors as further components of its state, which do not change by
@@ -38,36 +40,42 @@ class AwareQuadraticModel(IntegratedForecaster):
 
     may_diverge: ClassVar[bool] = True
     aware: ClassVar[bool] = True
+    learns_parameters: ClassVar[bool] = True
 
-    coefficients: FloatArray  #: ``(1 + factors, monomials, dimension)``, in inverse time units
-    factors: ParameterFactors  #: function from values of the parameters to the factors
-    parameters: Parameters  #: the parameters, and their values in the case
+    #: ``(1 + factors, monomials, dimension)``, in inverse time units
+    coefficients: FloatArray = fitted()
+    factors: ParameterFactors = fitted()  #: function from values of the parameters to the factors
+    in_force: Parameters = fitted()  #: the parameters, and their values in the case
 
     def __repr__(self) -> str:
+        if self.coefficients is None:
+            return f"AwareQuadraticModel(by {', '.join(self.parameters)})"
         terms = [int((block != 0).sum()) for block in self.coefficients]
         return (
             f"AwareQuadraticModel({' + '.join(map(str, terms))} terms of "
             f"{self.coefficients.shape[2]} components, by {', '.join(self.factors.names)})"
         )
 
-    @classmethod
-    def fit(
-        cls, training: FloatArray, case: ForecastingCase, parameters: FloatArray | None = None
+    def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
+        """Refuse series whose parameters do not vary (see `Forecaster.fit`)."""
+        return self.fit_under(training, case, None)
+
+    def fit_under(
+        self, training: FloatArray, case: ForecastingCase, schedules: FloatArray | None
     ) -> Self:
-        """Learn the equations (see `Forecaster.fit`)."""
-        factors = fitted_factors(parameters, case)
-        assert parameters is not None
-        options = case.options
+        """Learn the equations (see `Forecaster.fit_under`)."""
+        factors = fitted_factors(schedules, case, self)
+        assert schedules is not None
         coefficients = factored_coefficients(
             training,
-            observation_noise(training, options["noise"]),
+            observation_noise(training, self.noise),
             case.time_step * case.sampling_stride,
-            options["degree"],
-            window_steps(options["window_lt"], case.steps_per_lyapunov_time, training.shape[1]),
+            self.degree,
+            window_steps(self.window_lt, case.steps_per_lyapunov_time, training.shape[1]),
             SIGNIFICANCE,
-            factors(parameters),
+            factors(schedules),
         )
-        return cls._of(coefficients, factors, case)
+        return self._of(coefficients, factors, case)
 
     def record(self) -> ForecasterRecord:
         """Coefficients of the equations, and how the parameters are scaled."""
@@ -76,30 +84,36 @@ class AwareQuadraticModel(IntegratedForecaster):
             {"coefficients": self.coefficients, **scaling.arrays}, scaling.attributes
         )
 
-    @classmethod
-    def restore(cls, record: ForecasterRecord, case: ForecastingCase) -> Self:
+    def restore(self, record: ForecasterRecord, case: ForecastingCase) -> Self:
         """Make the equations from their coefficients."""
-        return cls._of(record.arrays["coefficients"], restored_factors(record, case), case)
+        return self._of(record.arrays["coefficients"], restored_factors(record, case), case)
 
-    @classmethod
     def _of(
-        cls, coefficients: FloatArray, factors: ParameterFactors, case: ForecastingCase
+        self, coefficients: FloatArray, factors: ParameterFactors, case: ForecastingCase
     ) -> Self:
-        system = _with_factors(coefficients, case)
-        return cls(
-            system, case.time_step, case.sampling_stride, coefficients, factors, parameters_of(case)
+        return self.with_fitted(
+            system=_with_factors(coefficients, self.degree, case.system),
+            time_step=case.time_step,
+            sampling_stride=case.sampling_stride,
+            coefficients=coefficients,
+            factors=factors,
+            in_force=parameters_of(case),
         )
 
-    def advance(
-        self, memory: FloatArray, steps: int, parameters: FloatArray | None = None
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Integrate the equations under the case's own values (see `Forecaster.advance`)."""
+        return self.advance_under(memory, steps, None)
+
+    def advance_under(
+        self, memory: FloatArray, steps: int, schedule: FloatArray | None
     ) -> tuple[FloatArray, FloatArray]:
-        """Integrate the equations under a schedule (see `Forecaster.advance`)."""
+        """Integrate the equations under a schedule (see `Forecaster.advance_under`)."""
         dimension, batch = memory.shape
-        if parameters is None:
-            parameters = self.parameters.constant(steps, batch)
-        self.parameters.check(parameters, steps, batch)
+        if schedule is None:
+            schedule = self.in_force.constant(steps, batch)
+        self.in_force.check(schedule, steps, batch)
         outputs, state = np.empty((steps, dimension, batch)), memory
-        for part, factors in stretches(self.factors.of_schedule(parameters)):
+        for part, factors in stretches(self.factors.of_schedule(schedule)):
             samples, last = super().advance(
                 np.concatenate([state, factors]), part.stop - part.start
             )
@@ -111,7 +125,7 @@ class AwareQuadraticModel(IntegratedForecaster):
     ) -> tuple[FloatArray, FloatArray]:
         """Integrate the linearised equations under the case's own values, too."""
         dimension, batch = memory.shape
-        factors = self.factors.of_schedule(self.parameters.constant(1, batch))[0]
+        factors = self.factors.of_schedule(self.in_force.constant(1, batch))[0]
         still = np.zeros((len(factors), *tangent.shape[1:]))
         state, grown = super().advance_tangent(
             np.concatenate([memory, factors]), np.concatenate([tangent, still]), steps
@@ -122,19 +136,19 @@ class AwareQuadraticModel(IntegratedForecaster):
 class _ExtendedSpace:
     """States with factors appended, with the observable of the states."""
 
-    def __init__(self, case: ForecastingCase) -> None:
-        self._space = case.system
-        self.observable_name = case.system.observable_name
-        self.observable_symbol = case.system.observable_symbol
-        self.dimension = case.system.dimension
+    def __init__(self, space: StateSpace) -> None:
+        self._space = space
+        self.observable_name = space.observable_name
+        self.observable_symbol = space.observable_symbol
+        self.dimension = space.dimension
 
     def observable(self, state: FloatArray) -> FloatArray:
         return self._space.observable(state[: self.dimension])
 
 
-def _with_factors(coefficients: FloatArray, case: ForecastingCase) -> PolynomialSystem:
+def _with_factors(coefficients: FloatArray, degree: int, space: StateSpace) -> PolynomialSystem:
     """Equations of states with factors appended: each learnt term times its factor."""
-    degree, (blocks, _, dimension) = case.options["degree"], coefficients.shape
+    blocks, _, dimension = coefficients.shape
     row = {
         factors: number
         for number, factors in enumerate(monomials(dimension + blocks - 1, degree + 1))
@@ -144,4 +158,4 @@ def _with_factors(coefficients: FloatArray, case: ForecastingCase) -> Polynomial
         factor = (dimension + block - 1,) if block else ()
         for monomial, values in zip(monomials(dimension, degree), of_block, strict=True):
             extended[row[monomial + factor], :dimension] = values
-    return PolynomialSystem(extended, degree + 1, _ExtendedSpace(case))
+    return PolynomialSystem(extended, degree + 1, _ExtendedSpace(space))

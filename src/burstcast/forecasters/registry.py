@@ -1,11 +1,24 @@
-"""Forecasters by name: the module ``burstcast.forecasters.<kind>`` holds the kind ``<kind>``.
+"""Forecasters by name, of this package and of modules of the user.
 
-A new kind is one new module with one concrete subclass of `Forecaster`, or of `EventClassifier`, in
-it; nothing has to be registered. Modules with a leading underscore hold what several kinds share.
+The module ``burstcast.forecasters.<kind>`` holds the kind ``<kind>``. A forecaster of one's own is
+named by its module and class, ``my_models:NVAR``: any module that Python finds. A kind is one
+concrete subclass of `Forecaster`, or of `EventClassifier`; nothing has to be registered. Modules
+with a leading underscore hold what several kinds share.
 """
 
+import inspect
+from collections.abc import Mapping
+from typing import Any
+
 import burstcast.forecasters
-from burstcast.discovery import concrete_classes, module_names, suggestion
+from burstcast.discovery import (
+    checked_values,
+    concrete_classes,
+    module_names,
+    module_of,
+    own_class,
+    suggestion,
+)
 from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasters.base import Forecaster, ForecasterKind
 
@@ -13,75 +26,119 @@ _OTHERS = ("base", "registry")
 
 
 def available_kinds() -> list[str]:
-    """Names of all the kinds that learn from series alone, sorted."""
-    learning = [kind for kind in all_kinds() if not learns_parameters(kind)]
-    return [kind for kind in learning if not kind_class(kind).from_files]
+    """Names of all the kinds of this package that learn from series alone, sorted."""
+    return [kind for kind in all_kinds() if not kind_class(kind).learns_parameters]
 
 
 def all_kinds() -> list[str]:
-    """Names of all kinds, sorted."""
+    """Names of all kinds of this package, sorted."""
     return [name for name in module_names(burstcast.forecasters) if name not in _OTHERS]
 
 
 def trajectory_kinds() -> list[str]:
-    """Names of the kinds that forecast trajectories, sorted."""
+    """Names of the kinds of this package that forecast trajectories, sorted."""
     return [kind for kind in available_kinds() if kind_class(kind).has_trajectories]
 
 
-def linearises(kind: str) -> bool:
-    """Whether a kind linearises its forecasts, so that it has Lyapunov exponents."""
-    found = kind_class(kind)
-    return issubclass(found, Forecaster) and found.advance_tangent is not Forecaster.advance_tangent
-
-
-def learns_parameters(kind: str) -> bool:
-    """Whether a kind learns how the flow depends on parameters; equations need not learn."""
-    found = kind_class(kind)
-    return found.aware and not found.needs_equations
-
-
 def kind_class(kind: str) -> type[ForecasterKind]:
-    """Find the class of the forecasters of a kind: "esn", "equations", "precursor", ..."""
+    """Find the class of a kind: "esn", "precursor", or "my_models:NVAR" of one's own."""
+    if ":" in kind:
+        return own_class(kind, ForecasterKind, "forecaster")
     if kind not in (available := all_kinds()):
         raise ValueError(
-            f"unknown kind of forecaster {kind!r}{suggestion(kind, available)}; "
-            f"the available kinds are {', '.join(available)}"
+            f"unknown kind of forecaster {kind!r}{suggestion(kind, available)}; the available "
+            f"kinds are {', '.join(available)}; a class in a module of yours is named "
+            "<module>:<class>"
         )
-    classes = concrete_classes(burstcast.forecasters, kind, ForecasterKind)  # type: ignore[type-abstract]
+    classes = concrete_classes(burstcast.forecasters, kind, ForecasterKind)
     if len(classes) != 1:
-        names = ", ".join(found.__name__ for found in classes) or "none"
+        names = ", ".join(candidate.__name__ for candidate in classes) or "none"
         raise TypeError(f"burstcast.forecasters.{kind} must define one forecaster, not {names}")
     return classes[0]
 
 
-def forecaster_class(kind: str) -> type[Forecaster]:
-    """Find the class of the forecasters of a kind that forecasts trajectories.
+def make_kind(kind: str, options: Mapping[str, Any]) -> ForecasterKind:
+    """Make an unfitted forecaster, or classifier, of a kind.
+
+    Parameters
+    ----------
+    kind
+        As for `kind_class`.
+    options
+        Values of its options; those that are left out have their default.
+
+    Raises
+    ------
+    ValueError
+        If there is no such kind or option, or a value is of another type than the option.
 
     Examples
     --------
-    >>> from burstcast.forecasters.registry import available_kinds, forecaster_class
-    >>> forecaster_class("analogues").__name__, "esn" in available_kinds()
-    ('Analogues', True)
+    >>> make_kind("nvar", {"lags": 3})
+    NVAR(lags=3, ridge=1e-06)
     """
-    found = kind_class(kind)
-    if not issubclass(found, Forecaster):
+    return make_kind_of(kind_class(kind), options)
+
+
+def make_kind_of(kind: type[ForecasterKind], options: Mapping[str, Any]) -> ForecasterKind:
+    """Make an unfitted forecaster of a class (`make_kind`)."""
+    name = kind_name(kind)
+    values = checked_values(f"forecaster {name!r}", "option", kind, options)
+    try:
+        return kind(**values)
+    except (ValueError, ArithmeticError):
+        raise
+    except Exception as error:  # a mistake in the class
+        text = f"the forecaster {name} cannot be made: {type(error).__name__}: {error}"
+        raise ValueError(text) from error
+
+
+def make_forecaster(kind: str, options: Mapping[str, Any]) -> Forecaster:
+    """Make an unfitted forecaster of a kind that forecasts trajectories (`make_kind`)."""
+    return as_forecaster(make_kind(kind, options))
+
+
+def as_forecaster(kind: ForecasterKind) -> Forecaster:
+    """A forecaster of trajectories; refuses classifiers."""
+    if not isinstance(kind, Forecaster):
         raise ValueError(
-            f"{kind} gives probabilities of events without a trajectory "
-            "(burstcast.forecasters.registry.classifier_class); take a kind that forecasts states"
+            f"{kind_name(type(kind))} gives probabilities of events without a trajectory: take a "
+            "kind that forecasts states"
         )
-    return found
+    return kind
 
 
-def classifier_class(kind: str) -> type[EventClassifier]:
-    """Find the class of a kind that gives probabilities without trajectories.
-
-    Examples
-    --------
-    >>> from burstcast.forecasters.registry import classifier_class
-    >>> classifier_class("precursor").has_trajectories
-    False
-    """
-    found = kind_class(kind)
-    if not issubclass(found, EventClassifier):
+def make_classifier(kind: str, options: Mapping[str, Any]) -> EventClassifier:
+    """Make an unfitted classifier of events (`make_kind`); refuses forecasters of trajectories."""
+    classifier = make_kind(kind, options)
+    if not isinstance(classifier, EventClassifier):
         raise ValueError(f"{kind} forecasts trajectories, from which probabilities follow")
-    return found
+    return classifier
+
+
+def kind_name(kind: type[ForecasterKind]) -> str:
+    """Name of a kind, by which `kind_class` finds it."""
+    package, _, module = kind.__module__.rpartition(".")
+    if package == burstcast.forecasters.__name__:
+        return module
+    return f"{kind.__module__}:{kind.__qualname__}"
+
+
+def kind_module(kind: str) -> str:
+    """Full name of the module of a kind."""
+    return module_of(kind, burstcast.forecasters)
+
+
+def sections_of_kind(kind: str) -> tuple[str, ...]:
+    """Sections of options that a kind of this package has (`burstcast.forecasters._options`)."""
+    bases = inspect.getmro(kind_class(kind))
+    return tuple(vars(base)["section"] for base in bases if "section" in vars(base))
+
+
+def options_of_kind(kind: str, sections: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """Options of a kind of this package, from all of its sections; empty if it has none."""
+    return {
+        name: value
+        for section in sections_of_kind(kind)
+        for name, value in sections.get(section, {}).items()
+    }

@@ -8,10 +8,9 @@ from burstcast.forecasters.base import ForecastingCase
 
 
 def out_of_sample_probabilities(
-    kind: type[EventClassifier],
+    classifier: EventClassifier,
     points: LabelledPoints,
     case: ForecastingCase,
-    folds: int,
     washouts: FloatArray,
     series: IntArray,
     known: FloatArray | None = None,
@@ -22,19 +21,19 @@ def out_of_sample_probabilities(
     probabilities of a classifier that has learnt from all other folds. Where no event, or nothing
     but events, follow the points of those in a window, the probability is 0, or 1.
 
-    ``kind``, ``points``, ``case``: What is fitted, to what, and what it knows
-    (`EventClassifier.fit`). ``folds``: Number of folds; with as many as training series, or more,
-    each series is left out alone. ``washouts``: Observed states up to the points that are forecast,
-    ``(points, steps, dimension)``. ``series``: Row of the training series of each of them,
-    ``(points,)``. ``known``: Further features of each of them, as of ``points``. Shape ``(points,
-    windows)``.
+    ``classifier``, ``points``, ``case``: What is fitted, to what, and what it knows
+    (`EventClassifier.fit`). Its option ``folds`` is the number of folds; with as many as training
+    series, or more, each series is left out alone. ``washouts``: Observed states up to the points
+    that are forecast, ``(points, steps, dimension)``. ``series``: Row of the training
+    series of each of them, ``(points,)``. ``known``: Further features of each of them, as of
+    ``points``. Shape ``(points, windows)``.
     """
     rows = np.unique(np.concatenate([points.series, series]))
-    count = min(folds, len(rows))
+    count = min(classifier.folds, len(rows))
     if count < 2:
         raise ValueError(
             "probabilities of training points by classifiers that have not learnt from them take "
-            f"two training series and two folds at least, not {len(rows)} and {folds}"
+            f"two training series and two folds at least, not {len(rows)} and {classifier.folds}"
         )
     found = np.empty((len(washouts), points.happened.shape[1]))
     for fold in range(count):
@@ -44,7 +43,7 @@ def out_of_sample_probabilities(
         found[here] = share
         both = (share > 0) & (share < 1)
         if here.any() and both.any():
-            fitted = kind.fit(points.of(others, both), case)
+            fitted = classifier.fit(points.of(others, both), case)
             further = None if known is None else known[here]
             found[np.ix_(here, both)] = fitted.probabilities(washouts[here], further)
     return found

@@ -15,7 +15,6 @@ import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.discovery import suggestion
-from burstcast.forecasters._options import DEFAULTS
 
 CLASSIFIERS = ("boosting", "logistic")
 """Gradient boosting of trees; logistic regression on features and their products."""
@@ -29,10 +28,10 @@ squared coefficients of features of unit variance."""
 
 
 @dataclass(frozen=True)
-class PrecursorOptions:
+class PrecursorTraining:
     """Options of a precursor's training."""
 
-    classifier: str = DEFAULTS["precursor"]["classifier"]  #: one of `CLASSIFIERS`
+    classifier: str = "boosting"  #: one of `CLASSIFIERS`
     #: steps before the present whose components are features, beside the present components
     lags: Sequence[int] = ()
 
@@ -76,18 +75,18 @@ class Precursor:
     >>> generator = np.random.default_rng(0)
     >>> features = generator.normal(size=(2000, 2))
     >>> happened = features[:, :1] ** 2 > 2.0
-    >>> precursor = Precursor.fit(features, happened, PrecursorOptions("logistic"))
+    >>> precursor = Precursor.fit(features, happened, PrecursorTraining("logistic"))
     >>> precursor.probabilities(np.array([[0.0, 0.0], [3.0, 0.0]])).round().ravel().tolist()
     [0.0, 1.0]
     """
 
-    options: PrecursorOptions
+    options: PrecursorTraining
     features: FloatArray
     happened: BoolArray
     classifiers: tuple[Any, ...]
 
     @classmethod
-    def fit(cls, features: FloatArray, happened: BoolArray, options: PrecursorOptions) -> Self:
+    def fit(cls, features: FloatArray, happened: BoolArray, options: PrecursorTraining) -> Self:
         """Fit the classifiers.
 
         Parameters
@@ -133,12 +132,12 @@ class Precursor:
         return {"features": self.features, "happened": self.happened.astype(np.float64)}
 
     @classmethod
-    def restore(cls, record: Mapping[str, FloatArray], options: PrecursorOptions) -> Self:
+    def restore(cls, record: Mapping[str, FloatArray], options: PrecursorTraining) -> Self:
         """Precursor from its `record`: fitted again, to the same bits."""
         return cls.fit(record["features"], record["happened"] > 0.5, options)
 
 
-def _classifier(options: PrecursorOptions) -> Any:
+def _classifier(options: PrecursorTraining) -> Any:
     """Estimator of scikit-learn that has not been fitted."""
     # imported late: it takes longer than all the rest of the library
     if options.classifier == "boosting":

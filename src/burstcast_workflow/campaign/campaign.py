@@ -10,15 +10,14 @@ from burstcast.control.setting_names import is_option
 from burstcast.control.strategies.registry import strategy_class
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import ForecasterName, parsed
-from burstcast.forecasters._options import options_of_kind
-from burstcast.forecasters.base import ForecasterKind
-from burstcast.forecasters.registry import kind_class, learns_parameters, linearises
+from burstcast.forecasters.base import Forecaster, ForecasterKind
+from burstcast.forecasters.registry import kind_class, options_of_kind
 from burstcast.natural_order import natural_order
 from burstcast.tuning.strategies.registry import scanned_with, strategy_module
 from burstcast_workflow.config.case import Case
 from burstcast_workflow.config.cases import cases_of
 from burstcast_workflow.config.control_plans import ControlPlan, block_plans, paper_plan
-from burstcast_workflow.config.forecasters import Choice, NetworkAxes
+from burstcast_workflow.config.forecasters import Choice, NetworkAxes, OwnForecaster
 from burstcast_workflow.config.kinds import Section
 from burstcast_workflow.config.model import Configuration, StrategyBlock
 
@@ -148,7 +147,7 @@ class Campaign:
         Networks that know the parameters and are trained on the same series share the search of the
         first case, and networks with true washouts the searches of networks with noisy ones.
         """
-        case = self.sources(one.case)[0] if learns_parameters(one.name.kind) else one.case
+        case = self.sources(one.case)[0] if one.kind.learns_parameters else one.case
         kind = one.kind.searched_as or one.name.kind
         return CaseForecaster(case, replace(one.name, kind=kind))
 
@@ -196,7 +195,7 @@ class Campaign:
         return tuple(
             one
             for one in self._chosen(self.config.statistics.forecasters)
-            if not (self.cases[one.case].known and learns_parameters(one.name.kind))
+            if not (self.cases[one.case].known and one.kind.learns_parameters)
         )
 
     @cached_property
@@ -204,7 +203,11 @@ class Campaign:
         """Forecasters whose own flow's Lyapunov exponents are computed: of kinds that can."""
         if self.config.statistics.lyapunov_exponents == 0:
             return ()
-        return tuple(one for one in self.long_term_forecasters if linearises(one.name.kind))
+        return tuple(
+            one
+            for one in self.long_term_forecasters
+            if issubclass(one.kind, Forecaster) and one.kind.linearises()
+        )
 
     def _chosen(self, choice: Choice) -> tuple[CaseForecaster, ...]:
         """Forecasters of the kinds that a choice names, with values of axes that it allows."""
@@ -346,7 +349,7 @@ class Campaign:
     @cached_property
     def aware_cases(self) -> tuple[str, ...]:
         """Cases of equations with forecasters that know their parameters."""
-        known = {one.case for one in self.forecasters if learns_parameters(one.name.kind)}
+        known = {one.case for one in self.forecasters if one.kind.learns_parameters}
         return self.where(lambda case: case.has_equations and case.name in known)
 
     @cached_property
@@ -405,8 +408,24 @@ class Campaign:
         return {name: case.given() for name, case in self.cases.items()}
 
     def options(self, kind: str, case: str = "", label: str | None = None) -> dict[str, Any]:
-        """Settings of a kind of forecasters, in a case, from all of its sections."""
+        """Options of a kind of forecasters: from all of its sections in a case.
+
+        Options of a class of one's own are those of its block.
+        """
+        if kind == "none":  # of controllers that ask no forecaster
+            return {}
+        if ":" in kind:
+            return self._own_options[kind, label]
         return options_of_kind(kind, self.sections(case, label))
+
+    @cached_property
+    def _own_options(self) -> dict[tuple[str, str | None], dict[str, Any]]:
+        """Options of classes of one's own, by kind and label."""
+        return {
+            (kind, own.label): own.options
+            for block in self.config.campaign
+            for kind, own in block.forecasters.own.items()
+        }
 
     def modules(self, wildcards: Mapping[str, str]) -> dict[str, list[str]]:
         """Modules that a job reaches by a name, by the package whose registry finds them.
@@ -491,7 +510,7 @@ def _names(kind: str, axes: Section | dict[str, Section]) -> Iterator[Forecaster
         yield from (ForecasterName(kind, label=label) for label in axes)
         return
     if not isinstance(axes, NetworkAxes):
-        yield ForecasterName(kind)
+        yield ForecasterName(kind, label=axes.label if isinstance(axes, OwnForecaster) else None)
         return
     labels: list[str | None] = [*axes.variants] or [None]
     for label, neurons, validation in product(labels, axes.neurons, axes.validation):

@@ -5,7 +5,7 @@ from functools import cached_property
 from typing import Any
 
 from burstcast.forecasters._names import ForecasterName
-from burstcast.forecasters.registry import kind_class, learns_parameters
+from burstcast.forecasters.registry import kind_class
 from burstcast_workflow.campaign.campaign import Campaign, name_of
 from burstcast_workflow.config.control_plans import ControlPlan
 from burstcast_workflow.harness.canonical import canonical
@@ -98,12 +98,13 @@ def _is_told_parameters(job: JobFacts) -> bool:
     plan = job.plan
     told = plan and plan.make().told
     switched = job.case in job.campaign.switched_cases
-    return bool(told) or switched or learns_parameters(job.name.kind)
+    return bool(told) or switched or kind_class(job.name.kind).learns_parameters
 
 
 _CONCERNS: Mapping[str, Callable[[JobFacts], bool]] = {
     "case.training.noise": lambda job: not job.sees_truth,
     "forecasters.aware": _is_told_parameters,
+    "forecaster.source": lambda job: _decodes(job),
     # controllers may ask no forecaster
     "forecaster.options": lambda job: (
         "controller" not in job.wildcards or job.name.asks_forecasters
@@ -120,17 +121,17 @@ _CONCERNS: Mapping[str, Callable[[JobFacts], bool]] = {
 
 
 def _options(job: JobFacts) -> dict[str, Any]:
-    """Settings of the forecaster's kind, but for the bound of divergence.
-
-    Forecasters that go on with equations from decoded states of another case are given these.
-    """
+    """Settings of the forecaster's kind, but for the bound of divergence."""
     options = _all_options(job)
     options.pop("divergence_bound", None)
-    solves = job.name.asks_forecasters and kind_class(job.name.kind).needs_equations
-    seen = job.campaign.cases.get(job.observed or job.case)
-    if solves and seen is not None and seen.is_encoded:
-        options["source"] = job.campaign.cases[job.case].source_system
     return options
+
+
+def _decodes(job: JobFacts) -> bool:
+    """Whether the forecaster goes on with equations from decoded states of another case."""
+    seen = job.campaign.cases.get(job.observed or job.case)
+    solves = job.name.asks_forecasters and kind_class(job.name.kind).needs_equations
+    return solves and seen is not None and seen.is_encoded
 
 
 def _all_options(job: JobFacts) -> dict[str, Any]:
@@ -162,6 +163,7 @@ def _run(job: JobFacts) -> dict[str, Any]:
 
 _VALUES: Mapping[str, Callable[[JobFacts], Any]] = {
     "forecaster.options": _options,
+    "forecaster.source": lambda job: job.campaign.cases[job.case].source_system,
     "forecaster.divergence_bound": lambda job: _all_options(job).get("divergence_bound"),
     "forecasters.aware": _aware,
     "statistics.duration": _duration,

@@ -21,9 +21,8 @@ from burstcast.control.actuation import actuated_system
 from burstcast.control.timing import Schedule
 from burstcast.data.parameter_factors import ParameterFactors
 from burstcast.data.starting_points import starting_points
-from burstcast.forecasters._options import sections_of_kind
 from burstcast.forecasters.precursor import lag_steps
-from burstcast.forecasters.registry import kind_class, learns_parameters
+from burstcast.forecasters.registry import kind_class, sections_of_kind
 from burstcast.statistics.warning_signs import FEW_POSITIVES
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class, system_module
@@ -54,7 +53,7 @@ class CaseChecks:
     def __init__(self, config: Configuration, name: str) -> None:
         self.config, self.name = config, name
         self.blocks, self.kinds = config.blocks_of(name), config.kinds_of(name)
-        self.learning = [*filter(learns_parameters, self.kinds)]
+        self.learning = [kind for kind in self.kinds if kind_class(kind).learns_parameters]
 
     def problems(self) -> Iterator[str]:
         """Mistakes in the case."""

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from burstcast.data.training_realisations import realisation_of
+from burstcast.forecasters.registry import kind_module
 from burstcast.statistics.densities import SETTLED
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import system_class, system_module
@@ -115,12 +116,14 @@ _ORTHONORMALISATION_STEPS = 5
 
 
 def own_modules(config: Mapping[str, Any]) -> dict[str, list[str] | None]:
-    """Modules of the user's own that the campaign's systems lie in, and the files that they read.
+    """Modules of the user's own systems and forecasters, and the files that they read.
 
     The files are None where no case of the module has the setting ``files``.
     """
-    found: dict[str, list[str] | None] = {}
-    for case in cases_of(Configuration.model_validate(config)).values():
+    sound = Configuration.model_validate(config)
+    blocks = [block.forecasters.own for block in sound.campaign]
+    found: dict[str, list[str] | None] = {kind_module(kind): None for own in blocks for kind in own}
+    for case in cases_of(sound).values():
         if isinstance(case, Simulated) and ":" in case.system:
             module = system_module(case.system)
             said = [files for files in (found.get(module), case.files) if files is not None]

@@ -7,6 +7,7 @@ Bounds of one setting that are other settings stand in the model, what holds wit
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -93,8 +94,17 @@ def _campaign(config: Configuration) -> Iterator[str]:
             yield f"forecasters.variants.{name}: esn_{name} is another kind; take another name"
         if "connectivity" in variant.model_fields_set:
             connectivity = max(connectivity, variant.connectivity)
+    named: dict[tuple[str, str | None], tuple[str, Any]] = {}
     for index, block in enumerate(config.campaign):
         place = f"campaign[{index}]"
+        for kind, own in block.forecasters.own.items():
+            key = kind.rpartition(":")[2], own.label
+            if named.setdefault(key, (kind, own.options)) != (kind, own.options):
+                yield (
+                    f"{place}.forecasters: {kind} and another forecaster of the campaign are both "
+                    f"called {'_'.join(filter(None, key))} in tables; give one of them a label: "
+                    f"{{{kind}: {{label: other, ...}}}}"
+                )
         if not block.case_names:
             yield f"{place} names no case: give it reynolds: [...] or cases: [...]"
         for name in block.cases:

@@ -3,13 +3,13 @@
 import os
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, create_model, model_validator
+from pydantic import AfterValidator, ConfigDict, Field, create_model, model_validator
 from pydantic_core import PydanticCustomError
 
 from burstcast.compiled.backends import usable_backend
 from burstcast.esn.readout import ReadoutKind
-from burstcast.forecasters._options import DEFAULTS
-from burstcast.forecasters.registry import all_kinds
+from burstcast.forecasters._options import SECTIONS
+from burstcast.forecasters.registry import all_kinds, make_kind
 from burstcast_workflow.config.kinds import (
     Count,
     Distinct,
@@ -41,15 +41,62 @@ KINDS = Words("a list of kinds, or a mapping of kinds to their axes, {} where th
 Alone = Annotated[NoAxes | None, Words("{}, or null for none")]
 
 
+class OwnForecaster(Section):
+    """A forecaster of one's own, `<module>:<class>`: its options, and a label beside them."""
+
+    model_config = ConfigDict(extra="allow")
+
+    label: Label | None = optional("name beside the name of the class, in tables and paths")
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Options, without the label."""
+        return dict(self.model_extra or {})
+
+
+OwnKind = Annotated[
+    str,
+    Field(pattern=r"^[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*:[A-Za-z_]\w*\Z"),
+    Words("<module>:<class> of your own"),
+]
+
+
+def _sound(own: dict[str, OwnForecaster]) -> dict[str, OwnForecaster]:
+    for kind, forecaster in own.items():
+        try:
+            make_kind(kind, forecaster.options)
+        except (ValueError, TypeError) as error:
+            raise PydanticCustomError("between", f"has {kind}: {error}") from None
+    return own
+
+
+OwnForecasters = Annotated[dict[OwnKind, OwnForecaster], AfterValidator(_sound)]
+
+
 class Chosen(Section):
     """Kinds of forecasters, with the axes of each kind."""
+
+    own: OwnForecasters = setting(
+        "classes of your own, `<module>:<class>`, with their options; they may stand beside the "
+        "kinds of this list",
+        default={},
+    )
 
     @model_validator(mode="before")
     @classmethod
     def _mapping(cls, said: Any) -> Any:
-        """A list of kinds, names or mappings of names to axes, as one mapping."""
-        if not isinstance(said, list):
-            return said
+        """One mapping of a list of kinds or of a mapping, with classes of one's own in ``own``."""
+        kinds = cls._of_list(said) if isinstance(said, list) else said
+        if not isinstance(kinds, dict):
+            return kinds
+        own = {kind: {} if of is None else of for kind, of in kinds.items() if ":" in str(kind)}
+        if not own:
+            return kinds
+        others = {kind: axes for kind, axes in kinds.items() if kind not in own}
+        return {**others, "own": {**others.get("own", {}), **own}}
+
+    @staticmethod
+    def _of_list(said: list[Any]) -> Any:
         kinds: dict[Any, Any] = {}
         for one in said:
             if not isinstance(one, str | dict):
@@ -65,7 +112,8 @@ class Chosen(Section):
     @property
     def kinds(self) -> dict[str, Any]:
         """Axes by kind, of kinds that are not null."""
-        return {kind: axes for kind, axes in self if axes is not None}
+        kinds = {kind: axes for kind, axes in self if kind != "own" and axes is not None}
+        return {**kinds, **self.own}
 
 
 class NetworkAxes(Section):
@@ -161,7 +209,7 @@ class Choice(AllKinds):
     )
 
 
-@with_defaults(DEFAULTS["esn"])
+@with_defaults(vars(SECTIONS["esn"]()))
 class EchoStateNetwork(Section):
     """Echo state networks."""
 
@@ -195,7 +243,7 @@ else:
     Variant = part_of(EchoStateNetwork)
 
 
-@with_defaults(DEFAULTS["observation"])
+@with_defaults(vars(SECTIONS["observation"]()))
 class Observation(Section):
     """Knowledge of learnt equations and filters about the observations."""
 
@@ -206,7 +254,7 @@ class Observation(Section):
     )
 
 
-@with_defaults(DEFAULTS["filter"])
+@with_defaults(vars(SECTIONS["filter"]()))
 class Filter(Section):
     """The filter of `equations_filtered` and `quadratic_filtered`."""
 
@@ -216,7 +264,7 @@ class Filter(Section):
     inflation: float = setting("factor of the ensemble's scatter before each observation", ge=1)
 
 
-@with_defaults(DEFAULTS["quadratic"])
+@with_defaults(vars(SECTIONS["quadratic"]()))
 class Quadratic(Section):
     """Learnt equations, of `quadratic` and `quadratic_filtered`."""
 
@@ -224,14 +272,22 @@ class Quadratic(Section):
     window_lt: Positive = setting("time that the equations are integrated over, to learn them")
 
 
-@with_defaults(DEFAULTS["analogues"])
+@with_defaults(vars(SECTIONS["analogues"]()))
 class AnalogueForecasters(Section):
     """Analogues."""
 
     neighbours: Count = setting("number of analogues, whose mean is the forecast")
 
 
-@with_defaults(DEFAULTS["classifiers"])
+@with_defaults(vars(SECTIONS["nvar"]()))
+class NonlinearVectorAutoregression(Section):
+    """Nonlinear vector autoregression, `nvar`."""
+
+    lags: Count = setting("number of last states that the next one depends on")
+    ridge: Positive = setting("Tikhonov parameter, for features of standardised states")
+
+
+@with_defaults(vars(SECTIONS["classifiers"]()))
 class Classifiers(Section):
     """Training of `precursor` and `esn_direct`, which give probabilities without a trajectory."""
 
@@ -243,7 +299,7 @@ class Classifiers(Section):
     )
 
 
-@with_defaults(DEFAULTS["precursor"])
+@with_defaults(vars(SECTIONS["precursor"]()))
 class Precursor(Section):
     """Learnt precursors, `precursor`."""
 
@@ -255,7 +311,7 @@ class Precursor(Section):
     )
 
 
-@with_defaults(DEFAULTS["esn_direct"])
+@with_defaults(vars(SECTIONS["esn_direct"]()))
 class DirectReadout(Section):
     """Reservoirs that are read out for the event, `esn_direct`; `esn` has all other settings."""
 
@@ -268,7 +324,7 @@ class DirectReadout(Section):
     )
 
 
-@with_defaults(DEFAULTS["aware"])
+@with_defaults(vars(SECTIONS["aware"]()))
 class Aware(Section):
     """Kinds that know the parameters in force, whose factors what they learn is linear in."""
 
@@ -293,6 +349,7 @@ class Forecasters(Section):
     filter: Filter = setting("", default_factory=Filter)
     quadratic: Quadratic = setting("", default_factory=Quadratic)
     analogues: AnalogueForecasters = setting("", default_factory=AnalogueForecasters)
+    nvar: NonlinearVectorAutoregression = setting("", default_factory=NonlinearVectorAutoregression)
     classifiers: Classifiers = setting("", default_factory=Classifiers)
     precursor: Precursor = setting("", default_factory=Precursor)
     esn_direct: DirectReadout = setting("", default_factory=DirectReadout)

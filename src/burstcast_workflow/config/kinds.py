@@ -206,7 +206,7 @@ def with_defaults(values: Mapping[str, Any]) -> Callable[[type[S]], type[S]]:
 
     def given(section: type[S]) -> type[S]:
         for name, field in section.model_fields.items():
-            field.default = values[name]
+            field.default = canonical(values[name])
         return section
 
     return given

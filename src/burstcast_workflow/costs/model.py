@@ -14,7 +14,7 @@ from pathlib import Path
 
 from burstcast import durations
 from burstcast.forecasters._names import parsed
-from burstcast.forecasters.registry import kind_class, learns_parameters
+from burstcast.forecasters.registry import kind_class
 from burstcast.probability.precursor import TREES
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast_workflow.campaign.campaign import WHOSE, Campaign, name_of
@@ -87,7 +87,7 @@ class _Job:
         # states once more for each factor of the parameters that the kind knows
         factors, degree = len(options.get("parameters", [])), options.get("parameter_degree", 1)
         self.features = self.neurons * math.comb(factors + degree, degree)
-        learns = self.name.asks_forecasters and learns_parameters(self.name.kind)
+        learns = self.name.asks_forecasters and kind_class(self.name.kind).learns_parameters
         sources = len(campaign.sources(place)) if learns else 1
         self.washout = self.lt(self.config.washout_lt)
         self.rows = sources * self.training * max(0, self.samples - self.washout)

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from burstcast.discovery import suggestion
 from burstcast.figures.registry import Declaration, available_figures, declaration
-from burstcast.forecasters.registry import learns_parameters
+from burstcast.forecasters.registry import kind_class
 from burstcast.observation.velocity_sensors import PlaneFlow
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun, nearest
 from burstcast_workflow.campaign.job_settings import settings_of_job
@@ -136,7 +136,7 @@ def _parameter(campaign: Campaign, case: str) -> dict[str, Any]:
         "name": campaign.config.forecasters.aware.parameters[0],
         "values": {one: campaign.own_values(one)[0] for one in cases},
         "trained": sorted(trained),
-        "kinds": [*filter(learns_parameters, kinds)],
+        "kinds": [kind for kind in kinds if kind_class(kind).learns_parameters],
     }
 
 

@@ -17,8 +17,6 @@ from burstcast.control.windows import WindowCounts
 from burstcast.data.dataset import component_scales
 from burstcast.encoders.channels import IDENTITY, EncodedFlow, StateChannels, encoding_case
 from burstcast.files.netcdf import read_netcdf, read_record, read_rows
-from burstcast.forecasters._names import parsed
-from burstcast.forecasters.registry import kind_class
 from burstcast.observation.part import ObservedPart
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import SHARE, SystemParameters
@@ -81,8 +79,8 @@ class Controlled(Forecasting, Washed, Training):
         if forecasters:  # the options of none concern no job
             case = self.forecasting_case(aware=aware, actuation=self.actuation)
             case = replace(case, system=experiment.observed_space)
-            kind = kind_class(parsed(self.controller).kind)
-            asked = [read_kind(kind, path, case) for path in forecasters]
+            unfitted = self.unfitted()
+            asked = [read_kind(unfitted, path, case) for path in forecasters]
         noise = None
         if not any(forecaster.sees_truth for forecaster in asked):
             seen = read_rows(ensemble, "state", 0, self.training_series)

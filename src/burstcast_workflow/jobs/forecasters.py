@@ -1,6 +1,5 @@
 """Forecasters in files: their kind, and their fitted arrays and attributes."""
 
-import dataclasses
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
@@ -14,7 +13,7 @@ from burstcast.forecasters.base import (
     ForecasterRecord,
     ForecastingCase,
 )
-from burstcast.forecasters.registry import forecaster_class
+from burstcast.forecasters.registry import as_forecaster, kind_class, make_kind
 from burstcast.systems.registry import make_system
 from burstcast_workflow.harness.settings import at
 from burstcast_workflow.harness.storage import write_netcdf
@@ -23,11 +22,6 @@ from burstcast_workflow.jobs.systems import System
 from burstcast_workflow.jobs.time_unit import Clock
 
 Kind = TypeVar("Kind", bound=ForecasterKind)
-
-
-def kind_of(identifier: str) -> type[Forecaster]:
-    """Class of a forecaster, or of a controller's forecasters, by its identifier."""
-    return forecaster_class(parsed(identifier).kind)
 
 
 def write_forecaster(path: str, forecaster: ForecasterKind, provenance: Mapping[str, str]) -> None:
@@ -49,6 +43,19 @@ class Forecasting(System, Clock):
     """What forecasters of a kind know beside the data."""
 
     options: dict[str, Any] = at("forecaster.options")
+    source: dict[str, Any] | None = at("forecaster.source", otherwise=None)
+    random_seed: int = at("random_seed")
+
+    def unfitted(self, divergence_bound: float | None = None) -> ForecasterKind:
+        """The job's forecaster, or its controller's, with its options alone.
+
+        ``divergence_bound``: Given where diverged forecasts must be recognised.
+        """
+        identifier = self.identity.get("controller") or self.forecaster
+        kind, options = parsed(identifier).kind, self.options
+        if any(option.name == "divergence_bound" for option in kind_class(kind).option_fields()):
+            options = {**options, "divergence_bound": divergence_bound}
+        return make_kind(kind, options)
 
     def forecasting_case(
         self,
@@ -61,14 +68,13 @@ class Forecasting(System, Clock):
         ``aware`` says what forecasters of any kind know of parameters, ``actuation`` of which
         actuator they know the share.
         """
-        source = self.options.get("source")
-        names = (aware or self.options).get("parameters")
+        source, names = self.source, (aware or self.options).get("parameters")
         return ForecastingCase(
             system=self.space,
             time_step=self.time_step,
             sampling_stride=self.sampling_stride,
             steps_per_lyapunov_time=self.lyapunov_time,
-            options=self.options,
+            random_seed=self.random_seed,
             parameters=self.known(names, actuation) if names else None,
             source=make_system(source["system"], source["parameters"]) if source else None,
             maps=read_record(ensemble, StateMaps) if source and ensemble else None,
@@ -84,23 +90,19 @@ class Forecasting(System, Clock):
 
         ``divergence_bound``: Given where diverged forecasts must be recognised.
         """
-        case = self.forecasting_case(aware=aware)
-        return read_kind(kind_of(self.forecaster), path, case, divergence_bound)
+        unfitted = as_forecaster(self.unfitted(divergence_bound))
+        return read_kind(unfitted, path, self.forecasting_case(aware=aware))
 
 
-def read_kind(
-    kind: type[Kind], path: str, case: ForecastingCase, divergence_bound: float | None = None
-) -> Kind:
-    """Read a forecaster of a kind (see `Forecasting.read_forecaster`)."""
-    record = ForecasterRecord(read_netcdf(path), read_attributes(path))
-    options = {**case.options, "divergence_bound": divergence_bound}
-    return kind.restore(record, dataclasses.replace(case, options=options))
+def read_kind(unfitted: Kind, path: str, case: ForecastingCase) -> Kind:
+    """Read a forecaster with the options of an unfitted one (see `Forecasting.read_forecaster`)."""
+    return unfitted.restore(ForecasterRecord(read_netcdf(path), read_attributes(path)), case)
 
 
 class Observing(Forecasting, Observed):
     """What forecasters of a kind know, and what they learn from."""
 
-    def learnt_rows(self, forecaster: Forecaster | type[Forecaster], ensemble: str) -> FloatArray:
+    def learnt_rows(self, forecaster: Forecaster, ensemble: str) -> FloatArray:
         """Series that a forecaster learns from: with noise, or true ones for the exact equations.
 
         Networks with true washouts learn from noisy series: they differ in their inputs alone.

@@ -11,8 +11,8 @@ import numpy as np
 
 from burstcast import durations
 from burstcast.data.starting_points import starting_points, steps_before_events
-from burstcast.forecasters._options import sections_of_kind
 from burstcast.forecasters.quadratic import window_steps
+from burstcast.forecasters.registry import sections_of_kind
 from burstcast.statistics.long_term import FixedPointCriterion, LongTermSettings
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import VALIDATED_TOGETHER, make_strategy

@@ -8,6 +8,8 @@ from burstcast.data.parameter_factors import ParameterFactors
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
 from burstcast.forecasters._names import parsed
+from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.forecasters.registry import make_kind
 from burstcast.systems.parameters import Parameters
 from burstcast.tuning.hyperparameters import SearchSpace
 from burstcast.tuning.strategies.base import ValidationPlan
@@ -38,6 +40,17 @@ class Networks(Washed, Observed):
             self.random_seed, name.neurons, name.seed, self.connectivity, self.input_bias
         )
 
+    def unfitted(self, identifier: str, divergence_bound: float | None = None) -> NetworkForecaster:
+        """A network with its options alone.
+
+        ``divergence_bound``: Given where diverged forecasts must be recognised.
+        """
+        names = ("connectivity", "input_bias", "input_range", "readout", "backend")
+        options = {name: getattr(self, name) for name in names}
+        kind = make_kind(parsed(identifier).kind, {**options, "divergence_bound": divergence_bound})
+        assert isinstance(kind, NetworkForecaster)
+        return kind
+
     def knowledge(self, scheduled: Sequence[str]) -> dict[str, Any]:
         """Parameter inputs of a network that knows the parameters; empty for others."""
         if not scheduled:
@@ -48,7 +61,7 @@ class Networks(Washed, Observed):
         factors = ParameterFactors.of(
             parameters.names, schedules, told["transform"], told["parameter_degree"]
         )
-        return {"factors": factors, "parameters": parameters}
+        return {"factors": factors, "in_force": parameters}
 
     def learnt(self, ensemble: str, scheduled: Sequence[str] = ()) -> TrainingSeries:
         """Training series of a case as forecasters see them: scheduled ones, if there are any."""

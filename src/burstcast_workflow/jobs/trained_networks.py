@@ -5,7 +5,6 @@ from typing import Any
 
 from burstcast.forecasters.base import Forecaster
 from burstcast.tuning import trained_networks as library
-from burstcast_workflow.jobs.forecasters import kind_of
 from burstcast_workflow.jobs.networks import Networks
 
 
@@ -20,14 +19,11 @@ def trained_networks(
     seed = settings.reservoir_seed(settings.forecaster)
     series = settings.learnt(ensemble, scheduled)
     return library.trained_networks(
-        kind_of(settings.forecaster),
+        settings.unfitted(settings.forecaster, divergence_bound),
         seed,
         seed.reservoir(series.dimension),
         series,
         points,
         washout=settings.washout,
-        backend=settings.backend,
-        readout=settings.readout,
-        divergence_bound=divergence_bound,
         knowledge=settings.knowledge(scheduled),
     )

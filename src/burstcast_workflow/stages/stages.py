@@ -11,7 +11,7 @@ from snakemake.io import local
 
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import parsed
-from burstcast.forecasters.registry import learns_parameters
+from burstcast.forecasters.registry import kind_class
 from burstcast.tables.makers.registry import settings_of
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
 from burstcast_workflow.campaign.job_settings import settings_of_job
@@ -150,7 +150,7 @@ class Stages:
         """Scheduled series for a kind that learns from parameters; nothing for other kinds."""
         names = dict(wildcards.items())
         name = parsed(names.get("forecaster") or names["reservoir"])
-        if not learns_parameters(name.kind):
+        if not kind_class(name.kind).learns_parameters:
             return []
         return self.of_cases("scheduled_series.nc", self.campaign.sources(names["case"]))
 

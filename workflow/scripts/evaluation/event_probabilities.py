@@ -1,11 +1,9 @@
 """Train a classifier of events; give probabilities at the points of test and of calibration."""
 
-import dataclasses
-
 import numpy as np
 
 from burstcast.forecast.event_probabilities import EventProbabilities
-from burstcast.forecasters.registry import classifier_class
+from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
 from burstcast_workflow.harness.job import at, concerning, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import Forecasting, write_forecaster
@@ -15,9 +13,7 @@ from burstcast_workflow.jobs.probabilities import Alarms
 class Classifying(Forecasting, Alarms):
     """A classifier of events."""
 
-    random_seed: int = at("random_seed")
     calibration_series: int = at("probability.calibration_series")
-    folds: int = at("forecasters.classifiers.folds")
 
 
 @job
@@ -33,16 +29,14 @@ def event_probabilities(
 ) -> None:
     """Learn from the training set; what was learnt from is forecast out of sample."""
     times, threshold = settings.prediction_times_lt, settings.event_threshold
-    kind = classifier_class(settings.forecaster)
-    case = settings.forecasting_case()
-    options = {**case.options, "random_seed": settings.random_seed}
-    case = dataclasses.replace(case, options=options)
+    classifier, case = settings.unfitted(), settings.forecasting_case()
+    assert isinstance(classifier, EventClassifier)
     steps, points = settings.lyapunov_time, settings.forecast_points(training_set)
     known = points.known(times, steps)
     learnt = points.labelled(times, threshold, known)
     with concerning(f"case {settings.case}"):
         learnt.check(times)
-    fitted = kind.fit(learnt, case)
+    fitted = classifier.fit(learnt, case)
     test, kept = map(settings.forecast_points, (evaluation_set, calibration_set))
     # an actuation of the test series alone is not known to what has learnt without one
     told = [None if known is None else one.known(times, steps) for one in (test, kept)]
@@ -51,9 +45,7 @@ def event_probabilities(
         calibrating = fitted.probabilities(kept.data["washout"], told[1])
     else:
         asked = kept.data["washout"], kept.data["series"], told[1]
-        calibrating = out_of_sample_probabilities(
-            kind, learnt, fitted.tuned(case), settings.folds, *asked
-        )
+        calibrating = out_of_sample_probabilities(fitted.tuned(), learnt, case, *asked)
     write_forecaster(forecaster, fitted, settings.provenance)
     for path, found in ((forecast, tested), (calibration_forecast, calibrating)):
         probabilities = EventProbabilities(found, np.array(times, dtype=np.float64), threshold)

@@ -127,7 +127,7 @@ def best_plans(
     @np.errstate(over="ignore", invalid="ignore")
     def ahead(memory: FloatArray, acting: ByteArray) -> FloatArray:
         given = values.schedule(np.ascontiguousarray(acting))
-        outputs, _ = forecaster.advance(memory, len(acting), given)
+        outputs, _ = forecaster.advance_under(memory, len(acting), given)
         return observable(outputs.transpose(1, 0, 2))
 
     memory, number = informed_memory(forecaster, look, values), len(plans)

@@ -49,7 +49,7 @@ class RecedingHorizon(ForesightedStrategy):
             else:
                 memory = informed_memory(forecaster, look, values)
                 off = np.zeros((horizon - look.delay, memory.shape[-1]), dtype=bool)
-                outputs, _ = forecaster.advance(memory, len(off), values.schedule(off))
+                outputs, _ = forecaster.advance_under(memory, len(off), values.schedule(off))
                 states = outputs.transpose(1, 0, 2)
             ahead = observable(states)
             return np.asarray(((ahead >= level) & np.isfinite(ahead)).any(axis=0))
