@@ -37,7 +37,7 @@ class Analogues(AnalogueOptions, Forecaster):
 
     def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Remember the series (see `Forecaster.fit`)."""
-        return self.with_fitted(training=training)
+        return self.with_fitted(training=training.copy())
 
     @cached_property
     def _scale(self) -> FloatArray:

@@ -22,7 +22,7 @@ from burstcast.discovery import (
 from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasters.base import Forecaster, ForecasterKind
 
-_OTHERS = ("base", "registry")
+_OTHERS = ("base", "check", "registry")
 
 
 def available_kinds() -> list[str]:

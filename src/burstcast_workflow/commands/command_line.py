@@ -36,6 +36,9 @@ def _parser() -> argparse.ArgumentParser:
     check = command("check-system", "commands.check_system", "check a dynamical system")
     check.add_argument("system", help="lorenz63, ..., or <module>:<class> of your own")
     check.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help="of its equations")
+    check = command("check-forecaster", "commands.check_forecaster", "check a forecaster")
+    check.add_argument("forecaster", help="nvar, ..., or <module>:<class> of your own")
+    check.add_argument("options", nargs="*", metavar="NAME=VALUE", help="of its class")
     command("why", "commands.why", "what would run again, and why, in words", of_snakemake=True)
     command(
         "prune", "commands.prune", "list results that the campaign does not make", of_snakemake=True
