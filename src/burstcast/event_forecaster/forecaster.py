@@ -427,10 +427,7 @@ class EventForecaster(Estimator):
 
     @property
     def _kind(self) -> type[ForecasterKind]:
-        found = kind_class(self.kind)
-        if found.from_files:
-            raise ValueError(f"forecasts of the kind {self.kind} come in files: take another kind")
-        return found
+        return kind_class(self.kind)
 
     @property
     def _timing(self) -> EventTiming:

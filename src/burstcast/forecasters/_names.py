@@ -1,7 +1,7 @@
 """Identifiers of forecasters and controllers in paths, tables, figures and messages.
 
 An identifier of a forecaster is the kind, and then what tells forecasters of a kind apart:
-``equations``, ``esn-N2000-RV-seed3``, ``external-lstm``. Kinds are modules of
+``equations``, ``esn-N2000-RV-seed3``, ``esn-squares-N2000-RV-seed3``. Kinds are modules of
 `burstcast.forecasters`. A controller is a forecaster, ``none``, random alarms beside a forecaster
 (``esn-N2000-RV-seed3-random``) or a committee (``esn-N2000-RV-committee``).
 """
@@ -33,7 +33,7 @@ class ForecasterName:
     seed: int | None = None
     #: role of a controller that is no single forecaster: "committee" or "random"
     role: str | None = None
-    label: str | None = None  #: name that a user gives to forecasts from files
+    label: str | None = None  #: name that a user gives to a variant of networks
 
     @property
     def asks_forecasters(self) -> bool:

@@ -14,8 +14,7 @@ _OTHERS = ("base", "registry")
 
 def available_kinds() -> list[str]:
     """Names of all the kinds that learn from series alone, sorted."""
-    learning = [kind for kind in all_kinds() if not learns_parameters(kind)]
-    return [kind for kind in learning if not kind_class(kind).from_files]
+    return [kind for kind in all_kinds() if not learns_parameters(kind)]
 
 
 def all_kinds() -> list[str]:
