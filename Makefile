@@ -49,7 +49,6 @@ pages: $(VENV)/installed ## pages and the schema of settings, from the model and
 	$(BIN)/burstcast settings > docs/settings.md
 	$(BIN)/python -m burstcast_workflow.config.schema > workflow/schemas/config.schema.json
 	$(BIN)/python -m burstcast_report.tables_page > docs/tables.md
-	$(BIN)/burstcast benchmark leaderboard > docs/leaderboard.md
 
 # make results ARGS="collect results/paper" takes a campaign's tables first
 results: $(VENV)/installed ## docs/results.md, from the tables in docs/results

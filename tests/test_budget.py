@@ -14,10 +14,10 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BUDGET = {
-    "product, all lines": 47_700,
-    "product, code": 28_700,
-    "product, docstrings": 8_050,
-    "tests, all lines": 35_600,
+    "product, all lines": 46_700,
+    "product, code": 27_900,
+    "product, docstrings": 8_000,
+    "tests, all lines": 34_600,
 }
 ROOM = 0.02
 SUFFIXES = {".py", ".smk", ".jinja", ".css", ".js", ".html"}

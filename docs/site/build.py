@@ -46,7 +46,6 @@ NAVIGATION = {
         *("notebook", "event_forecast", "own_data", "what_if", "campaign"),
         *("tutorial_data", "data_recipes", "real_records", "tutorial", "fitzhugh_nagumo", "aware"),
         "sensors",
-        *("benchmark", "leaderboard"),
     ],
     "Results and method": [
         *("results", "studies", "method", "solver", "performance"),

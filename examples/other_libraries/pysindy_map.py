@@ -80,7 +80,8 @@ class PySINDy(Forecaster):
             past = memory.reshape(-1, dimension, memory.shape[1])
             now = np.concatenate([past[-1 - delay] for delay in (0, *delays)])
             monomials = features.fit_transform(now.T / self.spread)
-            following = np.clip(monomials @ self.coefficients[:dimension].T, -self.bound, self.bound)
+            following = monomials @ self.coefficients[:dimension].T
+            following = np.clip(following, -self.bound, self.bound)
             state = (following * self.spread[:dimension]).T
             memory = np.concatenate([memory[dimension:], state])
             outputs[step] = state * self.scale[:, np.newaxis] + self.mean[:, np.newaxis]

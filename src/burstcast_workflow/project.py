@@ -28,7 +28,6 @@ _PACKAGE = Path(__file__).resolve().parent
 # beside the workflow's files in a wheel: what they were built from
 _REVISION = "revision.txt"
 _INSTALLED = "project"
-_RESULTS = ":(exclude)workflow/benchmark/leaderboard.csv"  # grows by what it was made with
 
 
 def project_root() -> Path:
@@ -83,7 +82,7 @@ def git_revision(root: Path) -> str:
             for arguments in (
                 ["rev-parse", "--show-toplevel"],
                 ["rev-parse", "HEAD"],
-                ["status", "--porcelain", "--untracked-files=no", "--", ".", _RESULTS],
+                ["status", "--porcelain", "--untracked-files=no", "--", "."],
             )
         )
     except (OSError, subprocess.CalledProcessError):

@@ -119,14 +119,6 @@ class Records:
         """Path of the record of a file."""
         return Path(f"{self.results}/{DIRECTORY}/{self.name(path)}.json")
 
-    def names(self) -> list[str]:
-        """Names of all files that are there and have a record, from the results directory on."""
-        root = Path(f"{self.results}/{DIRECTORY}")
-        found = sorted(
-            str(record.relative_to(root)).removesuffix(".json") for record in root.rglob("*.json")
-        )
-        return [name for name in found if os.path.exists(self.path(name))]
-
     def read(self, path: str) -> tuple[Record | None, str]:
         """Read the record of a file, which may have been deleted."""
         try:

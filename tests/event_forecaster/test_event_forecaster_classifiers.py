@@ -102,8 +102,6 @@ def test_what_a_classifier_cannot_do_is_said(fitted, training, tested):
     }
     with pytest.raises(ValueError, match="a classifier needs both kinds of points"):
         burstcast.EventForecaster(**rare).fit(training)
-    with pytest.raises(ValueError, match="external come in files: take another kind"):
-        burstcast.EventForecaster(kind="external").fit(training)
 
 
 # -- scores ----------------------------------------------------------------------------------------

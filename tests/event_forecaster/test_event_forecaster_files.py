@@ -210,7 +210,7 @@ def test_a_module_that_a_file_names_is_not_imported(name, saved, tmp_path):
 
 WRONG = {
     "parameters": {
-        "kind": ["os", "../esn", "_filtered", "base", "external", ["esn"]],
+        "kind": ["os", "../esn", "_filtered", "base", ["esn"]],
         "observable": [
             {"system": "../base", "parameters": {}},
             {"system": "lorenz63", "parameters": {"sigma": [1]}},

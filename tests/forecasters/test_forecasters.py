@@ -185,7 +185,6 @@ AWARE = {"esn_aware", "quadratic_aware", "quadratic_aware_filtered"}
         ("provides_ensemble", {"analogues", *FILTERING}),
         ("has_filter", FILTERING),
         ("aware", {*INTEGRATING, *AWARE}),
-        ("from_files", {"external"}),
         ("has_search", {"esn", "esn_aware", "esn_true_washout"}),
         ("searched_as", {"esn_true_washout"}),
     ],

@@ -2,10 +2,9 @@
 
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
-from helpers_configs import ROOT, campaign, networks, tiny_campaign, tiny_with
+from helpers_configs import ROOT, campaign, networks, tiny_campaign
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -536,31 +535,3 @@ def test_channels_are_known_beforehand():
     kinds = {name: type(case) for name, case in campaign.cases.items()}
     assert kinds == {"turbulence": Simulated, **dict.fromkeys(campaign.encoded_cases, Encoded)}
     assert campaign.cases["sensors"].source is campaign.cases["turbulence"]
-
-
-def test_who_takes_part_in_what(tmp_path, monkeypatch):
-    """Of forecasts from files."""
-    monkeypatch.chdir(tmp_path)
-    external = {"b": {"files": ["right.csv"]}, "a": {"files": ["{case}.csv", "right.csv"]}}
-    for name, case in {"right.csv": "Re400", "Re400.csv": "Re400", "Re600.csv": "Re600"}.items():
-        Path(name).write_text(f"# case={case} case_version=0123456789abcdef seed=2022\n")
-    forecasters = {"persistence": {}, "analogues": {}, "external": external}
-    off = {"forecasters": {"esn": None, "equations": None}}
-    overlay = {"campaign": [{"reynolds": [400], "forecasters": forecasters}]}
-    overlay |= {"control": {**off, "strategies": []}, "statistics": off}
-    campaign = Campaign(load(tiny_with(overlay)))
-    names = [one.name.identifier for one in campaign.external_forecasters]
-    assert names == ["external-a", "external-b"]
-    for others in (
-        *(campaign.trajectory_forecasters, campaign.classifiers, campaign.fitted_forecasters),
-        *(campaign.long_term_forecasters, campaign.networks, campaign.spectrum_forecasters),
-    ):
-        assert not {one.name.kind for one in others} & {"external"}
-    kinds = {one.name.kind for one in campaign.horizon_forecasters}
-    assert kinds == {"external", "persistence", "analogues"}
-    assert campaign.alarm_thresholds("Re400") == {"external-a": 0.5, "external-b": 0.5}
-    other = {"external": {"c": {"files": ["{case}.csv"], "alarm_threshold": 0.3}}}
-    overlay["campaign"].append({"reynolds": [600], "forecasters": other})
-    overlay["cases"] = {"Re600": {"test_series": 10, "recycle_validation": {"series": 2}}}
-    campaign = Campaign(load(tiny_with(overlay)))
-    assert campaign.alarm_thresholds("Re600") == {"external-c": 0.3}

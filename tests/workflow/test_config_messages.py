@@ -8,7 +8,7 @@ import copy
 
 import pytest
 import yaml
-from helpers_configs import MEASURED, NETWORKS, paper_with, put, tiny_campaign, tiny_with
+from helpers_configs import MEASURED, NETWORKS, paper_with, put, tiny_campaign
 
 from burstcast_workflow.config.loading import ConfigError, load
 
@@ -35,19 +35,10 @@ PLANS = {
 OVERLAYS = {
     "measured": MEASURED,
     "lorenz": {"cases": {"lorenz": {"system": "lorenz63"}}},
-    "external": {
-        "campaign": [{"reynolds": [400], "forecasters": {"persistence": {}, "external": {}}}],
-        "control": {"forecasters": {"esn": None, "equations": None}, "strategies": []},
-        "statistics": {"forecasters": {"esn": None, "equations": None}},
-    },
 }
 FILES = {
     **{f"lab/run_{number}.csv": "time,u,v\n0,1,2" for number in (10, 9, 1)},
     "README.md": "",
-    "right.csv": "# case=Re400 case_version=0123456789abcdef seed=2022",
-    "case.csv": "# case=Re500 case_version=1 seed=2022",
-    "seed.csv": "# case=Re400 case_version=1 seed=7",
-    "headless.csv": "point,step,observable",
 }
 
 
@@ -56,8 +47,6 @@ def config_of(table):
     name, _, plan = table.partition(" ")
     if name in ("aware", "encoded", "precursor"):
         config = tiny_campaign(name)
-    elif name == "external":
-        config = tiny_with(OVERLAYS[name])
     else:
         config = paper_with(OVERLAYS.get(name, {}))
     if name == "lorenz":
@@ -184,6 +173,10 @@ campaign.0.forecasters.esn.variants: [quadratic] |
 forecasters.variants: {aware: {readout: quadratic}} |
   forecasters.variants.aware: esn_aware is another kind
 forecasters.variants: {sparse: {connectivity: 600}} | at most 499
+forecasters.variants: {committee: {readout: quadratic}} | forecasters.variants | committee
+forecasters.variants: {Mine: {readout: quadratic}} | forecasters.variants | Mine
+forecasters.variants: {my_net: {readout: quadratic}} | forecasters.variants | my_net
+forecasters.variants: {seed1: {readout: quadratic}} | forecasters.variants | seed1
 forecasters.esn.readout: cubic | forecasters.esn.readout | linear or quadratic
 forecasters.esn.leak_rate: [0] | forecasters.esn.leak_rate | above 0
 campaign.1.forecasters: {} | campaign[1].forecasters names no kind
@@ -255,34 +248,6 @@ cases.lorenz.ensemble: {perturbation: null} | are needed beside ensemble.initial
 cases.lorenz.ensemble: {initial_state: []} | ensemble.initial_state has 0 numbers
 cases.lorenz.files: [table.csv] |
   case lorenz: files belong to a system of your own (<module>:<class>): leave them out
-"""
-TABLES["external"] = """
-campaign.0.forecasters.external.a: {files: [none.csv]} | a.files: none.csv cannot be read: No such |
-  snakemake results/tiny/Re400/forecast_task.nc exports the
-campaign.0.forecasters.external.a: {files: [right.txt]} |
-  a.files: right.txt: files of forecasts end in .csv or .nc
-campaign.0.forecasters.external.a: {files: [headless.csv]} |
-  headless.csv, line 1: expected is the line # case=NAME
-campaign.0.forecasters.external.a: {files: [case.csv]} |
-  a.files: case.csv is of the case Re500; expected is Re400
-campaign.0.forecasters.external.a: {files: [seed.csv]} |
-  a.files: seed.csv is of the seed 7; expected is 2022
-campaign.0.forecasters.external.a: {files: [results/tiny/a.nc]} |
-  results/tiny/a.nc lies among the results; keep it in
-campaign.0.forecasters.external.a: {files: []} | external.a.files is []
-campaign.0.forecasters.external.a: {files: [right.csv], alarm_threshold: 2} |
-  external.a.alarm_threshold is 2
-campaign.0.forecasters.external.a: {files: [right.csv]}, statistics.forecasters.external: {} |
-  statistics.forecasters names external, whose files have forecasts from the starting points of
-campaign.0.forecasters.external.a: {files: [right.csv]}, control.forecasters.external: {} |
-  control.forecasters names external, whose files have forecasts from the starting points of the
-campaign.0.forecasters.external.committee: {files: [right.csv]} | external | committee
-campaign.0.forecasters.external.Mine: {files: [right.csv]} | external | Mine
-campaign.0.forecasters.external.my_net: {files: [right.csv]} | external | my_net
-campaign.0.forecasters.external.seed1: {files: [right.csv]} | external | seed1
-campaign.0.forecasters.external.a: {files: [right.csv]},
-  campaign.1: {reynolds: [400], forecasters: {external: {a: {files: [./right.csv]}}}} |
-  external.a is said twice
 """
 TABLES["paper reactive"] = """
 control.strategies: [strategy: receding_horizn] | strategies[0].strategy is receding_horizn |

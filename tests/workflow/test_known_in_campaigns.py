@@ -1,6 +1,5 @@
 """A record with columns that are known in advance, through the stages of the workflow."""
 
-import netCDF4
 import numpy as np
 import pytest
 import yaml
@@ -89,37 +88,6 @@ def project(tmp_path_factory, job_server):
     (directory / "plant.yaml").write_text(yaml.safe_dump(CONFIG))
     write_record(directory, plant()[1])
     return project
-
-
-def test_other_programs_are_given_what_is_known(project):
-    """In the exported task: the push of the record, whose rows are found by the states."""
-    project.made("results/plant/plant/forecast_task.nc")
-    directory = project.directory / "results/plant/plant"
-    task, (states, push) = read_netcdf(directory / "forecast_task.nc"), plant()
-    with netCDF4.Dataset(directory / "forecast_task.nc") as file:
-        ahead, longest = file.forecast_steps, file.horizon_steps
-    for row in range(10):
-        begin = BLOCK * row
-        np.testing.assert_array_equal(
-            task["training_known"][row, :, 0], push[begin + 1 : begin + BLOCK]
-        )
-    washout, ended = task["washout"].shape[1], 0
-    for name, steps in (("", ahead), ("horizon_", longest)):
-        known, observed = task[f"{name}known"], task[f"{name}washout"]
-        assert known.shape == (len(observed), washout - 1 + steps, 2)
-        for point, values in zip(observed, known, strict=True):
-            first = int(np.flatnonzero(states[:, 0] == point[0, 0])[0])
-            here = first % BLOCK + 1 + np.arange(len(values)) < BLOCK  # or the series has ended
-            rows = first + 1 + np.arange(len(values))
-            np.testing.assert_array_equal(values[here, 0], push[rows[here]])
-            np.testing.assert_allclose(
-                values[here, 1], np.sin(2 * np.pi * rows[here] / 24), atol=1e-9
-            )
-            assert np.isnan(values[~here]).all()
-            ended += (~here).sum()
-    assert ended > 0
-    page = (directory / "forecast_task.md").read_text(encoding="utf-8")
-    assert "## What is known in advance" in page
 
 
 @pytest.fixture(scope="module")

@@ -331,7 +331,7 @@ def covered(path, paths):
 
 def test_kinds_of_the_config_are_those_of_the_library():
     others = {*all_kinds()} - {*available_kinds()}
-    assert all(kind_class(kind).from_files or kind_class(kind).aware for kind in others)
+    assert all(kind_class(kind).aware for kind in others)
 
 
 def constraint(name):

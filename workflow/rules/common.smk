@@ -10,7 +10,6 @@ from burstcast_workflow.costs.records import check_memory, costs_of_jobs, rule_c
 from burstcast_workflow.figures.jobs import captions
 from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.harness.storage import write_table
-from burstcast_workflow.commands.prune import stale_note
 from burstcast_workflow.stages.stages import Stages, of_job, one_of
 from snaketrust.checks import RefusedError
 from burstcast_workflow.start import (
@@ -81,11 +80,7 @@ OTHERS = r"(?![a-z_]+(-[a-z][a-z0-9]*)?-N\d)[A-Za-z][A-Za-z0-9_.]*(-[A-Za-z0-9.]
 CLASSIFIERS = one_of(
     sorted({one.name.identifier for one in campaign.classifiers})
 )
-# Forecasts of other programs come in files.
-EXTERNAL = one_of(
-    sorted({one.name.identifier for one in campaign.external_forecasters})
-)
-NO_CLASSIFIER = rf"(?!({CLASSIFIERS}|{EXTERNAL})(/|$))"
+NO_CLASSIFIER = rf"(?!({CLASSIFIERS})(/|$))"
 # Rule that makes the ensemble of a case.
 SIMULATED, MEASURED = one_of(campaign.simulated_cases), one_of(campaign.measured_cases)
 REALISED = one_of(campaign.realised_cases)
@@ -123,7 +118,7 @@ onsuccess:
     found = [
         campaign_summary(Path(TABLES)),
         warnings_summary(Path(TABLES)),
-        f"{where_results_lie(Path(RESULTS))}\n{stale_note(RESULTS, workflow)}",
+        where_results_lie(Path(RESULTS)),
     ]
     print("\n" + "\n\n".join(filter(None, found)), file=sys.stderr)
 

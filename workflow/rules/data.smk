@@ -327,38 +327,6 @@ rule events:
         "../scripts/data/events.py"
 
 
-rule forecast_task:
-    # a target for people whose programs forecast the case
-    input:
-        **unknowns_of("forecast_task"),
-        ensemble=f"{CASE}/ensemble.nc",
-        evaluation_set=f"{CASE}/evaluation_set.nc",
-        events=f"{CASE}/events.nc",
-        summary=f"{CASE}/dataset.json",
-    output:
-        forecast_task=f"{CASE}/forecast_task.nc",
-        page_of_task=f"{CASE}/forecast_task.md",
-    log:
-        f"{LOGS}/forecast_task/{{case}}.log",
-    benchmark:
-        f"{TIMES}/forecast_task/{{case}}.tsv"
-    group:
-        group_of("case")
-    conda:
-        ENVIRONMENT
-    resources:
-        **needs("forecast_task", "data"),
-    params:
-        settings=settings_of(
-            "data/forecast_task.py", noise=of_case(lambda case: case.training.noise)
-        ),
-        code=code_of("data/forecast_task.py"),
-    message:
-        "{wildcards.case}: export the washouts for other programs"
-    script:
-        "../scripts/data/forecast_task.py"
-
-
 rule reference_statistics:
     input:
         ensemble=f"{CASE}/ensemble.nc",

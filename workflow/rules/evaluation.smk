@@ -29,41 +29,6 @@ rule forecast:
         "../scripts/evaluation/forecast.py"
 
 
-rule external_forecasts:
-    input:
-        **unknowns_of("external_forecasts"),
-        files=stages.external_files,
-        ensemble=f"{CASE}/ensemble.nc",
-        evaluation_set=f"{CASE}/evaluation_set.nc",
-        events=f"{CASE}/events.nc",
-        summary=f"{CASE}/dataset.json",
-    output:
-        forecast=f"{FORECASTER}/forecast.nc",
-        horizon=f"{FORECASTER}/horizon.nc",
-    log:
-        f"{LOGS}/external_forecasts/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/external_forecasts/{{case}}/{{forecaster}}.tsv"
-    wildcard_constraints:
-        forecaster=EXTERNAL,
-    group:
-        group_of("forecaster")
-    conda:
-        ENVIRONMENT
-    resources:
-        **needs("external_forecasts", "data"),
-    params:
-        settings=settings_of(
-            "evaluation/external_forecasts.py",
-            noise=of_case(lambda case: case.training.noise),
-        ),
-        code=code_of("evaluation/external_forecasts.py"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: read forecasts of another program"
-    script:
-        "../scripts/evaluation/external_forecasts.py"
-
-
 rule horizon:
     input:
         **unknowns_of("horizon"),

@@ -125,7 +125,7 @@ rule train:
 
 
 rule fit:
-    # kinds that need no search, without classifiers and forecasts of other programs
+    # kinds that need no search, without classifiers
     input:
         **unknowns_of("fit"),
         ensemble=f"{CASE}/ensemble.nc",

@@ -115,9 +115,7 @@ rule event_probabilities:
 rule calibrate:
     input:
         **unknowns_of("calibrate"),
-        calibration_forecasts=files_in_case(
-            "calibration_forecast.nc", campaign.fitted_forecasters
-        ),
+        calibration_forecasts=files_in_case("calibration_forecast.nc"),
         calibration_set=f"{CASE}/calibration_set.nc",
     output:
         calibration=f"{CASE}/calibration.json",

@@ -77,7 +77,7 @@ TABLE_RULES = {
     "horizon_table": {
         "does": "table of the prediction horizons",
         "inputs": {
-            "horizons": files_in_case("horizon.nc", campaign.horizon_forecasters)
+            "horizons": files_in_case("horizon.nc", campaign.trajectory_forecasters)
         },
     },
     "statistics_table": {
@@ -346,10 +346,10 @@ rule forecasters:
     # all that is computed forecaster by forecaster: the target for planning a large campaign in batches
     input:
         of_cases("lengths.json", campaign.where(lambda case: case.time_unit)),
-        of_forecasters("forecaster.nc", campaign.fitted_forecasters),
+        of_forecasters("forecaster.nc"),
         of_forecasters("forecast.nc"),
-        of_forecasters("calibration_forecast.nc", campaign.fitted_forecasters),
-        of_forecasters("horizon.nc", campaign.horizon_forecasters),
+        of_forecasters("calibration_forecast.nc"),
+        of_forecasters("horizon.nc", campaign.trajectory_forecasters),
         of_forecasters("long_term.nc", campaign.long_term_forecasters),
         of_forecasters("lyapunov_spectrum.nc", campaign.spectrum_forecasters),
         of_forecasters("flows.nc", campaign.strategy_runs),

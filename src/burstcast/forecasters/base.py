@@ -93,7 +93,7 @@ class ForecasterKind:
     """Common base of all kinds of forecasters: properties of the kind, and a record of the fit.
 
     A kind forecasts trajectories (`Forecaster`), or probabilities of events without them
-    (`burstcast.forecasters._event_classifier.EventClassifier`), or has forecasts of others.
+    (`burstcast.forecasters._event_classifier.EventClassifier`).
     """
 
     has_trajectories: ClassVar[bool] = True
@@ -109,9 +109,6 @@ class ForecasterKind:
     aware: ClassVar[bool] = False
     """Whether it uses schedules of parameters. Without a schedule, an aware forecaster assumes the
     case's own values."""
-    from_files: ClassVar[bool] = False
-    """Whether its forecasts come in files, made by other programs from the points of the test:
-    nothing is fitted, and probabilities are taken as they are."""
     has_search: ClassVar[bool] = False
     """Whether a search finds its hyperparameters before it is trained."""
     searched_as: ClassVar[str] = ""

@@ -1,6 +1,6 @@
 """Calibrations and alarm thresholds of all sources of alarms in a case."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from burstcast.probability.alarm_rule import CALIBRATED, VOTES, AlarmRule
@@ -26,19 +26,6 @@ def calibrated_alarms(
         }
         for alarm in points.alarms
     }
-
-
-def uncalibrated_alarms(
-    alarm_thresholds: Mapping[str, float], prediction_times_lt: Sequence[float]
-) -> dict[str, Any]:
-    """Records of `AlarmRule` of sources whose probabilities are not calibrated."""
-    found = {}
-    for identifier, threshold in alarm_thresholds.items():
-        rule = AlarmRule(UNCALIBRATED, threshold).record()
-        found[identifier] = {
-            f"{time:g}": {CALIBRATED: rule, VOTES: rule} for time in prediction_times_lt
-        }
-    return found
 
 
 def _rules(

@@ -110,31 +110,7 @@ class Campaign:
     @cached_property
     def classifiers(self) -> tuple[CaseForecaster, ...]:
         """Forecasters that learn to give probabilities without a trajectory."""
-        return tuple(one for one in self.fitted_forecasters if not one.kind.has_trajectories)
-
-    @cached_property
-    def fitted_forecasters(self) -> tuple[CaseForecaster, ...]:
-        """All forecasters but those whose forecasts come in files."""
-        return tuple(one for one in self.forecasters if not one.kind.from_files)
-
-    @cached_property
-    def external_forecasters(self) -> tuple[CaseForecaster, ...]:
-        """Forecasters whose forecasts come in files."""
-        return tuple(one for one in self.forecasters if one.kind.from_files)
-
-    @property
-    def horizon_forecasters(self) -> tuple[CaseForecaster, ...]:
-        """Forecasters that may have prediction horizons."""
-        return (*self.trajectory_forecasters, *self.external_forecasters)
-
-    def alarm_thresholds(self, case: str) -> dict[str, float]:
-        """Alarm thresholds of the forecasters of a case whose probabilities are not calibrated."""
-        said = self.config.external_files(case)
-        return {
-            one.name.identifier: said[str(one.name.label)].alarm_threshold
-            for one in self.external_forecasters
-            if one.case == case
-        }
+        return tuple(one for one in self.forecasters if not one.kind.has_trajectories)
 
     @cached_property
     def searched_networks(self) -> tuple[CaseForecaster, ...]:

@@ -177,7 +177,6 @@ _VALUES: Mapping[str, Callable[[JobFacts], Any]] = {
     "parameters": lambda job: job.campaign.config.forecasters.aware.parameters,
     "sets_time_unit": lambda job: job.campaign.cases[job.case].estimates_time_unit,
     "asked": lambda job: job.campaign.asked_of_series(job.case),
-    "uncalibrated": lambda job: job.campaign.alarm_thresholds(job.case),
     "prediction_time_lt": lambda job: job.campaign.prediction_time(2),
 }
 """Values of settings that are not in the config as they are."""

@@ -41,9 +41,6 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument("options", nargs="*", metavar="NAME=VALUE", help="of its class")
     command("why", "commands.why", "what would run again, and why, in words", of_snakemake=True)
     command(
-        "prune", "commands.prune", "list results that the campaign does not make", of_snakemake=True
-    )
-    command(
         "costs",
         "costs.records",
         "predicted time and memory, compared with what jobs took",
@@ -56,32 +53,6 @@ def _parser() -> argparse.ArgumentParser:
         of_snakemake=True,
     )
     archive.add_argument("--output", type=Path, help="the zip; <results>.zip if left out")
-    benchmark = command("benchmark", "commands.benchmark", "cases for forecasters of others")
-    tasks = benchmark.add_subparsers(dest="task", required=True, metavar="TASK")
-    export = tasks.add_parser("export", help="make the files of cases, and pages that explain them")
-    export.add_argument("--case", action="append", help="only this case; may be repeated")
-    export.add_argument("--seed", type=int, help="of other data; the leaderboard's if left out")
-    score = tasks.add_parser("score", help="score the forecasts of one forecaster for one case")
-    scored = score.add_mutually_exclusive_group(required=True)
-    scored.add_argument(
-        "files", type=Path, nargs="*", default=[], metavar="FILE", help="NetCDF, CSV"
-    )
-    scored.add_argument(
-        "--forecaster",
-        nargs=2,
-        metavar=("CASE", "NAME"),
-        help="of the frozen campaign, instead of files: Re400 esn_direct; or OTHER_CASE/NAME",
-    )
-    score.add_argument("--name", help="of the forecaster; by default as in the first file")
-    score.add_argument("--about", default="", help="the forecaster in one line")
-    score.add_argument(
-        "--alarm-threshold",
-        type=float,
-        default=0.5,
-        help="probability at or above which an alarm is raised (%(default)s)",
-    )
-    score.add_argument("--leaderboard", type=Path, help="leaderboard that the row is added to")
-    tasks.add_parser("leaderboard", help="print the leaderboard as a page")
     return parser
 
 

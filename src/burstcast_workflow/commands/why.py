@@ -314,7 +314,7 @@ def jobs_to_run(workflow: Any) -> tuple[list[Job], dict[str, list[Identity]]]:
 
     Beside them, the wildcards of the jobs that have results already, by rule.
     """
-    dag, run = workflow.dag, names_of_rules(workflow)["run"]
+    run, dag = names_of_rules(workflow)["run"], workflow.dag
     results, wanted = KnownResults(run.results), {*run.claimed().get("wanted", ())}
     known: dict[str, list[Identity]] = {}
     running = {}

@@ -5,18 +5,15 @@ Lyapunov time is computed, a job checks it (`burstcast_workflow.jobs.lengths`).
 """
 
 import math
-import os
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from operator import attrgetter
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
 
 from burstcast import durations
-from burstcast.benchmark.forecast_files import ForecastFileError, facts_of
 from burstcast.control.actuation import actuated_system
 from burstcast.control.timing import Schedule
 from burstcast.data.parameter_factors import ParameterFactors
@@ -58,7 +55,6 @@ class CaseChecks:
     def problems(self) -> Iterator[str]:
         """Mistakes in the case."""
         yield from self._simulated() if self.config.data_of(self.name) is None else self._measured()
-        yield from self._external()
 
     def _simulated(self) -> Iterator[str]:
         record = case_record(self.config, self.name)
@@ -363,7 +359,7 @@ class CaseChecks:
         except ValueError as error:
             yield f"{FORECASTS} or data.blocks.duration: {error}"
 
-    # -- parameters that forecasters know, forecasts of others -------------------------------------
+    # -- parameters that forecasters know ----------------------------------------------------------
 
     def _parameters(self, case: Simulated) -> Iterator[str]:
         """Mistakes in the settings of a case for forecasters that know the parameters."""
@@ -414,36 +410,6 @@ class CaseChecks:
                 f"first case, {sources[0]}, which must be trained on the same cases: "
                 f"{', '.join(sources)}"
             )
-
-    def _external(self) -> Iterator[str]:
-        """Mistakes in files of forecasts that their first lines show."""
-        config, case = self.config, self.name
-        known = config.external_files(case)
-        for block in self.blocks:
-            for name, said in (block.forecasters.external or {}).items():
-                if known[name] != said:
-                    yield f"campaign.forecasters.external.{name} is said twice, with other files"
-        for name, said in known.items():
-            place = f"campaign.forecasters.external.{name}.files"
-            for path in said.paths(case):
-                if path.startswith(os.path.join(os.path.relpath(config.results), "")):
-                    yield f"{place}: {path} lies among the results; keep it in another directory"
-                    continue
-                try:
-                    facts = facts_of(Path(path))
-                except ForecastFileError as error:
-                    exported = f"{config.results}/{case}/forecast_task.nc"
-                    yield (
-                        f"{place}: {error}; without this forecaster in the config, snakemake "
-                        f"{exported} exports the washouts that forecasts start from"
-                    )
-                    continue
-                for fact, found, expected in (
-                    ("case", facts.case, case),
-                    ("seed", facts.seed, config.random_seed),
-                ):
-                    if found != expected:
-                        yield f"{place}: {path} is of the {fact} {found}; expected is {expected}"
 
 
 def _files(system: str, files: list[str]) -> Iterator[str]:

@@ -228,12 +228,7 @@ def _without_trajectories(config: Configuration) -> Iterator[str]:
                     f"{place} names {kind}, which forecasts states; a strategy that acts on "
                     f"probabilities takes classifiers: {', '.join(classifiers)}"
                 )
-            if known.from_files:
-                yield (
-                    f"{place} names {kind}, whose files have forecasts from the starting points of "
-                    "the test alone; leave it out"
-                )
-            elif not (known.has_trajectories or by_probability):
+            if not (known.has_trajectories or by_probability):
                 yield (
                     f"{place} names {kind}, which gives probabilities of events and forecasts no "
                     "states; leave it out"

@@ -1,6 +1,5 @@
 """Settings of forecasters: the kinds of a block of the campaign, and the options of kinds."""
 
-import os
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field, create_model, model_validator
@@ -137,33 +136,8 @@ else:  # a new module of burstcast.forecasters is one kind more
     )
 
 
-class ExternalFiles(Section):
-    """Forecasts that another program has made, in files (docs/benchmark.md)."""
-
-    files: Some[str] = setting(
-        "files of forecasts, NetCDF or CSV, as seen from where Snakemake runs; {case} stands for "
-        "the name of the case"
-    )
-    alarm_threshold: Annotated[Positive, Field(le=1)] = setting(
-        "probability at or above which an alarm is raised; probabilities are taken as they are",
-        default=0.5,
-    )
-
-    def paths(self, case: str) -> list[str]:
-        """Files for a case."""
-        return [os.path.relpath(path.replace("{case}", case)) for path in self.files]
-
-
 class BlockForecasters(AllKinds):
     """Forecasters of a block, by kind; null for none of a kind."""
-
-    external: Annotated[
-        dict[Label, ExternalFiles] | None, Words("a mapping of names, or null for none")
-    ] = optional(
-        "forecasts that other programs have made, by a name: each has `files`, NetCDF or CSV "
-        "(`{case}` in a path stands for the name of the case), and may have an `alarm_threshold`, "
-        "0.5 if left out"
-    )
 
     esn: NetworkAxes | None = optional("echo state networks")
     esn_true_washout: NetworkAxes | None = optional(
@@ -197,8 +171,6 @@ class NetworkChoice(Section):
 
 class Choice(AllKinds):
     """Selection of the campaign's forecasters by kind; null for none of a kind."""
-
-    external: Alone = optional("forecasts from files, which start from no other state: always null")
 
     esn: NetworkChoice | None = optional("echo state networks")
     esn_true_washout: NetworkChoice | None = optional(

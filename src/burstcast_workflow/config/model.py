@@ -16,7 +16,6 @@ from burstcast_workflow.config.forecasters import (
     SIZES,
     BlockForecasters,
     Choice,
-    ExternalFiles,
     Forecasters,
 )
 from burstcast_workflow.config.kinds import (
@@ -375,11 +374,6 @@ class Configuration(Section):
         """Wanted shares of a case's choices of training series, in the order of their numbers."""
         lists = (block.event_shares for block in self.blocks_of(f"{case}-training1"))
         return max(lists, key=len, default=[])
-
-    def external_files(self, case: str) -> dict[str, ExternalFiles]:
-        """Forecasts of a case from files, by their names."""
-        found = [block.forecasters.external or {} for block in self.blocks_of(case)]
-        return {name: said for files in found for name, said in files.items()}
 
     def dump(self) -> dict[str, Any]:
         """All settings with their defaults, in canonical form; entries of ``cases`` as said."""

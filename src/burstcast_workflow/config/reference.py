@@ -40,7 +40,7 @@ Editors complete settings and show their meaning by the JSON Schema
 generates the schema and this page.
 """
 # kinds of forecasters that are chosen as others are: those without axes, and networks beside esn
-_ALIKE = re.compile(r"\.forecasters\.(?!esn\.)(?<!campaign\[]\.forecasters\.(?=external))")
+_ALIKE = re.compile(r"\.forecasters\.(?!esn\.)")
 _COLUMNS = ("Setting", "Allowed", "Unit", "Default", "Meaning")
 
 

@@ -165,12 +165,6 @@ class Stages:
             return [self.in_results(f"{case.source.name}/ensemble.nc")]
         return [local(path) for path in case.data.paths] if case.data else []
 
-    def external_files(self, wildcards: Any) -> Any:
-        """Files with the forecasts of a job's forecaster, which another program has made."""
-        said = self.campaign.config.external_files(wildcards.case)
-        label = str(parsed(wildcards.forecaster).label)
-        return [local(path) for path in said[label].paths(wildcards.case)]
-
     def controlling(self, wildcards: Any) -> Paths:
         """Forecasters that the controller of a job asks."""
         asked = self.campaign.controlling(wildcards.case, wildcards.controller, wildcards.strategy)

@@ -213,24 +213,20 @@ class Project:
             if plan == "update pending"
         }
 
-    def command(self, name: str, *targets: str, overlay: dict | None = None) -> Outcome:
-        """Run a command of the project itself that plans: ``why`` or ``prune``."""
+    def why(self, *targets: str, overlay: dict | None = None) -> str:
+        """What the project itself says would run again, and why."""
         options = [*targets, *self.options("-n", overlay=overlay)[1:]]
         result = subprocess.run(
-            [sys.executable, "-m", "burstcast_workflow", name, *options],
+            [sys.executable, "-m", "burstcast_workflow", "why", *options],
             cwd=self.directory,
             env=self.environment(),
             capture_output=True,
             text=True,
             check=False,
         )
-        return Outcome(result.returncode, result.stdout + result.stderr)
-
-    def why(self, *targets: str, overlay: dict | None = None) -> str:
-        """What the project itself says would run again, and why."""
-        outcome = self.command("why", *targets, overlay=overlay)
-        assert outcome.status == 0, outcome.text
-        return outcome.text
+        text = result.stdout + result.stderr
+        assert result.returncode == 0, text
+        return text
 
     @property
     def results(self) -> Path:

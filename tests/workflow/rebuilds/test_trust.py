@@ -58,39 +58,3 @@ def test_an_edit_of_the_config_while_jobs_are_queued_counts_at_the_next_run(proj
     events = f"{RESULTS}/Re400/events.json"
     assert project.dry_run(events) == {}
     assert project.dry_run(events, overlay=edited) == {"events": 1}
-
-
-# -- results that nothing asks for any more --------------------------------------------------------
-
-NETWORKS = {"neurons": [40], "validation": ["SSV", "RV"], "seeds": 1}
-SMALLER = {
-    "campaign": [{"reynolds": [400], "forecasters": {"esn": NETWORKS, "equations": {}}}],
-    "statistics": {"forecasters": {"esn": None}},
-}
-
-
-def prune(project: Project, *targets: str, overlay: dict | None = None) -> tuple[int, list[str]]:
-    """What ``burstcast prune`` says, by lines, and its status."""
-    outcome = project.command("prune", *targets, overlay=overlay)
-    return outcome.status, outcome.text.splitlines()
-
-
-@pytest.mark.long
-def test_results_of_a_former_campaign_are_listed(project):
-    assert prune(project) == (0, [])
-    (project.results / "notes.txt").write_text("a user's own, which is no result")
-    status, stale = prune(project, overlay=SMALLER)
-    assert status == 0
-    files = {name.removeprefix(f"{RESULTS}/") for name in stale}
-    gone = (
-        *("esn-N30-", "equations_noisy/", "long_term.nc", "tables/statistics", "statistics_"),
-        *("survival", "lyapunov_spectrum", "kaplan_yorke", "quadratic_filtered"),
-    )
-    assert {"tables/statistics.csv", "Re400/esn-N40-RV-seed0/long_term.nc"} < files
-    assert "Re400/scan/esn-N30-seed0-RV+SSV.csv" in files
-    assert not {name for name in files if not any(part in name for part in gone)}
-    # a part of the campaign says nothing of the rest
-    assert prune(project, "tables", overlay=SMALLER)[0] == 2
-    for name in files:
-        (project.results / name).unlink()
-    assert prune(project, overlay=SMALLER) == (0, [])

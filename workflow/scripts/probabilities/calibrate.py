@@ -1,6 +1,6 @@
 """Calibrate the probabilities of all sources of alarms in a case, and choose their thresholds."""
 
-from burstcast.probability.calibrated_alarms import calibrated_alarms, uncalibrated_alarms
+from burstcast.probability.calibrated_alarms import calibrated_alarms
 from burstcast_workflow.harness.job import at, job, write_json
 from burstcast_workflow.jobs.probabilities import Alarms
 from burstcast_workflow.jobs.time_unit import Clock
@@ -10,7 +10,6 @@ class Calibration(Alarms, Clock):
     """Thresholds of alarms."""
 
     prior_forecasts: float = at("probability.prior_forecasts")
-    uncalibrated: dict[str, float] = at("uncalibrated")
 
 
 @job
@@ -22,14 +21,11 @@ def calibrate(
     settings: Calibration,
 ) -> None:
     """Write calibrations and thresholds by alarm and prediction time."""
-    times = settings.prediction_times_lt
     alarms = calibrated_alarms(
         settings.forecast_points(calibration_set, calibration_forecasts),
-        times,
+        settings.prediction_times_lt,
         settings.event_threshold,
         settings.prior_forecasts,
     )
-    # of these, there are no forecasts of the calibration set
-    alarms |= uncalibrated_alarms(settings.uncalibrated, times)
     record = {"steps_per_lyapunov_time": settings.lyapunov_time, "alarms": alarms}
     write_json(calibration, record, settings.provenance)

@@ -28,15 +28,8 @@ def make(
     """One row for each forecaster, the intervals of the averages, and paired differences.
 
     The averages are undefined where there is no event. All forecasters of a case have the same
-    events, and the same bootstrap samples of them. Forecasts from files that have none of the
-    horizon, whose values are NaN, have no row.
+    events, and the same bootstrap samples of them.
     """
-    horizons = [
-        one
-        for one in horizons
-        if not one.content["prediction_horizon_lt"].size
-        or not np.isnan(one.content["prediction_horizon_lt"]).all()
-    ]
     events = max((len(one.content["prediction_horizon_lt"]) for one in horizons), default=0)
     weights = np.empty((resamples, 0), dtype=np.int64)
     if events:
