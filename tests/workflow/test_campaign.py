@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters.registry import available_kinds
-from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
 from burstcast_workflow.campaign.job_settings import settings_of_cases, settings_of_job
 from burstcast_workflow.config.case import Encoded, Simulated
@@ -28,6 +27,7 @@ from burstcast_workflow.figures.registry import (
 from burstcast_workflow.harness.canonical import canonical, canonical_json
 from burstcast_workflow.jobs.networks import Networks
 from burstcast_workflow.tables.registry import cases_of_tables, table_names
+from kolmogorov_flow import KolmogorovFlow
 
 PAPER = campaign()
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +16,13 @@ from sklearn.metrics import average_precision_score
 from burstcast import random_streams
 from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.files.tables import read_table
-from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
+from kolmogorov_flow import KolmogorovFlow
 
 ROOT = Path(__file__).parents[2]
-OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_encoded.yaml").read_text())
+EXAMPLE = ROOT / "examples" / "kolmogorov"
+OVERLAY = yaml.safe_load((EXAMPLE / "tiny.yaml").read_text())
 FLOW = KolmogorovFlow(40.0, 4, 4)
 TARGETS = (
     "tables/ranking.csv",
@@ -32,6 +34,8 @@ TARGETS = (
 @pytest.fixture(scope="module")
 def results(tmp_path_factory, job_server):
     project = Project.create(tmp_path_factory.mktemp("encoded") / "project", job_server)
+    for module in EXAMPLE.glob("*.py"):
+        shutil.copy(module, project.directory)
     directory = OVERLAY["results"]
     targets = [f"{directory}/{one}" for one in TARGETS]
     project.made(*targets, overlay=OVERLAY)

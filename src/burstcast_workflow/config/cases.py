@@ -7,7 +7,7 @@ from typing import Any
 from burstcast.data.training_realisations import realisation_of
 from burstcast.statistics.densities import SETTLED
 from burstcast.systems.base import has_own
-from burstcast.systems.registry import system_class, system_module
+from burstcast.systems.registry import system_class
 from burstcast_workflow.config.case import Case, Encoded, Measured, PartOfCase, Simulated
 from burstcast_workflow.config.measured_cases import is_encoded, measured_record
 from burstcast_workflow.config.model import Configuration
@@ -115,14 +115,13 @@ _ORTHONORMALISATION_STEPS = 5
 
 
 def own_modules(config: Mapping[str, Any]) -> dict[str, list[str] | None]:
-    """Modules of the user's own that the campaign's systems lie in, and the files that they read.
+    """Modules of the user's own that systems and encoders lie in, and the files that they read.
 
     The files are None where no case of the module has the setting ``files``.
     """
     found: dict[str, list[str] | None] = {}
     for case in cases_of(Configuration.model_validate(config)).values():
-        if isinstance(case, Simulated) and ":" in case.system:
-            module = system_module(case.system)
+        if isinstance(case, Simulated | Encoded) and (module := case.own_module):
             said = [files for files in (found.get(module), case.files) if files is not None]
             found[module] = sorted({file for files in said for file in files}) if said else None
     return found
