@@ -44,12 +44,9 @@ def extract_glucose():
     extract().to_csv("glucose.csv", index=False, date_format="%Y-%m-%dT%H:%M:%S")
 
 
-LONG = ("Re1000", "Kolmogorov")
-
-
 @pytest.mark.parametrize(
     "name",
-    ["Re400_seven_modes", "Glucose", *(pytest.param(n, marks=pytest.mark.long) for n in LONG)],
+    ["Re400_seven_modes", "Glucose", pytest.param("Re1000", marks=pytest.mark.long)],
 )
 def test_the_data_of_each_case_are_frozen(name, tmp_path, monkeypatch):
     """A change of anything that data depend on must raise the version of the case."""
