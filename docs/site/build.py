@@ -36,6 +36,7 @@ from burstcast_workflow.config.loading import load
 from burstcast_workflow.figures.registry import FIGURES, cases_of, files_of, settings_of
 from burstcast_workflow.tables.declarations import SECTIONS
 from burstcast_workflow.tables.registry import OPTIONAL, table_of
+from snaketrust.modules import make_importable
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -55,7 +56,7 @@ NAVIGATION = {
         *("trust", "decisions", "repository/CONTRIBUTING"),
     ],
 }
-# Campaigns that figures are taken from, in this order: the paper's, then presets.
+# Campaigns that figures are taken from, in this order: the paper's, then presets and examples.
 PRESETS = ("", "beyond_the_paper", "partial_observation", "aware", "kolmogorov", "quick")
 _LINK = re.compile(r"(?P<before>\]\(|^\[[^\]]+\]: )(?P<path>[^)#\s:]+)(?P<after>[)#\s])", re.M)
 _FENCE = re.compile(r"^ *```.*?^ *```$", re.M | re.S)
@@ -209,9 +210,16 @@ def _campaign(preset: str) -> Campaign:
     """The campaign of a preset; without a name, the paper's."""
     config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
     if preset:
-        overlay = ROOT / "workflow" / "presets" / f"{preset}.yaml"
+        overlay = ROOT / _overlay(preset)
+        make_importable([str(overlay.parent)])  # a system may lie beside its campaign
         update_config(config, yaml.safe_load(overlay.read_text(encoding="utf-8")))
     return Campaign(load(config))
+
+
+def _overlay(preset: str) -> str:
+    """Path of what a campaign lays over the paper's: an example, or a preset."""
+    example = f"examples/{preset}/campaign.yaml"
+    return example if (ROOT / example).exists() else f"workflow/presets/{preset}.yaml"
 
 
 def _is_kept(name: str) -> bool:
@@ -234,7 +242,7 @@ def gallery(drawn: Mapping[str, str]) -> str:
             lines.append(f"![{name}](images/{name}.png)\n")
         makers = (one for one in PRESETS if cases_of(campaigns[one], FIGURES[name]))
         preset = drawn.get(name, "quick" if _is_kept(name) else next(makers))
-        option = f" --configfile workflow/presets/{preset}.yaml" if preset else ""
+        option = f" --configfile {_overlay(preset)}" if preset else ""
         results = campaigns[preset].config.results
         target = f"{results}/figures/{name}.png"
         lines.append(f"```sh\n.venv/bin/snakemake{option} {target}\n```\n")

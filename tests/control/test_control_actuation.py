@@ -8,13 +8,14 @@ import pytest
 from helpers_control import FLOW, RAISED, Rotor, experiment, plain_flow, run
 
 from burstcast.arrays import FloatArray
-from burstcast.control.actuation import ForcedSystem, actuated_system, reversed_actuation
+from burstcast.control.actuation import actuated_system, reversed_actuation
 from burstcast.control.energy import actuation_cost
 from burstcast.control.strategies.reactive import Reactive, quantity
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.flow_map import FlowMap
+from burstcast.systems.forced import ForcedSystem
 from burstcast.systems.integration import integrate
-from burstcast.systems.kolmogorov import KolmogorovFlow
+from kolmogorov_flow import KolmogorovFlow
 
 STATES = np.random.default_rng(0).normal(scale=0.1, size=(9, 5))
 

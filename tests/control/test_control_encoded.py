@@ -16,9 +16,9 @@ from burstcast.encoders.pod import PodEncoder
 from burstcast.encoders.state_estimate import StateEstimateEncoder
 from burstcast.observation.part import ObservedPart
 from burstcast.observation.velocity_sensors import VelocitySensors
-from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.state_space import component_names
+from kolmogorov_flow import KolmogorovFlow
 
 PART = ObservedPart.of(FLOW, ["a1", "mean = (a1 + a9) / 2"], "observable")
 WHOLE = ObservedPart.of(FLOW, [f"a{number}" for number in range(1, 10)], "observable")
@@ -160,7 +160,9 @@ def test_noise_is_that_of_what_is_observed():
 # -- encoders are fitted once ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", ["identity", "invariants", "pod", "state_estimate"])
+@pytest.mark.parametrize(
+    "kind", ["identity", "shift_invariants:Invariants", "pod", "state_estimate"]
+)
 @pytest.mark.parametrize("sensors", [False, True])
 def test_channels_are_restored_to_the_bit_from_what_fitting_has_found(kind, sensors):
     flow = KolmogorovFlow(largest_wavenumber=4)

@@ -20,7 +20,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.control import loop as loop_module
-from burstcast.control.actuation import ForcedSystem
 from burstcast.control.experiment import controlled_series, noise_of_flows
 from burstcast.control.loop import ControlledFlows
 from burstcast.control.strategies.base import ControlStrategy
@@ -29,6 +28,7 @@ from burstcast.control.strategies.probability_triggered import ProbabilityTrigge
 from burstcast.control.strategies.receding_horizon import RecedingHorizon
 from burstcast.control.timing import Schedule
 from burstcast.data import dataset
+from burstcast.systems.forced import ForcedSystem
 
 WINDOWED = PredictionTriggered(1.0, 1.0)
 SAMPLED = RecedingHorizon(decision_interval_lt=0.25, horizon_lt=1.0)

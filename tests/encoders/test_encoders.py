@@ -13,8 +13,8 @@ from burstcast.encoders.channels import StateChannels, channel_names, check_enco
 from burstcast.encoders.registry import available_encoders, encoder_class
 from burstcast.observation.velocity_sensors import VelocitySensors
 from burstcast.systems.integration import integrate
-from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast.systems.lorenz63 import Lorenz63
+from kolmogorov_flow import KolmogorovFlow
 
 FLOW = KolmogorovFlow(20.0, 2, 5)
 SENSORS = VelocitySensors(FLOW, (4, 4), (0.2, 0.3))
@@ -88,40 +88,6 @@ def test_symmetries_return_after_their_order_and_take_solutions_to_solutions(tra
             symmetry.transform(FLOW.right_hand_side(state)),
             atol=1e-11,
         )
-
-
-def test_invariants_do_not_change_with_shifts_and_are_named(training):
-    encoder = fitted("invariants", training)
-    state = training[:, -1].T
-    values = encoder.encode(state)
-    channels = encoder.channel_names(EncodingCase(FLOW))
-    assert len(channels) == len(values) == len(set(channels))
-    np.testing.assert_allclose(encoder.encode(FLOW.shifted(state, 0.7)), values, atol=1e-12)
-    rotated = dict(zip(channels, encoder.encode(FLOW.rotated(state)), strict=True))
-    for name, value in zip(channels, values, strict=True):
-        sign = -1 if name.endswith("_imaginary") else 1
-        np.testing.assert_allclose(rotated[name], sign * value, atol=1e-12)
-    reflected = dict(zip(channels, encoder.encode(FLOW.shift_reflected(state)), strict=True))
-    np.testing.assert_allclose(reflected["modulus_1_2"], values[channels.index("modulus_1_m2")])
-    assert np.ptp(values[channels.index("triad_real")]) > 0
-
-
-def test_sixty_invariants_and_triads_by_hand():
-    names = KolmogorovFlow().invariant_names
-    assert len(names) == 60
-    assert {"modulus_0_4", "modulus_1_m5", "triad_m_imaginary"} <= set(names)
-    # a wave (1, 0), a mean flow (0, 2) and a wave (1, 2): their phases add up as the triad's
-    state = np.zeros(FLOW.dimension)
-    places = [tuple(vector) for vector in FLOW.wave_vectors]
-    half = len(places)
-    for vector, amplitude in {(1, 0): 2j, (0, 2): 3.0, (1, 2): 1 + 1j, (1, -2): 0.5}.items():
-        state[places.index(vector)] = np.real(amplitude)
-        state[half + places.index(vector)] = np.imag(amplitude)
-    found = dict(zip(FLOW.invariant_names, FLOW.invariants(state), strict=True))
-    triad, opposite = 2j * 3 * (1 - 1j), 2j * 3 * 0.5
-    assert found["triad_real"] + 1j * found["triad_imaginary"] == pytest.approx(triad)
-    assert found["triad_m_real"] + 1j * found["triad_m_imaginary"] == pytest.approx(opposite)
-    assert (found["mean_flow_real"], found["modulus_1_2"]) == pytest.approx((3.0, np.sqrt(2)))
 
 
 def test_sensors_see_the_velocity_where_they_are(training):
@@ -208,7 +174,6 @@ def test_channels_are_named_and_decoded_where_the_kind_can(kind, training):
         ),
         ("pod", EncodingCase(FLOW, {}), "either modes or variance"),
         ("pod", EncodingCase(FLOW, {"variance": 0.0}), "variance must be above 0"),
-        ("invariants", EncodingCase(Lorenz63()), "Lorenz63 has no invariants"),
         ("state_estimate", EncodingCase(FLOW), "nothing to estimate"),
         ("state_estimate", EncodingCase(FLOW, {}, SENSORS), "with noise"),
         ("podd", EncodingCase(FLOW), "did you mean 'pod'"),
@@ -273,25 +238,13 @@ def test_the_covariance_of_the_error_is_that_of_simulated_errors(training):
     assert expected.trace() < 0.3 * maps.covariance.trace()
 
 
-def test_invariants_from_sensors_are_those_of_the_estimate(training):
-    channels, seen = fitted_channels(training, "invariants", GRID)
-    assert not channels.decodes
-    estimate = channels.estimate.encode(np.moveaxis(seen, -1, 0))
-    expected = np.moveaxis(FLOW.invariants(estimate), 0, -1)
-    np.testing.assert_array_equal(channels.encode_series(seen), expected)
-    with pytest.raises(NotImplementedError, match="does not decode"):
-        channels.maps(training)
-
-
 @pytest.mark.parametrize(
     ("space", "kind", "sensors", "options", "message"),
     [
         (Lorenz63(), "identity", GRID, {}, "velocity in a plane, which Lorenz63 has not"),
-        (Lorenz63(), "invariants", None, {}, "Lorenz63 has no invariants"),
         (FLOW, "pod", None, {}, "modes must be a number from 1 to 120"),
         (FLOW, "pod", GRID, {"modes": 121}, "modes must be a number from 1 to 120"),
         (FLOW, "state_estimate", None, {}, "there is nothing to estimate"),
-        (FLOW, "invariants", None, {"modes": 3}, "encoder.modes is no option of the encoder inv"),
         (FLOW, "identity", GRID, {"modes": 3}, "encoder.modes is no option"),
         (KolmogorovFlow(), "pod", None, {"modes": 181}, "modes is 181; .* have 180 snapshots"),
     ],

@@ -214,7 +214,6 @@ WRONG = {
         "observable": [
             {"system": "../base", "parameters": {}},
             {"system": "lorenz63", "parameters": {"sigma": [1]}},
-            {"system": "kolmogorov", "parameters": {"largest_wavenumber": 1e9}},
             *({"parameters": {}}, [[]], None),
         ],
         "nonsense": [1],

@@ -17,7 +17,7 @@ from burstcast.arrays import FloatArray
 from burstcast.figures.parts.style import nothing_to_show
 from burstcast.figures.registry import figure_module
 from burstcast.statistics.densities import bin_edges, histogram
-from burstcast.systems.kolmogorov import KolmogorovFlow
+from kolmogorov_flow import KolmogorovFlow
 
 THRESHOLD = 0.1
 NUMBER_KEYS = {"case": "Re400", "reynolds": 400.0}
@@ -158,7 +158,7 @@ FLOW: dict[str, Any] = {
     "flow_points": [17, 9, 13],
 }
 PLANE_FLOW: dict[str, Any] = {
-    "system": "kolmogorov",
+    "system": "kolmogorov_flow:KolmogorovFlow",
     "parameters": {"largest_wavenumber": 3, "forcing_wavenumber": 2},
     "training_series": 1,
 }

@@ -48,7 +48,7 @@ from burstcast.figures.parts.looks import ordered_validations, validation
 from burstcast.figures.parts.style import BLUE, columns_that_fit, render
 from burstcast.figures.reliability import FEW_FORECASTS
 from burstcast.forecasters._labels import forecaster_label
-from burstcast.systems.kolmogorov import KolmogorovFlow
+from kolmogorov_flow import KolmogorovFlow
 
 
 def lines_with(axes: Axes, y: list[float]) -> int:

@@ -18,10 +18,10 @@ from burstcast.forecasters.quadratic_filtered import FilteredQuadraticModel
 from burstcast.polynomials.basis import monomials
 from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.integration import integrate
-from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from kolmogorov_flow import KolmogorovFlow
 
 OPTIONS = {"noise": None, "degree": 2, "window_lt": 0.2}
 LORENZ = ForecastingCase(Lorenz63(), 0.01, 1, 60, OPTIONS)

@@ -10,8 +10,8 @@ from scipy.stats import linregress
 
 from burstcast.statistics import warning_signs as signs
 from burstcast.systems.integration import integrate
-from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast.tuning.negligible_ridge import negligible_ridge
+from kolmogorov_flow import KolmogorovFlow
 
 
 def texts(findings):

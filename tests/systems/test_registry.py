@@ -21,15 +21,15 @@ from burstcast.systems.check import (
 from burstcast.systems.compiled import hindrance
 from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
 from burstcast.systems.integration import integrate
-from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.registry import available_systems, make_system, system_module
 from burstcast_workflow.commands.command_line import main
+from kolmogorov_flow import KolmogorovFlow
 
 
 def test_systems_are_made_by_name_with_defaults_and_integers():
-    assert available_systems() == ["fitzhugh_nagumo", "kolmogorov", "lorenz63", "mfe"]
+    assert available_systems() == ["fitzhugh_nagumo", "lorenz63", "mfe"]
     assert make_system("mfe", {"reynolds": 400}) == MoehlisFaisstEckhardt(400.0)
     assert make_system("lorenz63", {}) == Lorenz63()
     system = make_system("mfe", {"reynolds": 600.0, "length_x": 5.0})
@@ -43,7 +43,7 @@ FINITE = "'reynolds' of system 'mfe' must be a finite number"
     ("name", "parameters", "message"),
     [
         *(
-            (name, {}, "available systems are fitzhugh_nagumo, kol")
+            (name, {}, "available systems are fitzhugh_nagumo, lor")
             for name in ("base", "registry")
         ),
         *(
@@ -56,16 +56,6 @@ FINITE = "'reynolds' of system 'mfe' must be a finite number"
         *(("mfe", {"reynolds": bad}, FINITE) for bad in (math.nan, math.inf, "400", True, None)),
         ("mfe", {"reynolds": [400.0]}, FINITE),
         ("mfe", {"reynolds": -400.0}, "reynolds must be positive"),
-        ("kolmogorov", {"reynolds": 0.0}, "reynolds must be positive"),
-        ("kolmogorov", {"reynolds": -1.0}, "reynolds must be positive"),
-        ("kolmogorov", {"large_scale_limit": 0.0}, "large_scale_limit must be positive"),
-        ("kolmogorov", {"largest_wavenumber": 7.5}, "largest_wavenumber must be a positive whole"),
-        ("kolmogorov", {"forcing_wavenumber": 0}, "forcing_wavenumber must be a positive whole"),
-        (
-            "kolmogorov",
-            {"forcing_wavenumber": 8, "largest_wavenumber": 7},
-            "must be at most largest_wavenumber",
-        ),
     ],
 )
 def test_what_makes_no_system_is_told(name, parameters, message):
@@ -170,7 +160,7 @@ def test_one_broken_module_spoils_no_other(monkeypatch, tmp_path):
     (tmp_path / "unfinished.py").write_text(OWN.replace("def observable", "def observed"))
     monkeypatch.setattr(burstcast.systems, "__path__", [*burstcast.systems.__path__, str(tmp_path)])
     assert make_system("lorenz63", {}) == Lorenz63()
-    assert available_systems() == ["fitzhugh_nagumo", "kolmogorov", "lorenz63", "mfe", "several"]
+    assert available_systems() == ["fitzhugh_nagumo", "lorenz63", "mfe", "several"]
     for name, error, message in (
         ("lorenz36", ValueError, r"did you mean 'lorenz63'\?\); the available systems are f"),
         ("broken", ValueError, r"broken\.py, line 1: SyntaxError"),
@@ -190,7 +180,7 @@ EVERY = {
     "shear flow": MoehlisFaisstEckhardt(400.0),
     "narrow shear flow": MoehlisFaisstEckhardt(250.0, 3.0, 7.0),
     "polynomials": PolynomialSystem(TERMS, 3, Lorenz63()),
-    "kolmogorov": KolmogorovFlow(),
+    "flow in a plane": KolmogorovFlow(),
 }
 
 
@@ -228,7 +218,7 @@ def test_trajectories_are_independent_bit_for_bit(one_of_all):
         np.testing.assert_array_equal(further, whole[..., :36].reshape(further.shape))
 
 
-@pytest.mark.parametrize("name", sorted({*EVERY} - {"kolmogorov"}))  # it has an FFT
+@pytest.mark.parametrize("name", sorted({*EVERY} - {"flow in a plane"}))  # it has an FFT
 def test_the_jacobian_is_the_complex_step_derivative(name):
     system = EVERY[name]
     states = np.random.default_rng(1).normal(0, 3, (system.dimension, 8))

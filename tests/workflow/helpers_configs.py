@@ -16,6 +16,7 @@ from snaketrust.plan import planned
 ROOT = Path(__file__).parents[2]
 PRESETS = sorted((ROOT / "workflow" / "presets").glob("*.yaml"))
 TINY = ROOT / "workflow" / "presets" / "tiny.yaml"
+FLOW = ROOT / "examples" / "kolmogorov"
 
 
 DATA = {"files": ["lab/run_*.csv"], "components": ["u", "v"], "observable": "u", "time_step": 0.5}
@@ -57,8 +58,9 @@ def tiny_with(*overlays: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def tiny_campaign(name: str, *overlays: Mapping[str, Any]) -> dict[str, Any]:
-    """The config of a campaign beside these tests: aware, encoded or precursor."""
-    return tiny_with(read(ROOT / "tests" / "workflow" / f"tiny_{name}.yaml"), *overlays)
+    """The config of a small campaign: aware or precursor of these tests, or the encoded example."""
+    path = FLOW / "tiny.yaml" if name == "encoded" else ROOT / f"tests/workflow/tiny_{name}.yaml"
+    return tiny_with(read(path), *overlays)
 
 
 def campaign(*overlays: Mapping[str, Any], blocks: list | None = None) -> Campaign:

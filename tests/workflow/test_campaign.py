@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters.registry import available_kinds
-from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
 from burstcast_workflow.campaign.job_settings import settings_of_cases, settings_of_job
 from burstcast_workflow.config.case import Encoded, Simulated
+from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.config.model import Choice, Configuration
 from burstcast_workflow.config.places import Place
@@ -27,6 +27,7 @@ from burstcast_workflow.figures.registry import (
 from burstcast_workflow.harness.canonical import canonical, canonical_json
 from burstcast_workflow.jobs.networks import Networks
 from burstcast_workflow.tables.registry import cases_of_tables, table_names
+from kolmogorov_flow import KolmogorovFlow
 
 PAPER = campaign()
 
@@ -535,3 +536,11 @@ def test_channels_are_known_beforehand():
     kinds = {name: type(case) for name, case in campaign.cases.items()}
     assert kinds == {"turbulence": Simulated, **dict.fromkeys(campaign.encoded_cases, Encoded)}
     assert campaign.cases["sensors"].source is campaign.cases["turbulence"]
+
+
+def test_own_modules_are_those_of_systems_and_encoders():
+    found = own_modules(load(tiny_campaign("encoded")))
+    assert found == {"kolmogorov_flow": None, "shift_invariants": None}
+    files = {"cases": {"invariants": {"files": ["campaign.yaml", "again.yaml"]}}}
+    found = own_modules(load(tiny_campaign("encoded", files)))
+    assert found["shift_invariants"] == ["again.yaml", "campaign.yaml"]

@@ -247,7 +247,7 @@ cases.lorenz.ensemble: {initial_state: null} | lorenz63 draws no initial states:
 cases.lorenz.ensemble: {perturbation: null} | are needed beside ensemble.initial_state
 cases.lorenz.ensemble: {initial_state: []} | ensemble.initial_state has 0 numbers
 cases.lorenz.files: [table.csv] |
-  case lorenz: files belong to a system of your own (<module>:<class>): leave them out
+  case lorenz: files belong to a system or encoder of your own (<module>:<class>): leave them out
 """
 TABLES["paper reactive"] = """
 control.strategies: [strategy: receding_horizn] | strategies[0].strategy is receding_horizn |
@@ -365,18 +365,27 @@ plan.strategy: reactive, plan.forecasters: null,
 """
 TABLES["encoded"] = """
 cases.sensors_pod.encoder.modes: 81 | case sensors_pod | from 1 to 80
-cases.invariants.encoder.kind: invariant | encoder.kind is invariant; the encoders are
-cases.modes: {data: {case: Re400}, encoder: {kind: invariants}},
+cases.invariants.encoder.kind: invariant | encoder.kind is invariant; the encoders are |
+  pod, state_estimate; <module>:<class> of your own
+cases.invariants.encoder.kind: "shift_invariants:Invariant" | case invariants: encoder.kind: |
+  has no class Invariant (did you mean 'Invariants'?); its encoders are Invariants
+cases.invariants.encoder.kind: "no_such_module:Encoder" |
+  case invariants: encoder.kind: there is no module no_such_module
+cases.invariants.files: [rates.csv] | case invariants: files: there is no file rates.csv in
+cases.sensors_pod.files: [rates.csv] |
+  case sensors_pod: files belong to a system or encoder of your own
+cases.modes: {data: {case: Re400}, encoder: {kind: "shift_invariants:Invariants"}},
   campaign.3: {reynolds: [400], cases: [modes], forecasters: {persistence: {}}} |
   case modes: sensors, encoder: MoehlisFaisstEckhardt has no invariants to encode
-campaign.2.forecasters.equations_filtered: {} | the encoder invariants cannot be decoded |
-  (equations_filtered)
+campaign.2.forecasters.equations_filtered: {} |
+  the encoder shift_invariants:Invariants cannot be decoded | (equations_filtered)
 cases.sensors_pod.data.delays: [2] | data.delays means nothing beside sensors or an encoder
 cases.turbulence.sensors: {} | sensors and encoder are for cases of another case's
 cases.sensors_pod.training.noise: 0 | training.noise is 0
 cases.turbulence.lyapunov.series: 7 | lyapunov.series is 7; it must be at most
 cases.sensors.sensors.points: [8, 21] | points[1] is 21 | not above 20
-cases.invariants.encoder.modes: 5 | encoder.modes is no option of the encoder invariants
+cases.invariants.encoder.modes: 5 | encoder.modes is no option of the encoder |
+  shift_invariants:Invariants: leave it out
 cases.turbulence.parameters.largest_wavenumber: 10, cases.sensors_pod.encoder.modes: 364 |
   case sensors_pod: sensors, encoder: encoder.modes is 364 | have 363 snapshots
 cases.sensors.training.noise: 0 | case sensors: sensors, encoder: training.noise

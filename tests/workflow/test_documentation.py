@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from helpers_configs import predicted_costs
+from helpers_configs import FLOW, predicted_costs
 from helpers_rebuilds import Project
 from PIL import Image
 
@@ -53,6 +53,7 @@ def project(tmp_path_factory):
     """The project's sources, with the files that the documentation has its readers write."""
     made = Project.create(tmp_path_factory.mktemp("documented") / "project")
     shutil.copy2(ROOT / "Makefile", made.directory)
+    shutil.copytree(FLOW, made.directory / "examples" / "kolmogorov")
     for _, text in blocks("yaml"):
         if name := re.match(r"# (\S+\.yaml)$", text.partition("\n")[0]):
             (made.directory / name[1]).parent.mkdir(exist_ok=True)

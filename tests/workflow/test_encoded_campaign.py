@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -15,27 +16,36 @@ from sklearn.metrics import average_precision_score
 from burstcast import random_streams
 from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.files.tables import read_table
-from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
+from kolmogorov_flow import KolmogorovFlow
 
 ROOT = Path(__file__).parents[2]
-OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_encoded.yaml").read_text())
+EXAMPLE = ROOT / "examples" / "kolmogorov"
+OVERLAY = yaml.safe_load((EXAMPLE / "tiny.yaml").read_text())
 FLOW = KolmogorovFlow(40.0, 4, 4)
-TARGETS = (
-    "tables/ranking.csv",
-    "tables/control_strategies.csv",
-    "figures/forecast_skill_sensors.png",
-)
+TARGETS = [
+    f"{OVERLAY['results']}/{target}"
+    for target in (
+        "tables/ranking.csv",
+        "tables/control_strategies.csv",
+        "figures/forecast_skill_sensors.png",
+    )
+]
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory, job_server):
+def project(tmp_path_factory, job_server):
     project = Project.create(tmp_path_factory.mktemp("encoded") / "project", job_server)
-    directory = OVERLAY["results"]
-    targets = [f"{directory}/{one}" for one in TARGETS]
-    project.made(*targets, overlay=OVERLAY)
-    return project.directory / directory
+    for module in EXAMPLE.glob("*.py"):
+        shutil.copy(module, project.directory)
+    project.made(*TARGETS, overlay=OVERLAY)
+    return project
+
+
+@pytest.fixture(scope="module")
+def results(project):
+    return project.directory / OVERLAY["results"]
 
 
 def test_noise_comes_before_the_encoder(results):
@@ -125,3 +135,21 @@ def test_control_through_sensors_and_encoders(results):
 def test_the_flow_is_that_of_the_case():
     found = Campaign(load(tiny_with(OVERLAY))).cases["sensors"].source_system
     assert KolmogorovFlow(**found["parameters"]) == dataclasses.replace(FLOW)
+
+
+def test_edits_of_ones_own_encoder_run_what_it_encodes(project):
+    def planned():
+        outcome = project.snakemake("--quiet", "rules", "-n", *TARGETS, overlay=OVERLAY)
+        assert outcome.status == 0, outcome.text
+        return outcome.jobs
+
+    encoded = "return self.flow.invariants(observed)"
+    assert planned() == {}
+    project.edit("shift_invariants.py", encoded, f"# of the flow\n        {encoded}")
+    assert planned() == {}
+    project.edit("shift_invariants.py", encoded, f"{encoded} * 1.0")
+    jobs = planned()
+    # the channels of one of three encoded cases, and what learns from them
+    assert jobs["encode"] == 1
+    assert {"train", "forecast", "control", "ranking_table"} <= set(jobs)
+    assert "simulate" not in jobs

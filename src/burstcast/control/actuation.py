@@ -11,10 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from burstcast.arrays import BoolArray, ByteArray, FloatArray
-from burstcast.systems.base import DynamicalSystem, EnergyBudget
-from burstcast.systems.exponential import SemilinearSystem
+from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.forced import forced_system
 from burstcast.systems.parameters import SHARE, Parameters
-from burstcast.systems.stiff import StiffSystem
 
 REVERSED = 2
 """Number of the reversed actuation: 0 is none, 1 the actuation."""
@@ -150,88 +149,3 @@ def _under_share(
     if force is None:
         return changed
     return forced_system(changed, [share * component for component in force])
-
-
-def forced_system(system: DynamicalSystem, force: Sequence[float]) -> "ForcedSystem":
-    """A system with a constant force on its right-hand side, integrated by the system's scheme.
-
-    The Runge-Kutta scheme and the schemes of `SemilinearSystem` and `StiffSystem` integrate systems
-    with a force; a `flow_map` that a class defines in place of them does not.
-    """
-    if isinstance(system, SemilinearSystem):
-        return _ForcedSemilinearSystem(system, force)
-    if isinstance(system, StiffSystem):
-        return _ForcedStiffSystem(system, force)
-    return ForcedSystem(system, force)
-
-
-class ForcedSystem(DynamicalSystem):
-    """A system with a constant force added to its right-hand side (see `forced_system`).
-
-    It is not a dataclass: the force is a vector over the components, and an array among the fields
-    of a system would be taken for a parameter that differs between the trajectories of a batch.
-    """
-
-    def __init__(self, system: DynamicalSystem, force: Sequence[float]) -> None:
-        vector = np.asarray(force, dtype=np.float64)
-        if vector.shape != (system.dimension,) or not np.isfinite(vector).all():
-            raise ValueError(f"a force needs {system.dimension} finite components, not {force}")
-        if type(self).flow_map is not type(system).flow_map:
-            raise ValueError(
-                f"a force is added to a right-hand side, but {type(system).__name__} has an "
-                "integrator of its own: let the actuation change a parameter"
-            )
-        self._system = system
-        self._force = vector
-        # class variables of a system; here taken over from the system inside
-        object.__setattr__(self, "dimension", system.dimension)
-        object.__setattr__(self, "observable_name", system.observable_name)
-        object.__setattr__(self, "observable_symbol", system.observable_symbol)
-
-    def right_hand_side(self, state: FloatArray) -> FloatArray:
-        """Time derivative of the state with the force (see `DynamicalSystem.right_hand_side`)."""
-        return self._with_force(self._system.right_hand_side(state))
-
-    def _with_force(self, slope: FloatArray) -> FloatArray:
-        return slope + self._force.reshape((-1,) + (1,) * (slope.ndim - 1))
-
-    def jacobian(self, state: FloatArray) -> FloatArray:
-        """Jacobian of the right-hand side, which the force does not change."""
-        return self._system.jacobian(state)
-
-    def observable(self, state: FloatArray) -> FloatArray:
-        """Observable of the system."""
-        return self._system.observable(state)
-
-    def energy_budget(self, state: FloatArray) -> EnergyBudget | None:
-        """Budget of the system, with the work of the force in the input."""
-        budget = self._system.energy_budget(state)
-        if budget is None:
-            return None
-        work = budget.input
-        for component, row in zip(self._force, state, strict=True):
-            work = work + component * row
-        return EnergyBudget(work, budget.dissipation)
-
-
-class _ForcedSemilinearSystem(ForcedSystem, SemilinearSystem):
-    """A semilinear system with a force, which its scheme treats as a part of `nonlinear`."""
-
-    _system: SemilinearSystem
-
-    def linear_rates(self) -> FloatArray:
-        """Linear rates of the system, which the force does not change."""
-        return self._system.linear_rates()
-
-    def nonlinear(self, state: FloatArray) -> FloatArray:
-        """All that is not linear, the force included, ``(dimension, ...)``."""
-        return self._with_force(self._system.nonlinear(state))
-
-
-class _ForcedStiffSystem(ForcedSystem, StiffSystem):
-    """A stiff system with a force, by the implicit scheme and the tolerances of the system."""
-
-    def __init__(self, system: StiffSystem, force: Sequence[float]) -> None:
-        super().__init__(system, force)
-        for name in ("method", "relative_tolerance", "absolute_tolerance"):
-            object.__setattr__(self, name, getattr(system, name))

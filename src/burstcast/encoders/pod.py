@@ -3,7 +3,7 @@
 Source: Holmes, Lumley, Berkooz and Rowley, "Turbulence, Coherent Structures, Dynamical Systems and
 Symmetry" (2012). Snapshots are taken together with their images under all symmetries of the
 system, as if infinitely many data were there. Modes of much energy need not carry the event: the
-dissipation of a few leading modes of the Kolmogorov flow is anticorrelated with the true one, so
+dissipation of a few leading modes of a turbulent flow can be anticorrelated with the true one, so
 that the observable should be a channel of its own.
 """
 

@@ -5,7 +5,7 @@ by its module and class, ``my_flows.encoders:Moduli``: any module that Python fi
 """
 
 import burstcast.encoders
-from burstcast.discovery import concrete_classes, module_names, own_class, suggestion
+from burstcast.discovery import concrete_classes, module_names, module_of, own_class, suggestion
 from burstcast.encoders.base import Encoder
 
 _OTHERS = ("base", "channels", "registry", "state_maps")
@@ -29,3 +29,8 @@ def encoder_class(kind: str) -> type[Encoder]:
         )
     (found,) = concrete_classes(burstcast.encoders, kind, Encoder)  # type: ignore[type-abstract]
     return found
+
+
+def encoder_module(kind: str) -> str:
+    """Full name of the module of the encoders of a kind."""
+    return module_of(kind, burstcast.encoders)

@@ -20,7 +20,7 @@ from burstcast.forecasters.equations_noisy import EquationsFromObservation
 STATIC_SHARE = 1e-3
 """Share of the covariance of the states that the static gain takes for the covariance of the error.
 
-Estimates of the Kolmogorov flow from sensors are equally good for shares from 3e-4 to 3e-3."""
+Estimates of a turbulent flow from sensors (docs/sensors.md) are equally good for 3e-4 to 3e-3."""
 
 
 @dataclass(frozen=True)

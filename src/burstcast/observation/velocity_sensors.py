@@ -50,10 +50,15 @@ class VelocitySensors(Observation):
 
     Examples
     --------
-    >>> from burstcast.systems.kolmogorov import KolmogorovFlow
-    >>> sensors = VelocitySensors(KolmogorovFlow(), (8, 8))
+    >>> class SineFlow:
+    ...     dimension, domain = 1, (2 * np.pi, 2 * np.pi)
+    ...
+    ...     def velocity(self, state, points):
+    ...         u = np.multiply.outer(np.sin(points[:, 1]), state[0])
+    ...         return np.stack([u, np.zeros_like(u)])
+    >>> sensors = VelocitySensors(SineFlow(), (8, 4))
     >>> sensors.matrix.shape
-    (128, 440)
+    (64, 1)
     """
 
     flow: PlaneFlow

@@ -41,7 +41,7 @@ OUTSIDE_BINS = 0.001
 """Of the samples of the observable: as much as tails hold that extreme events are about."""
 
 UNRESOLVED_ENERGY = 2e-4
-"""Share of the energy in the smallest scales. The Kolmogorov flow at Re = 40 has 4e-5 with
+"""Share of the energy in the smallest scales. The turbulent flow of docs/sensors.md has 4e-5 with
 wavenumbers up to 10, and 1e-3 up to 7, where it bursts twice as often."""
 
 NOISE_OVER_INCREMENT = 1.0

@@ -1,7 +1,7 @@
 """The interface of a dynamical system."""
 
 import abc
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -87,10 +87,19 @@ class DynamicalSystem(abc.ABC):
         """State one integration step later, both of shape ``(dimension, ...)``.
 
         Optional: an integrator of the system's own in place of the classical Runge-Kutta scheme
-        (`burstcast.systems.stiff` and `burstcast.systems.exponential` have two), or a system that
-        is nothing but a map (`burstcast.systems.flow_map`).
+        (`burstcast.systems.stiff` has one), or a system that is nothing but a map
+        (`burstcast.systems.flow_map`).
         """
         raise NotImplementedError(f"{type(self).__name__} is integrated by the Runge-Kutta scheme")
+
+    def forced(self, force: Sequence[float]) -> "DynamicalSystem":
+        """The system with a constant force on its right-hand side, one number per component.
+
+        Optional: only an actuation by a force asks for it, and only of a system with a `flow_map`,
+        which must say how the force enters that. `burstcast.systems.forced` has the force on a
+        right-hand side.
+        """
+        raise NotImplementedError(f"{type(self).__name__} does not say how a force enters it")
 
     def sample_initial_states(self, series: int, generator: np.random.Generator) -> FloatArray:
         """Initial states of an ensemble, ``(dimension, series)``.
@@ -114,14 +123,6 @@ class DynamicalSystem(abc.ABC):
         Optional: training data are enlarged by them (`burstcast.encoders.pod`).
         """
         return ()
-
-    def invariants(self, state: FloatArray) -> FloatArray:
-        """Quantities of states that continuous symmetries do not change, ``(invariants, ...)``.
-
-        Optional: `burstcast.encoders.invariants` gives them to forecasters. A system that has them
-        has names for them, too (``invariant_names``).
-        """
-        raise NotImplementedError(f"{type(self).__name__} has no invariants")
 
     def energy_of_last_shell(self, state: FloatArray) -> FloatArray:
         """Share of the energy in the smallest scales that a truncated flow has, ``(...)``.

@@ -94,8 +94,7 @@ def system_module(name: str) -> str:
 
 
 def _complete(found: type[DynamicalSystem]) -> type[DynamicalSystem]:
-    missing = [name for name in _CLASS_VARIABLES if not hasattr(found, name)]
-    if missing:
+    if missing := _missing(found):
         raise ValueError(
             f"the class {found.__name__} of {found.__module__} lacks {', '.join(missing)}"
         )
@@ -112,6 +111,12 @@ def _unknown(name: str) -> str:
 
 def _is_sound(name: str) -> bool:
     try:
-        return bool(concrete_classes(burstcast.systems, name, DynamicalSystem))  # type: ignore[type-abstract]
+        classes = concrete_classes(burstcast.systems, name, DynamicalSystem)  # type: ignore[type-abstract]
     except ValueError:
         return False
+    return any(not _missing(candidate) for candidate in classes)
+
+
+def _missing(candidate: type[DynamicalSystem]) -> list[str]:
+    """Class variables that a class lacks, as one that is made of another system does."""
+    return [name for name in _CLASS_VARIABLES if not hasattr(candidate, name)]

@@ -4,12 +4,14 @@ A trajectory is integrated by itself, so that it does not depend on others of it
 milliseconds for each step and trajectory: let the time step be as long as the sampling interval.
 """
 
+from collections.abc import Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem, has_own
+from burstcast.systems.forced import ForcedSystem
 
 
 class StiffSystem(DynamicalSystem):
@@ -49,3 +51,16 @@ class StiffSystem(DynamicalSystem):
                 raise FloatingPointError(f"{self.method}: {solution.message}")
             advanced[:, number] = solution.y[:, -1]
         return advanced.reshape(state.shape)
+
+    def forced(self, force: Sequence[float]) -> DynamicalSystem:
+        """The system with a constant force, by the same scheme and tolerances."""
+        return _ForcedStiffSystem(self, force)
+
+
+class _ForcedStiffSystem(ForcedSystem, StiffSystem):
+    """A stiff system with a force, by the implicit scheme and the tolerances of the system."""
+
+    def __init__(self, system: StiffSystem, force: Sequence[float]) -> None:
+        super().__init__(system, force)
+        for name in ("method", "relative_tolerance", "absolute_tolerance"):
+            object.__setattr__(self, name, getattr(system, name))

@@ -16,11 +16,11 @@ from burstcast.control.actuation import actuated_system
 from burstcast.data.measured_data import Quantity
 from burstcast.data.training_realisations import realisation_of
 from burstcast.encoders.channels import IDENTITY
-from burstcast.encoders.registry import encoder_class
+from burstcast.encoders.registry import encoder_class, encoder_module
 from burstcast.natural_order import natural_order
 from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.parameters import SHARE, SystemParameters
-from burstcast.systems.registry import make_space, make_system
+from burstcast.systems.registry import make_space, make_system, system_module
 from burstcast.systems.state_space import StateSpace
 from burstcast_workflow.config.kinds import (
     CaseName,
@@ -277,10 +277,13 @@ class Sensors(Section):
     components: list[str] | None = optional("components that are observed, in place of probes")
 
 
+OwnFiles = Annotated[Distinct[str] | None, Words("a list, each text, or null")]
+
+
 class CaseEncoder(Section):
     """Encoding of the observations in the channels that forecasters receive."""
 
-    kind: EncoderName = setting("a module of burstcast.encoders")
+    kind: EncoderName = setting("a module of burstcast.encoders, or module:Class of your own")
     modes: CountOrNull = optional("number of modes, of the kind pod")
 
 
@@ -402,9 +405,14 @@ class Case(Section):
         return [Quantity(text).name for text in self.data.known] if self.data else []
 
     @property
+    def kind_of_encoder(self) -> str:
+        """Kind of the encoder; forecasters receive the observations themselves without one."""
+        return self.encoder.kind if self.encoder else IDENTITY
+
+    @property
     def undecoded(self) -> str | None:
         """Encoder from whose channels no state follows; None where states follow."""
-        kind = self.encoder.kind if self.encoder else IDENTITY
+        kind = self.kind_of_encoder
         return None if encoder_class(kind).decodes else kind
 
     @property
@@ -434,7 +442,7 @@ class Simulated(Case):
         "the equations: a module of burstcast.systems, or module:Class of your own, in the working "
         "directory, beside a config, or installed"
     )
-    files: Annotated[Distinct[str] | None, Words("a list, each text, or null")] = optional(
+    files: OwnFiles = optional(
         "files that a module of your own reads, from the directory of the module; [] if none"
     )
     parameters: dict[ParameterName, float] = setting("parameters of the equations", default={})
@@ -442,6 +450,11 @@ class Simulated(Case):
     lyapunov: Lyapunov
     controlled_density: Density = setting("bins of the observable's density under control")
     has_equations: ClassVar[bool] = True
+
+    @property
+    def own_module(self) -> str | None:
+        """Module of a system of the user's own."""
+        return system_module(self.system) if ":" in self.system else None
 
     def values_of(self, names: Sequence[str], share: float = 0.0) -> list[float]:
         """Values of parameters of the equations, or the share itself."""
@@ -486,6 +499,13 @@ class Encoded(PartOfCase):
     """A case of readings of another case by sensors, or of what an encoder makes of it."""
 
     is_encoded: ClassVar[bool] = True
+    files: OwnFiles = None
+
+    @property
+    def own_module(self) -> str | None:
+        """Module of an encoder of the user's own."""
+        kind = self.kind_of_encoder
+        return encoder_module(kind) if ":" in kind else None
 
     @property
     def sensor(self) -> dict[str, Any]:

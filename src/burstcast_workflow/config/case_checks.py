@@ -18,13 +18,14 @@ from burstcast.control.actuation import actuated_system
 from burstcast.control.timing import Schedule
 from burstcast.data.parameter_factors import ParameterFactors
 from burstcast.data.starting_points import starting_points
+from burstcast.encoders.registry import encoder_class
 from burstcast.forecasters.precursor import lag_steps
 from burstcast.forecasters.registry import kind_class, sections_of_kind
 from burstcast.statistics.warning_signs import FEW_POSITIVES
 from burstcast.systems.base import has_own
-from burstcast.systems.registry import make_system, system_class, system_module
+from burstcast.systems.registry import make_system, system_class
 from burstcast_workflow.config.bounds import out_of_bounds
-from burstcast_workflow.config.case import Case, Ensemble, Measured, Simulated
+from burstcast_workflow.config.case import Case, Encoded, Ensemble, Measured, Simulated
 from burstcast_workflow.config.cases import case_of, case_record, kind_of, reynolds_in, sound_case
 from burstcast_workflow.config.control_plans import ControlPlan, block_plans
 from burstcast_workflow.config.kinds import Section
@@ -63,7 +64,6 @@ class CaseChecks:
         except (ValueError, TypeError) as error:
             yield f"system: {error}"
             return
-        yield from _files(record["system"], record.get("files") or [])
         try:
             case = Simulated.model_validate(record)
         except ValidationError as error:
@@ -83,6 +83,7 @@ class CaseChecks:
             return
         if case.sensors is not None or case.encoder is not None:
             yield ONLY_ENCODED
+        yield from _files(case)
         yield from out_of_bounds(case)
         yield from self._system(case)
         if any(kind_class(kind).has_filter for kind in self.kinds):
@@ -239,6 +240,13 @@ class CaseChecks:
             return
         yield from out_of_bounds(case)
         yield from problems_of_data(case)
+        if isinstance(case, Encoded):
+            try:
+                encoder_class(case.kind_of_encoder)
+            except (ValueError, TypeError) as error:
+                yield f"encoder.kind: {error}"
+                return
+            yield from _files(case)
         if source is not None and case.is_encoded:
             yield from problems_of_encoding(case, sound_case(config, source))
         needing = [kind for kind in self.kinds if kind_class(kind).needs_equations]
@@ -412,12 +420,12 @@ class CaseChecks:
             )
 
 
-def _files(system: str, files: list[str]) -> Iterator[str]:
+def _files(case: Simulated | Encoded) -> Iterator[str]:
     """Mistakes in the files that a user's module reads."""
-    if files and ":" not in system:
-        yield "files belong to a system of your own (<module>:<class>): leave them out"
-    elif files and (module := module_file(system_module(system))):
-        missing = [name for name in files if not (module.parent / name).is_file()]
+    if case.files and case.own_module is None:
+        yield "files belong to a system or encoder of your own (<module>:<class>): leave them out"
+    elif case.files and case.own_module and (module := module_file(case.own_module)):
+        missing = [name for name in case.files if not (module.parent / name).is_file()]
         if missing:
             yield f"files: there is no file {', '.join(missing)} in {module.parent}"
 

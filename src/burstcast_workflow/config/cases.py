@@ -8,7 +8,7 @@ from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters.registry import kind_module
 from burstcast.statistics.densities import SETTLED
 from burstcast.systems.base import has_own
-from burstcast.systems.registry import system_class, system_module
+from burstcast.systems.registry import system_class
 from burstcast_workflow.config.case import Case, Encoded, Measured, PartOfCase, Simulated
 from burstcast_workflow.config.measured_cases import is_encoded, measured_record
 from burstcast_workflow.config.model import Configuration
@@ -116,7 +116,7 @@ _ORTHONORMALISATION_STEPS = 5
 
 
 def own_modules(config: Mapping[str, Any]) -> dict[str, list[str] | None]:
-    """Modules of the user's own systems and forecasters, and the files that they read.
+    """Modules of the user's own systems, encoders and forecasters, and the files that they read.
 
     The files are None where no case of the module has the setting ``files``.
     """
@@ -124,8 +124,7 @@ def own_modules(config: Mapping[str, Any]) -> dict[str, list[str] | None]:
     blocks = [block.forecasters.own for block in sound.campaign]
     found: dict[str, list[str] | None] = {kind_module(kind): None for own in blocks for kind in own}
     for case in cases_of(sound).values():
-        if isinstance(case, Simulated) and ":" in case.system:
-            module = system_module(case.system)
+        if isinstance(case, Simulated | Encoded) and (module := case.own_module):
             said = [files for files in (found.get(module), case.files) if files is not None]
             found[module] = sorted({file for files in said for file in files}) if said else None
     return found

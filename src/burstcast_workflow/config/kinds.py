@@ -69,10 +69,13 @@ def _threshold(value: Any) -> Any:
     return Quantile(quantile=number) if isinstance(value, dict) else value
 
 
-def _among(several: str, names: list[str]) -> AfterValidator:
+def _among(several: str, names: list[str], own: str = "") -> AfterValidator:
+    """Check of a name: one of several, or of what has the pattern of one's own."""
+
     def check(name: str) -> str:
-        if name not in names:
-            text = f"is {name}; the {several} are {', '.join(names)}"
+        if name not in names and not (own and re.search(own, name)):
+            further = "; <module>:<class> of your own" if own else ""
+            text = f"is {name}; the {several} are {', '.join(names)}{further}"
             raise PydanticCustomError("between", text)
         return name
 
@@ -104,6 +107,7 @@ def _time_step(value: Any) -> Any:
 _TIME_STEP = "a number above 0, or, where times are dates, one with a unit: 5 minutes, 1 day"
 _THRESHOLD = "a number, or {quantile: <a number between 0 and 1>}"
 _PAIR = Field(min_length=2, max_length=2)
+_OWN_CLASS = r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*:[A-Za-z_]\w*"
 _RESERVED = "nan|NaN|inf|Inf|infinity|Infinity|true|True|false|False|tables|figures|logs|benchmarks"
 
 Whole = Annotated[int, BeforeValidator(_whole)]
@@ -139,8 +143,8 @@ Strategy = Annotated[
 ]
 EncoderName = Annotated[
     str,
-    _among("encoders", available_encoders()),
-    Words(f"an encoder: {', '.join(available_encoders())}"),
+    _among("encoders", available_encoders(), rf"^{_OWN_CLASS}\Z"),
+    Words(f"an encoder: {', '.join(available_encoders())}, or <module>:<class> of your own"),
 ]
 ControlStrategyName = Annotated[
     str,
@@ -173,7 +177,7 @@ ParameterName = Annotated[
 ]
 SystemName = Annotated[
     str,
-    Field(pattern=r"^(?:[a-z][a-z0-9_]*|[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*:[A-Za-z_]\w*)\Z"),
+    Field(pattern=rf"^(?:[a-z][a-z0-9_]*|{_OWN_CLASS})\Z"),
     Words("mfe, another module of burstcast.systems, or <module>:<class> of your own"),
 ]
 Directory = Annotated[

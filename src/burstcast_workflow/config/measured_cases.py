@@ -179,7 +179,8 @@ def own_problems(own: Case) -> Iterator[str]:
         yield "data needs files: [...], or else the name of another case of the campaign (case)"
         return
     for key in _MEANINGLESS:
-        if said.get(key) is not None:
+        # an encoder of one's own may read files
+        if said.get(key) is not None and not (key == "files" and is_encoded(own)):
             yield f"{key} means nothing for measured series (data): leave it out"
     if data.case is None:
         if is_encoded(own):

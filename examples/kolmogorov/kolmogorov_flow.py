@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.systems.base import EnergyBudget, Symmetry
-from burstcast.systems.exponential import SemilinearSystem
+from exponential_scheme import SemilinearSystem
 
 ComplexArray = NDArray[np.complex128]
 

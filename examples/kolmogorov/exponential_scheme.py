@@ -6,6 +6,7 @@ Trefethen, SIAM J. Sci. Comput. 26 (2005) 1214.
 """
 
 import abc
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ import numpy as np
 
 from burstcast.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem
+from burstcast.systems.forced import ForcedSystem
 
 _CONTOUR_POINTS = 32
 
@@ -51,6 +53,24 @@ class SemilinearSystem(DynamicalSystem):
         last = c.half_decay * a + c.half_step * (2.0 * of_b - now)
         of_last = self.nonlinear(last)
         return c.decay * state + c.first * now + 2.0 * c.middle * (of_a + of_b) + c.last * of_last
+
+    def forced(self, force: Sequence[float]) -> DynamicalSystem:
+        """The system with a constant force, by the same scheme."""
+        return _ForcedSemilinearSystem(self, force)
+
+
+class _ForcedSemilinearSystem(ForcedSystem, SemilinearSystem):
+    """A semilinear system with a force, which its scheme treats as a part of `nonlinear`."""
+
+    _system: SemilinearSystem
+
+    def linear_rates(self) -> FloatArray:
+        """Linear rates of the system, which the force does not change."""
+        return self._system.linear_rates()
+
+    def nonlinear(self, state: FloatArray) -> FloatArray:
+        """All that is not linear, the force included, ``(dimension, ...)``."""
+        return self._with_force(self._system.nonlinear(state))
 
 
 class _Coefficients(NamedTuple):

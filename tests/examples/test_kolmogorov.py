@@ -1,16 +1,25 @@
-"""The Kolmogorov flow against the equations in physical space, its symmetries and its budget."""
+"""The Kolmogorov flow: its equations in physical space, symmetries, budget and invariants."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 import scipy.fft
 
+from burstcast.data.dataset import component_scales, observed_series
+from burstcast.encoders.base import EncodingCase
+from burstcast.encoders.channels import StateChannels, check_encoding, encoding_case
+from burstcast.encoders.registry import encoder_class
 from burstcast.systems.integration import integrate
-from burstcast.systems.kolmogorov import KolmogorovFlow
+from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lyapunov import lyapunov_spectrum
+from burstcast.systems.registry import make_system
+from kolmogorov_flow import KolmogorovFlow
 
 FLOW = KolmogorovFlow()
+FEW = KolmogorovFlow(20.0, 2, 5)
+INVARIANTS = "shift_invariants:Invariants"
 POINTS = 96
 
 
@@ -214,3 +223,93 @@ def test_truncation_converges(states):
     errors = [np.abs(later(largest) - true).max() for largest in (6, 8, 10, 12)]
     assert all(after < before / 2 for before, after in pairwise(errors)), errors
     assert errors[2] < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"reynolds": 0.0}, "reynolds must be positive"),
+        ({"reynolds": -1.0}, "reynolds must be positive"),
+        ({"large_scale_limit": 0.0}, "large_scale_limit must be positive"),
+        ({"largest_wavenumber": 7.5}, "largest_wavenumber must be a positive whole"),
+        ({"forcing_wavenumber": 0}, "forcing_wavenumber must be a positive whole"),
+        (
+            {"forcing_wavenumber": 8, "largest_wavenumber": 7},
+            "must be at most largest_wavenumber",
+        ),
+    ],
+)
+def test_impossible_parameters_are_told(parameters, message):
+    with pytest.raises(ValueError, match=message):
+        make_system("kolmogorov_flow:KolmogorovFlow", parameters)
+
+
+# -- invariants ------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def training():
+    """Series of a developed flow, ``(series, time, component)``."""
+    start = FEW.sample_initial_states(3, np.random.default_rng(2))
+    return np.moveaxis(integrate(FEW, start, 0.05, 4000, 40)[-60:], (0, 1, 2), (1, 2, 0))
+
+
+def test_invariants_do_not_change_with_shifts_and_are_named(training):
+    encoder = encoder_class(INVARIANTS).fit(training, EncodingCase(FEW))
+    state = training[:, -1].T
+    values = encoder.encode(state)
+    channels = encoder.channel_names(EncodingCase(FEW))
+    assert len(channels) == len(values) == len(set(channels))
+    np.testing.assert_allclose(encoder.encode(FEW.shifted(state, 0.7)), values, atol=1e-12)
+    rotated = dict(zip(channels, encoder.encode(FEW.rotated(state)), strict=True))
+    for name, value in zip(channels, values, strict=True):
+        sign = -1 if name.endswith("_imaginary") else 1
+        np.testing.assert_allclose(rotated[name], sign * value, atol=1e-12)
+    reflected = dict(zip(channels, encoder.encode(FEW.shift_reflected(state)), strict=True))
+    np.testing.assert_allclose(reflected["modulus_1_2"], values[channels.index("modulus_1_m2")])
+    assert np.ptp(values[channels.index("triad_real")]) > 0
+
+
+def test_sixty_invariants_and_triads_by_hand():
+    names = FLOW.invariant_names
+    assert len(names) == 60
+    assert {"modulus_0_4", "modulus_1_m5", "triad_m_imaginary"} <= set(names)
+    # a wave (1, 0), a mean flow (0, 2) and a wave (1, 2): their phases add up as the triad's
+    state = np.zeros(FEW.dimension)
+    places = [tuple(vector) for vector in FEW.wave_vectors]
+    half = len(places)
+    for vector, amplitude in {(1, 0): 2j, (0, 2): 3.0, (1, 2): 1 + 1j, (1, -2): 0.5}.items():
+        state[places.index(vector)] = np.real(amplitude)
+        state[half + places.index(vector)] = np.imag(amplitude)
+    found = dict(zip(FEW.invariant_names, FEW.invariants(state), strict=True))
+    triad, opposite = 2j * 3 * (1 - 1j), 2j * 3 * 0.5
+    assert found["triad_real"] + 1j * found["triad_imaginary"] == pytest.approx(triad)
+    assert found["triad_m_real"] + 1j * found["triad_m_imaginary"] == pytest.approx(opposite)
+    assert (found["mean_flow_real"], found["modulus_1_2"]) == pytest.approx((3.0, np.sqrt(2)))
+
+
+def test_invariants_from_sensors_are_those_of_the_estimate(training):
+    case = encoding_case(FEW, {"points": [4, 4]}, {})
+    readings = case.readings_of_series(training)
+    scales = component_scales(readings)
+    case = replace(case, noise=0.02 * scales.standard_deviation)
+    seen = observed_series(readings, 0, 0.02, scales, 1, "test")
+    channels = StateChannels.fit(INVARIANTS, training, seen, case)
+    assert not channels.decodes
+    estimate = channels.estimate.encode(np.moveaxis(seen, -1, 0))
+    expected = np.moveaxis(FEW.invariants(estimate), 0, -1)
+    np.testing.assert_array_equal(channels.encode_series(seen), expected)
+    with pytest.raises(NotImplementedError, match="does not decode"):
+        channels.maps(training)
+
+
+@pytest.mark.parametrize(
+    ("space", "options", "message"),
+    [
+        (Lorenz63(), {}, "Lorenz63 has no invariants"),
+        (FEW, {"modes": 3}, "encoder.modes is no option of the encoder shift_inv"),
+    ],
+)
+def test_what_has_no_invariants_is_refused(space, options, message):
+    with pytest.raises(ValueError, match=message):
+        check_encoding(INVARIANTS, encoding_case(space, None, options), 0.01, 180)
