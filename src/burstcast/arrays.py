@@ -58,16 +58,6 @@ def float_array(data: Any, what: str) -> FloatArray:
     return np.asarray(np.ma.getdata(array), dtype=np.float64)
 
 
-def series_array(data: Any) -> FloatArray:
-    """Convert the series of a user, ``(series, time, component)``, to float64."""
-    series = float_array(data, "the series")
-    if series.ndim != 3 or not series.size:
-        raise ValueError(
-            f"the series must have the shape (series, time, component), not {series.shape}"
-        )
-    return series
-
-
 def _is_masked(data: Any) -> bool:
     """Whether an entry of an array, or of nested lists of arrays, is masked."""
     if isinstance(data, list | tuple):

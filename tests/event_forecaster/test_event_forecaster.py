@@ -12,7 +12,7 @@ from numpy.testing import assert_array_equal
 
 import burstcast
 from burstcast.data.delay_coordinates import delay_coordinates
-from burstcast.event_forecaster.series_layout import as_series
+from burstcast.data.series_layout import as_series
 from burstcast.forecast.classification import ratio
 from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.registry import trajectory_kinds

@@ -8,52 +8,42 @@ time      samples at equal intervals, one step of a forecast each
 component what is observed of the state, in units of its own
 ========= ===========================================================================
 
-An array of xarray may have these three dimensions in any order: they are found by their names.
+What xarray holds has dimensions of these names in any order, of which only time must be there. A
+table of pandas is one series, and so is each of a list of tables: columns go by their names.
 """
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from burstcast.arrays import FloatArray, float_array, is_known
-
-LAYOUT = ("series", "time", "component")
-"""Names of the dimensions."""
+from burstcast.data.named_arrays import AXES, NamedArrays
+from burstcast.data.tables import column_names, frame_run
+from burstcast.data.times import TIME
 
 
 def as_series(data: Any, what: str = "the series") -> FloatArray:
-    """Series of a user as an array of the one layout.
+    """Series of a user as an array of the one layout, finite and contiguous.
 
-    ``data``: An array of NumPy, or what can be made one, of shape ``(series, time, component)``; or
-    an array of xarray with dimensions of these names. Shape ``(series, time, component)``,
-    contiguous.
+    ``data``: An array of NumPy, or what can be made one, of shape ``(series, time, component)``; a
+    list of tables; or an array or a data set of xarray.
     """
-    if hasattr(data, "data_vars"):
-        raise TypeError(f"{what}: a data set has several variables; give one of them")
-    if hasattr(data, "dims"):  # of xarray, which need not be installed
-        if sorted(map(str, data.dims)) != sorted(LAYOUT):
-            named = ", ".join(map(str, data.dims))
-            raise ValueError(
-                f"{what} must have the dimensions {', '.join(LAYOUT)}, not {named}: rename them "
-                f"(.rename), or add the missing ones (.expand_dims)"
-            )
-        if "time" in getattr(data, "coords", ()):
-            _check_times(np.asarray(data.coords["time"]), what)
-        data = data.transpose(*LAYOUT).to_numpy()
+    if hasattr(data, "dims"):
+        arrays = NamedArrays(what, data)
+        arrays.check_rising()
+        data = arrays.states(list(arrays.columns))
+    data = [data] if isinstance(data, pd.DataFrame) else data
     if isinstance(data, list | tuple):
         _check_equal_lengths(data, what)
-        # tables of pandas, whose nullable and Arrow types have another mark for missing numbers
-        data = [
-            one.to_numpy(dtype=np.float64, na_value=np.nan) if hasattr(one, "dtypes") else one
-            for one in data
-        ]
+        if any(isinstance(one, pd.DataFrame) for one in data):
+            data = [_of_table(what, one, data[0]) for one in data]
     series = np.ascontiguousarray(float_array(data, what))
-    if np.ndim(data) != len(LAYOUT):
+    if np.ndim(data) != len(AXES):
         single = "series[np.newaxis]" if np.ndim(data) == 2 else "series[np.newaxis, :, np.newaxis]"
         hint = f": a single series is {single}" if np.ndim(data) < 3 else ""
-        hint = ": a single table is [table]" if hasattr(data, "iloc") else hint
-        raise ValueError(f"{what} must be ({', '.join(LAYOUT)}), not {np.shape(data)}{hint}")
+        raise ValueError(f"{what} must be ({', '.join(AXES)}), not {np.shape(data)}{hint}")
     if series.size == 0:
         raise ValueError(f"{what} of shape {series.shape} are empty")
     known = is_known(series)
@@ -66,10 +56,16 @@ def as_series(data: Any, what: str = "the series") -> FloatArray:
     return series
 
 
-def _check_times(time: Any, what: str) -> None:
-    """Check that a coordinate of times rises."""
-    if time.dtype.kind in "iufM" and not (time[1:] > time[:-1]).all():
-        raise ValueError(f"{what}: the coordinate time must rise from each sample to the next")
+def _of_table(what: str, table: Any, first: Any) -> FloatArray:
+    """Columns of a table, in the order that the first one has them in."""
+    names, others = ([*column_names(what, one)] for one in (first, table))
+    if sorted(names) != sorted(others):
+        raise ValueError(f"{what}: tables have the columns {names} and {others}")
+    names = [name for name in names if name != TIME]
+    columns = frame_run(what, table, names, "second").columns
+    if TIME in columns and not (np.diff(columns[TIME]) > 0).all():
+        raise ValueError(f"{what}: times must rise from each sample to the next")
+    return np.stack([columns[name] for name in names], axis=1)
 
 
 def _check_equal_lengths(data: Sequence[Any], what: str) -> None:
