@@ -9,10 +9,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
+import netCDF4
 import pandas as pd
+import scipy
 
 from burstcast.data.measured_data import Content, Run
-from burstcast.data.named_arrays import NamedArrays
+from burstcast.data.named_arrays import AXES, NamedArrays
 from burstcast.data.tables import RECIPES, csv_content, frame_content
 
 T = TypeVar("T")
@@ -46,7 +48,7 @@ def content_of(source: Any) -> Content:
     elif suffix == ".parquet":
         content = _named(source, lambda: frame_content(source, _parquet(source)))
     else:
-        content = _named(source, lambda: _array_content(source, ENGINES[suffix]))
+        content = _named(source, lambda: _array_content(source))
     return Content(
         source, content.names, lambda names, unit: _named(source, lambda: content.read(names, unit))
     )
@@ -77,38 +79,50 @@ def _parquet(path: str) -> pd.DataFrame:
         ) from None
 
 
-def _array_content(path: str, engine: str) -> Content:
-    with _opened(path, engine) as arrays:
+def _array_content(path: str) -> Content:
+    with _opened(path) as arrays:
         names = list(arrays.columns)
 
     def read(wanted: Sequence[str], unit: str | None) -> list[Run]:
-        with _opened(path, engine) as arrays:
+        with _opened(path) as arrays:
             return arrays.runs(wanted, unit)
 
     return Content(path, names, read)
 
 
 @contextmanager
-def _opened(path: str, engine: str) -> Iterator[NamedArrays]:
+def _opened(path: str) -> Iterator[NamedArrays]:
     import xarray  # takes half a second, and few campaigns need it
 
-    if engine not in xarray.backends.list_engines():
+    suffix = Path(path).suffix.lower()
+    options: dict[str, Any] = {"engine": ENGINES[suffix]}
+    if options["engine"] not in xarray.backends.list_engines():
         raise ValueError(
-            f"{path}: reading {Path(path).suffix} takes the package {engine}, which is not "
+            f"{path}: reading {suffix} takes the package {ENGINES[suffix]}, which is not "
             f"installed: install it, or convert the file to NetCDF"
         )
-    if Path(path).suffix == ".nc":
-        with open(path, "rb") as file:
-            # netCDF4 reads zeros for what a classic file lacks, and may crash at a damaged one
-            engine = "scipy" if file.read(3) == b"CDF" else engine
-    try:
-        data = xarray.open_dataset(path, engine=engine, decode_times=False, decode_coords=False)
-    except Exception as error:
-        if engine != "scipy":
-            raise
+    if suffix == ".nc":
+        options |= _options_of_netcdf(path)
+    elif suffix == ".h5":
+        options["phony_dims"] = "sort"  # dimensions without names are no mistake by themselves
+    with xarray.open_dataset(path, decode_times=False, decode_coords=False, **options) as data:
+        yield NamedArrays(path, data)
+
+
+def _options_of_netcdf(path: str) -> dict[str, Any]:
+    """How xarray reads a file that netCDF4 would make nothing of, or die of."""
+    with open(path, "rb") as file:
+        is_classic = file.read(3) == b"CDF"
+    if not is_classic:
+        with netCDF4.Dataset(path) as file:
+            texts = [name for name, variable in file.variables.items() if variable.dtype is str]
+        # text, or numbers of a type that NetCDF lacks, such as float16: no columns of either
+        return {"drop_variables": sorted({*texts} - {*AXES})}
+    try:  # netCDF4 reads zeros for what a classic file lacks, and may crash at a damaged one
+        with scipy.io.netcdf_file(path):
+            return {"engine": "scipy"}
+    except Exception as error:  # its parser has no errors of its own
         raise ValueError(
             f"{path} is cut off, or is no classic NetCDF file of 32 or 64-bit offsets: copy it "
             f"again, or convert it (nccopy -k netCDF-4)"
         ) from error
-    with data:
-        yield NamedArrays(path, data)

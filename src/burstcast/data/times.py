@@ -132,21 +132,22 @@ def with_units(time: Any, unit: str) -> Any:
     units = str(time.attrs.get("units", "")).strip()
     if units in ("", "1"):
         return time
-    if _SINCE.fullmatch(units):
-        time = xarray.coders.CFDatetimeCoder(time_unit="us").decode(time)
-        if time.dtype.kind == "M":
-            return time
-        raise TimesError(
-            f"has dates of the calendar {time.encoding.get('calendar')}, or outside that of "
-            f"pandas: write a time step without a unit, and times as numbers"
-        )
-    length = _SPELLINGS.get(units.lower(), _SPELLINGS.get(units.lower().removesuffix("s")))
-    if length is None:
+    word = units.partition(" since ")[0].lower()
+    length = _SPELLINGS.get(word, _SPELLINGS.get(word.removesuffix("s")))
+    if length is None or (" since " in units and not _SINCE.fullmatch(units)):
         raise TimesError(
             f"has the units {units!r}; with a unit in the time step, they must be seconds, "
             f"minutes, hours or days, of their own or since a date and a zone of ISO 8601"
         )
-    return time * (length / SECONDS[unit])
+    if " since " not in units:
+        return time * (length / SECONDS[unit])
+    time = xarray.coders.CFDatetimeCoder(time_unit="us").decode(time)
+    if time.dtype.kind != "M":
+        raise TimesError(
+            f"has dates of the calendar {time.encoding.get('calendar')}, or outside that of "
+            f"pandas: write a time step without a unit, and times as numbers"
+        )
+    return time
 
 
 def is_number(text: str) -> bool:
