@@ -33,6 +33,9 @@ Int32Array = npt.NDArray[np.int32]
 ByteArray = npt.NDArray[np.uint8]
 """Small numbers that choose between a few things."""
 
+AXES = ("series", "time", "component")
+"""Names of the dimensions of series, in their order."""
+
 _NEVER_WRITTEN = (9.969e36, 9.970e36)
 """Bounds of the number that netCDF stores where nothing was written."""
 

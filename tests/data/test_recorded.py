@@ -468,6 +468,10 @@ def matlab(path):
     scipy.io.savemat(path / "raw.mat", {"data": [[1, 2], [3, 4]], "t": [0, 1]})
 
 
+def one_series(path):
+    np.save(path / "raw.npy", [[1.0, 2], [3, 4]])
+
+
 def realisations(path):
     np.save(path / "raw.npy", [[[1.0, 2], [3, 4]]])
 
@@ -502,7 +506,8 @@ CASES = [
     ("raw.csv: a column run", labelled, "run_a.csv", 1, {"u": [3, 4]}),
     ("raw.csv: daily", daily, "lab.csv", "1 day", {"heat": [*[0] * 1000, *[5] * 500]}),
     ("raw.mat", matlab, "lab.csv", 1, TWO),
-    ("many", realisations, "lab.nc", 0.02, TWO),
+    ("raw.npy: one", one_series, "lab.csv", 0.02, TWO),
+    ("raw.npy: many", realisations, "lab.nc", 0.02, TWO),
 ]
 
 

@@ -198,7 +198,7 @@ def test_functions_for_notebooks_refuse_the_same(function, data):
     more = {"resamples": 9, "confidence": 0.9} if function is neighbour_divergence else {}
     with pytest.raises(
         (TypeError, ValueError),
-        match=r"the series must (not be masked|consist of|have the shape \(series, time, comp)",
+        match=r"the series (must (not be masked|consist of|be \(series, time)|of shape \(2, 0)",
     ):
         function(data, *others[function], **more)
 
@@ -208,9 +208,9 @@ def test_what_says_nothing_of_an_exponent_is_refused():
     series = generator.normal(size=(1, 99, 2))
     with pytest.raises(ValueError, match="sampling interval must be positive, not 0"):
         neighbour_divergence(series, 0.0, generator, **more)
-    for value in (1.0, np.nan):
+    for value, message in ((1.0, "no component of the series may be"), (np.nan, "must be finite")):
         series[:, :, 1] = value
-        with pytest.raises(ValueError, match="must be finite, and not be constant"):
+        with pytest.raises(ValueError, match=message):
             neighbour_divergence(series, 0.1, generator, **more)
 
 

@@ -9,12 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, float_array
+from burstcast.arrays import AXES, FloatArray, float_array
 from burstcast.data.measured_data import Content, Run
 from burstcast.data.times import TIME, TimesError, times_in, with_units
-
-AXES = ("series", TIME, "component")
-"""Names of the dimensions, in the order of the arrays that are made of them."""
 
 
 class NamedArrays:
@@ -88,12 +85,13 @@ class NamedArrays:
         except TimesError as error:
             raise ValueError(f"{self.source}: {TIME!r} {error}") from None
 
-    def check_rising(self) -> None:
-        """Check that times, of whatever kind, rise."""
+    def rising_states(self) -> FloatArray:
+        """All components, ``(series, time, component)``, if times of whatever kind rise."""
         if TIME in self.variables:
             time = _in_order(self.variables[TIME])
             if not (time[:, 1:] > time[:, :-1]).all():
                 raise ValueError(f"{self.source}: times must rise from each sample to the next")
+        return self.states(list(self.columns))
 
     def runs(self, names: Sequence[str], unit: str | None) -> list[Run]:
         """Runs of the series."""

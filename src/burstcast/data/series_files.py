@@ -13,8 +13,9 @@ import netCDF4
 import pandas as pd
 import scipy
 
+from burstcast.arrays import AXES
 from burstcast.data.measured_data import Content, Run
-from burstcast.data.named_arrays import AXES, NamedArrays
+from burstcast.data.named_arrays import NamedArrays
 from burstcast.data.tables import RECIPES, csv_content, frame_content
 
 T = TypeVar("T")

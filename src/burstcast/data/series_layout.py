@@ -16,29 +16,28 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
-from burstcast.arrays import FloatArray, float_array, is_known
-from burstcast.data.named_arrays import AXES, NamedArrays
-from burstcast.data.tables import column_names, frame_run
-from burstcast.data.times import TIME
+from burstcast.arrays import AXES, FloatArray, float_array, is_known
 
 
 def as_series(data: Any, what: str = "the series") -> FloatArray:
     """Series of a user as an array of the one layout, finite and contiguous.
 
     ``data``: An array of NumPy, or what can be made one, of shape ``(series, time, component)``; a
-    list of tables; or an array or a data set of xarray.
+    table or a list of tables; or an array or a data set of xarray.
     """
+    # pandas takes half a second to load: only where there is something of it
     if hasattr(data, "dims"):
-        arrays = NamedArrays(what, data)
-        arrays.check_rising()
-        data = arrays.states(list(arrays.columns))
-    data = [data] if isinstance(data, pd.DataFrame) else data
+        from burstcast.data.named_arrays import NamedArrays
+
+        data = NamedArrays(what, data).rising_states()
+    data = [data] if hasattr(data, "iloc") else data
     if isinstance(data, list | tuple):
         _check_equal_lengths(data, what)
-        if any(isinstance(one, pd.DataFrame) for one in data):
-            data = [_of_table(what, one, data[0]) for one in data]
+        if any(hasattr(one, "iloc") for one in data):
+            from burstcast.data.tables import rising_rows
+
+            data = rising_rows(what, data)
     series = np.ascontiguousarray(float_array(data, what))
     if np.ndim(data) != len(AXES):
         single = "series[np.newaxis]" if np.ndim(data) == 2 else "series[np.newaxis, :, np.newaxis]"
@@ -54,18 +53,6 @@ def as_series(data: Any, what: str = "the series") -> FloatArray:
             f"{step}, component {component}"
         )
     return series
-
-
-def _of_table(what: str, table: Any, first: Any) -> FloatArray:
-    """Columns of a table, in the order that the first one has them in."""
-    names, others = ([*column_names(what, one)] for one in (first, table))
-    if sorted(names) != sorted(others):
-        raise ValueError(f"{what}: tables have the columns {names} and {others}")
-    names = [name for name in names if name != TIME]
-    columns = frame_run(what, table, names, "second").columns
-    if TIME in columns and not (np.diff(columns[TIME]) > 0).all():
-        raise ValueError(f"{what}: times must rise from each sample to the next")
-    return np.stack([columns[name] for name in names], axis=1)
 
 
 def _check_equal_lengths(data: Sequence[Any], what: str) -> None:

@@ -83,6 +83,20 @@ def frame_run(
     return Run(source, columns)
 
 
+def rising_rows(source: str, tables: Sequence[pd.DataFrame]) -> list[FloatArray]:
+    """Rows of tables ``(time, component)``, in the order that the first one has its columns in."""
+    names = column_names(source, tables[0])
+    found = []
+    for table in tables:
+        if sorted(others := column_names(source, table)) != sorted(names):
+            raise ValueError(f"{source}: tables have the columns {names} and {others}")
+        columns = dict(frame_run(source, table, names, "second").columns)
+        if TIME in columns and not (np.diff(columns.pop(TIME)) > 0).all():
+            raise ValueError(f"{source}: times must rise from each sample to the next")
+        found.append(np.stack([columns[name] for name in names if name != TIME], axis=1))
+    return found
+
+
 def _place(row: int | None, first_line: int | None) -> str:
     if row is None:
         return ""

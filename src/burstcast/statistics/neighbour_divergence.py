@@ -158,7 +158,7 @@ def neighbour_divergence(
     series = as_series(series)
     spread = series.std(axis=(0, 1))
     if not (spread > 0).all():
-        raise ValueError("each component of the series must be finite, and not be constant")
+        raise ValueError("no component of the series may be constant")
     if not 0 < sampling_interval < np.inf:
         raise ValueError(f"the sampling interval must be positive, not {sampling_interval}")
     states = series / spread
