@@ -228,15 +228,6 @@ def test_tables_of_pandas_with_mistakes(monkeypatch, table, message):
         runs(doubled, "u")
 
 
-def test_parquet_without_pyarrow(tmp_path, monkeypatch):
-    def missing(path):
-        raise ImportError
-
-    monkeypatch.setattr(pd, "read_parquet", missing)
-    with pytest.raises(ValueError, match="takes pyarrow, which is not installed"):
-        runs(tmp_path / "a.parquet")
-
-
 FLOW = xarray.Dataset(
     {
         "u": (("series", "time"), STATES[:, :, 0]),
@@ -416,7 +407,7 @@ def test_no_content(tmp_path, suffix):
         ("a.nc", ": there is no such file, seen from /"),
         ("a.zarr", ": there is no such file, seen from /|: reading .zarr takes the package zarr"),
         ("a.h5", ": there is no such file, seen from /|: reading .h5 takes the package h5netcdf"),
-        ("a.parquet", ": there is no such file, seen from /|pyarrow"),
+        ("a.parquet", ": there is no such file, seen from /|pyarrow is required"),
     ],
 )
 def test_files_that_are_none_or_missing(tmp_path, name, message):

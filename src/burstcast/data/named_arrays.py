@@ -52,7 +52,7 @@ class NamedArrays:
         labels = self.variables["component"].values
         if labels.dtype.kind in "iuf":
             return [f"c{label:g}" for label in labels]
-        return [label.decode() if isinstance(label, bytes) else str(label) for label in labels]
+        return [str(label) for label in labels.astype(str)]
 
     def states(self, names: Sequence[str]) -> FloatArray:
         """Some components, ``(series, time, component)``; what is missing is NaN."""

@@ -66,12 +66,7 @@ def measured_series(
 
     Returns
     -------
-    ``(series, time, component)``.
-
-    Raises
-    ------
-    ValueError
-        If these are no numbers in equal steps of time: with the row and the column.
+    ``(series, time, component)``. What are no numbers in equal steps is a ValueError with the row.
 
     Examples
     --------

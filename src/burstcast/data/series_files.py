@@ -47,7 +47,7 @@ def content_of(source: Any) -> Content:
     if suffix == ".csv":
         content = _named(source, lambda: csv_content(source))
     elif suffix == ".parquet":
-        content = _named(source, lambda: frame_content(source, _parquet(source)))
+        content = _named(source, lambda: frame_content(source, pd.read_parquet(source)))
     else:
         content = _named(source, lambda: _array_content(source))
     return Content(
@@ -68,16 +68,6 @@ def _named(path: str, read: Callable[[], T]) -> T:
         raise ValueError(
             text if text.startswith(path) else f"{path} cannot be read: {text}"
         ) from error
-
-
-def _parquet(path: str) -> pd.DataFrame:
-    try:
-        return pd.read_parquet(path)
-    except ImportError:
-        raise ValueError(
-            f"{path}: reading Parquet takes pyarrow, which is not installed: install it, or "
-            f"convert the file to CSV or NetCDF"
-        ) from None
 
 
 def _array_content(path: str) -> Content:

@@ -94,23 +94,34 @@ def _given(unit: str | None, what: str = "dates", row: int | None = None) -> str
 
 def _times_of(texts: Sequence[str], unit: str | None) -> FloatArray:
     """Times of a column of text: all are numbers, or dates, or dates with an offset from UTC."""
-    if is_number(texts[0]):
-        for row, text in enumerate(texts):
-            if not is_number(text):
-                raise _no_time(text, row, is_other=_DATE.fullmatch(text) is not None)
+    kinds = list(map(_kind, texts))
+    row = next((row for row, kind in enumerate(kinds) if not kind or kind != kinds[0]), None)
+    if row is not None:
+        text = texts[row]
+        if not text:
+            raise TimesError("has no time; each row needs one", row)
+        if kinds[row]:
+            raise TimesError(f"has {text!r}, which is of another form than the rows before", row)
+        raise TimesError(
+            f"has {text!r}, which is neither a number nor a date in a form of ISO 8601 that is "
+            f"read, such as 2010-03-24, 20100324T0951Z or 2010-03-24T09:51:00+01:00",
+            row,
+        )
+    if kinds[0] == "number":
         return np.array(list(map(float, texts)))
-    matches = [_DATE.fullmatch(text) for text in texts]
-    kinds = [match and match[1] is not None for match in matches]
-    if len(set(kinds)) > 1 or None in kinds:
-        row = next(row for row, kind in enumerate(kinds) if kind is None or kind != kinds[0])
-        is_other = kinds[row] is not None or is_number(texts[row])
-        raise _no_time(texts[row], row, is_other=is_other)
     unit = _given(unit, f"the date {texts[0]!r}", 0)
     moments = pd.to_datetime(list(texts), format="ISO8601", utc=True, errors="coerce")
     if moments.hasnans:  # no such day or hour
         row = int(moments.isna().argmax())
         raise TimesError(f"has {texts[row]!r}, which is no date of the calendar", row)
     return moments_in(moments, unit)
+
+
+def _kind(text: str) -> str | None:
+    if is_number(text):
+        return "number"
+    found = _DATE.fullmatch(text)
+    return found and ("date with an offset" if found[1] else "date")
 
 
 def moments_in(moments: pd.DatetimeIndex, unit: str) -> FloatArray:
@@ -157,15 +168,3 @@ def is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _no_time(text: str, row: int, *, is_other: bool) -> TimesError:
-    if not text:
-        return TimesError("has no time; each row needs one", row)
-    if is_other:
-        return TimesError(f"has {text!r}, which is of another form than the rows before", row)
-    return TimesError(
-        f"has {text!r}, which is neither a number nor a date in a form of ISO 8601 that is read, "
-        f"such as 2010-03-24, 2010-03-24T09:51, 20100324T0951Z or 2010-03-24T09:51:00+01:00",
-        row,
-    )
