@@ -49,7 +49,7 @@ def test_the_conda_environment_has_what_jobs_import_in_the_versions_of_the_lock_
     expected = {name: re.sub(r"\.post\d+$", "", versions[CONDA.get(name, name)]) for name in found}
     assert found == expected
     wanted = set(re.findall(r'^    "([A-Za-z0-9-]+)>=', PROJECT, re.MULTILINE))
-    jobs = {"numpy", "scipy", "pandas", "llvmlite", "netCDF4", "pyyaml", "pydantic"}
+    jobs = {"numpy", "scipy", "pandas", "llvmlite", "netCDF4", "xarray", "pyyaml", "pydantic"}
     jobs |= {"scikit-optimize", "scikit-image", "matplotlib"}
     assert jobs <= wanted
     named = {CONDA.get(name, name).lower() for name in found}

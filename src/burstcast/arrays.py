@@ -33,6 +33,9 @@ Int32Array = npt.NDArray[np.int32]
 ByteArray = npt.NDArray[np.uint8]
 """Small numbers that choose between a few things."""
 
+AXES = ("series", "time", "component")
+"""Names of the dimensions of series, in their order."""
+
 _NEVER_WRITTEN = (9.969e36, 9.970e36)
 """Bounds of the number that netCDF stores where nothing was written."""
 
@@ -56,16 +59,6 @@ def float_array(data: Any, what: str) -> FloatArray:
             f"or leave out what has them"
         )
     return np.asarray(np.ma.getdata(array), dtype=np.float64)
-
-
-def series_array(data: Any) -> FloatArray:
-    """Convert the series of a user, ``(series, time, component)``, to float64."""
-    series = float_array(data, "the series")
-    if series.ndim != 3 or not series.size:
-        raise ValueError(
-            f"the series must have the shape (series, time, component), not {series.shape}"
-        )
-    return series
 
 
 def _is_masked(data: Any) -> bool:

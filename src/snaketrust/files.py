@@ -3,6 +3,7 @@
 import hashlib
 import os
 import re
+import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,15 +13,27 @@ PARTIAL_SUFFIX = ".partial"
 
 
 def digest(path: str | Path) -> str:
-    """SHA-256 of a file's content."""
+    """SHA-256 of a file's content, or of the names and digests of all files in a directory."""
+    if os.path.isdir(path):
+        inside = sorted((str(one.relative_to(path)), digest(one)) for one in _inside(path))
+        return hashlib.sha256(repr(inside).encode()).hexdigest()
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def stamp(path: str) -> list[int]:
-    """State of a file: size, times of the last change of content and of status, inode."""
+    """State of a file: size, times of the last change of content and of status, inode.
+
+    Of a directory: the size of all files in it, and the latest times.
+    """
     state = os.stat(path)
-    return [state.st_size, state.st_mtime_ns, state.st_ctime_ns, state.st_ino]
+    states = [state, *map(os.stat, _inside(path))] if stat.S_ISDIR(state.st_mode) else [state]
+    times = (max(one.st_mtime_ns for one in states), max(one.st_ctime_ns for one in states))
+    return [sum(one.st_size for one in states), *times, state.st_ino]
+
+
+def _inside(directory: str | Path) -> list[Path]:
+    return [path for path in Path(directory).rglob("*") if path.is_file()]
 
 
 @contextmanager

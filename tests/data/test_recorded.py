@@ -10,7 +10,6 @@ import scipy.io
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast.data.frames import from_dataframe, from_xarray
 from burstcast.data.measured_data import (
     Blocks,
     Quantity,
@@ -23,12 +22,12 @@ from burstcast.data.measured_data import (
 from burstcast.data.records import (
     check_regular,
     long_runs,
-    needed_columns,
+    measured_series,
     problems_of_columns,
     recorded_series,
     runs_without_gaps,
 )
-from burstcast.data.series_files import read_runs
+from burstcast.data.series_files import content_of
 from burstcast.data.times import time_step_of
 from burstcast.systems.measured import MeasuredSeries
 
@@ -244,38 +243,24 @@ def test_all_mistakes_are_told():
     ]
 
 
-def test_a_table_of_pandas_is_what_its_file_is(tmp_path):
+def test_tables_and_arrays_are_what_their_files_are(tmp_path):
     path = write(tmp_path / "a.csv", lost=[10])
+    expected = recorded_series([path], DATA, SPACE).states
     table = pd.read_csv(path, parse_dates=["time"])
-    for frame in (table, table.set_index("time"), table.convert_dtypes()):
-        found = from_dataframe(frame, "1 day", ["u"], block=4, gap=1, cut_gaps=True)
-        assert np.array_equal(found, recorded_series([path], DATA, SPACE).states)
-    with pytest.raises(ValueError, match="the table, row 11: column 'time' goes on by 2"):
-        from_dataframe(table, "1 day", ["u"])
-    with pytest.raises(ValueError, match="the table has no column 'time'; its columns are u, rain"):
-        from_dataframe(table[["u", "rain"]], "1 day")
-    with pytest.raises(ValueError, match="'time' has dates, but the time step has no unit"):
-        from_dataframe(table, 1, ["u"])
-    with pytest.raises(TypeError, match="a DataFrame of pandas, not dict"):
-        from_dataframe({"u": [1.0]}, 1)
+    array = table.set_index("time").to_xarray()
+    array.to_netcdf(tmp_path / "a.nc")
+    sources = (path, tmp_path / "a.nc", table, table.set_index("time"), pd.read_csv(path), array)
+    for source in (*sources, array.to_dataarray("component"), table.convert_dtypes()):
+        found = measured_series(source, "1 day", ["u"], block=4, gap=1, cut_gaps=True)
+        assert np.array_equal(found, expected)
+        with pytest.raises(ValueError, match="row 11: column 'time' goes on by 2"):
+            measured_series(source, "1 day", ["u"])
+    both = measured_series([table, array], "1 day", ["u"], block=4, cut_gaps=True)
+    assert np.array_equal(both, np.concatenate([expected, expected]))
+    with pytest.raises(ValueError, match="the table: there is no column 'x'; the columns are u, r"):
+        measured_series(table, "1 day", ["x"])
     with pytest.raises(ValueError, match="cut_gaps needs block"):
-        from_dataframe(table, "1 day", ["u"], cut_gaps=True)
-
-
-def test_arrays_of_xarray():
-    xarray = pytest.importorskip("xarray")
-    states = np.random.default_rng(0).normal(size=(2, 50, 3))
-    time = 0.5 * np.arange(50)
-    array = xarray.DataArray(states, dims=("series", "time", "component"), coords={"time": time})
-    assert np.array_equal(from_xarray(array.transpose("time", "component", "series")), states)
-    assert np.array_equal(from_xarray(array[1]), states[1:])
-    assert np.array_equal(from_xarray(array.to_dataset("component")), states)
-    with pytest.raises(ValueError, match="the record is in falling order"):
-        from_xarray(array.isel(time=slice(None, None, -1)))
-    with pytest.raises(ValueError, match="goes on by 1 from row 7"):
-        from_xarray(array.drop_isel(time=7))
-    with pytest.raises(ValueError, match=r"must have the dimensions series, time.*\.rename"):
-        from_xarray(array.rename(component="rig"))
+        measured_series(table, "1 day", ["u"], cut_gaps=True)
 
 
 # -- from columns to series ------------------------------------------------------------------------
@@ -483,6 +468,10 @@ def matlab(path):
     scipy.io.savemat(path / "raw.mat", {"data": [[1, 2], [3, 4]], "t": [0, 1]})
 
 
+def one_series(path):
+    np.save(path / "raw.npy", [[1.0, 2], [3, 4]])
+
+
 def realisations(path):
     np.save(path / "raw.npy", [[[1.0, 2], [3, 4]]])
 
@@ -517,19 +506,17 @@ CASES = [
     ("raw.csv: a column run", labelled, "run_a.csv", 1, {"u": [3, 4]}),
     ("raw.csv: daily", daily, "lab.csv", "1 day", {"heat": [*[0] * 1000, *[5] * 500]}),
     ("raw.mat", matlab, "lab.csv", 1, TWO),
-    ("many", realisations, "lab.nc", 0.02, TWO),
+    ("raw.npy: one", one_series, "lab.csv", 0.02, TWO),
+    ("raw.npy: many", realisations, "lab.nc", 0.02, TWO),
 ]
 
 
 @pytest.mark.parametrize(("beginning", "prepare", "file", "step", "expected"), CASES)
 def test_a_recipe(tmp_path, monkeypatch, beginning, prepare, file, step, expected):
-    if beginning == "many":
-        pytest.importorskip("xarray")
     monkeypatch.chdir(tmp_path)
     prepare(tmp_path)
     exec(recipe(beginning), {})
-    names = needed_columns(file, [Quantity(name) for name in expected])
-    (run,) = read_runs(file, names, time_step_of(step)[1])
+    (run,) = content_of(file).read(list(expected), time_step_of(step)[1])
     check_regular(run, time_step_of(step)[0])
     for name, values in expected.items():
         np.testing.assert_allclose(run.columns[name], list(values), atol=1e-9)

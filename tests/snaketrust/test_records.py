@@ -341,3 +341,17 @@ def test_a_process_that_runs_an_old_compiled_module_is_told(once_compiled, tmp_p
     with pytest.raises(UnlikeCodeError, match=r"compiled numbers\.py from another"):
         compile_by_content([once_compiled])
     compile_by_content([once_compiled])
+
+
+def test_a_directory_is_what_its_files_are():
+    for name in ("a", "b"):
+        Path(name, "c").mkdir(parents=True)
+        Path(name, "c", "0").write_text("one")
+    assert digest("a") == digest("b")
+    inputs = Inputs.read(["a"], None)
+    inputs.check()
+    Path("a/c/0").write_text("two")  # no state of `a` itself changes
+    with pytest.raises(DamagedFileError, match="a changed while the job ran"):
+        inputs.check()
+    Path("b/c/0").rename("b/c/1")
+    assert len({digest("a"), digest("b"), inputs.by_path["a"]}) == 3

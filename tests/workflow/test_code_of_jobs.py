@@ -53,7 +53,8 @@ PASS_WORDS_ON = {
     "burstcast.discovery": {"imported", "_place"},
     "burstcast.figures.registry": {"caption"},
     "burstcast.systems.compiled": {"_attempt", "_place"},
-    "burstcast.data.series_files": {"_told", "_times"},
+    "burstcast.data.series_files": {"_named"},
+    "burstcast.data.tables": {"frame_run"},
     "burstcast.data.records": {"problems_of_columns"},
     "burstcast.files.atomic_files": {"atomic"},
     "burstcast_workflow.jobs.lengths": {"listing"},  # which lengths do not fit

@@ -7,19 +7,21 @@ Physics 65, 1991).
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, series_array
+from burstcast.arrays import FloatArray
+from burstcast.data.series_layout import as_series
 
 
-def delay_coordinates(series: FloatArray, delays: Sequence[int]) -> FloatArray:
+def delay_coordinates(series: Any, delays: Sequence[int]) -> FloatArray:
     """Append past values to each state of series.
 
     Parameters
     ----------
     series
-        ``(series, time, component)``.
+        ``(series, time, component)`` (`burstcast.data.series_layout`).
     delays
         How many steps back, each 1 at least.
 
@@ -41,7 +43,7 @@ def delay_coordinates(series: FloatArray, delays: Sequence[int]) -> FloatArray:
     >>> delay_coordinates(series, [1, 2])[0].tolist()
     [[2.0, 1.0, 0.0], [3.0, 2.0, 1.0], [4.0, 3.0, 2.0]]
     """
-    series = series_array(series)
+    series = as_series(series)
     longest, samples = max(delays, default=0), series.shape[1]
     if any(delay < 1 for delay in delays):
         raise ValueError(f"delays must be whole numbers above 0, not {list(delays)}")

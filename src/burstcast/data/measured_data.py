@@ -5,7 +5,7 @@ several blocks. One message reports an error with the run, the column and the ro
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from unicodedata import normalize
 
@@ -35,6 +35,24 @@ class Run:
         """The rows from one to another, both included."""
         columns = {name: column[first : last + 1] for name, column in self.columns.items()}
         return Run(f"{self.name}, rows {first + 1} to {last + 1}", columns)
+
+
+@dataclass(frozen=True)
+class Content:
+    """What a source of series has."""
+
+    source: str  #: for messages: "run_3.csv"
+    names: list[str]  #: of its columns without ``time``
+    #: runs, by the names of columns, with the unit of dates; None where times are numbers
+    read: Callable[[Sequence[str], str | None], list[Run]]
+
+    def columns_of(self, quantities: "Sequence[Quantity]") -> list[str]:
+        """Columns from which quantities are computed, each once."""
+        try:
+            found = [name for one in quantities for name in one.columns(self.names)]
+        except ValueError as error:
+            raise ValueError(f"{self.source}: {error}") from None
+        return list(dict.fromkeys(found))
 
 
 def runs_of_states(

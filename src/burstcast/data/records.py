@@ -15,7 +15,7 @@ from burstcast.data.measured_data import (
     code_of_gaps,
     series_of_runs,
 )
-from burstcast.data.series_files import content_of, read_runs
+from burstcast.data.series_files import content_of
 from burstcast.data.times import TIME, time_step_of
 from burstcast.systems.measured import MeasuredSeries
 
@@ -38,10 +38,65 @@ class RecordedSeries:
     left_out: str = ""  #: sentence about rows that were left out; empty if there are none
 
 
+def measured_series(
+    sources: Any,
+    time_step: float | str,
+    components: Sequence[str] = (),
+    *,
+    block: float | None = None,
+    gap: float = 0.0,
+    cut_gaps: bool = False,
+) -> FloatArray:
+    """Series of measured records, checked and cut as a campaign does it.
+
+    Parameters
+    ----------
+    sources
+        A table of pandas with a column, or an index, ``time``; an array or a data set of xarray
+        with dimensions series, time and component, of which only time must be there; the path of a
+        file; or a list of these.
+    time_step
+        Time between two rows; with a unit where times are dates: "5 minutes".
+    components
+        Columns, expressions of columns, or ``name = expression``; by default all columns.
+    block, gap
+        Length of each series, and time between two of them, in time units; None: one of each run.
+    cut_gaps
+        Whether missing rows and NaN cut a record into blocks; otherwise they are errors.
+
+    Returns
+    -------
+    ``(series, time, component)``. What are no numbers in equal steps is a ValueError with the row.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import pandas as pd
+    >>> from burstcast.data.records import measured_series
+    >>> times = pd.date_range("2020-01-01", periods=100, freq="h", name="time")
+    >>> table = pd.DataFrame({"load": np.sin(np.arange(100.0))}, index=times)
+    >>> measured_series(table, "1 hour", block=24).shape
+    (4, 25, 1)
+    """
+    if cut_gaps and block is None:
+        raise ValueError("cut_gaps needs block, the length of the series")
+    listed = sources if isinstance(sources, list | tuple) else [sources]
+    declared = components or content_of(listed[0]).names
+    data = {
+        "time_step": time_step,
+        "components": declared,
+        "known": (),
+        "gaps": "cut" if cut_gaps else None,
+        "blocks": None if block is None else {"duration": block, "gap": gap},
+    }
+    names = [Quantity(text).name for text in declared]
+    return recorded_series(listed, data, MeasuredSeries(names, names[0])).states
+
+
 def recorded_series(
-    paths: Sequence[str], data: Mapping[str, Any], space: MeasuredSeries
+    sources: Sequence[Any], data: Mapping[str, Any], space: MeasuredSeries
 ) -> RecordedSeries:
-    """Read the series of a case from its files, checked.
+    """Series of states of a case from its sources, checked.
 
     ``data``: Section ``data`` of the case, with its ``components``.
     """
@@ -49,30 +104,13 @@ def recorded_series(
     quantities, known = (list(map(Quantity, data[key])) for key in ("components", "known"))
     appended = [Quantity(space.observable_of)] if space.appended else []
     runs: list[Run] = []
-    for path in paths:
-        runs += read_runs(path, needed_columns(path, [*quantities, *appended, *known]), unit)
-    blocks = data["blocks"] and Blocks.of(data["blocks"]["duration"], data["blocks"]["gap"], step)
-    return series_of_records(runs, space, quantities, known, step, data["gaps"] == "cut", blocks)
-
-
-def series_of_records(
-    runs: Sequence[Run],
-    space: MeasuredSeries,
-    quantities: Sequence[Quantity],
-    known: Sequence[Quantity],
-    step: float,
-    cut: bool,
-    blocks: Blocks | None,
-) -> RecordedSeries:
-    """Series of states of records, checked.
-
-    ``quantities``, ``known``: Components, and columns that are known in advance. ``step``: Time
-    between two rows. ``cut``: Whether gaps cut a record; otherwise they are errors.
-    """
+    for content in map(content_of, sources):
+        runs += content.read(content.columns_of([*quantities, *appended, *known]), unit)
     for run in runs:
         _check_codes(run)
+    blocks = data["blocks"] and Blocks.of(data["blocks"]["duration"], data["blocks"]["gap"], step)
     left_out = ""
-    if cut:
+    if data["gaps"] == "cut":
         parts = [part for run in runs for part in runs_without_gaps(run, step)]
         runs, left_out = long_runs(parts, blocks.samples if blocks else 1)
     else:
@@ -102,21 +140,6 @@ def _check_codes(run: Run) -> None:
                 f"rows, far from all others, which looks like a code for missing numbers: write "
                 f"nan (pandas: read_csv(na_values=[{code:g}]))"
             )
-
-
-def needed_columns(path: str, quantities: Sequence[Quantity]) -> list[str]:
-    """Columns of a file from which quantities are computed, each once."""
-    content = content_of(path)
-    if not content.has_time and path.endswith((".csv", ".parquet")):
-        raise ValueError(
-            f"{path} has no column {TIME!r}; its columns are {', '.join(content.names)}: rename "
-            f"one of them, or add the times of the rows"
-        )
-    try:
-        found = [name for one in quantities for name in one.columns(content.names)]
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
-    return list(dict.fromkeys(found))
 
 
 def check_rising(run: Run) -> None:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,10 +15,29 @@ TIME = "time"
 SECONDS = {"second": 1, "minute": 60, "hour": 3600, "day": 86400}
 """Units of time for records with dates, in seconds; each has a constant length."""
 
+_SPELLINGS: dict[str, float] = {"s": 1, "sec": 1, "min": 60, "h": 3600, "hr": 3600, "d": 86400}
+_SPELLINGS |= {**SECONDS, "ms": 1e-3, "millisecond": 1e-3, "us": 1e-6, "microsecond": 1e-6}
+
 _STEP = re.compile(rf"(\d+(?:\.\d+)?) ?({'|'.join(SECONDS)})s?", re.ASCII)
 _DATE = re.compile(
-    r"\d{4}-\d\d-\d\d(?:[T ]\d\d:\d\d(?::\d\d(?:\.\d{1,6})?)?(Z|[+-]\d\d:?\d\d)?)?", re.ASCII
+    r"\d{4}(?:-\d\d-\d\d|\d{4}(?=T))"
+    r"(?:[T ]\d\d(?::?\d\d(?::?\d\d(?:\.\d{1,9})?)?)?(Z|[+-]\d\d(?::?\d\d)?)?)?",
+    re.ASCII,
 )
+# xarray takes months for dates without a day, drops single hours, and zones that it does not know
+_SINCE = re.compile(
+    r"\w+ since \d+-\d+-\d+(?:[T ] *\d+:\d+(?::\d+(?:\.\d+)?)?)?"
+    r" *(?:Z|UTC|GMT|[+-]\d+(?::?\d\d)?)?",
+    re.ASCII,
+)
+
+
+class TimesError(ValueError):
+    """Times that are none, in a row counted from 0, or all of them."""
+
+    def __init__(self, text: str, row: int | None = None) -> None:
+        super().__init__(text)
+        self.row = row
 
 
 def time_step_of(given: float | str) -> tuple[float, str | None]:
@@ -39,32 +59,69 @@ def time_step_of(given: float | str) -> tuple[float, str | None]:
     return float(found[1]), found[2]
 
 
-def times_of(texts: Sequence[str], unit: str | None) -> FloatArray:
-    """Times of a column of text: numbers as they are, dates in a unit since 1970-01-01 UTC.
+def times_in(values: Any, unit: str | None) -> FloatArray:
+    """Times of a table or an array: numbers as they are, dates in a unit since 1970-01-01 UTC.
 
-    All rows have numbers, or dates, or dates with an offset from UTC. Dates without one count as
-    UTC. An error begins with the row in brackets, counted from 0: "[3] has no time".
+    Dates without an offset from UTC count as UTC; durations are in the unit. ``unit``: None where
+    the time step has none: times must be numbers then.
     """
-    if is_number(texts[0]):
-        return np.array([_number(text, row) for row, text in enumerate(texts)])
-    if unit is None and _DATE.fullmatch(texts[0]):
-        raise ValueError(
-            f"[0] has the date {texts[0]!r}, but the time step has no unit: write it with one, "
-            f"such as time_step: 5 minutes"
+    column = pd.Series(values)
+    kind = column.dtype
+    if pd.api.types.is_numeric_dtype(kind) and kind.kind not in "bc":
+        return column.to_numpy(dtype=np.float64, na_value=np.nan)
+    if pd.api.types.is_datetime64_any_dtype(kind):
+        return moments_in(pd.DatetimeIndex(column), _given(unit))
+    if pd.api.types.is_timedelta64_dtype(kind):
+        return pd.TimedeltaIndex(column).total_seconds().to_numpy() / SECONDS[_given(unit)]
+    texts = column.fillna("").tolist()
+    if not all(isinstance(text, str) for text in texts):
+        raise TimesError(
+            f"has neither numbers nor dates that pandas knows, but {type(texts[0]).__name__}: "
+            f"write times as numbers"
         )
-    matches = [_DATE.fullmatch(text) for text in texts]
-    kinds = [match and match[1] is not None for match in matches]
-    if len(set(kinds)) > 1 or None in kinds:
-        row = next(row for row, kind in enumerate(kinds) if kind is None or kind != kinds[0])
-        is_other = kinds[row] is not None or is_number(texts[row])
-        raise ValueError(_no_time(texts[row], row, is_other=is_other))
-    try:
-        moments = pd.to_datetime(list(texts), format="ISO8601", utc=True)
-    except ValueError:  # no such day or hour
-        row = next(row for row, text in enumerate(texts) if _impossible(text))
-        raise ValueError(f"[{row}] has {texts[row]!r}, which is no date of the calendar") from None
-    assert unit is not None
+    return _times_of([text.strip() for text in texts], unit)
+
+
+def _given(unit: str | None, what: str = "dates", row: int | None = None) -> str:
+    if unit is None:
+        raise TimesError(
+            f"has {what}, but the time step has no unit: write it with one, such as "
+            f"time_step: 5 minutes",
+            row,
+        )
+    return unit
+
+
+def _times_of(texts: Sequence[str], unit: str | None) -> FloatArray:
+    """Times of a column of text: all are numbers, or dates, or dates with an offset from UTC."""
+    kinds = list(map(_kind, texts))
+    row = next((row for row, kind in enumerate(kinds) if not kind or kind != kinds[0]), None)
+    if row is not None:
+        text = texts[row]
+        if not text:
+            raise TimesError("has no time; each row needs one", row)
+        if kinds[row]:
+            raise TimesError(f"has {text!r}, which is of another form than the rows before", row)
+        raise TimesError(
+            f"has {text!r}, which is neither a number nor a date in a form of ISO 8601 that is "
+            f"read, such as 2010-03-24, 20100324T0951Z or 2010-03-24T09:51:00+01:00",
+            row,
+        )
+    if kinds[0] == "number":
+        return np.array(list(map(float, texts)))
+    unit = _given(unit, f"the date {texts[0]!r}", 0)
+    moments = pd.to_datetime(list(texts), format="ISO8601", utc=True, errors="coerce")
+    if moments.hasnans:  # no such day or hour
+        row = int(moments.isna().argmax())
+        raise TimesError(f"has {texts[row]!r}, which is no date of the calendar", row)
     return moments_in(moments, unit)
+
+
+def _kind(text: str) -> str | None:
+    if is_number(text):
+        return "number"
+    found = _DATE.fullmatch(text)
+    return found and ("date with an offset" if found[1] else "date")
 
 
 def moments_in(moments: pd.DatetimeIndex, unit: str) -> FloatArray:
@@ -76,29 +133,32 @@ def moments_in(moments: pd.DatetimeIndex, unit: str) -> FloatArray:
     return np.where(moments.isna(), np.nan, values)
 
 
-def times_since(values: FloatArray, units: str, calendar: str, unit: str) -> FloatArray:
-    """Times of a NetCDF file, "hours since 2020-03-01 06:00", in a unit since 1970-01-01 UTC."""
-    # UDUNITS puts a zone after a blank: "2020-03-01 06:00 +01:00"
-    found = re.fullmatch(r"(\w+?)s? since (\S+(?: [\d:.]+)?)(?: ?(\S.*))?", units.strip())
-    if found is None or found[1] not in SECONDS:
-        raise ValueError(
+def with_units(time: Any, unit: str) -> Any:
+    """A variable of xarray whose attributes say what its numbers mean, as dates or in a unit.
+
+    What has no units is in the unit already. ``time``: Numbers, "hours since 2020-03-01" or "days".
+    """
+    import xarray  # takes half a second, and few campaigns need it
+
+    units = str(time.attrs.get("units", "")).strip()
+    if units in ("", "1"):
+        return time
+    word = units.partition(" since ")[0].lower()
+    length = _SPELLINGS.get(word, _SPELLINGS.get(word.removesuffix("s")))
+    if length is None or (" since " in units and not _SINCE.fullmatch(units)):
+        raise TimesError(
             f"has the units {units!r}; with a unit in the time step, they must be seconds, "
-            f"minutes, hours or days since a date"
+            f"minutes, hours or days, of their own or since a date and a zone of ISO 8601"
         )
-    if calendar not in ("standard", "gregorian", "proleptic_gregorian"):
-        raise ValueError(
-            f"has the calendar {calendar}: write a time step without a unit, and times as numbers"
+    if " since " not in units:
+        return time * (length / SECONDS[unit])
+    time = xarray.coders.CFDatetimeCoder(time_unit="us").decode(time)
+    if time.dtype.kind != "M":
+        raise TimesError(
+            f"has dates of the calendar {time.encoding.get('calendar')}, or outside that of "
+            f"pandas: write a time step without a unit, and times as numbers"
         )
-    try:
-        zone = re.sub(r"^(UTC|GMT|Z)$", "", found[3] or "")
-        written = found[2].removesuffix("Z") + zone
-        origin = pd.to_datetime([written], format="ISO8601", utc=True)
-    except ValueError:
-        raise ValueError(
-            f"has the units {units!r}, whose date and zone are not written in ISO 8601"
-        ) from None
-    first = float(moments_in(origin, unit)[0])
-    return first + values * (SECONDS[found[1]] / SECONDS[unit])
+    return time
 
 
 def is_number(text: str) -> bool:
@@ -108,28 +168,3 @@ def is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _number(text: str, row: int) -> float:
-    if not is_number(text):
-        raise ValueError(_no_time(text, row, is_other=_DATE.fullmatch(text) is not None))
-    return float(text)
-
-
-def _no_time(text: str, row: int, *, is_other: bool) -> str:
-    if not text.strip():
-        return f"[{row}] has no time; each row needs one"
-    if is_other:
-        return f"[{row}] has {text!r}, which is of another form than the rows before"
-    return (
-        f"[{row}] has {text!r}, which is neither a number nor a date as ISO 8601 writes it, such "
-        f"as 2010-03-24, 2010-03-24T09:51 or 2010-03-24T09:51:00+01:00"
-    )
-
-
-def _impossible(text: str) -> bool:
-    try:
-        pd.to_datetime([text], format="ISO8601", utc=True)
-    except ValueError:
-        return True
-    return False

@@ -19,13 +19,13 @@ from burstcast.arrays import BoolArray, FloatArray
 from burstcast.compiled.backends import usable_backend
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
+from burstcast.data.series_layout import as_series
 from burstcast.event_forecaster import files
 from burstcast.event_forecaster.estimator import Estimator
 from burstcast.event_forecaster.events import ByTime, Events, EventTiming
 from burstcast.event_forecaster.observed_states import Observable, state_space
 from burstcast.event_forecaster.parameters import checked_parameters
 from burstcast.event_forecaster.schedules import as_schedules
-from burstcast.event_forecaster.series_layout import as_series
 from burstcast.event_forecaster.stream import ObservationStream
 from burstcast.forecast.observed_points import ObservedPoints, observed_points
 from burstcast.forecast.window_forecasts import member_forecasts, window_forecasts
@@ -57,7 +57,7 @@ class EventForecaster(Estimator):
     """Forecasts extreme events of chaotic series, with probabilities.
 
     Series are arrays ``(series, time, component)`` of NumPy or xarray
-    (`burstcast.event_forecaster.series_layout`). An event of the observable in a prediction window
+    (`burstcast.data.series_layout`). An event of the observable in a prediction window
     is a crossing of the event threshold: it is below it at the window's first step, and at or above
     it later on. Durations are in Lyapunov times where ``lyapunov_time`` is given, and in samples
     otherwise; they are rounded down to whole samples.

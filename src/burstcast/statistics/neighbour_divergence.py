@@ -48,7 +48,8 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 
-from burstcast.arrays import FloatArray, IntArray, series_array
+from burstcast.arrays import FloatArray, IntArray
+from burstcast.data.series_layout import as_series
 from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 
 FITTED = (0.5, 0.65)
@@ -112,7 +113,7 @@ class NeighbourDivergence:
 
 
 def neighbour_divergence(
-    series: FloatArray,
+    series: Any,
     sampling_interval: float,
     generator: np.random.Generator,
     *,
@@ -127,7 +128,7 @@ def neighbour_divergence(
     Parameters
     ----------
     series
-        ``(series, time, component)``; no component is constant.
+        ``(series, time, component)`` (`burstcast.data.series_layout`); no component is constant.
     sampling_interval
         Time between two steps, in time units.
     generator
@@ -154,10 +155,10 @@ def neighbour_divergence(
     >>> bool(abs(found.exponent - 0.906) < 0.2)
     True
     """
-    series = series_array(series)
+    series = as_series(series)
     spread = series.std(axis=(0, 1))
     if not (spread > 0).all():
-        raise ValueError("each component of the series must be finite, and not be constant")
+        raise ValueError("no component of the series may be constant")
     if not 0 < sampling_interval < np.inf:
         raise ValueError(f"the sampling interval must be positive, not {sampling_interval}")
     states = series / spread

@@ -214,9 +214,9 @@ class Data(Section):
     """Measured series instead of equations; null: the series are simulated."""
 
     files: Distinct[str] = setting(
-        "files of series, or patterns (lab/run_*.csv), seen from where Snakemake runs: CSV or "
-        "Parquet with a header and a column time, NetCDF or NumPy arrays of series, time and "
-        "component",
+        "files of series, or patterns (lab/run_*.csv), seen from where Snakemake runs: tables with "
+        "a header and a column time (CSV, Parquet), or arrays of series, time and component "
+        "(NetCDF, Zarr, HDF5)",
         default=[],
     )
     case: CaseName | None = optional(

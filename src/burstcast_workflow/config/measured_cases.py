@@ -7,7 +7,7 @@ from typing import Any
 
 from burstcast.data.delay_coordinates import delayed_name
 from burstcast.data.measured_data import Quantity
-from burstcast.data.records import needed_columns, problems_of_columns
+from burstcast.data.records import problems_of_columns
 from burstcast.data.series_files import content_of
 from burstcast.data.times import time_step_of
 from burstcast.encoders.base import EncodingCase
@@ -245,7 +245,7 @@ def problems_of_data(case: Measured) -> Iterator[str]:
     yield from (f"data.{one}" for one in problems_of_columns(data.dump(), _columns(data)))
     try:
         for path in data.paths:
-            needed_columns(path, quantities)
+            content_of(path).columns_of(quantities)
     except ValueError as error:
         text = str(error)
         yield text if text.startswith("data.") else f"data.files: {text}"

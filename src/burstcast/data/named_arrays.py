@@ -1,0 +1,114 @@
+"""The door of arrays: what xarray opens or holds becomes runs by one check.
+
+Dimensions are called series, time and component, in any order; one that is missing has one entry,
+but for time. Variables, or the entries of component, are what columns are in a table.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from burstcast.arrays import AXES, FloatArray, float_array
+from burstcast.data.measured_data import Content, Run
+from burstcast.data.times import TIME, TimesError, times_in, with_units
+
+
+class NamedArrays:
+    """Variables of a data set, or an array, of xarray."""
+
+    def __init__(self, source: str, data: Any) -> None:
+        if not hasattr(data, "data_vars"):
+            name = "c1" if data.name in (None, *AXES) else str(data.name)
+            data = data.to_dataset(name=name)
+        self.source, self.variables = source, data.variables
+        #: for each component, its variable, and its place along the dimension of components
+        self.columns: dict[str, tuple[str, int]] = {}
+        for name, variable in self.variables.items():
+            axes = set(variable.dims)
+            if name in AXES or not {TIME} <= axes <= set(AXES):
+                continue
+            labels = self._labels(variable.sizes["component"]) if "component" in axes else [name]
+            for number, label in enumerate(labels):
+                if label in self.columns:
+                    raise ValueError(
+                        f"{source} has {label!r} in {self.columns[label][0]} and in {name}: keep "
+                        f"one of them"
+                    )
+                self.columns[label] = name, number
+        if not self.columns:
+            listed = ", ".join(
+                f"{name} ({', '.join(map(str, one.dims))})" for name, one in self.variables.items()
+            )
+            raise ValueError(
+                f"{source} has no variable with the dimensions {', '.join(AXES)} or some of them; "
+                f"it has {listed or 'none'}: rename them (.rename of xarray)"
+            )
+
+    def _labels(self, count: int) -> list[str]:
+        """Names of components."""
+        if "component" not in self.variables:
+            return [f"c{number}" for number in range(1, count + 1)]
+        labels = self.variables["component"].values
+        if labels.dtype.kind in "iuf":
+            return [f"c{label:g}" for label in labels]
+        return [str(label) for label in labels.astype(str)]
+
+    def states(self, names: Sequence[str]) -> FloatArray:
+        """Some components, ``(series, time, component)``; what is missing is NaN."""
+        columns = [self.columns[name] for name in names]
+        arrays = {name: self._ordered(name) for name in dict.fromkeys(one for one, _ in columns)}
+        found = [arrays[name][:, :, number] for name, number in columns]
+        series = max(map(len, found))
+        return np.stack([np.broadcast_to(one, (series, one.shape[1])) for one in found], axis=2)
+
+    def _ordered(self, name: str) -> FloatArray:
+        """A variable as ``(series, time, component)``; outside its valid range it is NaN."""
+        variable = self.variables[name]
+        values = float_array(_in_order(variable), f"{self.source}, {name}")
+        if not values.size:
+            raise ValueError(f"{self.source}, {name} is empty: its shape is {variable.shape}")
+        of, stored = variable.attrs, variable.encoding
+        limits = of.get("valid_range", (of.get("valid_min", -np.inf), of.get("valid_max", np.inf)))
+        low, high = stored.get("scale_factor", 1.0) * np.asarray(limits, dtype=np.float64)
+        offset = stored.get("add_offset", 0.0)
+        return np.where((values < low + offset) | (values > high + offset), np.nan, values)
+
+    def times(self, unit: str | None) -> FloatArray | None:
+        """Times ``(series or 1, time)``, in the unit of the time step if it has one."""
+        if TIME not in self.variables:
+            return None
+        try:
+            time = self.variables[TIME]
+            values = _in_order(time if unit is None else with_units(time, unit))[:, :, 0]
+            return times_in(values.ravel(), unit).reshape(values.shape)
+        except TimesError as error:
+            raise ValueError(f"{self.source}: {TIME!r} {error}") from None
+
+    def rising_states(self) -> FloatArray:
+        """All components, ``(series, time, component)``, if times of whatever kind rise."""
+        if TIME in self.variables:
+            time = _in_order(self.variables[TIME])
+            if not (time[:, 1:] > time[:, :-1]).all():
+                raise ValueError(f"{self.source}: times must rise from each sample to the next")
+        return self.states(list(self.columns))
+
+    def runs(self, names: Sequence[str], unit: str | None) -> list[Run]:
+        """Runs of the series."""
+        states, times = self.states(names), self.times(unit)
+        found = []
+        for row, one in enumerate(states):
+            columns = dict(zip(names, one.T, strict=True))
+            if times is not None:
+                columns[TIME] = times[min(row, len(times) - 1)]
+            number = f", series {row + 1}" if len(states) > 1 else ""
+            found.append(Run(f"{self.source}{number}", columns))
+        return found
+
+    def content(self) -> Content:
+        """What there is to read."""
+        return Content(self.source, list(self.columns), self.runs)
+
+
+def _in_order(variable: Any) -> Any:
+    return variable.set_dims({axis: variable.sizes.get(axis, 1) for axis in AXES}).values
