@@ -38,7 +38,7 @@ TABLE_RULES = {
         "does": "table of the hyperparameters",
         "inputs": {
             "hyperparameters": files_in_case(
-                campaign.hyperparameters_file, campaign.searched_networks
+                "hyperparameters.json", campaign.searched_networks
             )
         },
     },

@@ -171,7 +171,6 @@ _VALUES: dict[str, Any] = {
     "search.input_scaling": [0.2, 10],
     "search.tikhonov": [1e-6, 1e-9],
     "search.interval_lt": 1.5,
-    "search.choice": "survival",
     "classification.window_lt": 1.5,
     "classification.resolution_lt": 0.25,
     "classification.longest_prediction_time_lt": 3.5,
@@ -236,8 +235,6 @@ _EXPECTED: dict[str, set[str]] = {
         *TABLES_OF_FORECASTERS,
         "control_strategies_table",
     },
-    # what a network is trained with is in another file, and all that comes of it
-    "search.choice": {"survival_choice", "train", "hyperparameters_table"},
     "statistics.forecasters.esn.validation": OF_LONG_RUNS | TABLES_OF_LONG_RUNS,
     "statistics.forecasters.equations": {
         *("long_term/equations", "lyapunov_spectrum/equations"),
@@ -285,8 +282,7 @@ def config_edits() -> list[ConfigEdit]:
         new = _VALUES[name] if name in _VALUES else _another(value)
         if name in _EXPECTED:
             # of the forecasters' own jobs, only those that are new: nothing follows from them
-            followed = TABLES | {"train"} if name == "search.choice" else TABLES
-            expected = _EXPECTED[name] | and_what_follows(_EXPECTED[name] & followed)
+            expected = _EXPECTED[name] | and_what_follows(_EXPECTED[name] & TABLES)
         elif name.startswith(_WITHOUT_EFFECT):
             expected = set()
         elif path[0] == "cases":
