@@ -1,4 +1,4 @@
-"""What control costs and gains: records, scores, their differences, and what is chosen by them."""
+"""What control costs and gains: records, scores, and what is chosen by them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -10,7 +10,6 @@ from helpers_control import FLOW, RAISED, simulation_of
 
 from burstcast.control.actuation import actuated_system
 from burstcast.control.choice import FlowSample, choose
-from burstcast.control.differences import COMPARED, ComparedRun, paired_differences
 from burstcast.control.energy import energy_means
 from burstcast.control.records import (
     COSTS,
@@ -23,14 +22,14 @@ from burstcast.control.records import (
     record_flows,
     score_flows,
 )
-from burstcast.control.strategies.random_decisions import RandomDecisions
+from burstcast.control.strategies.reactive import Reactive
 from burstcast.control.timing import Schedule
 from burstcast.forecasters._names import ForecasterName
 from burstcast.statistics.resampled_score import ResampledScore
 from burstcast.statistics.resampling import bootstrap_weights
 from burstcast.systems.base import EnergyBudget
 from burstcast.systems.lorenz63 import Lorenz63
-from burstcast.tables.cells import medians_over_seeds, with_interval
+from burstcast.tables.cells import medians_over_seeds
 
 SPAN = Span(steps=6, integration_steps=12, steps_at_risk=8, steps_per_lyapunov_time=2)
 WHO = ("uncontrolled", "controlled")
@@ -39,7 +38,7 @@ WHO = ("uncontrolled", "controlled")
 @pytest.mark.parametrize("laminar", [None, 1.0, 2.0])
 def test_record_flows_counts_what_counts(laminar: float | None) -> None:
     """The first forecast at step 1, steps 4 to 9 count; two steps in a Lyapunov time."""
-    timing = RandomDecisions(0.5, 0.5).timing(Schedule(2, 1.0, 3.0, 0.0, 0.0, 1.0, 2, 2, 0.1))
+    timing = Reactive(0.5, 0.5).timing(Schedule(2, 1.0, 3.0, 0.0, 0.0, 1.0, 2, 2, 0.1))
     assert Span.of(timing) == SPAN
     generator = np.random.default_rng(1)
     heights = {who: generator.choice([0.0, 0.9, 1.0, 2.0, 3.0], (40, 10)) for who in WHO}
@@ -205,64 +204,11 @@ def test_a_system_without_a_budget_has_no_energy_means() -> None:
     assert energy_means((lorenz,), np.ones((2, 4, 3)), np.zeros((2, 4), np.uint8)) is None
 
 
-# -- differences between runs ----------------------------------------------------------------------
+# -- medians over networks -------------------------------------------------------------------------
 
 
 def scored(records: FlowRecords) -> dict[str, ResampledScore]:
     return score_flows(records, SPAN, 200, np.random.default_rng(11))
-
-
-def compared(
-    seed: int, forecaster: str | None = "esn", strategy: str = "a", **changes: Any
-) -> ComparedRun:
-    records = random_records(30, seed, laminar=1)
-    run = ComparedRun(forecaster, strategy, records.row, SPAN, scored(records))
-    return replace(run, **changes)
-
-
-def test_paired_differences_are_those_of_each_resample() -> None:
-    pairs = list(paired_differences([compared(1), compared(2, "equations")]))
-    assert [name for _, _, name, _ in pairs] == list(COMPARED)
-    weights = bootstrap_weights(30, 200, np.random.default_rng(11))
-    drawn = [np.repeat(np.arange(30), sample) for sample in [np.ones(30, dtype=int), *weights]]
-    one, other = (
-        [plain_scores(random_records(30, seed, laminar=1), SPAN, flows, {}) for flows in drawn]
-        for seed in (1, 2)
-    )
-    for first, second, name, difference in pairs:
-        assert (first.forecaster, second.forecaster) == ("esn", "equations")
-        expected = [left[name] - right[name] for left, right in zip(one, other, strict=True)]
-        values = [difference.value, *difference.samples]
-        np.testing.assert_allclose(values, expected, rtol=1e-12, atol=1e-14)
-        cells = with_interval(difference, 0.9)
-        ends = np.quantile(expected[1:], [0.05, 0.95])
-        np.testing.assert_allclose([cells["low"], cells["high"]], ends)
-
-
-def test_paired_differences_are_of_those_who_share_flows_and_forecaster_or_strategy() -> None:
-    runs = {
-        "network": compared(1),
-        "equations": compared(2, "equations"),
-        "network, other strategy": compared(3, strategy="b"),
-        "equations, third": compared(4, "equations", "c"),
-        "reactive": compared(5, None, "reactive"),
-        "other flows": compared(6, rows=np.arange(1, 31)),
-        "other span": compared(7, span=Span(80, 320, 90, 4)),
-    }
-    names = {id(found): name for name, found in runs.items()}
-    pairs = {
-        (names[id(one)], names[id(other)])
-        for one, other, _, _ in paired_differences(list(runs.values()))
-    }
-    assert pairs == {
-        ("network", "equations"),
-        ("network", "network, other strategy"),
-        ("equations", "equations, third"),
-        ("network", "reactive"),
-        ("equations", "reactive"),
-        ("network, other strategy", "reactive"),
-        ("equations, third", "reactive"),
-    }
 
 
 def test_medians_over_seeds_are_those_of_networks_that_differ_by_their_seeds() -> None:
@@ -273,7 +219,7 @@ def test_medians_over_seeds_are_those_of_networks_that_differ_by_their_seeds() -
     other = ForecasterName("equations"), scored(random_records(30, 9))
     found = medians_over_seeds([members[0], other, *members[1:]])
     assert list(found) == ["median of esn-N500-RV", "equations"]
-    for name in COMPARED:
+    for name in ("relative_exceedance", "control_fraction"):
         np.testing.assert_array_equal(
             found["median of esn-N500-RV"][name].samples,
             np.median([scores[name].samples for _, scores in members], axis=0),

@@ -722,8 +722,8 @@ meaning of a column | workflow/tables.yaml |
   harmonic mean of precision and recall | 2 TP / (2 TP + FP + FN)
 caption of a table in the report | workflow/tables.yaml |
   Counts and scores of the forecasts of each forecaster | Scores of each forecaster
-a strategy of control that nobody uses | LIBRARY/control/strategies/random_decisions.py |
-  "random decisions" | "decisions at random"
+a strategy of control that nobody uses | LIBRARY/control/strategies/probability_triggered.py |
+  windows: float = 1.0 | windows: float = 2.0
 a system that nobody uses | LIBRARY/systems/lorenz63.py | rho: float = 28.0 | rho: float = 29.0
 a new forecaster | LIBRARY/forecasters/forever.py | persistence.py | Persistence Forever
 a new strategy of control | LIBRARY/control/strategies/always.py | reactive.py | Reactive Always
