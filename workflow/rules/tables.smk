@@ -62,8 +62,8 @@ TABLE_RULES = {
         "does": "score the probabilities",
         "inputs": PROBABILITIES,
     },
-    "probability_diagrams": {
-        "does": "reliability, curves over all thresholds",
+    "reliability": {
+        "does": "reliability of the probabilities",
         "inputs": PROBABILITIES,
     },
     "ranking_table": {
