@@ -211,7 +211,7 @@ def test_a_reservoir_is_read_out_as_the_library_does_it(results, by_hand):
 
 SPACED = {"forecasters": {"classifiers": {"start_spacing_lt": 0.2}}}
 SCORES = {
-    *("calibrate", "classification_table", "probability_scores", "reliability"),
+    *("calibrate", "classification_table", "probability_scores", "reliability_table"),
     *("lead_times", "warnings_table"),
 }
 

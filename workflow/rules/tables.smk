@@ -62,7 +62,7 @@ TABLE_RULES = {
         "does": "score the probabilities",
         "inputs": PROBABILITIES,
     },
-    "reliability": {
+    "reliability_table": {
         "does": "reliability of the probabilities",
         "inputs": PROBABILITIES,
     },

@@ -53,7 +53,7 @@ TABLES_OF_CONTROL = {"control_table", "control_density_table", "control_strategi
 OF_CONTROLLING_NETWORKS = {"control/esn", "control/esn-random", *TABLES_OF_CONTROL}
 TABLES_OF_FORECASTERS = {
     *("classification_table", "horizon_table", "calibrate", "probability_scores"),
-    *("reliability", "lead_times"),
+    *("reliability_table", "lead_times"),
 }
 TABLES_OF_LONG_RUNS = {"statistics_table", "survival_table", "lyapunov_spectrum_table"}
 TABLES_OF_NETWORKS = {*TABLES_OF_FORECASTERS, "hyperparameters_table"}
@@ -630,7 +630,7 @@ def test_deleted_and_restored_files_hide_no_edit(lab, finished, another, tmp_pat
 # What has rows of every forecaster, of those that control, and of networks.
 GROUPS = {
     "GATHERED": """classification_table/* horizon_table/* warnings_table/*
-        calibrate/* probability_scores/* reliability/* lead_times/*
+        calibrate/* probability_scores/* reliability_table/* lead_times/*
         joined_forecasts joined_horizon joined_warnings joined_probabilities figure/reliability
         figure/classification_scores figure/horizon_by_size figure/forecast_skill""",
     "OF_CONTROL": """control_table/* control_density_table/* control_strategies_table/*
