@@ -12,7 +12,7 @@ from burstcast.arrays import FloatArray, IntArray
 from burstcast.data.dataset import network_input_range
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
-from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
+from burstcast.forecasters.base import Forecaster, ForecastingCase
 from burstcast.forecasters.esn_aware import factored_training
 from burstcast.statistics.warning_signs import optimum_on_edge
 from burstcast.tuning.hyperparameters import SearchSpace
@@ -21,7 +21,6 @@ from burstcast.tuning.network_search import best, optimiser_seed, search
 from burstcast.tuning.scan import scan
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import make_strategy, scanned_with
-from burstcast.tuning.trained_networks import trained_networks
 from burstcast.tuning.validation import PointValidator
 
 # Reported results of the search for each network.
@@ -31,7 +30,7 @@ _MOST_VALIDATION_SERIES = 4
 
 
 def trained_committee(
-    kind: type[ForecasterKind],
+    kind: Any,
     training: TrainingSeries,
     knowledge: Mapping[str, Any],
     case: ForecastingCase,
@@ -41,7 +40,9 @@ def trained_committee(
 ) -> tuple[list[Forecaster], list[dict[str, Any]]]:
     """Networks of a committee, each after its search, and what the searches found.
 
-    ``training``, ``knowledge``: Of `training_of`. ``said``: Parameters of an `EventForecaster`.
+    ``kind``: A class of `burstcast.forecasters.esn.NetworkForecaster`, whose further fields are
+    ``knowledge``. ``training``, ``knowledge``: Of `training_of`. ``said``: Parameters of an
+    `EventForecaster`.
     """
     if said["members"] < 1:
         raise ValueError(f"members must be 1 at least, not {said['members']}")
@@ -66,11 +67,18 @@ def trained_committee(
         scanned = scan(validator, space, together, said["grid"])
         optimiser = optimiser_seed(seed, said["case"], strategy.name)
         points = search(validator, space, strategy, scanned, said["bayesian_points"], optimiser)
-        record = best(points).record()
-        as_trained = {"washout": washout, "divergence_bound": options["divergence_bound"]}
-        members += trained_networks(
-            kind, seed, reservoir, training, [record], knowledge=knowledge, **as_trained, **as_said
+        chosen = best(points)
+        network = kind.trained(
+            validator.dynamics(chosen.point),
+            seed,
+            training,
+            washout=washout,
+            tikhonov=chosen.validation.tikhonov,
+            divergence_bound=options["divergence_bound"],
+            **knowledge,
         )
+        members.append(network)
+        record = chosen.record()
         found.append({name: record[name] for name in _FOUND if name in record})
     return members, found
 
