@@ -9,13 +9,14 @@ import pytest
 from helpers_control import FLOW, RAISED, simulation_of
 
 from burstcast.control.actuation import actuated_system
-from burstcast.control.choice import FlowSample, choose
+from burstcast.control.choice import choose, values_of
 from burstcast.control.energy import energy_means
 from burstcast.control.records import (
     COSTS,
     FLOW_SCORES,
     RECORDS,
     FlowRecords,
+    FlowSample,
     Interval,
     Span,
     flow_intervals,
@@ -131,17 +132,17 @@ def test_score_flows_is_a_plain_sum_over_the_flows_of_each_resample(flows: int) 
     records, generator = random_records(flows, 1, laminar=3), np.random.default_rng(2)
     laminar = np.maximum(records.laminar_step_uncontrolled, records.laminar_step_controlled) >= 0
     costs = {name: np.where(laminar, np.nan, generator.random(flows)) for name in COSTS}
-    found = score_flows(records, SPAN, 30, np.random.default_rng(3), costs)
+    sample = FlowSample(records, SPAN, costs)
+    found = score_flows(sample, 30, np.random.default_rng(3))
     assert tuple(found) == (*FLOW_SCORES, *COSTS)
-    assert tuple(score_flows(records, SPAN, 3, generator)) == FLOW_SCORES
+    assert tuple(score_flows(FlowSample(records, SPAN), 3, generator)) == FLOW_SCORES
     weights = np.ones((31, flows), dtype=int)
     if flows:
         weights[1:] = bootstrap_weights(flows, 30, np.random.default_rng(3))
     expected = [
-        plain_scores(records, SPAN, np.repeat(np.arange(flows), sample), costs)
-        for sample in weights
+        plain_scores(records, SPAN, np.repeat(np.arange(flows), times), costs) for times in weights
     ]
-    intervals = flow_intervals(found, records, SPAN, 0.9)
+    intervals = flow_intervals(found, sample, 0.9)
     for name, score in found.items():
         values = [one[name] for one in expected]
         np.testing.assert_allclose([score.value, *score.samples], values, rtol=1e-12, atol=1e-14)
@@ -153,9 +154,8 @@ def test_score_flows_is_a_plain_sum_over_the_flows_of_each_resample(flows: int) 
 
 def test_flow_intervals_bound_nothing_by_the_rule_of_three() -> None:
     records = random_records(1000, 3, controlled=0.0)
-    scores = flow_intervals(
-        score_flows(records, SPAN, 400, np.random.default_rng(0)), records, SPAN, 0.95
-    )
+    sample = FlowSample(records, SPAN)
+    scores = flow_intervals(score_flows(sample, 400, np.random.default_rng(0)), sample, 0.95)
     # three flows in a thousand, which exceed as long as those do that exceed without control, and
     # have as many events as those have
     exceeding = records.exceeding_uncontrolled
@@ -208,7 +208,7 @@ def test_a_system_without_a_budget_has_no_energy_means() -> None:
 
 
 def scored(records: FlowRecords) -> dict[str, ResampledScore]:
-    return score_flows(records, SPAN, 200, np.random.default_rng(11))
+    return score_flows(FlowSample(records, SPAN), 200, np.random.default_rng(11))
 
 
 def test_medians_over_seeds_are_those_of_networks_that_differ_by_their_seeds() -> None:
@@ -240,10 +240,10 @@ def test_halves_are_flows_of_series_with_even_and_odd_numbers() -> None:
     for half, flows in zip(halves, ([1, 2, 4], [0, 3]), strict=True):
         assert half.records.row.tolist() == rows[flows].tolist()
         expected = plain_scores(records, SPAN, flows, {"effort": effort})
-        assert half.values() == pytest.approx(expected, nan_ok=True)
+        assert values_of(half) == pytest.approx(expected, nan_ok=True)
 
 
-def sample(left: list[int], acting: list[int], effort: list[float] | None = None) -> FlowSample:
+def flows_with(left: list[int], acting: list[int], effort: list[float] | None = None) -> FlowSample:
     """Flows with 20 exceeding steps each without control; ``left`` steps and acting steps given."""
     nothing = np.zeros(len(left), dtype=np.int64)
     values = dict.fromkeys(RECORDS, nothing)
@@ -254,8 +254,8 @@ def sample(left: list[int], acting: list[int], effort: list[float] | None = None
     return FlowSample(FlowRecords(**values), SPAN, costs)
 
 
-SOME = [sample([8, 8], [1, 1]), sample([0, 0], [9, 9]), sample([2, 0], [5, 5])]
-LONGER, HARDER = sample([0], [9], [0.1]), sample([0], [1], [0.2])
+SOME = [flows_with([8, 8], [1, 1]), flows_with([0, 0], [9, 9]), flows_with([2, 0], [5, 5])]
+LONGER, HARDER = flows_with([0], [9], [0.1]), flows_with([0], [1], [0.2])
 
 
 @pytest.mark.parametrize(
@@ -266,12 +266,12 @@ LONGER, HARDER = sample([0], [9], [0.1]), sample([0], [1], [0.2])
         (SOME, 0.05, 2),  # just as much as may be left
         (SOME, 0.5, 0),  # leaves 40 %, and acts least
         # the least exceedance, and then the costs, where none is within the tolerance
-        ([SOME[0], sample([4, 4], [9, 9]), sample([4, 4], [5, 5])], 0.1, 2),
+        ([SOME[0], flows_with([4, 4], [9, 9]), flows_with([4, 4], [5, 5])], 0.1, 2),
         # the effort, where it was recorded of all
         ([LONGER, HARDER], 0.01, 0),
-        ([sample([0], [9]), HARDER], 0.01, 1),
+        ([flows_with([0], [9]), HARDER], 0.01, 1),
         # those whose scores are not defined come last
-        ([sample([], []), sample([20], [50])], 0.01, 1),
+        ([flows_with([], []), flows_with([20], [50])], 0.01, 1),
     ],
 )
 def test_choose_takes_the_cheapest_that_leaves_little(

@@ -20,7 +20,7 @@ from burstcast.control.loop import (
     ending_at,
     observable_of,
 )
-from burstcast.control.records import FlowRecords, Span, neither, record_flows
+from burstcast.control.records import FlowSample, record_flows
 from burstcast.control.timing import Timing
 from burstcast.events import upward_crossings
 from burstcast.files.described import Described
@@ -199,16 +199,14 @@ def _crosses_between_windows(flows: ControlledFlows, upward: BoolArray) -> BoolA
     return np.asarray(padded[flows.looks.flow[:, np.newaxis], ahead].any(axis=1))
 
 
-def totals(
-    records: FlowRecords, counts: WindowCounts, span: Span, left_out: int
-) -> dict[str, float]:
+def totals(sample: FlowSample, counts: WindowCounts, left_out: int) -> dict[str, float]:
     """Counts and shares over all flows that laminarise neither with control nor without it.
 
     Steps and exceedances are of the steps that count. ``reduction`` is the share of the exceedance
     that control removes, ``alarm_rate`` the share of the forecasts that raise an alarm; NaN where
     there is nothing to divide by.
     """
-    kept = neither(records)
+    records, span, kept = sample.records, sample.span, sample.records.kept
     flows = int(kept.sum())
     total = {one.name: int(getattr(counts, one.name)[kept].sum()) for one in fields(counts)}
     total |= {
@@ -296,7 +294,7 @@ def largest_suppressed_event(
     laminarise, with or without control, are not considered.
     """
     looks, (start, end) = flows.looks, window_of(flows.timing)
-    kept = neither(record_flows(flows, laminarisation_threshold))
+    kept = record_flows(flows, laminarisation_threshold).kept
     alarms = np.flatnonzero(looks.alarm)
     _, first = np.unique(looks.flow[alarms], return_index=True)
     best, largest = None, -np.inf

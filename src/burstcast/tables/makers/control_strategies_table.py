@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from burstcast import random_streams
-from burstcast.control.records import flow_intervals, score_flows
-from burstcast.tables.makers._control_runs import FLOWS, flows_of, keys_of
+from burstcast.control.records import FlowSample, flow_intervals, score_flows
+from burstcast.tables.makers._control_runs import FLOWS, keys_of
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
 TABLES = Declaration(
@@ -26,13 +26,12 @@ def make(
     """A row for each run of control and score."""
     rows: Rows = []
     for one in flows:
-        sample, keys = flows_of(one), keys_of(one, noise)
-        records, span = sample.records, sample.span
+        sample, keys = FlowSample.of(one.content), keys_of(one, noise)
         # all runs of a case are resampled alike: their flows are the same
         generator = random_streams.stream(root_seed, "control", case)
-        scores = score_flows(records, span, resamples, generator, sample.costs)
+        scores = score_flows(sample, resamples, generator)
         rows += [
             {**keys, "metric": name, "value": score.value, "low": score.low, "high": score.high}
-            for name, score in flow_intervals(scores, records, span, confidence).items()
+            for name, score in flow_intervals(scores, sample, confidence).items()
         ]
     return {"control_strategies": rows}
