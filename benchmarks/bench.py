@@ -80,8 +80,7 @@ CORES = 2  # of the machine that the campaign's duration is predicted for
 # Rules of what the paper does not have, and those whose arithmetic bounds what it has.
 BEYOND_THE_PAPER = (
     *("lyapunov_spectrum", "lyapunov_spectrum_table", "calibration_set", "calibration_forecast"),
-    *("calibrate", "probability_scores", "probability_diagrams"),
-    *("lead_times"),
+    *("calibrate", "probability_scores", "reliability_table", "lead_times"),
 )
 OF_NETWORKS = ("scan", "search", "forecast", "horizon", "long_term", "control")
 # Operations of one hyperbolic tangent in the compiled backend, and of what joins its argument.

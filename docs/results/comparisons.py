@@ -246,29 +246,6 @@ def own_ranks(tables: Tables, times: tuple[float, ...] = (1.0, 2.0, 3.0, 4.0, 5.
     return f"the best in {best} and the worst in {worst} of {count} F-scores"
 
 
-def choices_compared(first: Tables, second: Tables) -> Part:
-    """Networks of both campaigns whose hyperparameters were chosen in two ways.
-
-    Medians with the least and the largest.
-    """
-    scores = (
-        Score("escape rate [1e-4 per time unit]", "survival", "escape_rate", 2),
-        Score("Kantorovich metric of k [1e-3]", "statistics", "kantorovich", 2),
-        *(f_score(4.0), HORIZON),
-    )
-    cells: Part = []
-    for network in networks_of(second):
-        for score in scores:
-            unit = {"escape_rate": 1e4, "kantorovich": 1e3}.get(score.metric, 1.0)
-            both = [score.networks(t, False, case=CASE, **network) for t in (first, second)]
-            shared = [unit * table[both[1].columns].to_numpy() for table in both]
-            label = f"{network['neurons']:g} neurons, {score.title}"
-            for head, values in zip(("by the objective alone", "by survival"), shared, strict=True):
-                ends = f"{values.min():.{score.digits}f}–{values.max():.{score.digits}f}"
-                cells.append((label, head, f"{np.median(values):.{score.digits}f} ({ends})"))
-    return cells
-
-
 # -- readouts --------------------------------------------------------------------------------------
 
 READOUTS = {

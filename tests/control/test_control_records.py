@@ -1,4 +1,4 @@
-"""What control costs and gains: records, scores, their differences, and what is chosen by them."""
+"""What control costs and gains: records, scores, and what is chosen by them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -9,28 +9,28 @@ import pytest
 from helpers_control import FLOW, RAISED, simulation_of
 
 from burstcast.control.actuation import actuated_system
-from burstcast.control.choice import FlowSample, choose
-from burstcast.control.differences import COMPARED, ComparedRun, paired_differences
+from burstcast.control.choice import choose, values_of
 from burstcast.control.energy import energy_means
 from burstcast.control.records import (
     COSTS,
     FLOW_SCORES,
     RECORDS,
     FlowRecords,
+    FlowSample,
     Interval,
     Span,
     flow_intervals,
     record_flows,
     score_flows,
 )
-from burstcast.control.strategies.random_decisions import RandomDecisions
+from burstcast.control.strategies.reactive import Reactive
 from burstcast.control.timing import Schedule
 from burstcast.forecasters._names import ForecasterName
 from burstcast.statistics.resampled_score import ResampledScore
 from burstcast.statistics.resampling import bootstrap_weights
 from burstcast.systems.base import EnergyBudget
 from burstcast.systems.lorenz63 import Lorenz63
-from burstcast.tables.cells import medians_over_seeds, with_interval
+from burstcast.tables.cells import medians_over_seeds
 
 SPAN = Span(steps=6, integration_steps=12, steps_at_risk=8, steps_per_lyapunov_time=2)
 WHO = ("uncontrolled", "controlled")
@@ -39,7 +39,7 @@ WHO = ("uncontrolled", "controlled")
 @pytest.mark.parametrize("laminar", [None, 1.0, 2.0])
 def test_record_flows_counts_what_counts(laminar: float | None) -> None:
     """The first forecast at step 1, steps 4 to 9 count; two steps in a Lyapunov time."""
-    timing = RandomDecisions(0.5, 0.5).timing(Schedule(2, 1.0, 3.0, 0.0, 0.0, 1.0, 2, 2, 0.1))
+    timing = Reactive(0.5, 0.5).timing(Schedule(2, 1.0, 3.0, 0.0, 0.0, 1.0, 2, 2, 0.1))
     assert Span.of(timing) == SPAN
     generator = np.random.default_rng(1)
     heights = {who: generator.choice([0.0, 0.9, 1.0, 2.0, 3.0], (40, 10)) for who in WHO}
@@ -132,17 +132,17 @@ def test_score_flows_is_a_plain_sum_over_the_flows_of_each_resample(flows: int) 
     records, generator = random_records(flows, 1, laminar=3), np.random.default_rng(2)
     laminar = np.maximum(records.laminar_step_uncontrolled, records.laminar_step_controlled) >= 0
     costs = {name: np.where(laminar, np.nan, generator.random(flows)) for name in COSTS}
-    found = score_flows(records, SPAN, 30, np.random.default_rng(3), costs)
+    sample = FlowSample(records, SPAN, costs)
+    found = score_flows(sample, 30, np.random.default_rng(3))
     assert tuple(found) == (*FLOW_SCORES, *COSTS)
-    assert tuple(score_flows(records, SPAN, 3, generator)) == FLOW_SCORES
+    assert tuple(score_flows(FlowSample(records, SPAN), 3, generator)) == FLOW_SCORES
     weights = np.ones((31, flows), dtype=int)
     if flows:
         weights[1:] = bootstrap_weights(flows, 30, np.random.default_rng(3))
     expected = [
-        plain_scores(records, SPAN, np.repeat(np.arange(flows), sample), costs)
-        for sample in weights
+        plain_scores(records, SPAN, np.repeat(np.arange(flows), times), costs) for times in weights
     ]
-    intervals = flow_intervals(found, records, SPAN, 0.9)
+    intervals = flow_intervals(found, sample, 0.9)
     for name, score in found.items():
         values = [one[name] for one in expected]
         np.testing.assert_allclose([score.value, *score.samples], values, rtol=1e-12, atol=1e-14)
@@ -154,9 +154,8 @@ def test_score_flows_is_a_plain_sum_over_the_flows_of_each_resample(flows: int) 
 
 def test_flow_intervals_bound_nothing_by_the_rule_of_three() -> None:
     records = random_records(1000, 3, controlled=0.0)
-    scores = flow_intervals(
-        score_flows(records, SPAN, 400, np.random.default_rng(0)), records, SPAN, 0.95
-    )
+    sample = FlowSample(records, SPAN)
+    scores = flow_intervals(score_flows(sample, 400, np.random.default_rng(0)), sample, 0.95)
     # three flows in a thousand, which exceed as long as those do that exceed without control, and
     # have as many events as those have
     exceeding = records.exceeding_uncontrolled
@@ -205,64 +204,11 @@ def test_a_system_without_a_budget_has_no_energy_means() -> None:
     assert energy_means((lorenz,), np.ones((2, 4, 3)), np.zeros((2, 4), np.uint8)) is None
 
 
-# -- differences between runs ----------------------------------------------------------------------
+# -- medians over networks -------------------------------------------------------------------------
 
 
 def scored(records: FlowRecords) -> dict[str, ResampledScore]:
-    return score_flows(records, SPAN, 200, np.random.default_rng(11))
-
-
-def compared(
-    seed: int, forecaster: str | None = "esn", strategy: str = "a", **changes: Any
-) -> ComparedRun:
-    records = random_records(30, seed, laminar=1)
-    run = ComparedRun(forecaster, strategy, records.row, SPAN, scored(records))
-    return replace(run, **changes)
-
-
-def test_paired_differences_are_those_of_each_resample() -> None:
-    pairs = list(paired_differences([compared(1), compared(2, "equations")]))
-    assert [name for _, _, name, _ in pairs] == list(COMPARED)
-    weights = bootstrap_weights(30, 200, np.random.default_rng(11))
-    drawn = [np.repeat(np.arange(30), sample) for sample in [np.ones(30, dtype=int), *weights]]
-    one, other = (
-        [plain_scores(random_records(30, seed, laminar=1), SPAN, flows, {}) for flows in drawn]
-        for seed in (1, 2)
-    )
-    for first, second, name, difference in pairs:
-        assert (first.forecaster, second.forecaster) == ("esn", "equations")
-        expected = [left[name] - right[name] for left, right in zip(one, other, strict=True)]
-        values = [difference.value, *difference.samples]
-        np.testing.assert_allclose(values, expected, rtol=1e-12, atol=1e-14)
-        cells = with_interval(difference, 0.9)
-        ends = np.quantile(expected[1:], [0.05, 0.95])
-        np.testing.assert_allclose([cells["low"], cells["high"]], ends)
-
-
-def test_paired_differences_are_of_those_who_share_flows_and_forecaster_or_strategy() -> None:
-    runs = {
-        "network": compared(1),
-        "equations": compared(2, "equations"),
-        "network, other strategy": compared(3, strategy="b"),
-        "equations, third": compared(4, "equations", "c"),
-        "reactive": compared(5, None, "reactive"),
-        "other flows": compared(6, rows=np.arange(1, 31)),
-        "other span": compared(7, span=Span(80, 320, 90, 4)),
-    }
-    names = {id(found): name for name, found in runs.items()}
-    pairs = {
-        (names[id(one)], names[id(other)])
-        for one, other, _, _ in paired_differences(list(runs.values()))
-    }
-    assert pairs == {
-        ("network", "equations"),
-        ("network", "network, other strategy"),
-        ("equations", "equations, third"),
-        ("network", "reactive"),
-        ("equations", "reactive"),
-        ("network, other strategy", "reactive"),
-        ("equations, third", "reactive"),
-    }
+    return score_flows(FlowSample(records, SPAN), 200, np.random.default_rng(11))
 
 
 def test_medians_over_seeds_are_those_of_networks_that_differ_by_their_seeds() -> None:
@@ -273,7 +219,7 @@ def test_medians_over_seeds_are_those_of_networks_that_differ_by_their_seeds() -
     other = ForecasterName("equations"), scored(random_records(30, 9))
     found = medians_over_seeds([members[0], other, *members[1:]])
     assert list(found) == ["median of esn-N500-RV", "equations"]
-    for name in COMPARED:
+    for name in ("relative_exceedance", "control_fraction"):
         np.testing.assert_array_equal(
             found["median of esn-N500-RV"][name].samples,
             np.median([scores[name].samples for _, scores in members], axis=0),
@@ -294,10 +240,10 @@ def test_halves_are_flows_of_series_with_even_and_odd_numbers() -> None:
     for half, flows in zip(halves, ([1, 2, 4], [0, 3]), strict=True):
         assert half.records.row.tolist() == rows[flows].tolist()
         expected = plain_scores(records, SPAN, flows, {"effort": effort})
-        assert half.values() == pytest.approx(expected, nan_ok=True)
+        assert values_of(half) == pytest.approx(expected, nan_ok=True)
 
 
-def sample(left: list[int], acting: list[int], effort: list[float] | None = None) -> FlowSample:
+def flows_with(left: list[int], acting: list[int], effort: list[float] | None = None) -> FlowSample:
     """Flows with 20 exceeding steps each without control; ``left`` steps and acting steps given."""
     nothing = np.zeros(len(left), dtype=np.int64)
     values = dict.fromkeys(RECORDS, nothing)
@@ -308,8 +254,8 @@ def sample(left: list[int], acting: list[int], effort: list[float] | None = None
     return FlowSample(FlowRecords(**values), SPAN, costs)
 
 
-SOME = [sample([8, 8], [1, 1]), sample([0, 0], [9, 9]), sample([2, 0], [5, 5])]
-LONGER, HARDER = sample([0], [9], [0.1]), sample([0], [1], [0.2])
+SOME = [flows_with([8, 8], [1, 1]), flows_with([0, 0], [9, 9]), flows_with([2, 0], [5, 5])]
+LONGER, HARDER = flows_with([0], [9], [0.1]), flows_with([0], [1], [0.2])
 
 
 @pytest.mark.parametrize(
@@ -320,12 +266,12 @@ LONGER, HARDER = sample([0], [9], [0.1]), sample([0], [1], [0.2])
         (SOME, 0.05, 2),  # just as much as may be left
         (SOME, 0.5, 0),  # leaves 40 %, and acts least
         # the least exceedance, and then the costs, where none is within the tolerance
-        ([SOME[0], sample([4, 4], [9, 9]), sample([4, 4], [5, 5])], 0.1, 2),
+        ([SOME[0], flows_with([4, 4], [9, 9]), flows_with([4, 4], [5, 5])], 0.1, 2),
         # the effort, where it was recorded of all
         ([LONGER, HARDER], 0.01, 0),
-        ([sample([0], [9]), HARDER], 0.01, 1),
+        ([flows_with([0], [9]), HARDER], 0.01, 1),
         # those whose scores are not defined come last
-        ([sample([], []), sample([20], [50])], 0.01, 1),
+        ([flows_with([], []), flows_with([20], [50])], 0.01, 1),
     ],
 )
 def test_choose_takes_the_cheapest_that_leaves_little(

@@ -14,7 +14,6 @@ from helpers_control import (
     PAPER,
     SCHEDULE,
     Script,
-    alarms_of,
     asked,
     experiment,
     look_at,
@@ -52,7 +51,6 @@ SETTINGS = {
     "probability_triggered": {"probability": 0.3, "hold_lt": 1.0, "decision_interval_lt": 0.25},
     "receding_horizon": {"horizon_lt": 2.0, "decision_interval_lt": 0.25},
     "reactive": {"level": 0.05, "decision_interval_lt": 0.25},
-    "random_decisions": {"probability": 0.3, "decision_interval_lt": 0.25},
 }
 
 
@@ -251,13 +249,6 @@ def test_random_alarms_have_a_stream_for_each_flow() -> None:
         for number, value in enumerate(stream.random(looks)):
             look = replace(look_at(np.zeros((1, 1, 1))), rows=[row], number=[number])
             assert np.asarray(policy(look)).tolist() == [value < 0.4]
-
-
-def test_random_decisions_have_a_stream_for_each_flow() -> None:
-    flows = run(make_strategy("random_decisions", SETTINGS["random_decisions"]), experiment(6))
-    for alarms, row in zip(alarms_of(flows), flows.rows, strict=True):
-        stream = random_streams.stream(7, "random decisions", "Re400", 10 + int(row))
-        assert alarms == (stream.random(flows.timing.most_looks) < 0.3).tolist()
 
 
 def test_a_vote_needs_its_share() -> None:

@@ -25,7 +25,7 @@ from hypothesis import strategies as st
 from burstcast.control.controllers import controlling_policy
 from burstcast.control.example import simulate_event, suppressed_event_times
 from burstcast.control.loop import ControlledFlows, Looks
-from burstcast.control.records import Span, record_flows
+from burstcast.control.records import FlowSample, Span, record_flows
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast.control.windows import (
     SuppressedEvent,
@@ -181,7 +181,7 @@ def test_count_windows_and_totals_are_those_of_a_plain_loop(
         "control_fraction": share("actuated_integration_steps", "integration_steps"),
         "alarm_rate": share("alarms", "forecasts"),
     }
-    counts = totals(records, found, Span.of(flows.timing), flows.left_out)
+    counts = totals(FlowSample(records, Span.of(flows.timing)), found, flows.left_out)
     assert counts == pytest.approx(total | shares, nan_ok=True)
 
 
@@ -267,8 +267,8 @@ def test_a_perfect_forecaster_raises_no_false_alarm() -> None:
 @pytest.mark.long
 def test_the_equations_reduce_exceedance_and_chance_does_not() -> None:
     def counted(flows: ControlledFlows) -> dict[str, float]:
-        records = record_flows(flows, 0.48)
-        return totals(records, count_windows(flows), Span.of(flows.timing), flows.left_out)
+        sample = FlowSample(record_flows(flows, 0.48), Span.of(flows.timing))
+        return totals(sample, count_windows(flows), flows.left_out)
 
     schedule = replace(PAPER, span_lt=10.0, washout=1)
     washouts = turbulent_washouts(FLOW, 200, schedule, seed=8, steps=1600)

@@ -7,7 +7,6 @@ from comparisons import (
     HORIZON,
     TRUE,
     Score,
-    choices_compared,
     costs,
     differences,
     draw_readouts,
@@ -142,33 +141,6 @@ def test_how_often_the_own_training_set_is_best(tmp_path):
     ]
     text = own_ranks(campaign(tmp_path / "sets", rows), (2.0, 3.0, 4.0))
     assert text == "the best in 1 and the worst in 1 of 3 F-scores"
-
-
-def test_choices_are_compared_for_networks_that_both_have(tmp_path):
-    def write(name, seeds, shift):
-        (tmp_path / name).mkdir()
-        keys = [{"case": "Re400", "forecaster": "esn", **NETWORK, "seed": seed} for seed in seeds]
-        scores = {
-            "survival": ("escape_rate", 1e-4),
-            "statistics": ("kantorovich", 1e-3),
-            "horizon": ("mean_horizon_lt", 1.0),
-            "classification": ("f_score", 0.1),
-        }
-        for file, (column, unit) in scores.items():
-            rows = [{**row, column: unit * (row["seed"] + shift)} for row in keys]
-            rows = [{**row, "prediction_time_lt": 4.0} for row in rows] if unit == 0.1 else rows
-            pd.DataFrame(rows).to_csv(tmp_path / name / f"{file}.csv", index=False)
-        return Tables(tmp_path / name)
-
-    found = rows_of(choices_compared(write("first", range(9), 1), write("second", (0, 1, 2), 2)))
-    assert found["500 neurons, escape rate [1e-4 per time unit]"] == [
-        "2.00 (1.00–3.00)",
-        "3.00 (2.00–4.00)",
-    ]
-    assert found["500 neurons, F-score, 4 LT ahead"] == [
-        "0.200 (0.100–0.300)",
-        "0.300 (0.200–0.400)",
-    ]
 
 
 @pytest.fixture

@@ -198,7 +198,6 @@ case_defaults.training.series: 1, case_defaults.recycle_validation.series: 1,
 case_defaults.lyapunov.saturation: 1.0e-08 | lyapunov.perturbation | below
 case_defaults.lyapunov.orthonormalisation_interval: 0.3 | is 0.3 | multiple
 case_defaults.laminarisation_threshold: 0.1 | event_threshold is 0.1 | below
-case_defaults.laminarisation_threshold: null, search.choice: survival | search.choice is survival
 case_defaults.controlled_density.range: [1, 1] | controlled_density.range | below
 case_defaults.actuation.force: [0, 1] | actuation: a force needs 9 | [0.0, 1.0]
 case_defaults.actuation.parameters: {rho: 1} | actuation: | no parameter 'rho'
@@ -329,9 +328,6 @@ campaign.1: {cases: [lab], forecasters: {quadratic_aware: {}, persistence: {}}} 
 cases.lab.data.components: [u], cases.lab.data.known: [v], cases.lab.training.trained_on: [lab],
   campaign.1: {cases: [lab], forecasters: {quadratic_aware: {}}} |
   training.trained_on means nothing for measured series
-cases.lab.data.components: [u], cases.lab.data.known: [v], search.choice: survival,
-  campaign.1: {cases: [lab], forecasters: {quadratic_aware: {}}} |
-  search.choice is survival, but quadratic_aware
 """
 TABLES["measured reactive"] = """
 plan.cases: [part] | control.strategies[0].cases: control needs equations
@@ -448,7 +444,7 @@ SOUND = {}
 SOUND["paper"] = """
 statistics.forecasters: {}, control.forecasters: {}
 statistics.forecasters: {esn: {}}, control.forecasters: {esn: {}}
-search.choice: best, case_defaults.laminarisation_threshold: null
+case_defaults.laminarisation_threshold: null
 search.surrogate: {length_scale: [0.01, 0.1], random_state: 10, first_length_scale: 0.05}
 forecasters.filter.members: 16
 forecasters.quadratic.window_lt: 0.01

@@ -210,7 +210,7 @@ def test_a_deleted_network_rebuilds_its_chain_only(finished, tmp_path):
         f"{rule}/{network}" for rule in ("train", "forecast", "calibration_forecast", "horizon")
     }
     tables = {
-        *("probability_scores", "probability_diagrams", "lead_times"),
+        *("probability_scores", "reliability_table", "lead_times"),
         *("classification_table", "horizon_table", "warnings_table"),
     }
     joined = {f"joined_{name}" for name in ("probabilities", "forecasts", "horizon", "warnings")}

@@ -170,8 +170,7 @@ def test_every_table_of_probabilities_has_it_and_none_of_trajectories(results):
             of_kind[path.stem] = kinds & set(table["forecaster"]) == kinds
     having = {
         *("classification", "classification_intervals", "classification_percentiles"),
-        *("probability_scores", "reliability", "alarm_curves"),
-        *("lead_times", "warnings"),
+        *("probability_scores", "reliability", "lead_times", "warnings"),
     }
     assert {name for name, has in of_kind.items() if has} == having
     assert {"horizon", "horizon_intervals"} <= set(of_kind)
@@ -212,7 +211,7 @@ def test_a_reservoir_is_read_out_as_the_library_does_it(results, by_hand):
 
 SPACED = {"forecasters": {"classifiers": {"start_spacing_lt": 0.2}}}
 SCORES = {
-    *("calibrate", "classification_table", "probability_scores", "probability_diagrams"),
+    *("calibrate", "classification_table", "probability_scores", "reliability_table"),
     *("lead_times", "warnings_table"),
 }
 

@@ -64,37 +64,6 @@ rule search:
         "../scripts/forecasters/search.py"
 
 
-rule survival_choice:
-    # of equally good points; only where the setting search.choice is survival
-    input:
-        **unknowns_of("survival_choice"),
-        ensemble=f"{CASE}/ensemble.nc",
-        trace=f"{FORECASTER}/search.csv",
-        scheduled=stages.scheduled,
-    output:
-        chosen=f"{FORECASTER}/survival_choice.json",
-        candidates=f"{FORECASTER}/survival_choice.csv",
-    log:
-        f"{LOGS}/survival_choice/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/survival_choice/{{case}}/{{forecaster}}.tsv"
-    wildcard_constraints:
-        forecaster=NETWORKS,
-    group:
-        group_of("forecaster")
-    conda:
-        ENVIRONMENT
-    resources:
-        **needs("survival_choice", "search_points", cached=True),
-    params:
-        settings=settings_of("forecasters/survival_choice.py"),
-        code=code_of("forecasters/survival_choice.py"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: choose hyperparameters by survival"
-    script:
-        "../scripts/forecasters/survival_choice.py"
-
-
 rule train:
     input:
         **unknowns_of("train"),

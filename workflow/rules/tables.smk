@@ -38,7 +38,7 @@ TABLE_RULES = {
         "does": "table of the hyperparameters",
         "inputs": {
             "hyperparameters": files_in_case(
-                campaign.hyperparameters_file, campaign.searched_networks
+                "hyperparameters.json", campaign.searched_networks
             )
         },
     },
@@ -62,8 +62,8 @@ TABLE_RULES = {
         "does": "score the probabilities",
         "inputs": PROBABILITIES,
     },
-    "probability_diagrams": {
-        "does": "reliability, curves over all thresholds",
+    "reliability_table": {
+        "does": "reliability of the probabilities",
         "inputs": PROBABILITIES,
     },
     "ranking_table": {

@@ -6,39 +6,16 @@ flow, decides: runs that leave out different flows are split alike.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray
-from burstcast.control.records import RECORDS, FlowRecords, Span, weighted_scores
+from burstcast.control.records import FlowSample, weighted_scores
 
 
-@dataclass(frozen=True)
-class FlowSample:
-    """Flows under one strategy with one choice of its settings."""
-
-    records: FlowRecords
-    span: Span
-    #: costs of the actuation in each flow, ``(flows,)``, by name; empty: they were not recorded
-    costs: Mapping[str, FloatArray]
-
-    def part(self, chosen: BoolArray) -> "FlowSample":
-        """Outcomes of the ``chosen`` flows, ``(flows,)``."""
-        records = {name: getattr(self.records, name)[chosen] for name in RECORDS}
-        costs = {name: values[chosen] for name, values in self.costs.items()}
-        return replace(self, records=FlowRecords(**records), costs=costs)
-
-    def halves(self) -> tuple["FlowSample", "FlowSample"]:
-        """Flows that choose, of series with even numbers, and flows that score."""
-        even = self.records.row % 2 == 0
-        return self.part(even), self.part(~even)
-
-    def values(self) -> dict[str, float]:
-        """Scores of the flows by name (see `burstcast.control.records.weighted_scores`)."""
-        weights = np.ones((1, len(self.records.row)))
-        found = weighted_scores(self.records, self.span, weights, self.costs)
-        return {name: float(value[0]) for name, value in found.items()}
+def values_of(sample: FlowSample) -> dict[str, float]:
+    """Scores of all flows of a sample by name."""
+    found = weighted_scores(sample, np.ones((1, len(sample))))
+    return {name: float(value[0]) for name, value in found.items()}
 
 
 def choose(candidates: Sequence[FlowSample], tolerance: float) -> int:
@@ -52,7 +29,7 @@ def choose(candidates: Sequence[FlowSample], tolerance: float) -> int:
         raise ValueError("there is nothing to choose from")
     found = [
         # scores of no flows are not defined: such settings are the last choice
-        {name: value if np.isfinite(value) else np.inf for name, value in one.values().items()}
+        {name: value if np.isfinite(value) else np.inf for name, value in values_of(one).items()}
         for one in candidates
     ]
     cost = "effort" if all("effort" in one for one in found) else "control_fraction"

@@ -12,7 +12,7 @@ the bound assumes that they would exceed for as long as the uncontrolled flows t
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -60,6 +60,11 @@ class FlowRecords:
     dissipation_uncontrolled: Annotated[FloatArray, _mean("dissipation uncontrolled")]
     dissipation_controlled: Annotated[FloatArray, _mean("dissipation controlled")]
 
+    @property
+    def kept(self) -> BoolArray:
+        """Whether each flow laminarises neither with control nor without it, ``(flows,)``."""
+        return (self.laminar_step_uncontrolled < 0) & (self.laminar_step_controlled < 0)
+
 
 def record_flows(flows: ControlledFlows, laminarisation_threshold: float | None) -> FlowRecords:
     """Reduce simulated flows to records."""
@@ -82,11 +87,6 @@ def record_flows(flows: ControlledFlows, laminarisation_threshold: float | None)
     return FlowRecords(row=flows.rows, **found)
 
 
-def neither(records: FlowRecords) -> BoolArray:
-    """Whether each flow laminarises neither with control nor without it."""
-    return (records.laminar_step_uncontrolled < 0) & (records.laminar_step_controlled < 0)
-
-
 @dataclass(frozen=True)
 class Span:
     """Times for which flows count and are at risk of laminarisation."""
@@ -105,6 +105,45 @@ class Span:
             steps_at_risk=timing.counted_until - timing.first_look,
             steps_per_lyapunov_time=timing.schedule.steps_per_lyapunov_time,
         )
+
+
+RECORDS = tuple(field.name for field in fields(FlowRecords))
+"""Names of the fields of `FlowRecords`."""
+COSTS = ("effort", "power")
+"""Costs of the actuation (`burstcast.control.energy.ActuationCost`), where they are recorded."""
+
+
+@dataclass(frozen=True)
+class FlowSample:
+    """Flows of one run of control, which all ran for the same time."""
+
+    records: FlowRecords
+    span: Span
+    #: costs of the actuation in each flow, ``(flows,)``, by name; empty: they were not recorded
+    costs: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, content: Mapping[str, Any]) -> "FlowSample":
+        """Flows of a run from the variables and attributes of its file."""
+        return cls(
+            FlowRecords(**{name: content[name] for name in RECORDS}),
+            Span(**{one.name: int(content[one.name]) for one in fields(Span)}),
+            {name: content[name] for name in COSTS if name in content},
+        )
+
+    def __len__(self) -> int:
+        return len(self.records.row)
+
+    def part(self, chosen: BoolArray) -> "FlowSample":
+        """Sample of the ``chosen`` flows, ``(flows,)``."""
+        records = {name: getattr(self.records, name)[chosen] for name in RECORDS}
+        costs = {name: values[chosen] for name, values in self.costs.items()}
+        return replace(self, records=FlowRecords(**records), costs=costs)
+
+    def halves(self) -> tuple["FlowSample", "FlowSample"]:
+        """Flows of series with even numbers, and flows of series with odd numbers."""
+        even = self.records.row % 2 == 0
+        return self.part(even), self.part(~even)
 
 
 @dataclass(frozen=True)
@@ -141,63 +180,49 @@ actuation. Hazards are laminarisations per Lyapunov time of the flows that are n
 """
 
 
-COSTS = ("effort", "power")
-"""Costs of the actuation (`burstcast.control.energy.ActuationCost`), where they are recorded."""
-
-
 def score_flows(
-    records: FlowRecords,
-    span: Span,
-    resamples: int,
-    generator: np.random.Generator,
-    costs: Mapping[str, FloatArray] | None = None,
+    sample: FlowSample, resamples: int, generator: np.random.Generator
 ) -> dict[str, ResampledScore]:
-    """Score flows that ran for the same time: all of `FLOW_SCORES`, and mean costs.
+    """Score flows: all of `FLOW_SCORES`, and the means of the costs that were recorded.
 
     ``generator``: Runs on the same flows are compared on the same resamples if their generators
-    start in the same state. ``costs``: Costs of each flow, ``(flows,)``, by the names in `COSTS`.
+    start in the same state.
     """
-    flows = len(records.row)
-    weights = np.ones((resamples + 1, flows))
-    if flows:
-        weights[1:] = bootstrap_weights(flows, resamples, generator)
-    values = weighted_scores(records, span, weights, costs)
+    weights = np.ones((resamples + 1, len(sample)))
+    if len(sample):
+        weights[1:] = bootstrap_weights(len(sample), resamples, generator)
+    values = weighted_scores(sample, weights)
     return {name: ResampledScore(float(one[0]), one[1:]) for name, one in values.items()}
 
 
-def weighted_scores(
-    records: FlowRecords,
-    span: Span,
-    weights: FloatArray,
-    costs: Mapping[str, FloatArray] | None = None,
-) -> dict[str, FloatArray]:
+def weighted_scores(sample: FlowSample, weights: FloatArray) -> dict[str, FloatArray]:
     """Scores of `score_flows` by name, ``(resamples,)`` each; NaN where a score is not defined.
 
     ``weights``: Weights of the flows in each resample, ``(resamples, flows)``.
     """
-    values = _scores(records, span, weights)
-    counts = neither(records)
-    weighted = weights * counts
-    for name, of_flows in (costs or {}).items():
-        kept = np.where(counts, of_flows, 0.0)  # costs of other flows may be infinite or NaN
-        values[name] = _quotient((weighted * kept).sum(axis=1), weighted.sum(axis=1))
-    return {name: values[name] for name in (*FLOW_SCORES, *(costs or {}))}
+    values = _scores(sample.records, sample.span, weights)
+    kept = sample.records.kept
+    weighted = weights * kept
+    for name, of_flows in sample.costs.items():
+        cost = np.where(kept, of_flows, 0.0)  # costs of other flows may be infinite or NaN
+        values[name] = _quotient((weighted * cost).sum(axis=1), weighted.sum(axis=1))
+    return {name: values[name] for name in (*FLOW_SCORES, *sample.costs)}
 
 
 def flow_intervals(
-    scores: Mapping[str, ResampledScore], records: FlowRecords, span: Span, confidence: float
+    scores: Mapping[str, ResampledScore], sample: FlowSample, confidence: float
 ) -> dict[str, Interval]:
     """Intervals over flows of the scores of `score_flows`, by their names."""
     intervals = {
         name: Interval(float(score.value), *percentile_interval(score.samples, confidence))
         for name, score in scores.items()
     }
-    return {**intervals, **_bounds_of_nothing(records, span, confidence, intervals)}
+    return {**intervals, **_bounds_of_nothing(sample, confidence, intervals)}
 
 
 def _scores(records: FlowRecords, span: Span, weights: FloatArray) -> dict[str, FloatArray]:
     """Scores of weighted flows, ``(resamples,)`` each; weights are ``(resamples, flows)``."""
-    counts = neither(records).astype(np.float64)
+    counts = records.kept.astype(np.float64)
     weighted = weights * counts
     number = weighted.sum(axis=1)
     lyapunov_times = span.steps / span.steps_per_lyapunov_time
@@ -229,17 +254,17 @@ def _scores(records: FlowRecords, span: Span, weights: FloatArray) -> dict[str, 
 
 
 def _bounds_of_nothing(
-    records: FlowRecords, span: Span, confidence: float, intervals: Mapping[str, Interval]
+    sample: FlowSample, confidence: float, intervals: Mapping[str, Interval]
 ) -> dict[str, Interval]:
     """Upper bounds for counts of zero in all flows (see the module)."""
     found = {}
-    counts = neither(records)
+    records, span, counts = sample.records, sample.span, sample.records.kept
     flows = int(counts.sum())
     share = 1 - (1 - confidence) ** (1 / flows) if flows else math.nan
     for who in ("uncontrolled", "controlled"):
         name = f"laminarisation_hazard_{who}"
         if intervals[name].value == 0:
-            risk = len(records.row) * span.steps_at_risk / span.steps_per_lyapunov_time
+            risk = len(sample) * span.steps_at_risk / span.steps_per_lyapunov_time
             found[name] = Interval(0.0, 0.0, -math.log(1 - confidence) / risk)
     exceeding = records.exceeding_uncontrolled[counts]
     if intervals["exceedance_controlled"].value == 0 and exceeding.any():
@@ -258,7 +283,3 @@ def _quotient(numerator: FloatArray, denominator: FloatArray) -> FloatArray:
     result = np.full(np.broadcast(numerator, denominator).shape, np.nan)
     np.divide(numerator, denominator, out=result, where=denominator != 0)
     return result
-
-
-RECORDS = tuple(field.name for field in fields(FlowRecords))
-"""Names of the fields of `FlowRecords`."""

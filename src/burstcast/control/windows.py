@@ -20,7 +20,7 @@ from burstcast.control.loop import (
     ending_at,
     observable_of,
 )
-from burstcast.control.records import FlowRecords, Span, neither, record_flows
+from burstcast.control.records import FlowSample, record_flows
 from burstcast.control.timing import Timing
 from burstcast.events import upward_crossings
 from burstcast.files.described import Described
@@ -44,33 +44,48 @@ def judge_alarms(flows: RunningFlows, looks: Looks) -> Mapping[str, BoolArray]:
     window's first step already. ``reached``: Whether the controlled flow was at or above the
     threshold in the window, or crossed it between the start of the actuation and the window.
     """
-    system, threshold = flows.experiment.system, flows.experiment.threshold
-    stride, (begin, stop) = flows.timing.schedule.sampling_stride, flows.timing.effect
-    start, end = window_of(flows.timing)
-    alarms = np.flatnonzero(looks.alarm)
-    of_flow, steps = looks.flow[alarms], looks.step[alarms]
-    # end of the actuation of the flow's previous alarm, in integration steps after this alarm
-    before = np.zeros_like(steps)
-    before[1:] = np.where(of_flow[1:] == of_flow[:-1], stop - np.diff(steps) * stride, 0)
-    ahead = np.arange(end * stride)
+    threshold, stride = flows.experiment.threshold, flows.timing.schedule.sampling_stride
+    (start, end), begin = window_of(flows.timing), flows.timing.effect[0] // stride
     names = "would_cross", "would_be_under_way", "reached"
     judged = {name: np.zeros(len(looks.alarm), dtype=bool) for name in names}
+    alarms, acting_still = np.flatnonzero(looks.alarm), _still_acting(flows, looks)
     # as many alarms at once as there are flows: their states fill no more memory
     for first in range(0, len(alarms), max(1, len(flows.rows))):
-        some = slice(first, first + len(flows.rows))
-        flow, now, which = of_flow[some], steps[some], alarms[some]
-        acting = flows.acting_from(flow, now, end)
-        acting[(ahead >= begin) & (ahead >= before[some, np.newaxis])] = 0
-        samples = flows.integrated(flow, now, end, acting)
-        otherwise = observable_of(system, samples.transpose(2, 0, 1)).T
-        judged["would_cross"][which] = crosses_in_window(otherwise[1:], start, end, threshold)
-        judged["would_be_under_way"][which] = otherwise[start] >= threshold
-        observable = observable_of(system, ending_at(flows.states, flow, now + end, end + 1))
-        upward = upward_crossings(observable, threshold)
+        some = alarms[first : first + len(flows.rows)]
+        flow, now = looks.flow[some], looks.step[some]
+        free = _observable_without(flows, flow, now, acting_still[some], end)
+        judged["would_cross"][some] = crosses_in_window(free[1:], start, end, threshold)
+        judged["would_be_under_way"][some] = free[start] >= threshold
+        states = ending_at(flows.states, flow, now + end, end + 1)
+        observable = observable_of(flows.experiment.system, states)
         # a step that is partly under actuation counts: the actuation could have changed it
-        early = upward[:, begin // stride + 1 : start + 1].any(axis=1)
-        judged["reached"][which] = early | (observable[:, start:] >= threshold).any(axis=1)
+        early = upward_crossings(observable, threshold)[:, begin + 1 : start + 1].any(axis=1)
+        judged["reached"][some] = early | (observable[:, start:] >= threshold).any(axis=1)
     return judged
+
+
+def _still_acting(flows: RunningFlows, looks: Looks) -> IntArray:
+    """Integration steps from each alarm until the flow's previous actuation ends; 0 elsewhere."""
+    stride, stop = flows.timing.schedule.sampling_stride, flows.timing.effect[1]
+    alarms = np.flatnonzero(looks.alarm)
+    same_flow = looks.flow[alarms[:-1]] == looks.flow[alarms[1:]]
+    remaining = np.zeros_like(looks.step)
+    remaining[alarms[1:]] = np.where(same_flow, stop - np.diff(looks.step[alarms]) * stride, 0)
+    return remaining
+
+
+def _observable_without(
+    flows: RunningFlows, flow: IntArray, now: IntArray, acting_still: IntArray, steps: int
+) -> FloatArray:
+    """Observable of flows from their alarms on, without the actuation that these set off.
+
+    Returns an array ``(steps + 1, alarms)``.
+    """
+    acting = flows.acting_from(flow, now, steps)
+    ahead = np.arange(acting.shape[1])
+    acting[(ahead >= flows.timing.effect[0]) & (ahead >= acting_still[:, np.newaxis])] = 0
+    samples = flows.integrated(flow, now, steps, acting)
+    return observable_of(flows.experiment.system, samples.transpose(2, 0, 1)).T
 
 
 def _count(meaning: str) -> Described:
@@ -184,16 +199,14 @@ def _crosses_between_windows(flows: ControlledFlows, upward: BoolArray) -> BoolA
     return np.asarray(padded[flows.looks.flow[:, np.newaxis], ahead].any(axis=1))
 
 
-def totals(
-    records: FlowRecords, counts: WindowCounts, span: Span, left_out: int
-) -> dict[str, float]:
+def totals(sample: FlowSample, counts: WindowCounts, left_out: int) -> dict[str, float]:
     """Counts and shares over all flows that laminarise neither with control nor without it.
 
     Steps and exceedances are of the steps that count. ``reduction`` is the share of the exceedance
     that control removes, ``alarm_rate`` the share of the forecasts that raise an alarm; NaN where
     there is nothing to divide by.
     """
-    kept = neither(records)
+    records, span, kept = sample.records, sample.span, sample.records.kept
     flows = int(kept.sum())
     total = {one.name: int(getattr(counts, one.name)[kept].sum()) for one in fields(counts)}
     total |= {
@@ -281,7 +294,7 @@ def largest_suppressed_event(
     laminarise, with or without control, are not considered.
     """
     looks, (start, end) = flows.looks, window_of(flows.timing)
-    kept = neither(record_flows(flows, laminarisation_threshold))
+    kept = record_flows(flows, laminarisation_threshold).kept
     alarms = np.flatnonzero(looks.alarm)
     _, first = np.unique(looks.flow[alarms], return_index=True)
     best, largest = None, -np.inf

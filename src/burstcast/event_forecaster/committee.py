@@ -22,7 +22,6 @@ from burstcast.tuning.network_search import best, optimiser_seed, search
 from burstcast.tuning.scan import scan
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import make_strategy, scanned_with
-from burstcast.tuning.trained_networks import trained_networks
 from burstcast.tuning.validation import PointValidator
 
 # Reported results of the search for each network.
@@ -73,10 +72,17 @@ def trained_committee(
         scanned = scan(validator, space, together, said["grid"])
         optimiser = optimiser_seed(seed, said["case"], strategy.name)
         points = search(validator, space, strategy, scanned, said["bayesian_points"], optimiser)
-        record = best(points).record()
-        members += trained_networks(
-            network, seed, reservoir, training, [record], washout=washout, knowledge=knowledge
+        chosen = best(points)
+        trained = network.trained(
+            validator.dynamics(chosen.point),
+            seed,
+            training,
+            washout=washout,
+            tikhonov=chosen.validation.tikhonov,
+            **knowledge,
         )
+        members.append(trained)
+        record = chosen.record()
         found.append({name: record[name] for name in _FOUND if name in record})
     return members, found
 

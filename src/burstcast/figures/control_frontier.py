@@ -1,13 +1,12 @@
 """Exceedance of the event threshold that control leaves, as a share of that without control, with
-confidence intervals over flows. First row, against the share of the time under actuation: rules,
-random actuation and the paper's strategy, beside strategies that compare forecasts with and without
-actuation; their horizontal axes differ. Curves run along the horizon, the prediction time, the
-level or the probability of actuation, which is written at the ends of some of them; "every" is the
-interval between decisions. Second row, for settings that were tried at several values: against the
-delay and the strength of the actuator and the noise of the observations. The vertical axes are
-linear in the shaded strip: a marker on 0 has left nothing, and its bar ends at the bound of the
-rule of three. Colours and fillings distinguish forecasters. One network is shown, and the committee
-of all networks of its size.
+confidence intervals over flows. First row, against the share of the time under actuation: rules and
+the paper's strategy, beside strategies that compare forecasts with and without actuation; their
+horizontal axes differ. Curves run along the horizon, the prediction time or the level, which is
+written at the ends of some of them; "every" is the interval between decisions. Second row, for
+settings that were tried at several values: against the delay and the strength of the actuator and
+the noise of the observations. The vertical axes are linear in the shaded strip: a marker on 0 has
+left nothing, and its bar ends at the bound of the rule of three. Colours and fillings distinguish
+forecasters. One network is shown, and the committee of all networks of its size.
 """
 
 import math

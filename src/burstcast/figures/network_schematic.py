@@ -16,7 +16,7 @@ from burstcast.figures.registry import Declaration
 FIGURE = Declaration(
     section="networks",
     position=10,
-    inputs={"hyperparameters": "example_hyperparameters"},
+    inputs={"hyperparameters": "example/hyperparameters.json"},
     settings="inputs=shown.dimension shown.neurons forecasters.esn.connectivity "
     "forecasters.esn.input_bias",
 )

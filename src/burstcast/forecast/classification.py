@@ -1,17 +1,14 @@
-"""Binary classification of extreme events: counts, precision, recall, F-score, their intervals.
+"""Binary classification of extreme events: counts, precision, recall, F-score.
 
 Source: section "Precision and recall" of the paper. Scoring does not depend on the forecaster.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.forecast.windows import WindowSummaries, crosses
-from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
+from burstcast.arrays import FloatArray, IntArray
 
 SCORES = ("precision", "recall", "f_score")
 """Names of the scores: properties of `Counts`."""
@@ -66,82 +63,3 @@ def ratio(numerator: npt.ArrayLike, denominator: npt.ArrayLike) -> FloatArray:
     top = np.asarray(numerator, dtype=np.float64)
     bottom = np.asarray(denominator, dtype=np.float64)
     return np.divide(top, bottom, out=np.full_like(bottom, np.nan), where=bottom != 0)
-
-
-def count_by_series(
-    predicted: BoolArray, happened: BoolArray, scored: BoolArray, series: IntArray
-) -> Counts:
-    """Outcomes in each test series.
-
-    ``predicted``, ``happened``: Whether the forecast, and the truth, cross the threshold in the
-    window, ``(points,)``. ``series``: Row of each point's series, ``(points,)``, from 0. Returns
-    counts of shape ``(series,)``.
-    """
-    number = int(series.max()) + 1 if series.size else 0
-
-    def tally(outcome: BoolArray) -> IntArray:
-        return np.bincount(series[outcome & scored], minlength=number).astype(np.int64)
-
-    return Counts(
-        true_positive=tally(predicted & happened),
-        false_positive=tally(predicted & ~happened),
-        false_negative=tally(~predicted & happened),
-        true_negative=tally(~predicted & ~happened),
-    )
-
-
-def score_forecasts(
-    forecast: WindowSummaries,
-    truth: WindowSummaries,
-    washout_maximum: FloatArray,
-    series: IntArray,
-    *,
-    first_window: int,
-    windows: int,
-    threshold: float,
-) -> Counts:
-    """Outcomes in each test series at one prediction time.
-
-    A starting point is skipped where the observed washout already reaches the threshold: an event
-    that is under way needs no forecast.
-
-    ``washout_maximum``: Largest observable of each observed washout, ``(points,)``. Returns counts
-    of shape ``(series,)``.
-    """
-    return count_by_series(
-        predicted=crosses(forecast, first_window, windows, threshold),
-        happened=crosses(truth, first_window, windows, threshold),
-        scored=washout_maximum < threshold,
-        series=series,
-    )
-
-
-def total(counts: Counts) -> Counts:
-    """Sum of counts over their last axis."""
-    return _map(counts, lambda values: values.sum(axis=-1))
-
-
-def bootstrap_interval(
-    counts: Counts, resamples: int, confidence: float, generator: np.random.Generator
-) -> dict[str, tuple[float, float]]:
-    """Percentile bootstrap intervals of all `SCORES`, resampled over series.
-
-    Starting points of one series are not independent, whole series are.
-
-    ``counts``: By series, ``(series,)``. ``confidence``: Share of the samples inside the interval,
-    in (0, 1). Returns lower and upper end for each score; NaN where it is undefined in every
-    resample.
-    """
-    series = counts.true_positive.shape[-1]
-    weights = bootstrap_weights(series, resamples, generator)
-    resampled = _map(counts, lambda values: weights @ values)
-    return {name: percentile_interval(getattr(resampled, name), confidence) for name in SCORES}
-
-
-def _map(counts: Counts, function: Callable[[IntArray], IntArray]) -> Counts:
-    return Counts(
-        true_positive=function(counts.true_positive),
-        false_positive=function(counts.false_positive),
-        false_negative=function(counts.false_negative),
-        true_negative=function(counts.true_negative),
-    )

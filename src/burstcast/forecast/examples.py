@@ -35,8 +35,9 @@ def outcome_examples(
     one without an event stays below the threshold in the neighbouring windows as well, so that the
     error is not one of timing.
 
-    ``forecast``, ``truth``, ``washout_maximum``, ``first_window``, ``windows``, ``threshold``: As
-    in `burstcast.forecast.classification.score_forecasts`.
+    ``washout_maximum``: Largest observable of each observed washout, ``(points,)``; points whose
+    washout reaches the threshold are not scored. ``first_window``, ``windows``: The window that the
+    forecasts are scored in, see `burstcast.forecast.windows.crosses`.
     """
     span = slice(first_window, first_window + windows)
     wider = slice(max(0, first_window - windows), first_window + 2 * windows)

@@ -1,7 +1,7 @@
 """Alarms from probabilities: raised where the probability reaches a threshold.
 
-`burstcast.forecast.classification` has precision, recall and F-score. Receiver operating
-characteristic and precision-recall curves show all thresholds at once.
+`burstcast.forecast.classification` has precision, recall and F-score. The areas below the receiver
+operating characteristic and the precision-recall curve measure all thresholds at once.
 """
 
 import numpy as np
@@ -34,11 +34,6 @@ def counts_at_all_levels(outcomes: Outcomes) -> Counts:
         false_negative=outcomes.events.sum(axis=-1, keepdims=True) - events,
         true_negative=(outcomes.points - outcomes.events).sum(axis=-1, keepdims=True) - quiet,
     )
-
-
-def false_alarm_rate(counts: Counts) -> FloatArray:
-    """FP / (FP + TN): share of the quiet points with an alarm; NaN where all had an event."""
-    return ratio(counts.false_positive, counts.false_positive + counts.true_negative)
 
 
 def best_threshold(probabilities: FloatArray, points: IntArray) -> float:

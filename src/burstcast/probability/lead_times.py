@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from burstcast import durations
 from burstcast.arrays import BoolArray, FloatArray, IntArray
@@ -100,22 +101,21 @@ def lead_time_scores(
     that could be warned of so early, those whose alarm came and stayed.
     """
 
-    def by_series(values: FloatArray | BoolArray) -> FloatArray:
-        sums = np.bincount(found.series, weights=values.astype(np.float64), minlength=series)
+    def total(of_events: npt.ArrayLike) -> FloatArray:
+        sums = np.bincount(found.series, weights=np.asarray(of_events), minlength=series)
         return np.asarray(sums, dtype=np.float64)
 
-    events = by_series(np.ones(len(found.series)))
-    scores = [
-        SeriesRatio(metric, None, by_series(steps / steps_per_lyapunov_time), events)
-        for metric, steps in (
-            ("mean_lead_time_lt", found.stayed),
-            ("mean_first_alarm_lt", found.first),
-            ("mean_possible_lead_time_lt", found.possible),
+    unit, events = steps_per_lyapunov_time, total(np.ones(len(found.series)))
+    scores: dict[tuple[str, float | None], tuple[FloatArray, FloatArray]] = {
+        ("mean_lead_time_lt", None): (total(found.stayed / unit), events),
+        ("mean_first_alarm_lt", None): (total(found.first / unit), events),
+        ("mean_possible_lead_time_lt", None): (total(found.possible / unit), events),
+        ("missed_fraction", None): (total(found.stayed == 0), events),
+    }
+    for time in lead_times_lt:
+        steps = durations.steps(time, unit)
+        scores["warned_fraction", time] = (
+            total(found.stayed >= steps),
+            total(found.possible >= steps),
         )
-    ]
-    scores.append(SeriesRatio("missed_fraction", None, by_series(found.stayed == 0), events))
-    for lead_time_lt in lead_times_lt:
-        steps = durations.steps(lead_time_lt, steps_per_lyapunov_time)
-        warned, able = by_series(found.stayed >= steps), by_series(found.possible >= steps)
-        scores.append(SeriesRatio("warned_fraction", lead_time_lt, warned, able))
-    return scores
+    return [SeriesRatio(*name, *sums) for name, sums in scores.items()]

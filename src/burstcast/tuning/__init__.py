@@ -1,1 +1,1 @@
-"""Hyperparameters of the networks: their search, validation, and the choice by survival."""
+"""Hyperparameters of the networks: their search and validation."""

@@ -32,22 +32,20 @@ def objective_uncertainty(log_errors: FloatArray) -> ObjectiveUncertainty:
     interval, all standard errors but the best point's paired one are NaN; so are differences and
     errors of infinite objectives (diverged forecasts) where they are not defined.
     """
-    points, intervals = log_errors.shape
-    if points == 0:
+    if not len(log_errors):
         raise ValueError("the search has no point")
-    objectives = log_errors.mean(axis=1)
-    best = int(np.argmin(objectives))
+    best = int(np.argmin(log_errors.mean(axis=1)))
     with np.errstate(invalid="ignore"):
-        difference = log_errors - log_errors[best]
-    difference[best] = 0.0
-    if intervals < 2:
-        unknown = np.full(points, np.nan)
-        error = np.where(np.arange(points) == best, 0.0, np.nan)
-        return ObjectiveUncertainty(unknown, difference.mean(axis=1), error)
-    root = np.sqrt(intervals)
-    with np.errstate(invalid="ignore"):
-        return ObjectiveUncertainty(
-            log_errors.std(axis=1, ddof=1) / root,
-            difference.mean(axis=1),
-            difference.std(axis=1, ddof=1) / root,
-        )
+        excess = log_errors - log_errors[best]
+        excess[best] = 0.0
+        single, paired = _standard_errors(log_errors), _standard_errors(excess)
+    paired[best] = 0.0
+    return ObjectiveUncertainty(single, excess.mean(axis=1), paired)
+
+
+def _standard_errors(samples: FloatArray) -> FloatArray:
+    """Standard error of the mean of each row; NaN with a single column."""
+    count = samples.shape[1]
+    if count < 2:
+        return np.full(len(samples), np.nan)
+    return np.asarray(samples.std(axis=1, ddof=1) / np.sqrt(count))

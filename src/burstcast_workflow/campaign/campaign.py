@@ -159,12 +159,6 @@ class Campaign:
         case = figures.example_case or self.forecasters[0].case
         return CaseForecaster(case, parsed(figures.example_forecaster or "none"))
 
-    @property
-    def hyperparameters_file(self) -> str:
-        """File in a network's directory with the hyperparameters that it is trained with."""
-        by_survival = self.config.search.choice == "survival"
-        return "survival_choice.json" if by_survival else "hyperparameters.json"
-
     @cached_property
     def long_term_forecasters(self) -> tuple[CaseForecaster, ...]:
         """Forecasters whose long-term statistics are computed: none that needs known values."""

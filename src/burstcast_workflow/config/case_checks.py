@@ -90,11 +90,6 @@ class CaseChecks:
             yield from self._filter(case, f"the system {case.system}")
         yield from self._counts_of_series(case)
         yield from self._left_out(case, "further series (probability.calibration_series)")
-        if self.config.search.choice == "survival" and case.laminarisation_threshold is None:
-            yield (
-                "search.choice is survival, but without a laminarisation_threshold no series "
-                "leaves the chaotic phase; take best"
-            )
         yield from self._starts_of_actuation(case)
         yield from self._misfits(case)
         yield from self._lags(case)
@@ -202,11 +197,6 @@ class CaseChecks:
         for key in ("trained_on", "actuation"):
             if getattr(case.training, key):
                 yield f"training.{key} means nothing for measured series (data): leave it out"
-        if self.config.search.choice == "survival":
-            yield (
-                f"search.choice is survival, but {', '.join(self.learning)} have no long runs; "
-                "take best"
-            )
 
     def _measured(self) -> Iterator[str]:
         """Mistakes in a case of measured series."""

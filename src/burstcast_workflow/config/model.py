@@ -125,11 +125,6 @@ class Search(Section):
         default=0,
     )
     surrogate: Surrogate = setting("", default_factory=Surrogate)
-    choice: Literal["best", "survival"] = setting(
-        "choice of the point: the best objective; or, within one paired standard error of it, the "
-        "point whose long runs leave the chaotic phase as often as the series generated for the "
-        "training"
-    )
 
 
 class Classification(Section):

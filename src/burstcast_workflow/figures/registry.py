@@ -180,9 +180,6 @@ _PLACES: Mapping[str, Callable[[Campaign, str], str | list[str]]] = {
     # the file of the computed exponents, if they are the unit of time
     "time_unit": lambda campaign, case: campaign.cases[case].time_unit,
     "example": lambda campaign, case: campaign.example.directory,
-    "example_hyperparameters": lambda campaign, case: (
-        f"{campaign.example.directory}/{campaign.hyperparameters_file}"
-    ),
     # networks that differ from the example in the validation strategy only
     "example_strategies": _with_other_strategies,
     # networks the best of which is shown

@@ -9,7 +9,7 @@ import numpy as np
 from burstcast.arrays import FloatArray
 from burstcast.control.actuation import ActuationValues, actuated_system, reversed_actuation
 from burstcast.control.experiment import ControlExperiment, controlled_series, noise_of_flows
-from burstcast.control.records import FlowRecords, neither
+from burstcast.control.records import FlowRecords
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.registry import make_strategy
 from burstcast.control.timing import Schedule
@@ -33,7 +33,7 @@ Sensor: TypeAlias = ObservedPart | EncodedFlow
 
 def alarm_rate(flows: str) -> float:
     """Share of the forecasts of flows that raised an alarm, over flows that do not laminarise."""
-    kept, counts = neither(read_record(flows, FlowRecords)), read_record(flows, WindowCounts)
+    kept, counts = read_record(flows, FlowRecords).kept, read_record(flows, WindowCounts)
     forecasts = int(counts.forecasts[kept].sum())
     return int(counts.alarms[kept].sum()) / forecasts if forecasts else 0.0
 

@@ -40,14 +40,11 @@ class Networks(Washed, Observed):
             self.random_seed, name.neurons, name.seed, self.connectivity, self.input_bias
         )
 
-    def unfitted(self, identifier: str, divergence_bound: float | None = None) -> NetworkForecaster:
-        """A network with its options alone.
-
-        ``divergence_bound``: Given where diverged forecasts must be recognised.
-        """
+    def unfitted(self, identifier: str) -> NetworkForecaster:
+        """A network with its options alone."""
         names = ("connectivity", "input_bias", "input_range", "readout", "backend")
         options = {name: getattr(self, name) for name in names}
-        kind = make_kind(parsed(identifier).kind, {**options, "divergence_bound": divergence_bound})
+        kind = make_kind(parsed(identifier).kind, {**options, "divergence_bound": None})
         assert isinstance(kind, NetworkForecaster)
         return kind
 

@@ -78,12 +78,7 @@ class TablesOfCase(Tables):
                 other = one.identity["case"]
                 raise ValueError(f"{one.path} is of the case {other}, which is another")
         return [
-            Gathered(
-                one.name,
-                content(one.path, variables),
-                one.settings.get("control.run", {}),
-                one.identity.get("strategy", ""),
-            )
+            Gathered(one.name, content(one.path, variables), one.settings.get("control.run", {}))
             for one in found
         ]
 

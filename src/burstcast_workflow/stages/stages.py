@@ -144,7 +144,7 @@ class Stages:
         """Result of the search that a network's hyperparameters come from."""
         network = CaseForecaster(wildcards.case, parsed(wildcards.forecaster))
         directory = self.campaign.searched(network).directory
-        return self.in_results(f"{directory}/{self.campaign.hyperparameters_file}")
+        return self.in_results(f"{directory}/hyperparameters.json")
 
     def scheduled(self, wildcards: Any) -> Paths:
         """Scheduled series for a kind that learns from parameters; nothing for other kinds."""

@@ -107,7 +107,7 @@ READS = {
         classification.window_lt classification.resolution_lt
         probability.prior_forecasts""",
     "probability_scores": f"{_SCORED} probability.bins",
-    "probability_diagrams": f"{_SCORED} probability.bins",
+    "reliability_table": f"{_SCORED} probability.bins",
     "lead_times": f"{_SCORED} case.training.series classification.start_spacing_lt",
     "data_generation_parameters": f"""{_SYSTEM} case.ensemble.time_step case.ensemble.duration
         case.training.series case.laminarisation_threshold case.event_threshold""",
@@ -171,7 +171,7 @@ COMES_FROM = {
     "calibrate": """calibration_set calibration_forecast/esn calibration_forecast/equations
         calibration_forecast/equations_noisy calibration_forecast/quadratic_filtered""",
     "probability_scores": f"{_FORECASTS} calibrate",
-    "probability_diagrams": f"{_FORECASTS} calibrate",
+    "reliability_table": f"{_FORECASTS} calibrate",
     "lead_times": f"simulate {_FORECASTS} calibrate",
     "data_generation_parameters": "simulate",
 }
@@ -183,7 +183,7 @@ JOINED = {
     "joined_networks": "hyperparameters_table",
     "joined_forecasts": "classification_table",
     "joined_horizon": "horizon_table",
-    "joined_probabilities": "probability_scores probability_diagrams lead_times",
+    "joined_probabilities": "probability_scores reliability_table lead_times",
     "joined_long_term": "statistics_table survival_table lyapunov_spectrum_table",
     "joined_control": "control_table control_density_table control_strategies_table",
     "joined_warnings": "warnings_table",

@@ -36,7 +36,7 @@ FORECASTS = ("forecast", "calibration_forecast")
 LONG_RUNS = ("long_term", "lyapunov_spectrum")
 # tables of each case
 SCORES = ("classification_table",)
-PROBABILITIES = (*("calibrate", "probability_scores", "probability_diagrams", "lead_times"),)
+PROBABILITIES = ("calibrate", "probability_scores", "reliability_table", "lead_times")
 CONTROL_TABLES = ("control_table", "control_density_table", "control_strategies_table")
 LONG_RUN_TABLES = ("statistics_table", "survival_table", "lyapunov_spectrum_table")
 OF_NETWORKS = (

@@ -53,7 +53,7 @@ TABLES_OF_CONTROL = {"control_table", "control_density_table", "control_strategi
 OF_CONTROLLING_NETWORKS = {"control/esn", "control/esn-random", *TABLES_OF_CONTROL}
 TABLES_OF_FORECASTERS = {
     *("classification_table", "horizon_table", "calibrate", "probability_scores"),
-    *("probability_diagrams", "lead_times"),
+    *("reliability_table", "lead_times"),
 }
 TABLES_OF_LONG_RUNS = {"statistics_table", "survival_table", "lyapunov_spectrum_table"}
 TABLES_OF_NETWORKS = {*TABLES_OF_FORECASTERS, "hyperparameters_table"}
@@ -171,7 +171,6 @@ _VALUES: dict[str, Any] = {
     "search.input_scaling": [0.2, 10],
     "search.tikhonov": [1e-6, 1e-9],
     "search.interval_lt": 1.5,
-    "search.choice": "survival",
     "classification.window_lt": 1.5,
     "classification.resolution_lt": 0.25,
     "classification.longest_prediction_time_lt": 3.5,
@@ -236,8 +235,6 @@ _EXPECTED: dict[str, set[str]] = {
         *TABLES_OF_FORECASTERS,
         "control_strategies_table",
     },
-    # what a network is trained with is in another file, and all that comes of it
-    "search.choice": {"survival_choice", "train", "hyperparameters_table"},
     "statistics.forecasters.esn.validation": OF_LONG_RUNS | TABLES_OF_LONG_RUNS,
     "statistics.forecasters.equations": {
         *("long_term/equations", "lyapunov_spectrum/equations"),
@@ -285,8 +282,7 @@ def config_edits() -> list[ConfigEdit]:
         new = _VALUES[name] if name in _VALUES else _another(value)
         if name in _EXPECTED:
             # of the forecasters' own jobs, only those that are new: nothing follows from them
-            followed = TABLES | {"train"} if name == "search.choice" else TABLES
-            expected = _EXPECTED[name] | and_what_follows(_EXPECTED[name] & followed)
+            expected = _EXPECTED[name] | and_what_follows(_EXPECTED[name] & TABLES)
         elif name.startswith(_WITHOUT_EFFECT):
             expected = set()
         elif path[0] == "cases":
@@ -634,7 +630,7 @@ def test_deleted_and_restored_files_hide_no_edit(lab, finished, another, tmp_pat
 # What has rows of every forecaster, of those that control, and of networks.
 GROUPS = {
     "GATHERED": """classification_table/* horizon_table/* warnings_table/*
-        calibrate/* probability_scores/* probability_diagrams/* lead_times/*
+        calibrate/* probability_scores/* reliability_table/* lead_times/*
         joined_forecasts joined_horizon joined_warnings joined_probabilities figure/reliability
         figure/classification_scores figure/horizon_by_size figure/forecast_skill""",
     "OF_CONTROL": """control_table/* control_density_table/* control_strategies_table/*
@@ -726,8 +722,8 @@ meaning of a column | workflow/tables.yaml |
   harmonic mean of precision and recall | 2 TP / (2 TP + FP + FN)
 caption of a table in the report | workflow/tables.yaml |
   Counts and scores of the forecasts of each forecaster | Scores of each forecaster
-a strategy of control that nobody uses | LIBRARY/control/strategies/random_decisions.py |
-  "random decisions" | "decisions at random"
+a strategy of control that nobody uses | LIBRARY/control/strategies/probability_triggered.py |
+  windows: float = 1.0 | windows: float = 2.0
 a system that nobody uses | LIBRARY/systems/lorenz63.py | rho: float = 28.0 | rho: float = 29.0
 a new forecaster | LIBRARY/forecasters/forever.py | persistence.py | Persistence Forever
 a new strategy of control | LIBRARY/control/strategies/always.py | reactive.py | Reactive Always

@@ -136,7 +136,6 @@ _STRATEGIES = {
     ),
     "reactive": Strategy("reactive", "level", "level {}", "^", ORANGE),
     "planned": Strategy("planned", "horizon_lt", "{} LT"),
-    "random_decisions": Strategy("random", "probability", "{}", "X"),
 }
 COMPARING = ("receding_horizon", "planned")
 """Strategies that compare forecasts with and without actuation."""

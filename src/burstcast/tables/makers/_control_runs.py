@@ -1,25 +1,13 @@
-"""Runs of control for tables: their flows and key columns."""
+"""Runs of control for tables: the variables of their files, and their key columns."""
 
-from dataclasses import fields
 from typing import Any
 
-from burstcast.control.choice import FlowSample
-from burstcast.control.records import COSTS, RECORDS, FlowRecords, Span
+from burstcast.control.records import COSTS, RECORDS
 from burstcast.control.setting_names import as_columns
 from burstcast.tables.makers.registry import Gathered
 
 FLOWS = " ".join([*RECORDS, *(f"{name}*" for name in COSTS)])
-"""Variables of the files of runs that `flows_of` takes."""
-
-
-def flows_of(run: Gathered) -> FlowSample:
-    """Flows of a run, from the content of its file."""
-    content = run.content
-    return FlowSample(
-        FlowRecords(**{name: content[name] for name in RECORDS}),
-        Span(**{field.name: int(content[field.name]) for field in fields(Span)}),
-        {name: content[name] for name in COSTS if name in content},
-    )
+"""Variables of the files of runs that `burstcast.control.records.FlowSample.of` takes."""
 
 
 def conditions_of(run: Gathered) -> dict[str, Any]:

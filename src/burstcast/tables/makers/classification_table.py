@@ -3,19 +3,19 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from burstcast import random_streams
-from burstcast.forecast.classification import (
-    SCORES,
-    bootstrap_interval,
-    count_by_series,
-    score_forecasts,
-    total,
-)
+from burstcast.forecast.classification import SCORES
 from burstcast.forecast.event_probabilities import EventProbabilities
 from burstcast.forecast.forecast_files import forecasts_from
 from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.forecasters._names import PERMANENT_ALARM, ForecasterName
 from burstcast.probability.alarm_rule import CALIBRATED, rules_of
+from burstcast.probability.alarms import counts_at
+from burstcast.probability.outcomes import outcomes_by_series
+from burstcast.statistics.resampling import bootstrap_weights
+from burstcast.tables.cells import between
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
 TABLES = Declaration(
@@ -48,31 +48,27 @@ def make(
     a row like a forecaster: with a base rate of one half it has an F-score of two thirds.
     """
     truth = WindowSummaries(evaluation_set["first"], evaluation_set["largest"])
-    seen, series = evaluation_set["washout_maximum"], evaluation_set["series"]
-    windows = round(window_lt / resolution_lt)
+    # an event that is under way at the starting point needs no forecast
+    scored = evaluation_set["washout_maximum"] < event_threshold
+    series, windows = evaluation_set["series"], round(window_lt / resolution_lt)
+    number_of_series = int(series.max(initial=-1)) + 1
     found = [(one.name, forecasts_from(one.content)) for one in forecasts]
     always = WindowSummaries.always_crossing(truth.first.shape)
     rows, ends = [], []
     for name, forecast in [*found, (ForecasterName(PERMANENT_ALARM), always)]:
         for prediction_time in prediction_times_lt:
-            first = round(prediction_time / resolution_lt) - 1
+            window = round(prediction_time / resolution_lt) - 1, windows, event_threshold
             if isinstance(forecast, EventProbabilities):
                 assert calibration is not None
                 rule = rules_of(calibration, name.identifier, prediction_time)[CALIBRATED]
                 alarms = rule.alarms(forecast.at(prediction_time, event_threshold))
-                happened = crosses(truth, first, windows, event_threshold)
-                counts = count_by_series(alarms, happened, seen < event_threshold, series)
             else:
-                counts = score_forecasts(
-                    forecast,
-                    truth,
-                    seen,
-                    series,
-                    first_window=first,
-                    windows=windows,
-                    threshold=event_threshold,
-                )
-            whole = total(counts)
+                alarms = crosses(forecast, *window)
+            happened = crosses(truth, *window)
+            outcomes = outcomes_by_series(
+                alarms.astype(np.float64), happened, scored, series, number_of_series
+            )
+            whole = counts_at(outcomes.total(), 1.0)
             row = {**name.keys, "prediction_time_lt": prediction_time}
             rows.append(
                 {
@@ -82,9 +78,10 @@ def make(
                 }
             )
             generator = random_streams.stream(root_seed, "bootstrap", case, str(prediction_time))
-            intervals = bootstrap_interval(counts, resamples, confidence, generator)
+            weights = bootstrap_weights(number_of_series, resamples, generator)
+            samples = counts_at(outcomes.resampled(weights), 1.0)
             ends += [
-                {**row, "metric": metric, "low": low, "high": high}
-                for metric, (low, high) in intervals.items()
+                {**row, "metric": score, **between(getattr(samples, score), confidence)}
+                for score in SCORES
             ]
     return {"classification": rows, "classification_intervals": ends}

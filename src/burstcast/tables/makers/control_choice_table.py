@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 from burstcast import random_streams
 from burstcast.control.choice import choose
-from burstcast.control.records import COSTS, flow_intervals, score_flows
+from burstcast.control.records import COSTS, FlowSample, flow_intervals, score_flows
 from burstcast.control.setting_names import as_columns
-from burstcast.tables.makers._control_runs import FLOWS, conditions_of, flows_of, keys_of
+from burstcast.tables.makers._control_runs import FLOWS, conditions_of, keys_of
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
 TABLES = Declaration(
@@ -45,17 +45,13 @@ def make(
         groups.setdefault((one.name, options, *conditions_of(one).items()), []).append(one)
     rows: Rows = []
     for runs in groups.values():
-        halves = [flows_of(one).halves() for one in runs]
+        halves = [FlowSample.of(one.content).halves() for one in runs]
         number = choose([choosing for choosing, _ in halves], tolerance)
         run, (_, scored) = runs[number], halves[number]
         # all are resampled alike
         generator = random_streams.stream(root_seed, "control choice", case)
-        scores = score_flows(scored.records, scored.span, resamples, generator, scored.costs)
-        found = flow_intervals(scores, scored.records, scored.span, confidence)
-        keys = keys_of(run, noise) | {
-            "candidates": len(runs),
-            "scored_flows": len(scored.records.row),
-        }
+        found = flow_intervals(score_flows(scored, resamples, generator), scored, confidence)
+        keys = {**keys_of(run, noise), "candidates": len(runs), "scored_flows": len(scored)}
         rows += [
             {**keys, "metric": name, "value": one.value, "low": one.low, "high": one.high}
             for name, one in found.items()

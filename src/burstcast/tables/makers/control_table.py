@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import fields
 
-from burstcast.control.records import RECORDS
+from burstcast.control.records import RECORDS, FlowSample
 from burstcast.control.windows import WindowCounts, totals
-from burstcast.tables.makers._control_runs import flows_of
 from burstcast.tables.makers.registry import Declaration, Gathered, Rows
 
 COUNTS = tuple(field.name for field in fields(WindowCounts))
@@ -16,13 +15,12 @@ def make(*, flows: Sequence[Gathered]) -> dict[str, Rows]:
     """One row for each forecaster and prediction time."""
     rows: Rows = []
     for one in flows:
-        sample, left_out = flows_of(one), int(one.content["left_out"])
         counts = WindowCounts(**{name: one.content[name] for name in COUNTS})
         rows.append(
             {
                 **one.name.keys,
                 "prediction_time_lt": one.plan["settings"]["prediction_time_lt"],
-                **totals(sample.records, counts, sample.span, left_out),
+                **totals(FlowSample.of(one.content), counts, int(one.content["left_out"])),
             }
         )
     return {"control": rows}

@@ -8,7 +8,6 @@ import numpy as np
 from burstcast import durations
 from burstcast.data.starting_points import SeriesPoints, crossing_points
 from burstcast.files.netcdf import read_rows
-from burstcast.forecast.classification import count_by_series
 from burstcast.probability.alarm_rule import CALIBRATED
 from burstcast.probability.intervals import ratio_with_interval
 from burstcast.probability.lead_times import SeriesRatio, lead_time_scores, lead_times
@@ -62,8 +61,8 @@ def make(
             values = points.values(alarm, time, threshold)
             raised.append(rule.alarms(values))
             happened = points.happened(time, threshold)
-            counts = count_by_series(raised[-1], happened, in_scored, rows_of_points)
-            false = counts.false_positive.astype(np.float64)
+            wrong = rows_of_points[raised[-1] & ~happened & in_scored]
+            false = np.bincount(wrong, minlength=series).astype(np.float64)
             false_alarms.append(SeriesRatio("false_alarms_per_lt", time, false, watched))
         found = lead_times(
             np.stack(raised, axis=1),

@@ -51,7 +51,6 @@ class Gathered:
     content: Mapping[str, Any]  #: content of the file (see `Declaration`)
     #: settings of a run of control; empty for other files
     plan: Mapping[str, Any] = field(default_factory=dict)
-    strategy: str = ""  #: name of the strategy in paths and tables; empty for files of forecasters
 
 
 def settings_of(name: str) -> list[str]:

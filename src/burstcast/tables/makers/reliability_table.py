@@ -1,9 +1,8 @@
-"""Data of diagrams of probabilities: reliability, curves over thresholds."""
+"""Reliability of the probabilities: how often events follow those of each bin."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from burstcast.probability.alarms import counts_at_all_levels, false_alarm_rate
 from burstcast.probability.reliability import reliability_diagram
 from burstcast.tables.makers._probabilities import (
     GATHERED,
@@ -28,9 +27,8 @@ def make(
     bins: int,
     **scored: Any,
 ) -> dict[str, Rows]:
-    """Two tables, of committees and of all others but single networks."""
+    """A row for each bin, of committees and of all forecasters but single networks."""
     in_bins: Rows = []
-    points: Rows = []
     case = CaseProbabilities.of(forecasts, evaluation_set, calibration, **scored)
     for time in case.times:
         weights = case.weights(time)
@@ -56,22 +54,4 @@ def make(
                     }
                     for number in range(bins)
                 ]
-                whole = outcomes.total()
-                counts = counts_at_all_levels(whole)
-                points += [
-                    {
-                        **keys,
-                        "threshold": float(level),
-                        "false_alarm_rate": float(rate),
-                        "recall": float(recall),
-                        "precision": float(precision),
-                    }
-                    for level, rate, recall, precision in zip(
-                        whole.levels[::-1],
-                        false_alarm_rate(counts),
-                        counts.recall,
-                        counts.precision,
-                        strict=True,
-                    )
-                ]
-    return {"reliability": in_bins, "alarm_curves": points}
+    return {"reliability": in_bins}
