@@ -19,6 +19,7 @@ from burstcast.observation.velocity_sensors import VelocitySensors
 from burstcast.systems.kolmogorov import KolmogorovFlow
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.state_space import component_names
+from helpers_library import MadeUpForecaster
 
 PART = ObservedPart.of(FLOW, ["a1", "mean = (a1 + a9) / 2"], "observable")
 WHOLE = ObservedPart.of(FLOW, [f"a{number}" for number in range(1, 10)], "observable")
@@ -30,10 +31,8 @@ def encoded(encoder, names):
     return EncodedFlow(channels, FLOW, MeasuredSeries([*names], "observable"))
 
 
-class WholeSeen:
+class WholeSeen(MadeUpForecaster):
     """The equations, given all components and the observable after them."""
-
-    sees_truth = aware = provides_ensemble = False
 
     def start(self, washout):
         return EQUATIONS.start(np.ascontiguousarray(washout[:, :9]))
