@@ -286,7 +286,7 @@ def test_polynomials_that_the_arrays_do_not_hold(degree, saved, tmp_path):
     refused(tampered(saved["quadratic"][1], tmp_path / "bad.nc", change))
 
 
-@pytest.mark.parametrize("lags", [4, 10**4, 10**18])
+@pytest.mark.parametrize("lags", [6, 10**4, 10**18])
 def test_lags_whose_products_the_arrays_do_not_hold(lags, saved, tmp_path):
     def change(parameters, fitted, arrays):
         parameters["options"] = {"lags": lags}
