@@ -13,15 +13,13 @@ from burstcast.probability.outcomes import outcomes_by_series
 class MadeUpForecaster(Forecaster):
     """Forecaster that is neither fitted nor kept in files: only its forecasts matter."""
 
-    @classmethod
-    def fit(cls, training, case, parameters=None):
+    def fit(self, training, case):
         raise NotImplementedError
 
     def record(self):
         raise NotImplementedError
 
-    @classmethod
-    def restore(cls, record, case):
+    def restore(self, record, case):
         raise NotImplementedError
 
 

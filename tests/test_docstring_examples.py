@@ -28,7 +28,7 @@ FIRST = [
     "burstcast.events.upward_crossings",
     "burstcast.filters.square_root.symmetric_members",
     "burstcast.forecast.classification.Counts",
-    "burstcast.forecasters.registry.forecaster_class",
+    "burstcast.forecasters.registry.make_kind",
     "burstcast.laminarisation.is_laminar",
     "burstcast.observation.velocity_sensors.VelocitySensors",
     "burstcast.probability.brier.brier_skill",

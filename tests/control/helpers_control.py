@@ -23,7 +23,9 @@ from helpers_library import MadeUpForecaster
 
 FLOW = MoehlisFaisstEckhardt(reynolds=400.0)
 RAISED = actuated_system(FLOW, {"reynolds": 2000.0})
-EQUATIONS = EquationsFromTruth(FLOW, 0.25, 4, SystemParameters.of(FLOW, ["reynolds"]))
+STEPS = {"time_step": 0.25, "sampling_stride": 4}
+REYNOLDS = SystemParameters.of(FLOW, ["reynolds"])
+EQUATIONS = EquationsFromTruth(system=FLOW, in_force=REYNOLDS, **STEPS)
 SCHEDULE = Schedule(
     washout=5,
     quiet_lt=2.0,

@@ -6,7 +6,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers_control import FLOW, alarms_of, asked, look_at, plain_flow, run
+from helpers_control import (
+    EQUATIONS,
+    FLOW,
+    REYNOLDS,
+    STEPS,
+    alarms_of,
+    asked,
+    look_at,
+    plain_flow,
+    run,
+)
 from helpers_control import experiment as turbulent
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -27,12 +37,9 @@ from burstcast.forecasters.equations_noisy import EquationsFromObservation
 from burstcast.forecasters.persistence import Persistence
 from burstcast.systems.integration import integrate_switched
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast.systems.parameters import SystemParameters
 from helpers_library import MadeUpForecaster
 
 WEAK = MoehlisFaisstEckhardt(800.0)
-REYNOLDS = SystemParameters.of(FLOW, ["reynolds"])
-EQUATIONS = EquationsFromTruth(FLOW, 0.25, 4, REYNOLDS)
 PER_LT, STRIDE = 20, 4
 PUSH = np.array([0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 SHARE = ActuatorShare.of(FLOW, {}, PUSH)
@@ -106,7 +113,7 @@ def test_flows_are_those_of_a_plain_loop(strategy: Any, delay_lt: float) -> None
         changes["reversed_system"] = reversed_actuation(FLOW, PUSH)
         values = ActuationValues((0.0,), (1.0,), (-1.0,))
         given = replace(given, values=values, **changes)
-        equations = EquationsFromTruth(FLOW, 0.25, 4, SHARE)
+        equations = EquationsFromTruth(system=FLOW, in_force=SHARE, **STEPS)
     flows = run(strategy, given, equations)
     timing, alarms = flows.timing, alarms_of(flows)
     delay = given.schedule.steps(delay_lt)
@@ -137,13 +144,16 @@ class Scripted(MadeUpForecaster):
     heights: dict[str, list[float]]
     aware = True
 
-    def start(self, washout, parameters=None):
+    def start(self, washout):
         return washout[-1]
 
-    def advance(self, memory, steps, parameters=None):
+    def advance(self, memory, steps):
+        raise NotImplementedError
+
+    def advance_under(self, memory, steps, schedule):
         outputs = np.empty((steps, 1, memory.shape[1]))
         for flow in range(memory.shape[1]):
-            plan = parameters[:, 0, flow].astype(int).tolist()
+            plan = schedule[:, 0, flow].astype(int).tolist()
             outputs[:, 0, flow] = self.heights[str(plan)]
         return outputs, memory
 
@@ -183,20 +193,25 @@ def test_members_and_committees_vote_under_the_actuation(strategy):
     generator = np.random.default_rng(3)
     washout = given.washouts.transpose(1, 2, 0) + generator.normal(0, 0.02, (5, 9, 12))
     acting = generator.random((4 + 5, 12)) < 0.5
-    filtered = FilteredEquations(
-        EquationsFromObservation(FLOW, 0.25, 4, REYNOLDS), np.full(9, 0.02), 18, 1.0
-    )
+    model = EquationsFromObservation(system=FLOW, in_force=REYNOLDS, **STEPS)
+    filtered = FilteredEquations(members=18, model=model, errors=np.full(9, 0.02))
 
     @dataclass(frozen=True)
     class Member(MadeUpForecaster):
         number: int
         aware = True
 
-        def start(self, washout, parameters=None):
-            return np.ascontiguousarray(filtered.ensemble(washout, parameters)[:, self.number])
+        def start(self, washout):
+            raise NotImplementedError
 
-        def advance(self, memory, steps, parameters=None):
-            return filtered.advance(memory, steps, parameters)
+        def start_under(self, washout, schedule):
+            return np.ascontiguousarray(filtered.ensemble_under(washout, schedule)[:, self.number])
+
+        def advance(self, memory, steps):
+            raise NotImplementedError
+
+        def advance_under(self, memory, steps, schedule):
+            return filtered.advance_under(memory, steps, schedule)
 
     alone = [asked(strategy.policy(given, Member(number)), washout, acting) for number in range(18)]
     for share in (0.1, 0.5, 0.9):

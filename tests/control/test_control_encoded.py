@@ -18,6 +18,7 @@ from burstcast.observation.part import ObservedPart
 from burstcast.observation.velocity_sensors import VelocitySensors
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.state_space import component_names
+from helpers_library import MadeUpForecaster
 from kolmogorov_flow import KolmogorovFlow
 
 PART = ObservedPart.of(FLOW, ["a1", "mean = (a1 + a9) / 2"], "observable")
@@ -30,10 +31,8 @@ def encoded(encoder, names):
     return EncodedFlow(channels, FLOW, MeasuredSeries([*names], "observable"))
 
 
-class WholeSeen:
+class WholeSeen(MadeUpForecaster):
     """The equations, given all components and the observable after them."""
-
-    sees_truth = aware = provides_ensemble = False
 
     def start(self, washout):
         return EQUATIONS.start(np.ascontiguousarray(washout[:, :9]))

@@ -13,6 +13,7 @@ from helpers_control import (
     FLOW,
     PAPER,
     SCHEDULE,
+    STEPS,
     Script,
     asked,
     experiment,
@@ -304,7 +305,8 @@ def committee(
 
 
 def filtered() -> FilteredEquations:
-    return FilteredEquations(EquationsFromObservation(FLOW, 0.25, 4), np.full(9, NOISE), 18, 1.0)
+    model = EquationsFromObservation(system=FLOW, **STEPS)
+    return FilteredEquations(members=18, model=model, errors=np.full(9, NOISE))
 
 
 def washouts(flows: int, noise: float = 0.0) -> FloatArray:
@@ -372,14 +374,13 @@ def test_members_without_rows_of_their_memory_are_side_by_side_too() -> None:
     """Analogues have one number for each member: nothing before its axis."""
     memory = np.arange(6.0).reshape(2, 3)  # (members, batch)
 
-    class Listed:
-        aware = False
-        advance = None
-
-        def ensemble(self, washout: FloatArray, parameters: FloatArray | None) -> FloatArray:
+    class Listed(Script):
+        def ensemble(self, washout: FloatArray) -> FloatArray:
             return memory
 
-    assert Members(Listed()).start(np.zeros((1, 1, 3))).tolist() == [*range(6)]  # type: ignore[arg-type]
+    members = Members(Listed(np.zeros(1)))
+    assert members.start(np.zeros((1, 1, 3))).tolist() == [*range(6)]
+    assert members.start_under(np.zeros((1, 1, 3)), np.zeros((0, 1, 3))).tolist() == [*range(6)]
 
 
 @given(st.text(), st.text(), st.floats(allow_nan=False))

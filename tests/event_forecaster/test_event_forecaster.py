@@ -15,7 +15,8 @@ import burstcast
 from burstcast.data.delay_coordinates import delay_coordinates
 from burstcast.data.series_layout import as_series
 from burstcast.forecast.classification import ratio
-from burstcast.forecasters._options import options_of_kind
+from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.forecasters.nvar import NVAR
 from burstcast.forecasters.registry import trajectory_kinds
 from burstcast.statistics.neighbour_divergence import neighbour_divergence
 from burstcast.systems.integration import integrate
@@ -286,7 +287,7 @@ def test_options_are_laid_over_the_defaults_of_the_kind(training):
     reservoir = member.network.dynamics.reservoir
     assert 2 < reservoir.recurrent.nnz / 60 < 4
     assert reservoir.input_bias == 1
-    assert member.divergence_bound == options_of_kind("esn")["divergence_bound"]
+    assert member.divergence_bound == NetworkForecaster().divergence_bound
 
 
 def test_an_observable_is_a_component_a_function_or_a_system(training, test_series):
@@ -352,6 +353,12 @@ MISTAKES = {
         ({"noise": math.nan}, "noise must be finite"),
         ({"calibration_spacing": 1e20}, "calibration_spacing must be finite, and below"),
         ({"sampling_stride": 0}, "sampling_stride must be 1 at least, not 0"),
+        ({"kind": NVAR(lags=3)}, "options are those of the forecaster that kind is"),
+        ({"kind": "nvar", "options": {"lags": 0}}, "lags must be 1 at least, not 0"),
+        (
+            {"kind": NVAR, "options": {"lag": 1}},
+            r"'nvar' has no option 'lag' \(did you mean 'lags'",
+        ),
     ],
     TypeError: [
         ({"observable": "z"}, "observable must be the number of a component, counted from 0"),
@@ -364,6 +371,8 @@ MISTAKES = {
         ({"lyapunov_time": True}, "lyapunov_time must be a number, not True"),
         ({"prediction_times": ("1", 2)}, "prediction_times must be a number, not '1'"),
         ({"spectral_radius": 0.5}, r"spectral_radius must be two numbers, \(low, high\), not 0.5"),
+        ({"kind": 3}, "a class of forecasters or a forecaster, not 3"),
+        ({"kind": dict}, "kind must be the name of a kind, a class of .* not <class 'dict'>"),
         ({"event_threshold": "high"}, "event_threshold must be a number, not 'high'"),
     ],
 }

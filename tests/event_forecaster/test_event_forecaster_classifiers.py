@@ -14,9 +14,8 @@ import burstcast
 from burstcast.event_forecaster.scoring import EventScorer
 from burstcast.forecast.observed_points import observed_points
 from burstcast.forecasters._event_classifier import LabelledPoints
-from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecastingCase
-from burstcast.forecasters.registry import classifier_class
+from burstcast.forecasters.registry import make_classifier
 from burstcast.systems.lorenz63 import Lorenz63
 
 OPTIONS = {
@@ -66,12 +65,11 @@ def test_a_classifier_is_the_librarys(fitted, training, tested):
         ]
     ).reshape(2, -1)
     quiet = points.seen.max(axis=1) < threshold
-    options = options_of_kind(fitted.kind) | fitted.options | {"random_seed": 0}
-    case = ForecastingCase(system, 0.02, 1, unit, options)
+    case = ForecastingCase(system, 0.02, 1, unit, random_seed=0)
     labelled = LabelledPoints(
         points.washouts[quiet], happened.T[quiet], points.points.series[quiet]
     )
-    expected = classifier_class(fitted.kind).fit(labelled, case)
+    expected = make_classifier(fitted.kind, fitted.options).fit(labelled, case)
     seen = tested[:, 300 - washout : 300]
     for column, time in enumerate((0.5, 1.0)):
         raw = expected.probabilities(seen)[:, column]

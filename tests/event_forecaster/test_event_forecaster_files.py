@@ -20,6 +20,7 @@ LEAKY = {"backend": "scipy", "readout": "quadratic", "leak_rate": [1, 0.6]}
 KINDS = {
     "analogues": {},
     "esn": {"members": 2, "calibrate": False, "options": LEAKY},
+    "nvar": {"options": {"lags": 3}},
     "quadratic": QUANTILE,
     "quadratic_filtered": {},
     **{kind: settings(kind) for kind in OPTIONS},
@@ -210,7 +211,7 @@ def test_a_module_that_a_file_names_is_not_imported(name, saved, tmp_path):
 
 WRONG = {
     "parameters": {
-        "kind": ["os", "../esn", "_filtered", "base", ["esn"]],
+        "kind": ["os", "../esn", "_filtered", "base", "json.tool:main", ["esn"]],
         "observable": [
             {"system": "../base", "parameters": {}},
             {"system": "lorenz63", "parameters": {"sigma": [1]}},
@@ -282,6 +283,14 @@ def test_polynomials_that_the_arrays_do_not_hold(degree, saved, tmp_path):
         parameters["options"] = {"degree": degree}
 
     refused(tampered(saved["quadratic"][1], tmp_path / "bad.nc", change))
+
+
+@pytest.mark.parametrize("lags", [6, 10**4, 10**18])
+def test_lags_whose_products_the_arrays_do_not_hold(lags, saved, tmp_path):
+    def change(parameters, fitted, arrays):
+        parameters["options"] = {"lags": lags}
+
+    refused(tampered(saved["nvar"][1], tmp_path / "bad.nc", change))
 
 
 @pytest.mark.parametrize(

@@ -356,8 +356,8 @@ def test_a_network_forecasts_as_one_of_the_library_with_the_same_search(network)
     washouts = np.ascontiguousarray(observed[:, -20:].transpose(1, 2, 0))
     steps = network._timing.boundaries[-1]
     schedule = np.full((steps, 1, 3), 500.0)
-    outputs, _ = member.advance(member.start(washouts), steps, schedule)
-    restored = type(member).restore(member.record(), case)
+    outputs, _ = member.advance_under(member.start(washouts), steps, schedule)
+    restored = type(member)(**member.options).restore(member.record(), case)
     again, _ = restored.advance(restored.start(washouts), steps)  # the case's own value
     np.testing.assert_array_equal(outputs, again)
     assert np.isfinite(outputs).all()

@@ -105,10 +105,10 @@ class Wrong(MadeUpForecaster):
     def __init__(self, truth, error, failing_from):
         self.truth, self.error, self.failing_from = truth, error, failing_from
 
-    def start(self, washout, parameters=None):
+    def start(self, washout):
         return washout[-1]
 
-    def advance(self, memory, steps, parameters=None):
+    def advance(self, memory, steps):
         series = memory[1].astype(int)
         step = memory[2].astype(int) + 1 + np.arange(steps)[:, np.newaxis]
         # beyond the end of a series the last value
@@ -154,7 +154,7 @@ def test_the_whole_state_must_be_right():
     wrong[0, events[0].times[3], 3] = 0.3
 
     class FourthComponentZero(Wrong):
-        def advance(self, memory, steps, parameters=None):
+        def advance(self, memory, steps):
             forecast, _ = super().advance(memory, steps)
             forecast = np.pad(forecast, ((0, 0), (0, 1), (0, 0)))
             return forecast, forecast[-1]
@@ -204,10 +204,10 @@ class Drift(MadeUpForecaster):
 
     drift: float
 
-    def start(self, washout, parameters=None):
+    def start(self, washout):
         return washout[-1].copy()
 
-    def advance(self, memory, steps, parameters=None):
+    def advance(self, memory, steps):
         rise = (1 + self.drift) * np.arange(1, steps + 1)
         outputs = memory[np.newaxis] + rise[:, np.newaxis, np.newaxis]
         return outputs, outputs[-1]

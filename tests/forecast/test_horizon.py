@@ -40,11 +40,11 @@ class Drifting(MadeUpForecaster):
     It also hides in its memory how far it is, as a reservoir's state does.
     """
 
-    def start(self, washout, parameters=None):
+    def start(self, washout):
         assert washout.shape[0] == SEARCH.washout
         return np.stack([washout[-1, 1], np.zeros(washout.shape[2]), washout[-1, 0]])
 
-    def advance(self, memory, steps, parameters=None):
+    def advance(self, memory, steps):
         speed, passed, value = memory
         ahead = passed + np.arange(1, steps + 1, dtype=np.float64)[:, np.newaxis]
         drift = np.where(speed < 0, np.where(ahead > -speed, np.nan, 0.0), speed * ahead)
@@ -118,7 +118,7 @@ def test_the_equations_predict_from_as_far_as_one_looks():
     search = HorizonSearch(3.0, 0.5, 0.01, washout=5, steps_per_lyapunov_time=61)
     observed = np.ascontiguousarray(states[:, : search.steps_before_event + 1])
     truth = system.observable(observed.transpose(2, 0, 1))
-    forecaster = EquationsFromTruth(system, 0.25, 4)
+    forecaster = EquationsFromTruth(system=system, time_step=0.25, sampling_stride=4)
     found = prediction_horizons(forecaster, system.observable, observed, truth, search)
     assert found.tolist() == [3.0] * 12
 
@@ -130,7 +130,7 @@ def test_a_forecast_is_given_up_once_it_is_lost(monkeypatch):
         def __init__(self):
             self.work = []
 
-        def advance(self, memory, steps, parameters=None):
+        def advance(self, memory, steps):
             self.work.append((steps, memory.shape[-1]))
             return super().advance(memory, steps)
 

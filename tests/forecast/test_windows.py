@@ -95,10 +95,14 @@ def test_windows_beyond_the_forecast_are_refused(first, length):
 
 # -- forecasts reduced to windows ------------------------------------------------------------------
 
-OPTIONS = {"noise": 0.02, "members": 6, "inflation": 1.0, "neighbours": 4}
-CASE = ForecastingCase(Lorenz63(), 0.01, 2, 50, OPTIONS)
+CASE = ForecastingCase(Lorenz63(), 0.01, 2, 50)
 BOUNDARIES = (3, 8, 20)
-MEMBERS = {FilteredEquations: 6, Analogues: 4, LinearInverseModel: 1}
+FILTER = FilteredEquations(noise=0.02, members=6)
+MEMBERS = {
+    "equations_filtered": (FILTER, 6),
+    "analogues": (Analogues(neighbours=4), 4),
+    "linear_inverse": (LinearInverseModel(), 1),
+}
 
 
 def first_component(states):
@@ -122,7 +126,7 @@ def washouts(training):
 
 
 @pytest.mark.parametrize("batches", [(1, 1), (5, 30), (12, 7), ()])
-@pytest.mark.parametrize(("kind", "number"), MEMBERS.items())
+@pytest.mark.parametrize(("kind", "number"), MEMBERS.values(), ids=MEMBERS)
 def test_forecasts_are_those_of_each_memory_alone(
     kind, number, batches, training, washouts, monkeypatch
 ):
@@ -152,11 +156,11 @@ class Counting(MadeUpForecaster):
     def __init__(self):
         self.batches = []
 
-    def start(self, washout, parameters=None):
+    def start(self, washout):
         self.batches.append(washout.shape[2])
         return washout[-1].copy()
 
-    def advance(self, memory, steps, parameters=None):
+    def advance(self, memory, steps):
         ahead = np.arange(1, steps + 1, dtype=np.float64)[:, np.newaxis, np.newaxis]
         outputs = np.where(memory < 0, np.nan, memory + ahead)
         return outputs, outputs[-1]
@@ -185,14 +189,14 @@ def test_forecasts_under_a_schedule_are_those_of_each_point_by_itself(monkeypatc
     generator = np.random.default_rng(6)
     washouts = generator.normal(size=(7, 12, 3)) + np.array([1.0, 1.0, 25.0])
     schedule = generator.choice([24.0, 28.0], size=(7, 11 + BOUNDARIES[-1], 1))
-    model = FilteredEquations.fit(generator.normal(size=(2, 60, 3)), case)
+    model = FILTER.fit(generator.normal(size=(2, 60, 3)), case)
     monkeypatch.setattr(module, "POINTS_PER_BATCH", 3)
     monkeypatch.setattr(module, "TRAJECTORIES_PER_BATCH", 5)
     found = window_forecasts(model, case.system.observable, washouts, BOUNDARIES, schedule)
     for point in range(7):
         past, ahead = schedule[point, :11, :, np.newaxis], schedule[point, 11:, :, np.newaxis]
-        memory = model.start(washouts[point][..., np.newaxis], past)
-        outputs, _ = model.advance(memory, BOUNDARIES[-1], ahead)
+        memory = model.start_under(washouts[point][..., np.newaxis], past)
+        outputs, _ = model.advance_under(memory, BOUNDARIES[-1], ahead)
         expected = summarise(case.system.observable(outputs.transpose(1, 0, 2)), BOUNDARIES)
         assert np.array_equal(found.largest[point], expected.largest[0])
 

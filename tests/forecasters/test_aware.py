@@ -15,7 +15,6 @@ from burstcast.esn.training import train
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecasters._event_classifier import LabelledPoints
-from burstcast.forecasters._options import DEFAULTS, options_of_kind
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase, for_members
 from burstcast.forecasters.equations import EquationsFromTruth
@@ -23,6 +22,7 @@ from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
 from burstcast.forecasters.esn_aware import AwareNetworkForecaster, factored_training
 from burstcast.forecasters.linear_inverse import LinearInverseModel
+from burstcast.forecasters.nvar import NVAR
 from burstcast.forecasters.persistence import Persistence
 from burstcast.forecasters.quadratic import QuadraticModel
 from burstcast.forecasters.quadratic_aware import AwareQuadraticModel
@@ -31,9 +31,8 @@ from burstcast.forecasters.quadratic_filtered import FilteredQuadraticModel
 from burstcast.forecasters.registry import (
     all_kinds,
     available_kinds,
-    classifier_class,
-    forecaster_class,
-    learns_parameters,
+    kind_class,
+    make_classifier,
 )
 from burstcast.polynomials.basis import monomials
 from burstcast.systems.integration import integrate
@@ -41,11 +40,13 @@ from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.parameters import Parameters, SystemParameters, integrate_scheduled
+from helpers_library import MadeUpForecaster
 
 RHO = SystemParameters.of(Lorenz63(), ["rho"])
-ALL_OPTIONS = {name: value for section in DEFAULTS.values() for name, value in section.items()}
-OPTIONS = {**ALL_OPTIONS, **options_of_kind("quadratic_aware_filtered"), "transform": "identity"}
-CASE = ForecastingCase(Lorenz63(), 0.0025, 8, 50, OPTIONS, RHO)
+CASE = ForecastingCase(Lorenz63(), 0.0025, 8, 50, RHO)
+LEARNT = AwareQuadraticModel(transform="identity")
+FILTERED = FilteredAwareQuadraticModel(transform="identity")
+NETWORK = AwareNetworkForecaster(transform="identity")
 PLAIN = replace(CASE, parameters=None)
 TRAINED, WASHOUT, AHEAD = (25.0, 28.0, 32.0), 30, 60
 
@@ -83,19 +84,18 @@ def switched():
 
 @pytest.fixture(scope="module")
 def models(training):
-    kinds = (AwareQuadraticModel, FilteredAwareQuadraticModel)
-    return {kind: kind.fit(training[0], CASE, training[1]) for kind in kinds}
+    return {type(one): one.fit_under(training[0], CASE, training[1]) for one in (LEARNT, FILTERED)}
 
 
 def forecast(model, washout, past=None, ahead=None, steps=AHEAD):
-    return model.advance(model.start(washout, past), steps, ahead)[0]
+    return model.advance_under(model.start_under(washout, past), steps, ahead)[0]
 
 
 def test_kinds_that_need_schedules_are_found_by_name_but_not_offered():
-    kinds = {kind for kind in all_kinds() if learns_parameters(kind)}
+    kinds = {kind for kind in all_kinds() if kind_class(kind).learns_parameters}
     assert kinds == {"esn_aware", "quadratic_aware", "quadratic_aware_filtered"}
     assert not kinds & {*available_kinds()}
-    assert forecaster_class("quadratic_aware") is AwareQuadraticModel
+    assert kind_class("quadratic_aware") is AwareQuadraticModel
 
 
 def test_the_term_with_the_parameter_is_found_and_told(models):
@@ -116,7 +116,7 @@ def test_forecasts_under_unseen_values_are_nearly_those_of_the_equations(kind, m
     schedule, true, observed = switched
     past, ahead = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
     error = forecast(models[kind], observed[:WASHOUT], past, ahead) - true[WASHOUT:]
-    equations = EquationsFromObservation.fit(observed.transpose(2, 0, 1), CASE)
+    equations = EquationsFromObservation().fit(observed.transpose(2, 0, 1), CASE)
     bound = forecast(equations, observed[:WASHOUT], past, ahead) - true[WASHOUT:]
     scale = true.std(axis=(0, 2))[:, np.newaxis]
     typical = np.median(np.abs(error / scale).mean(axis=(0, 1)))
@@ -129,9 +129,9 @@ def test_forecasts_under_unseen_values_are_nearly_those_of_the_equations(kind, m
 def test_a_filter_that_is_told_estimates_better_than_an_observation(kind, models, switched):
     """Not told, it trusts a flow under other parameters."""
     schedule, true, observed = switched
-    model = models.get(kind) or kind.fit(observed.transpose(2, 0, 1), CASE)
+    model = models.get(kind) or kind().fit(observed.transpose(2, 0, 1), CASE)
     past, now = schedule[: WASHOUT - 1], true[WASHOUT - 1]
-    told = np.sqrt(np.mean((model.start(observed[:WASHOUT], past) - now) ** 2))
+    told = np.sqrt(np.mean((model.start_under(observed[:WASHOUT], past) - now) ** 2))
     assert told < 0.6 * np.sqrt(np.mean((observed[WASHOUT - 1] - now) ** 2))
     assert told < 0.3 * np.sqrt(np.mean((model.start(observed[:WASHOUT]) - now) ** 2))
 
@@ -147,7 +147,7 @@ def scheduled(request, models, network, training):
     """A forecaster of each kind that uses a schedule, and its case."""
     if request.param is AwareNetworkForecaster:
         return network[1], network[0]
-    return models.get(request.param) or request.param.fit(training[0], CASE), CASE
+    return models.get(request.param) or request.param().fit(training[0], CASE), CASE
 
 
 def test_forecasts_under_a_schedule_depend_on_nothing_else(scheduled, switched):
@@ -157,14 +157,19 @@ def test_forecasts_under_a_schedule_depend_on_nothing_else(scheduled, switched):
     past, ahead, washout = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :], observed[:WASHOUT]
     together = forecast(model, washout, past, ahead)
     assert not np.array_equal(forecast(model, washout), together)
+    # without schedules, the methods are those of kinds that use none
+    plain, _ = model.advance(model.start(washout), AHEAD)
+    assert np.array_equal(forecast(model, washout), plain)
+    assert np.array_equal(model.ensemble_under(washout, None), model.ensemble(washout))
     for flow in (0, 7):
         one = slice(flow, flow + 1)
         alone = forecast(model, washout[..., one], past[..., one], ahead[..., one])
         assert np.array_equal(alone[..., 0], together[..., flow])
-    first, memory = model.advance(model.start(washout, past), 17, ahead[:17])
-    second, _ = model.advance(memory, AHEAD - 17, ahead[17:])
+    first, memory = model.advance_under(model.start_under(washout, past), 17, ahead[:17])
+    second, _ = model.advance_under(memory, AHEAD - 17, ahead[17:])
     assert np.array_equal(np.concatenate([first, second]), together)
-    restored = type(model).restore(model.record(), case)
+    restored = type(model)(**model.options).restore(model.record(), case)
+    assert restored.options == model.options
     assert np.array_equal(forecast(restored, washout, past, ahead), together)
 
 
@@ -183,31 +188,30 @@ def test_perturbations_grow_as_differences_do(kind, models, network, switched):
 
 def test_a_series_left_out_takes_its_schedule_along(training):
     observed, schedules = training
-    model = AwareQuadraticModel.fit(observed, CASE, schedules)
+    model = LEARNT.fit_under(observed, CASE, schedules)
     refitted = next(model.leave_one_out(observed, CASE, 20, schedules))
-    expected = AwareQuadraticModel.fit(observed[1:], CASE, schedules[1:])
+    expected = LEARNT.fit_under(observed[1:], CASE, schedules[1:])
     np.testing.assert_allclose(refitted.coefficients, expected.coefficients, rtol=1e-4, atol=1e-6)
 
 
 def test_the_degree_in_the_parameter_is_an_option(training, switched):
     observed, schedules = training
-    case = replace(CASE, options={**OPTIONS, "parameter_degree": 2})
-    model = AwareQuadraticModel.fit(observed, case, schedules)
+    model = replace(LEARNT, parameter_degree=2).fit_under(observed, CASE, schedules)
     assert model.coefficients.shape[0] == 3
     assert not model.coefficients[2].any()
     schedule, _, now = switched
     assert np.isfinite(forecast(model, now[:WASHOUT], None, schedule[WASHOUT - 1 :])).all()
 
 
-@pytest.mark.parametrize("kind", [AwareQuadraticModel, FilteredAwareQuadraticModel])
+@pytest.mark.parametrize("kind", [LEARNT, FILTERED], ids=lambda kind: type(kind).__name__)
 def test_training_that_does_not_tell_the_parameter_is_refused(kind, training):
     observed, schedules = training
     with pytest.raises(ValueError, match="rho does not vary in training"):
         kind.fit(observed, CASE)
     with pytest.raises(ValueError, match="rho does not vary in training"):
-        kind.fit(observed, CASE, np.full_like(schedules, 28.0))
+        kind.fit_under(observed, CASE, np.full_like(schedules, 28.0))
     with pytest.raises(ValueError, match="a case that has some"):
-        kind.fit(observed, replace(CASE, parameters=None), schedules)
+        kind.fit_under(observed, replace(CASE, parameters=None), schedules)
 
 
 def test_values_beyond_training_are_extrapolated_with_a_warning(models, switched):
@@ -215,20 +219,19 @@ def test_values_beyond_training_are_extrapolated_with_a_warning(models, switched
     model = models[AwareQuadraticModel]
     assert isinstance(model.factors, ParameterFactors)
     with pytest.warns(UserWarning, match="rho = 40 lies outside of the values in training, 25 to"):
-        model.advance(observed[0], 3, RHO.constant(3, 20, [40.0]))
+        model.advance_under(observed[0], 3, RHO.constant(3, 20, [40.0]))
 
 
 @pytest.fixture(scope="module")
 def network(training):
     observed, schedules = training
-    options = {**options_of_kind("esn_aware"), "transform": "identity"}
-    case = replace(CASE, options=options)
     seed = ReservoirSeed(1, 200, 0, 3.0, 0.1)
-    series, factors = factored_training(observed, np.ptp(observed, axis=(0, 1)), schedules, case)
+    scale = np.ptp(observed, axis=(0, 1))
+    series, factors = factored_training(observed, scale, schedules, CASE, NETWORK)
     dynamics = Dynamics(seed.reservoir(3), 0.2, 1.0)
     readout = train(dynamics, series, washout=WASHOUT, tikhonov=1e-9)
     trained = EchoStateNetwork(dynamics, readout, series.input_range)
-    return case, AwareNetworkForecaster(trained, seed, 10.0, factors, RHO)
+    return CASE, NETWORK.with_fitted(network=trained, seed=seed, factors=factors, in_force=RHO)
 
 
 def test_a_network_that_is_told_forecasts_under_unseen_values(network, switched):
@@ -245,7 +248,9 @@ def test_a_network_that_is_told_forecasts_under_unseen_values(network, switched)
     assert told < 0.05
     assert typical(forecast(model, observed[:WASHOUT])) > 3 * told
     # the washout needs no schedule: one memory serves all plans
-    assert np.array_equal(model.start(observed[:WASHOUT], past), model.start(observed[:WASHOUT]))
+    assert np.array_equal(
+        model.start_under(observed[:WASHOUT], past), model.start(observed[:WASHOUT])
+    )
 
 
 def test_a_network_under_the_case_s_own_values_is_a_plain_one(network, switched):
@@ -261,7 +266,8 @@ def test_a_network_is_refitted_with_its_factors(network, training, switched):
     observed, schedules = training
     _, _, now = switched
     refitted = next(model.leave_one_out(observed, case, WASHOUT, schedules))
-    others, _ = factored_training(observed[1:], model.network.input_range, schedules[1:], case)
+    scale = model.network.input_range
+    others, _ = factored_training(observed[1:], scale, schedules[1:], case, NETWORK)
     readout = train(model.network.dynamics, others, washout=WASHOUT, tikhonov=1e-9)
     outputs, _ = refitted.network.under(np.zeros(1)).forecast(model.start(now[:WASHOUT]), 5)
     alone = replace(model.network, readout=readout).under(np.zeros(1))
@@ -276,15 +282,15 @@ def test_a_network_is_refitted_with_its_factors(network, training, switched):
 
 def test_the_equations_told_of_the_schedule_forecast_perfectly(switched):
     schedule, true, _ = switched
-    model = EquationsFromTruth.fit(np.empty((0, 2, 3)), CASE)
+    model = EquationsFromTruth().fit(np.empty((0, 2, 3)), CASE)
     past, ahead = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
     assert np.array_equal(forecast(model, true[:WASHOUT], past, ahead), true[WASHOUT:])
     assert not np.allclose(forecast(model, true[:WASHOUT]), true[WASHOUT:], atol=0.05)
     with pytest.raises(ValueError, match=r"must have the shape \(20, 1, 20\)"):
-        model.advance(true[0], 20, schedule[:19])
-    plain = EquationsFromTruth.fit(np.empty((0, 2, 3)), PLAIN)
+        model.advance_under(true[0], 20, schedule[:19])
+    plain = EquationsFromTruth().fit(np.empty((0, 2, 3)), PLAIN)
     with pytest.raises(ValueError, match="the case has no parameters"):
-        plain.advance(true[0], 20, schedule[:20])
+        plain.advance_under(true[0], 20, schedule[:20])
 
 
 @pytest.mark.parametrize("kind", [EquationsFromObservation, FilteredEquations])
@@ -292,63 +298,57 @@ def test_the_case_s_own_values_are_in_force_without_a_schedule(kind, switched):
     _, _, observed = switched
     training, washout = observed.transpose(2, 0, 1), observed[:WASHOUT]
     own = RHO.constant(WASHOUT - 1, 20), RHO.constant(AHEAD, 20)
-    told = forecast(kind.fit(training, CASE), washout, *own)
-    assert np.array_equal(told, forecast(kind.fit(training, CASE), washout))
-    assert np.array_equal(told, forecast(kind.fit(training, PLAIN), washout))
+    told = forecast(kind().fit(training, CASE), washout, *own)
+    assert np.array_equal(told, forecast(kind().fit(training, CASE), washout))
+    assert np.array_equal(told, forecast(kind().fit(training, PLAIN), washout))
 
 
 @pytest.mark.parametrize(
-    "kind", [Analogues, LinearInverseModel, Persistence, QuadraticModel, FilteredQuadraticModel]
+    "kind",
+    [Analogues, LinearInverseModel, NVAR, Persistence, QuadraticModel, FilteredQuadraticModel],
 )
 def test_kinds_that_are_not_aware_ignore_a_schedule(kind, switched):
     schedule, _, observed = switched
     training, washout = observed.transpose(2, 0, 1), observed[:WASHOUT]
-    model = kind.fit(training, CASE, schedule.transpose(2, 0, 1))
+    model = kind().fit_under(training, CASE, schedule.transpose(2, 0, 1))
     assert not model.aware
     told = forecast(model, washout, schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :])
-    plain = kind.fit(training, PLAIN)
+    plain = kind().fit(training, PLAIN)
     assert np.array_equal(told, forecast(plain, washout), equal_nan=True)
 
 
 def test_members_have_the_schedule_of_their_own_trajectory(switched):
     """Of a whole ensemble side by side, or of each trajectory by itself."""
     schedule, _, observed = switched
-    model = FilteredEquations.fit(observed.transpose(2, 0, 1), CASE)
+    model = FilteredEquations().fit(observed.transpose(2, 0, 1), CASE)
     past, ahead = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
-    ensemble = model.ensemble(observed[:WASHOUT], past)
+    ensemble = model.ensemble_under(observed[:WASHOUT], past)
     number = ensemble.shape[1]
-    together, _ = model.advance(ensemble.reshape(3, -1), AHEAD, for_members(ahead, number))
+    together, _ = model.advance_under(ensemble.reshape(3, -1), AHEAD, for_members(ahead, number))
     together = together.reshape(AHEAD, 3, -1, 20)
     for one in range(3):
         only = slice(one, one + 1)
-        members = model.ensemble(observed[:WASHOUT, :, only], past[..., only])
+        members = model.ensemble_under(observed[:WASHOUT, :, only], past[..., only])
         assert np.array_equal(members[:, :, 0], ensemble[:, :, one])
         start = np.ascontiguousarray(members[..., 0])
-        alone, _ = model.advance(start, AHEAD, ahead[..., [one] * number])
+        alone, _ = model.advance_under(start, AHEAD, ahead[..., [one] * number])
         assert np.array_equal(alone, together[..., one])
 
 
 def test_the_share_of_a_force_is_a_parameter_like_any_other():
     flow = MoehlisFaisstEckhardt(400.0)
     share = ActuatorShare.of(flow, {}, [0, 0, 0.01, 0, 0, 0, 0, 0, 0])
-    model = EquationsFromTruth.fit(
-        np.empty((0, 2, 9)), ForecastingCase(flow, 0.25, 4, 61, ALL_OPTIONS, share)
-    )
+    model = EquationsFromTruth().fit(np.empty((0, 2, 9)), ForecastingCase(flow, 0.25, 4, 61, share))
     start = 0.1 * np.ones((9, 2))
     on = np.concatenate([share.constant(20, 1), share.constant(20, 1, [1.0])], axis=2)
-    outputs, _ = model.advance(start, 20, on)
+    outputs, _ = model.advance_under(start, 20, on)
     free, _ = model.advance(start, 20)
     assert np.array_equal(outputs[..., 0], free[..., 0])
     assert not np.allclose(outputs[..., 1], free[..., 1], atol=0.01)
 
 
 # -- columns of a record that are known in advance -------------------------------------------------
-KNOWN_OPTIONS = {
-    **options_of_kind("quadratic_aware"),
-    "transform": "identity",
-    "divergence_bound": None,
-}
-SIMULATED = ForecastingCase(Lorenz63(), 0.0025, 8, 50, KNOWN_OPTIONS, RHO)
+SIMULATED = CASE
 SPACE = MeasuredSeries(("x", "y", "z"), "z")
 DATA = {
     **{"components": ["x", "y", "z"], "known": ["rho"], "time_step": 0.02},
@@ -385,13 +385,14 @@ def record(simulated, tmp_path_factory):
 
 def trained(kind, case, states, schedules):
     if kind == "quadratic_aware":
-        return AwareQuadraticModel.fit(states, case, schedules)
+        return LEARNT.fit_under(states, case, schedules)
     seed = ReservoirSeed(1, 60, 0, 4, 0.1)
-    series, factors = factored_training(states, np.ptp(states, axis=(0, 1)), schedules, case)
-    told = {"factors": factors, "parameters": case.parameters}
-    how = {"washout": 20, "tikhonov": 1e-9, "divergence_bound": 10.0}
+    scale = np.ptp(states, axis=(0, 1))
+    series, factors = factored_training(states, scale, schedules, case, NETWORK)
+    told = {"factors": factors, "in_force": case.parameters}
+    how = {"washout": 20, "tikhonov": 1e-9}
     dynamics = Dynamics(seed.reservoir(3), 0.3, 0.5, "scipy")
-    return AwareNetworkForecaster.trained(dynamics, seed, series, **how, **told)
+    return NETWORK.trained(dynamics, seed, series, **how, **told)
 
 
 def test_a_record_of_a_simulated_flow_is_that_flow_with_its_schedule(simulated, record):
@@ -430,21 +431,26 @@ def test_forecasts_from_the_record_are_those_of_the_simulated_case(simulated, re
         window_forecasts(other, SPACE.observable, washouts, boundaries)
 
 
-class Driven(AwareQuadraticModel):
+class Driven(MadeUpForecaster):
     """Each step adds the value in force; nothing is learnt."""
 
-    def __init__(self):
-        pass
+    aware = True
 
-    def start(self, washout, parameters=None):
-        assert parameters.shape == (len(washout) - 1, 1, washout.shape[2])
+    def start(self, washout):
+        raise NotImplementedError
+
+    def start_under(self, washout, schedule):
+        assert schedule.shape == (len(washout) - 1, 1, washout.shape[2])
         # the washout's own values must be those of the same steps
-        np.testing.assert_allclose(np.diff(washout, axis=0), parameters, atol=1e-12)
+        np.testing.assert_allclose(np.diff(washout, axis=0), schedule, atol=1e-12)
         return washout[-1]
 
-    def advance(self, memory, steps, parameters=None):
-        assert parameters.shape == (steps, 1, memory.shape[1])
-        outputs = memory + np.cumsum(parameters, axis=0)
+    def advance(self, memory, steps):
+        raise NotImplementedError
+
+    def advance_under(self, memory, steps, schedule):
+        assert schedule.shape == (steps, 1, memory.shape[1])
+        outputs = memory + np.cumsum(schedule, axis=0)
         return outputs, outputs[-1]
 
 
@@ -471,21 +477,22 @@ def test_classifiers_learn_from_what_is_known():
     washouts, known = generator.normal(size=(1500, 3, 2)), generator.normal(size=(1500, 2))
     happened = (known[:, 1] + washouts[:, -1, 0] > 1.5)[:, np.newaxis]
     series = np.arange(1500) // 150
-    for kind in ("precursor", "esn_direct"):
-        options = {**options_of_kind(kind), "random_seed": 1, "lags_lt": [], "penalty": [1]}
-        options |= {"classifier": "logistic", "neurons": 40, "connectivity": 3}
-        case = replace(SIMULATED, options=options)
-        scores = []
+    case = replace(SIMULATED, random_seed=1)
+    for kind, options in (
+        ("precursor", {"lags_lt": [], "classifier": "logistic"}),
+        ("esn_direct", {"penalty": [1], "neurons": 40, "connectivity": 3}),
+    ):
+        classifier, scores = make_classifier(kind, options), []
         for features in (None, known):
             points = LabelledPoints(washouts, happened, series, features).of(
                 series < 7, np.array([True])
             )
-            fitted = classifier_class(kind).fit(points, case)
+            fitted = classifier.fit(points, case)
             later = None if features is None else features[series >= 7]
             chance = fitted.probabilities(washouts[series >= 7], later)[:, 0]
             assert ((chance > 0) & (chance < 1)).all()
             scores.append(np.mean((chance - happened[series >= 7, 0]) ** 2))
-            again = classifier_class(kind).restore(fitted.record(), case)
+            again = classifier.restore(fitted.record(), case)
             same = again.probabilities(washouts[series >= 7], later)[:, 0]
             np.testing.assert_array_equal(same, chance)
         assert scores[1] < 0.5 * scores[0], kind

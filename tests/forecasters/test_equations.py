@@ -1,6 +1,6 @@
 """Learnt and encoded equations, and filters in front of them, against what made the series."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -23,9 +23,8 @@ from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from kolmogorov_flow import KolmogorovFlow
 
-OPTIONS = {"noise": None, "degree": 2, "window_lt": 0.2}
-LORENZ = ForecastingCase(Lorenz63(), 0.01, 1, 60, OPTIONS)
-FLOW = ForecastingCase(MoehlisFaisstEckhardt(reynolds=400.0), 0.25, 4, 61, OPTIONS)
+LORENZ = ForecastingCase(Lorenz63(), 0.01, 1, 60)
+FLOW = ForecastingCase(MoehlisFaisstEckhardt(reynolds=400.0), 0.25, 4, 61)
 
 
 def lorenz_series(series=4, samples=2000):
@@ -57,7 +56,7 @@ def noisy(series, noise, seed=7):
 
 
 def test_the_equations_of_lorenz_are_found_in_clean_series():
-    model = QuadraticModel.fit(lorenz_series(), LORENZ)
+    model = QuadraticModel().fit(lorenz_series(), LORENZ)
     sigma, rho, beta = 10.0, 28.0, 8.0 / 3.0
     basis = monomials(3, 2)
     expected = np.zeros((len(basis), 3))
@@ -72,12 +71,12 @@ def test_the_equations_of_lorenz_are_found_in_clean_series():
 
 @pytest.mark.parametrize(("noise", "error"), [(0, 5e-6), (0.001, 2e-4), (0.01, 2e-3), (0.05, 1e-2)])
 def test_the_error_of_the_field_is_a_fraction_of_the_noise(noise, error, flow_series):
-    model = QuadraticModel.fit(noisy(flow_series, noise), FLOW)
+    model = QuadraticModel().fit(noisy(flow_series, noise), FLOW)
     assert field_error(model, FLOW.system, flow_series[0]) < error
 
 
 def test_insignificant_terms_are_left_out_and_no_others(flow_series, monkeypatch):
-    model = QuadraticModel.fit(noisy(flow_series, 0.01), FLOW)
+    model = QuadraticModel().fit(noisy(flow_series, 0.01), FLOW)
     # each coefficient of the true equations, from their second differences at random states
     states = np.random.default_rng(4).normal(size=(9, 400))
     basis = monomials(9, 2)
@@ -88,14 +87,14 @@ def test_insignificant_terms_are_left_out_and_no_others(flow_series, monkeypatch
     assert not missing.any()
     assert superfluous.sum() <= 2
     monkeypatch.setattr("burstcast.forecasters.quadratic.SIGNIFICANCE", 0)
-    everything = QuadraticModel.fit(noisy(flow_series, 0.01), FLOW)
+    everything = QuadraticModel().fit(noisy(flow_series, 0.01), FLOW)
     assert (everything.coefficients != 0).all()
     errors = [field_error(one, FLOW.system, flow_series[1]) for one in (model, everything)]
     assert errors[0] < 0.6 * errors[1]
 
 
 def test_the_learnt_equations_are_integrated_as_scipy_does_it():
-    model = QuadraticModel.fit(noisy(lorenz_series(), 0.01), LORENZ)
+    model = QuadraticModel().fit(noisy(lorenz_series(), 0.01), LORENZ)
     start = np.array([1.0, 2.0, 20.0])
     outputs, memory = model.advance(start[:, np.newaxis], 40)
     basis = monomials(3, 2)
@@ -114,7 +113,9 @@ def test_a_forecast_that_leaves_the_finite_numbers_disturbs_no_other():
     coefficients[3] = [1.0, 0.0]  # dx/dt = x^2, which is infinite at the time 1 / x
     coefficients[2] = [0.0, -1.0]
     system = PolynomialSystem(coefficients, 2, Lorenz63())
-    model = QuadraticModel(system, 0.1, 1, coefficients)
+    model = QuadraticModel(
+        system=system, time_step=0.1, sampling_stride=1, coefficients=coefficients
+    )
     memory = np.array([[10.0, -1.0], [1.0, 1.0]])
     outputs, memory = model.advance(memory, 30)
     assert model.diverged(outputs).tolist() == [True, False]
@@ -124,17 +125,15 @@ def test_a_forecast_that_leaves_the_finite_numbers_disturbs_no_other():
 
 
 def test_a_window_shorter_than_a_step_is_refused():
-    case = ForecastingCase(**{**vars(LORENZ), "options": {**OPTIONS, "window_lt": 0.01}})
     with pytest.raises(
         ValueError, match=r"window_lt is 0\.01 Lyapunov times, which is shorter than one step"
     ):
-        QuadraticModel.fit(lorenz_series(), case)
+        QuadraticModel(window_lt=0.01).fit(lorenz_series(), LORENZ)
 
 
 # -- filters ---------------------------------------------------------------------------------------
 
-FILTER_OPTIONS = {"noise": None, "degree": 2, "window_lt": 0.2, "members": 40, "inflation": 1.0}
-FILTERED = ForecastingCase(Lorenz63(), 0.01, 2, 50, FILTER_OPTIONS)
+FILTERED = ForecastingCase(Lorenz63(), 0.01, 2, 50)
 KINDS = (FilteredEquations, FilteredQuadraticModel)
 
 
@@ -158,8 +157,8 @@ def observed(true, noise):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_estimate_is_much_better_than_an_observation(kind, true, observed, noise):
-    model = kind.fit(observed[:, :, :10].transpose(2, 0, 1), FILTERED)
-    np.testing.assert_allclose(model.noise, noise, rtol=0.05)
+    model = kind(members=40).fit(observed[:, :, :10].transpose(2, 0, 1), FILTERED)
+    np.testing.assert_allclose(model.errors, noise, rtol=0.05)
     errors, spreads = [], []
     for start in range(0, 470, 50):
         washout = observed[start : start + 30, :, 10:]
@@ -175,14 +174,14 @@ def test_the_estimate_is_much_better_than_an_observation(kind, true, observed, n
 
 
 def test_known_noise_is_believed_and_a_washout_of_one_step_is_its_observation(observed):
-    model = FilteredEquations.fit(observed[:, :, :10].transpose(2, 0, 1), FILTERED)
+    model = FilteredEquations().fit(observed[:, :, :10].transpose(2, 0, 1), FILTERED)
     np.testing.assert_allclose(model.start(observed[:1]), observed[0], atol=1e-12)
     training = observed[:, :, :10].transpose(2, 0, 1)
-    case = ForecastingCase(**{**vars(FILTERED), "options": {**FILTER_OPTIONS, "noise": 0.3}})
-    model = FilteredEquations.fit(training, case)
-    np.testing.assert_allclose(model.noise, 0.3 * training.std(axis=(0, 1)))
+    model = FilteredEquations(noise=0.3).fit(training, FILTERED)
+    np.testing.assert_allclose(model.errors, 0.3 * training.std(axis=(0, 1)))
 
 
+@dataclass(frozen=True)
 class FilteredLinearModel(FilteredForecaster):
     """Any forecaster may be filtered."""
 
@@ -191,8 +190,8 @@ class FilteredLinearModel(FilteredForecaster):
 
 def test_around_a_linear_model_it_is_the_kalman_filter(observed):
     training = observed[:, :, :10].transpose(2, 0, 1)
-    filtered = FilteredLinearModel.fit(training, FILTERED)
-    model, noise = filtered.model, filtered.noise
+    filtered = FilteredLinearModel().fit(training, FILTERED)
+    model, noise = filtered.model, filtered.errors
     washout = observed[100:120, :, 11]
     centre, covariance = washout[0], np.diag(noise**2)
     for observation in washout[1:]:
@@ -211,6 +210,7 @@ def test_around_a_linear_model_it_is_the_kalman_filter(observed):
 KOLMOGOROV = KolmogorovFlow(40.0, 4, 5)
 GRID = {"points": [6, 6]}
 STRIDE = 10
+FILTER = FilteredEquations(noise=0.01, members=12, inflation=1.1)
 
 
 def with_observable(channels, states):
@@ -231,15 +231,14 @@ def setting():
     case = replace(case, noise=0.01 * scales.standard_deviation)
     channels = StateChannels.fit("identity", states, seen, case)
     space = MeasuredSeries(channel_names("identity", case), "observable")
-    options, known = {"noise": 0.01, "members": 12, "inflation": 1.1}, {"source": KOLMOGOROV}
-    known["maps"] = channels.maps(states)
-    forecasting = ForecastingCase(space, 0.05, STRIDE, 17, options, **known)
+    known = {"source": KOLMOGOROV, "maps": channels.maps(states)}
+    forecasting = ForecastingCase(space, 0.05, STRIDE, 17, **known)
     return states, with_observable(seen, states), channels, forecasting
 
 
 def test_a_forecast_is_that_of_the_decoded_state(setting):
     _, seen, channels, case = setting
-    forecaster = EquationsFromObservation.fit(seen, case)
+    forecaster = EquationsFromObservation().fit(seen, case)
     washout = seen[:2, :5].transpose(1, 2, 0)
     outputs, _ = forecaster.advance(forecaster.start(washout), 3)
     for row in range(2):
@@ -251,8 +250,8 @@ def test_a_forecast_is_that_of_the_decoded_state(setting):
 
 def test_a_forecaster_is_restored(setting):
     _, seen, _, case = setting
-    fitted = FilteredEquations.fit(seen, case)
-    again = FilteredEquations.restore(fitted.record(), replace(case, maps=None))
+    fitted = FILTER.fit(seen, case)
+    again = FILTER.restore(fitted.record(), replace(case, maps=None))
     washout = seen[:1, :4].transpose(1, 2, 0)
     np.testing.assert_array_equal(fitted.start(washout), again.start(washout))
 
@@ -260,10 +259,10 @@ def test_a_forecaster_is_restored(setting):
 def test_the_filter_finds_the_state_that_the_sensors_do_not_see(setting):
     """Within half a Lyapunov time the error falls to a tenth of that of the linear estimate."""
     states, seen, _, case = setting
-    filtered = FilteredEquations.fit(seen, case)
+    filtered = FILTER.fit(seen, case)
     washout = seen[:, 100:110].transpose(1, 2, 0)
     truth = states[:, 109].T
-    linear = EquationsFromObservation.fit(seen, case).start(washout)
+    linear = EquationsFromObservation().fit(seen, case).start(washout)
     errors = [np.linalg.norm(found - truth) for found in (linear, filtered.start(washout))]
     assert errors[1] < 0.1 * errors[0]
     members = filtered.ensemble(washout)
@@ -273,10 +272,10 @@ def test_the_filter_finds_the_state_that_the_sensors_do_not_see(setting):
 
 def test_members_start_around_the_linear_estimate(setting):
     _, seen, _, case = setting
-    filtered = FilteredEquations.fit(seen, case)
+    filtered = FILTER.fit(seen, case)
     first = filtered.first_members(seen[:2, 0].T).reshape(KOLMOGOROV.dimension, 12, 2)
     np.testing.assert_allclose(first.mean(axis=1), case.maps.estimates(seen[:2, 0, :-1].T))
-    errors = case.maps.error_covariance(filtered.noise[:-1])
+    errors = case.maps.error_covariance(filtered.errors[:-1])
     variances = np.linalg.eigvalsh(errors)[::-1]
     assert np.cov(first[..., 0]).trace() == pytest.approx(variances[:6].sum())
 
@@ -297,9 +296,9 @@ def test_an_ensemble_of_full_size_finds_components_that_are_hidden():
     maps = StateChannels.fit("identity", states, seen, case).maps(states)
     observable = flow.observable(states.transpose(2, 0, 1))[..., np.newaxis]
     space = MeasuredSeries(channel_names("identity", case), "observable")
-    options = {"noise": 0.01, "members": 40, "inflation": 1.02}
-    forecasting = ForecastingCase(space, 0.25, 4, 61, options, source=flow, maps=maps)
-    filtered = FilteredEquations.fit(np.concatenate([seen, observable], axis=2), forecasting)
+    forecasting = ForecastingCase(space, 0.25, 4, 61, source=flow, maps=maps)
+    unfitted = FilteredEquations(noise=0.01, members=40, inflation=1.02)
+    filtered = unfitted.fit(np.concatenate([seen, observable], axis=2), forecasting)
     washout = np.concatenate([seen, observable], axis=2)[:, 100:130].transpose(1, 2, 0)
     error = np.abs(filtered.start(washout) - states[:, 129].T).mean(axis=1)
     assert (error[:7] < scales.standard_deviation * 0.01).all()

@@ -10,15 +10,13 @@ from sklearn.preprocessing import PolynomialFeatures, scale
 
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.forecasters._event_classifier import EventClassifier, LabelledPoints
-from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.precursor import lag_steps
 from burstcast.forecasters.registry import (
     available_kinds,
-    classifier_class,
-    forecaster_class,
     kind_class,
-    linearises,
+    make_classifier,
+    make_forecaster,
     trajectory_kinds,
 )
 from burstcast.probability.logistic_readout import event_probability, fit_logistic
@@ -29,10 +27,11 @@ KINDS = sorted(set(available_kinds()) - set(trajectory_kinds()))
 SMALL = {"neurons": 40, "connectivity": 6, "spectral_radius": [0.8], "input_scaling": [5.0]}
 
 
-def case(kind, **options):
-    known = options_of_kind(kind) | {"random_seed": 7, "backend": "scipy"}
-    known |= SMALL if kind == "esn_direct" else {}
-    return ForecastingCase(Lorenz63(), 0.01, 1, 10, known | options)
+CASE = ForecastingCase(Lorenz63(), 0.01, 1, 10, random_seed=7)
+
+
+def direct(**options):
+    return make_classifier("esn_direct", SMALL | {"backend": "scipy"} | options)
 
 
 def labelled(points=600):
@@ -45,20 +44,20 @@ def labelled(points=600):
 def test_kinds_say_that_they_have_no_trajectories():
     assert KINDS == ["esn_direct", "precursor"]
     for kind in KINDS:
-        assert issubclass(classifier_class(kind), EventClassifier)
-        assert not linearises(kind)
+        assert isinstance(make_classifier(kind, {}), EventClassifier)
+        assert not hasattr(kind_class(kind), "linearises")
         with pytest.raises(ValueError, match=f"{kind} gives probabilities .* without a trajectory"):
-            forecaster_class(kind)
+            make_forecaster(kind, {})
     for kind in trajectory_kinds():
-        assert kind_class(kind) is forecaster_class(kind)
+        assert kind_class(kind) is type(make_forecaster(kind, {}))
         with pytest.raises(ValueError, match=f"{kind} forecasts trajectories"):
-            classifier_class(kind)
+            make_classifier(kind, {})
 
 
 def test_a_logistic_precursor_is_that_of_scikit_learn_on_features_cut_by_hand():
     points = labelled()
-    of_case = case("precursor", classifier="logistic", lags_lt=[0.2])
-    found = classifier_class("precursor").fit(points, of_case).probabilities(points.washouts)
+    precursor = make_classifier("precursor", {"classifier": "logistic", "lags_lt": [0.2]})
+    found = precursor.fit(points, CASE).probabilities(points.washouts)
     features = np.hstack([points.washouts[:, 4], points.washouts[:, 2]])
     products = scale(PolynomialFeatures(2, include_bias=False).fit_transform(scale(features)))
     for window in range(2):
@@ -68,8 +67,7 @@ def test_a_logistic_precursor_is_that_of_scikit_learn_on_features_cut_by_hand():
 
 def test_a_reservoir_is_read_out_by_the_logistic_regression_of_scikit_learn():
     points = labelled()
-    of_case = case("esn_direct", penalty=[2.0])
-    fitted = classifier_class("esn_direct").fit(points, of_case)
+    fitted = direct(penalty=[2.0]).fit(points, CASE)
     fresh = np.random.default_rng(2).normal(size=(50, 5, 3))
     # states by the plainest means: a dense matrix, step by step
     reservoir = ReservoirSeed(7, 40, 0, 6, 0.1).reservoir(3)
@@ -96,35 +94,34 @@ def test_a_reservoir_is_read_out_by_the_logistic_regression_of_scikit_learn():
 
 
 def test_hyperparameters_are_those_that_rank_the_events_of_held_out_series_best():
-    points, kind = labelled(), classifier_class("esn_direct")
+    points = labelled()
     grid = list(product([0.3, 0.9], [0.5, 5.0], [1.0, 100.0]))
     held_out = np.isin(points.series, [0, 3])
     every = np.array([True, True])
     scores = []
     for radius, scaling, penalty in grid:
-        one = SMALL | {"spectral_radius": [radius], "input_scaling": [scaling]}
-        fitted = kind.fit(points, case("esn_direct", **one, penalty=[penalty]))
+        single = {"spectral_radius": [radius], "input_scaling": [scaling]}
+        fitted = direct(**single, penalty=[penalty]).fit(points, CASE)
         states = event_states(fitted, points.washouts)
         weights = fit_logistic(states[~held_out], points.happened[~held_out], penalty)
         chance = event_probability(weights, states[held_out])
         scores.append(mean_precision(points.of(held_out, every).happened, chance))
     best = grid[int(np.argmax(scores))]
     assert best != grid[0]
-    many = SMALL | {"spectral_radius": [0.3, 0.9], "input_scaling": [0.5, 5.0]}
-    of_case = case("esn_direct", **many, penalty=[1.0, 100.0])
-    fitted = kind.fit(points, of_case)
+    many = {"spectral_radius": [0.3, 0.9], "input_scaling": [0.5, 5.0]}
+    fitted = direct(**many, penalty=[1.0, 100.0]).fit(points, CASE)
     dynamics = fitted.dynamics
-    assert (dynamics.spectral_radius, dynamics.input_scaling, fitted.penalty) == best
+    assert (dynamics.spectral_radius, dynamics.input_scaling, fitted.chosen_penalty) == best
     # and calibration takes them as they are
-    options = fitted.tuned(of_case).options
+    options = fitted.tuned().options
     names = ("spectral_radius", "input_scaling", "penalty")
-    assert tuple(options[name] for name in names) == tuple([value] for value in best)
+    assert tuple(options[name] for name in names) == tuple((value,) for value in best)
     assert options["neurons"] == 40
 
 
 def event_states(fitted, washouts):
     """States of a fitted reservoir after washouts."""
-    inputs = (washouts / fitted.input_range).transpose(1, 2, 0)
+    inputs = (washouts / fitted.input_scale).transpose(1, 2, 0)
     return fitted.dynamics.open_loop(np.ascontiguousarray(inputs), None).T
 
 

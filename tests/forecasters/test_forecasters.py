@@ -1,10 +1,11 @@
 """Every kind that forecasts trajectories keeps to the same rules; those that learn least alone."""
 
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from sklearn.linear_model import LinearRegression
+from sklearn.linear_model import LinearRegression, Ridge
+from sklearn.preprocessing import PolynomialFeatures
 
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
@@ -12,17 +13,24 @@ from burstcast.esn.readout import Readout
 from burstcast.esn.training import TrainingSeries, train
 from burstcast.forecast.window_forecasts import member_forecasts
 from burstcast.forecasters.analogues import Analogues
-from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
+from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
 from burstcast.forecasters.esn_true_washout import NetworkFromTruth
 from burstcast.forecasters.linear_inverse import LinearInverseModel
+from burstcast.forecasters.nvar import NVAR
 from burstcast.forecasters.persistence import Persistence
 from burstcast.forecasters.quadratic import QuadraticModel
 from burstcast.forecasters.quadratic_filtered import FilteredQuadraticModel
-from burstcast.forecasters.registry import all_kinds, forecaster_class, kind_class, trajectory_kinds
+from burstcast.forecasters.registry import (
+    all_kinds,
+    kind_class,
+    make_forecaster,
+    make_kind_of,
+    trajectory_kinds,
+)
 from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
@@ -53,40 +61,40 @@ def make_network(generator, *kind):
 
 NOISE = np.linspace(0.001, 0.002, 9)
 COEFFICIENTS = 0.05 * np.random.default_rng(7).standard_normal((55, 9))
-QUADRATIC = QuadraticModel(PolynomialSystem(COEFFICIENTS, 2, SYSTEM), 0.25, 4, COEFFICIENTS)
+SERIES = np.random.default_rng(8).standard_normal((3, 40, 9))
+STEPS = {"time_step": 0.25, "sampling_stride": 4}
+QUADRATIC = QuadraticModel(
+    system=PolynomialSystem(COEFFICIENTS, 2, SYSTEM), coefficients=COEFFICIENTS, **STEPS
+)
+OBSERVED = EquationsFromObservation(system=SYSTEM, **STEPS)
+NETWORK = {"network": make_network(np.random.default_rng(5)), "seed": SEED}
+CASE = ForecastingCase(system=SYSTEM, time_step=0.25, sampling_stride=4, steps_per_lyapunov_time=61)
 
 FORECASTERS = {
-    "analogues": Analogues(np.random.default_rng(8).standard_normal((3, 40, 9)), 5),
-    "equations": EquationsFromTruth(SYSTEM, 0.25, 4),
-    "equations_noisy": EquationsFromObservation(SYSTEM, 0.25, 4),
+    "analogues": Analogues(neighbours=5, training=SERIES),
+    "equations": EquationsFromTruth(system=SYSTEM, **STEPS),
+    "equations_noisy": OBSERVED,
     "equations_filtered": FilteredEquations(
-        EquationsFromObservation(SYSTEM, 0.25, 4), NOISE, 18, 1.01
+        members=18, inflation=1.01, model=OBSERVED, errors=NOISE
     ),
-    "esn": NetworkForecaster(make_network(np.random.default_rng(5)), SEED, 10.0),
-    "esn_true_washout": NetworkFromTruth(make_network(np.random.default_rng(5)), SEED, 10.0),
+    "esn": NetworkForecaster(backend="scipy", **NETWORK),
+    "esn_true_washout": NetworkFromTruth(backend="scipy", **NETWORK),
     "linear_inverse": LinearInverseModel(
-        0.3 * np.random.default_rng(6).standard_normal((9, 9)), np.linspace(-1, 1, 9)
+        propagator=0.3 * np.random.default_rng(6).standard_normal((9, 9)),
+        constant=np.linspace(-1, 1, 9),
     ),
+    "nvar": NVAR(lags=3, ridge=1e-3).fit(SERIES, CASE),
     "persistence": Persistence(),
     "quadratic": QUADRATIC,
-    "quadratic_filtered": FilteredQuadraticModel(QUADRATIC, NOISE, 18, 1.01),
+    "quadratic_filtered": FilteredQuadraticModel(
+        members=18, inflation=1.01, model=QUADRATIC, errors=NOISE
+    ),
 }
 
 
-CASE = ForecastingCase(
-    system=SYSTEM,
-    time_step=0.25,
-    sampling_stride=4,
-    steps_per_lyapunov_time=61,
-    options={
-        "backend": "scipy",
-        "divergence_bound": 10.0,
-        "degree": 2,
-        "members": 18,
-        "inflation": 1.01,
-        "neighbours": 5,
-    },
-)
+def unfitted(forecaster):
+    """The forecaster with its options alone."""
+    return type(forecaster)(**forecaster.options)
 
 
 @pytest.mark.parametrize("name", FORECASTERS)
@@ -106,7 +114,7 @@ def test_forecasts_depend_on_nothing_but_their_washout(name, flow):
         np.testing.assert_array_equal(some, whole[4:, :, part])
         started = forecaster.start(np.ascontiguousarray(washout[..., part]))
         np.testing.assert_array_equal(started, forecaster.start(washout)[..., part])
-    restored = forecaster_class(name).restore(forecaster.record(), CASE)
+    restored = unfitted(forecaster).restore(forecaster.record(), CASE)
     assert type(restored) is type(forecaster)
     np.testing.assert_array_equal(restored.advance(restored.start(washout), 12)[0], whole)
     outputs = np.full((1, 9, 1), 11.0)
@@ -132,8 +140,8 @@ def test_members_of_an_ensemble_forecast_as_if_each_were_alone(name, flow):
 
 @pytest.mark.parametrize("kind", [EquationsFromTruth, EquationsFromObservation])
 def test_the_equations_learn_nothing_and_continue_the_last_observation(kind, flow):
-    training, forecaster = flow.transpose(2, 0, 1), kind(SYSTEM, time_step=0.25, sampling_stride=4)
-    assert kind.fit(training, CASE) == kind.fit(0 * training, CASE) == forecaster
+    training, forecaster = flow.transpose(2, 0, 1), kind(system=SYSTEM, **STEPS)
+    assert kind().fit(training, CASE) == kind().fit(0 * training, CASE) == forecaster
     assert forecaster.record() == ForecasterRecord()
     assert list(forecaster.leave_one_out(training, CASE, 20)) == [forecaster] * 5
     noisy = flow[:20] + 0.01
@@ -185,6 +193,7 @@ AWARE = {"esn_aware", "quadratic_aware", "quadratic_aware_filtered"}
         ("provides_ensemble", {"analogues", *FILTERING}),
         ("has_filter", FILTERING),
         ("aware", {*INTEGRATING, *AWARE}),
+        ("learns_parameters", AWARE),
         ("has_search", {"esn", "esn_aware", "esn_true_washout"}),
         ("searched_as", {"esn_true_washout"}),
     ],
@@ -198,25 +207,31 @@ def test_kinds_say_what_they_are(what, expected):
 def test_every_kind_is_tested_here():
     assert sorted(FORECASTERS) == trajectory_kinds()
     for kind, forecaster in FORECASTERS.items():
-        assert forecaster_class(kind) is type(forecaster)
+        assert kind_class(kind) is type(forecaster)
+        # an unfitted forecaster is made of all its options, which fields that are fitted are not
+        assert make_forecaster(kind, forecaster.options) == unfitted(forecaster)
+        for name in vars(forecaster).keys() - forecaster.options.keys():
+            with pytest.raises(ValueError, match=f"forecaster '{kind}' has no option '{name}'"):
+                make_kind_of(type(forecaster), {name: 1})
 
 
 def test_what_is_not_there_is_named_with_what_is():
     known = r"'ens' \(did you mean 'esn'\?\); .* equations, equations_filtered, "
     with pytest.raises(ValueError, match=known):
-        forecaster_class("ens")
-    case = replace(CASE, options={"backend": "fortran", "divergence_bound": 10.0})
+        kind_class("ens")
     with pytest.raises(ValueError, match="backend"):
-        NetworkForecaster.restore(FORECASTERS["esn"].record(), case)
+        NetworkForecaster(backend="fortran").restore(FORECASTERS["esn"].record(), CASE)
+    with pytest.raises(ValueError, match="'backend' of forecaster 'esn' must be compiled or scipy"):
+        make_forecaster("esn", {"backend": "fortran"})
 
 
 def test_a_restored_network_leaks_and_squares_as_before(flow):
     network = make_network(np.random.default_rng(5), 0.4, "quadratic")
-    forecaster = NetworkForecaster(network, SEED, 10.0)
+    forecaster = NetworkForecaster(network=network, seed=SEED, backend="scipy")
     record = forecaster.record()
     assert (record.attributes["leak_rate"], record.attributes["readout"]) == (0.4, "quadratic")
     assert not {"leak_rate", "readout"} & FORECASTERS["esn"].record().attributes.keys()
-    restored = NetworkForecaster.restore(record, CASE)
+    restored = NetworkForecaster(backend="scipy").restore(record, CASE)
     outputs = [
         one.advance(one.start(flow[:20]), 12)[0]
         for one in (forecaster, restored, FORECASTERS["esn"])
@@ -237,21 +252,19 @@ def test_a_network_that_has_not_seen_a_series_is_trained_on_the_others(flow):
         assert (one.seed, one.divergence_bound) == (SEED, 10.0)
 
 
-def test_the_bound_of_a_restored_network_is_that_of_the_case_and_it_is_not_fitted_without_a_search(
-    flow,
-):
+def test_the_bound_of_a_restored_network_is_an_option_and_it_is_not_fitted_without_a_search(flow):
     record = FORECASTERS["esn"].record()
     outputs = 3.0 * np.ones((1, 9, 1))
     for bound, lost in ((1.0, True), (100.0, False)):
-        case = replace(CASE, options={"backend": "scipy", "divergence_bound": bound})
-        assert NetworkForecaster.restore(record, case).diverged(outputs).tolist() == [lost]
+        restored = NetworkForecaster(backend="scipy", divergence_bound=bound).restore(record, CASE)
+        assert restored.diverged(outputs).tolist() == [lost]
     with pytest.raises(NotImplementedError, match="search"):
-        NetworkForecaster.fit(flow.transpose(2, 0, 1), CASE)
+        NetworkForecaster().fit(flow.transpose(2, 0, 1), CASE)
 
 
 # -- analogues and persistence ---------------------------------------------------------------------
 
-NEIGHBOURS = ForecastingCase(Lorenz63(), 0.01, 2, 50, {"neighbours": 4})
+LORENZ = ForecastingCase(Lorenz63(), 0.01, 2, 50)
 
 
 @pytest.fixture
@@ -274,7 +287,7 @@ def continuations(walks, state, neighbours, steps):
 
 
 def test_the_forecast_is_the_mean_of_what_followed(walks, last_states):
-    model = Analogues.fit(walks, NEIGHBOURS)
+    model = Analogues(neighbours=4).fit(walks, LORENZ)
     outputs, _ = model.advance(model.start(last_states), 12)
     for point in range(7):
         followed = continuations(walks, last_states[-1, :, point], 4, 12)
@@ -285,7 +298,7 @@ def test_the_forecast_is_the_mean_of_what_followed(walks, last_states):
 
 
 def test_members_follow_one_analogue_each(walks, last_states):
-    model = Analogues.fit(walks, NEIGHBOURS)
+    model = Analogues(neighbours=4).fit(walks, LORENZ)
     members = model.ensemble(last_states)
     assert members.shape == (1, 4, 7)
     outputs, _ = model.advance(members.reshape(1, -1), 12)
@@ -298,7 +311,7 @@ def test_members_follow_one_analogue_each(walks, last_states):
 def test_where_analogues_have_ended_there_is_no_forecast_and_constants_tell_none_apart(
     walks, last_states
 ):
-    model = Analogues.fit(walks, NEIGHBOURS)
+    model = Analogues(neighbours=4).fit(walks, LORENZ)
     outputs, memory = model.advance(model.start(last_states), 30)
     assert np.isnan(outputs[-1]).all()
     assert np.isnan(memory).all()
@@ -307,12 +320,14 @@ def test_where_analogues_have_ended_there_is_no_forecast_and_constants_tell_none
     assert np.isnan(later).all()
     with_gauge = np.concatenate([walks, np.full((3, 30, 1), 7.0)], axis=2)
     seen = np.concatenate([last_states, np.full((5, 1, 7), 7.0)], axis=1)
-    found = Analogues.fit(with_gauge, NEIGHBOURS).start(seen)
-    np.testing.assert_array_equal(found, Analogues.fit(walks, NEIGHBOURS).start(last_states))
+    found = Analogues(neighbours=4).fit(with_gauge, LORENZ).start(seen)
+    np.testing.assert_array_equal(
+        found, Analogues(neighbours=4).fit(walks, LORENZ).start(last_states)
+    )
 
 
 def test_persistence_stays(last_states):
-    model = Persistence.fit(np.zeros((1, 1, 2)), NEIGHBOURS)
+    model = Persistence().fit(np.zeros((1, 1, 2)), LORENZ)
     outputs, memory = model.advance(model.start(last_states), 3)
     for state in outputs:
         np.testing.assert_array_equal(state, last_states[-1])
@@ -320,8 +335,6 @@ def test_persistence_stays(last_states):
 
 
 # -- the linear inverse model ----------------------------------------------------------------------
-
-LINEAR = ForecastingCase(Lorenz63(), 0.01, 2, 50, {})
 
 
 @pytest.fixture
@@ -337,14 +350,127 @@ def test_a_linear_system_is_found_and_is_the_regression_of_scikit_learn(series):
     for _ in range(30):
         states.append(matrix @ states[-1] + constant[:, np.newaxis])
     true = np.array(states)  # (time, dimension, series)
-    model = LinearInverseModel.fit(true[:20].transpose(2, 0, 1), LINEAR)
+    model = LinearInverseModel().fit(true[:20].transpose(2, 0, 1), LORENZ)
     np.testing.assert_allclose(model.propagator, matrix, atol=1e-9)
     np.testing.assert_allclose(model.constant, constant, atol=1e-9)
     outputs, memory = model.advance(model.start(true[:20]), 11)
     np.testing.assert_allclose(outputs, true[20:], atol=1e-9)
     np.testing.assert_array_equal(memory, outputs[-1])
-    model = LinearInverseModel.fit(series, LINEAR)
+    model = LinearInverseModel().fit(series, LORENZ)
     now, following = (part.reshape(-1, 3) for part in (series[:, :-1], series[:, 1:]))
     expected = LinearRegression().fit(now, following)
     np.testing.assert_allclose(model.propagator, expected.coef_, atol=1e-10)
     np.testing.assert_allclose(model.constant, expected.intercept_, atol=1e-10)
+
+
+# -- nonlinear vector autoregression ---------------------------------------------------------------
+
+
+def nvar_features(states, lags):
+    """Polynomials of scikit-learn of each state and those before it, latest first."""
+    past = [states[:, lags - 1 - lag : states.shape[1] - lag] for lag in range(lags)]
+    rows = np.concatenate(past, axis=2)[:, :-1].reshape(-1, lags * states.shape[2])
+    return PolynomialFeatures(2).fit_transform(rows)
+
+
+def test_nonlinear_autoregression_is_the_ridge_regression_of_scikit_learn(series):
+    model = NVAR(lags=3, ridge=0.02).fit(series, LORENZ)
+    mean, scale = series.mean(axis=(0, 1)), series.std(axis=(0, 1))
+    states = (series - mean) / scale
+    features, increments = nvar_features(states, 3), np.diff(states[:, 2:], axis=1).reshape(-1, 3)
+    # penalties are for the mean over samples here, and for their sum there
+    ridge = Ridge(0.02 * len(features), fit_intercept=False).fit(features, increments)
+    np.testing.assert_allclose(model.weights, ridge.coef_.T, rtol=1e-8)
+    # one step, by hand
+    latest = ((series[0, 50:53] - mean) / scale)[::-1].ravel()
+    products = [a * b for place, a in enumerate(latest) for b in latest[place:]]
+    following = latest[:3] + ridge.coef_ @ np.array([1.0, *latest, *products])
+    washout = series[:1, 40:53].transpose(1, 2, 0)
+    outputs, memory = model.advance(model.start(washout), 1)
+    np.testing.assert_allclose(outputs[0, :, 0], following * scale + mean, rtol=1e-10)
+    np.testing.assert_allclose(memory[:, 0], [*following, *latest[:6]], rtol=1e-10)
+
+
+def test_nonlinear_autoregression_finds_a_quadratic_map_of_two_lags():
+    """The map of Hénon, of its first component alone; a constant component stays."""
+    values = np.array([[0.1, -0.2], [0.3, 0.05]])
+    for _ in range(200):
+        values = np.vstack([values, 1 - 1.4 * values[-1] ** 2 + 0.3 * values[-2]])
+    states = np.stack([values, np.full_like(values, 7.0)], axis=1)  # (time, dimension, series)
+    model = NVAR(lags=2, ridge=1e-12).fit(states[:150].transpose(2, 0, 1), LORENZ)
+    outputs, _ = model.advance(model.start(states[140:150]), 10)
+    np.testing.assert_allclose(outputs, states[150:160], atol=1e-5)
+    linear = LinearInverseModel().fit(states[:150].transpose(2, 0, 1), LORENZ)
+    assert np.abs(linear.advance(states[149], 1)[0] - states[150]).max() > 0.3
+
+
+def test_nonlinear_autoregression_says_what_it_cannot_do(series):
+    for options, message in (
+        ({"lags": 0}, "lags must be 1 at least, not 0"),
+        ({"ridge": 0.0}, r"ridge must be above 0, not 0\.0"),
+        ({"ridge": np.nan}, "ridge must be above 0, not nan"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            NVAR(**options)
+    model = NVAR(lags=4)
+    with pytest.raises(ValueError, match="4 lags take series of more than 4 samples"):
+        model.fit(series[:, :4], LORENZ)
+    fitted = model.fit(series[:, :5], LORENZ)
+    with pytest.raises(ValueError, match="4 lags take a washout of 4 steps at least"):
+        fitted.start(series[:, :3].transpose(1, 2, 0))
+    assert fitted.start(series[:, :4].transpose(1, 2, 0)).shape == (12, 4)
+
+
+# -- a class of one's own --------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Damped(Persistence):
+    """The last state decays towards a mean. Its record is the default one."""
+
+    rate: float = 0.5
+    mean: np.ndarray = fitted()
+    samples: int = fitted()
+    spread: float = fitted()
+    origin: str = fitted()
+
+    def fit(self, training, case):
+        return self.with_fitted(
+            mean=training.mean(axis=(0, 1)),
+            samples=training.shape[1],
+            spread=training.std(),  # a number of NumPy
+            origin="noisy series",
+        )
+
+    def advance(self, memory, steps):
+        decay = np.exp(-self.rate * np.arange(1, steps + 1))[:, np.newaxis, np.newaxis]
+        outputs = self.mean[:, np.newaxis] + decay * (memory - self.mean[:, np.newaxis])
+        return outputs, outputs[-1]
+
+
+def test_the_default_record_holds_arrays_numbers_and_texts(series):
+    model = Damped(rate=0.25).fit(series, LORENZ)
+    record = model.record()
+    assert record.arrays.keys() == {"mean"}
+    expected = {"samples": 200, "spread": series.std(), "origin": "noisy series"}
+    assert record.attributes == expected
+    assert {name: type(value) for name, value in record.attributes.items()} == {
+        **{"samples": int, "spread": float, "origin": str}
+    }
+    restored = Damped(rate=0.25).restore(record, LORENZ)
+    assert type(restored) is Damped
+    assert restored.options == model.options == {"rate": 0.25}
+    start = np.ones((3, 2))
+    np.testing.assert_array_equal(restored.advance(start, 4)[0], model.advance(start, 4)[0])
+    assert {name: getattr(restored, name) for name in expected} == expected
+    # the options that count are those of the forecaster that restores
+    assert Damped(rate=2.0).restore(record, LORENZ).rate == 2.0
+    assert repr(model) == "Damped(rate=0.25)"
+
+
+@pytest.mark.parametrize("content", [[1.0, 2.0], {"a": 1.0}, Persistence()])
+def test_fitted_fields_of_other_types_need_a_record_of_one_s_own(content):
+    model = Damped().with_fitted(mean=np.zeros(3), samples=1, spread=1.0, origin=content)
+    message = rf"Damped.origin is {type(content).__name__}, .* or define record and restore"
+    with pytest.raises(TypeError, match=message):
+        model.record()

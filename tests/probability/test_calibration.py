@@ -13,7 +13,6 @@ from sklearn.isotonic import IsotonicRegression, isotonic_regression
 
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecasters._event_classifier import LabelledPoints
-from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.linear_inverse import LinearInverseModel
@@ -82,10 +81,10 @@ def test_what_cannot_be_learnt_from():
             isotonic(whole, prior)
     training = np.random.default_rng(0).standard_normal((1, 30, 3))
     with pytest.raises(ValueError, match="two training series"):
-        list(LinearInverseModel.fit(training, CASE).leave_one_out(training, CASE, 5))
+        list(LinearInverseModel().fit(training, CASE).leave_one_out(training, CASE, 5))
     points = labelled(series=1)
     with pytest.raises(ValueError, match="two training series and two folds at least, not 1 and 9"):
-        out_of_sample_probabilities(LearntPrecursor, points, LABELLED_CASE, 9, *asked(points))
+        out_of_sample_probabilities(precursor(9), points, LABELLED_CASE, *asked(points))
 
 
 def test_values_that_fall_are_refused_and_unknown_ones_do_not_hide_that():
@@ -195,11 +194,13 @@ def test_events_that_are_told_apart_stay_finite_and_a_constant_feature_is_no_tro
 
 # -- without what the series has taught ------------------------------------------------------------
 
-CASE = ForecastingCase(Lorenz63(), 0.01, 5, 20, {"neighbours": 3})
+CASE = ForecastingCase(Lorenz63(), 0.01, 5, 20)
 BOUNDARIES = (2, 5, 9)
 
 
-@pytest.mark.parametrize("kind", [Analogues, LinearInverseModel])
+@pytest.mark.parametrize(
+    "kind", [Analogues(neighbours=3), LinearInverseModel()], ids=["members", "single"]
+)
 def test_each_point_is_forecast_by_what_has_not_seen_its_series(kind):
     """By a single forecast, and by the members of an ensemble."""
 
@@ -212,7 +213,7 @@ def test_each_point_is_forecast_by_what_has_not_seen_its_series(kind):
     series = np.array([2, 0, 3, 2, 0, 3])  # none in series 1, and not in order
     points = observable, washouts, series, BOUNDARIES
     found = out_of_sample_forecasts(kind.fit(training, CASE), training, CASE, 4, *points)
-    assert len(found.members) == (3 if kind is Analogues else 1)
+    assert len(found.members) == (3 if kind.provides_ensemble else 1)
     for row in (0, 2, 3):
         anew = kind.fit(np.delete(training, row, axis=0), CASE)
         expected = window_forecasts(anew, observable, washouts[series == row], BOUNDARIES)
@@ -220,8 +221,11 @@ def test_each_point_is_forecast_by_what_has_not_seen_its_series(kind):
             np.testing.assert_array_equal(getattr(found, name)[series == row], values)
 
 
-OPTIONS = options_of_kind("precursor") | {"lags_lt": [0.2]}
-LABELLED_CASE = ForecastingCase(Lorenz63(), 0.01, 1, 10, OPTIONS)
+LABELLED_CASE = ForecastingCase(Lorenz63(), 0.01, 1, 10)
+
+
+def precursor(folds):
+    return LearntPrecursor(lags_lt=(0.2,), folds=folds)
 
 
 def labelled(series=4, each=150):
@@ -261,9 +265,7 @@ def by_hand(points, washouts, left_out):
 def test_each_fold_is_forecast_by_what_has_learnt_from_the_others(folds, parts):
     points = labelled()
     washouts, series = asked(points)
-    found = out_of_sample_probabilities(
-        LearntPrecursor, points, LABELLED_CASE, folds, washouts, series
-    )
+    found = out_of_sample_probabilities(precursor(folds), points, LABELLED_CASE, washouts, series)
     for part in parts:
         here = np.isin(series, part)
         np.testing.assert_array_equal(found[here], by_hand(points, washouts[here], part))
@@ -273,7 +275,7 @@ def test_without_an_event_in_the_other_series_none_is_forecast():
     points = labelled()
     washouts, series = asked(points)
     points.happened[points.series != 2, 1] = False
-    found = out_of_sample_probabilities(LearntPrecursor, points, LABELLED_CASE, 4, washouts, series)
+    found = out_of_sample_probabilities(precursor(4), points, LABELLED_CASE, washouts, series)
     assert (found[series == 2, 1] == 0).all()
     assert (found[series != 2, 1] > 0).all()
     assert (found[:, 0] > 0).all()

@@ -7,10 +7,10 @@ import pytest
 from sklearn.metrics import average_precision_score, roc_auc_score
 
 from burstcast.forecast.windows import WindowForecasts, WindowSummaries
-from burstcast.probability.precursor import Precursor, PrecursorOptions, precursor_features
+from burstcast.probability.precursor import Precursor, PrecursorTraining, precursor_features
 from burstcast.probability.ranking import ANY, ONSET, Window, ranking_scores
 
-OPTIONS = PrecursorOptions()
+OPTIONS = PrecursorTraining()
 
 
 def points(count, seed):
@@ -67,7 +67,7 @@ def test_nothing_to_tell_apart_is_refused():
 )
 def test_options_out_of_bounds(options, message):
     with pytest.raises(ValueError, match=message):
-        PrecursorOptions(**options)
+        PrecursorTraining(**options)
 
 
 # -- ranking ---------------------------------------------------------------------------------------

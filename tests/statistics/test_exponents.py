@@ -15,7 +15,7 @@ from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.quadratic import QuadraticModel
-from burstcast.forecasters.registry import available_kinds, linearises
+from burstcast.forecasters.registry import kind_class, trajectory_kinds
 from burstcast.statistics import lyapunov_spectrum as module
 from burstcast.statistics import neighbour_divergence as neighbours
 from burstcast.statistics.lyapunov_spectrum import forecaster_spectrum, summarise
@@ -47,7 +47,8 @@ def lorenz_series(count=10, steps=4000, transient=2000):
 
 
 def linear(rates, rotation=ROTATION, mean=0.0):
-    return LinearInverseModel(rotation @ np.diag(rates) @ rotation.T, np.full(3, mean))
+    propagator = rotation @ np.diag(rates) @ rotation.T
+    return LinearInverseModel(propagator=propagator, constant=np.full(3, mean))
 
 
 @pytest.mark.parametrize(
@@ -67,7 +68,8 @@ def test_linear_models_have_the_logarithms_of_their_eigenvalues(model, exponents
 
 
 def test_equations_have_the_exponents_of_the_system_however_many_run_side_by_side(monkeypatch):
-    washouts, equations = lorenz_series(6, 10), EquationsFromTruth(Lorenz63(), 0.01, 2)
+    washouts, system = lorenz_series(6, 10), Lorenz63()
+    equations = EquationsFromTruth(system=system, time_step=0.01, sampling_stride=2)
     found = spectrum(equations, washouts, 4000)
     start = np.ascontiguousarray(washouts[:, -1].T)
     own = lyapunov_spectrum(Lorenz63(), start, 0.01, 6000, 10, alignment_steps=2000)
@@ -91,7 +93,7 @@ def test_network_that_has_learnt_lorenz_has_its_exponents():
     dynamics = Dynamics(make_reservoir(300, 3, 3, 0.1, np.random.default_rng(3)), 0.1, 1.0, "scipy")
     readout = train(dynamics, TrainingSeries(observed, input_range), washout=5, tikhonov=1e-9)
     echo_state = EchoStateNetwork(dynamics, readout, input_range)
-    network = NetworkForecaster(echo_state, ReservoirSeed(0, 300, 0, 3, 0.1), 10.0)
+    network = NetworkForecaster(network=echo_state, seed=ReservoirSeed(0, 300, 0, 3, 0.1))
     found = spectrum(network, observed[:, -50:], 8000, exponents=4).exponents
     mean, error = found.mean(axis=0), found.std(axis=0, ddof=1) / np.sqrt(len(found))
     assert error[0] < 0.015
@@ -105,22 +107,22 @@ def test_network_that_has_learnt_lorenz_has_its_exponents():
 
 def test_equations_that_are_learnt_have_the_exponents_of_lorenz():
     series = lorenz_series(6, 2000)
-    options = {"window_lt": 0.1, "degree": 2, "noise": 0.0}
-    model = QuadraticModel.fit(series, ForecastingCase(Lorenz63(), 0.01, 2, 50, options))
+    case = ForecastingCase(Lorenz63(), 0.01, 2, 50)
+    model = QuadraticModel(window_lt=0.1, noise=0.0).fit(series, case)
     found = spectrum(model, series[:, -10:], 2000).exponents.mean(axis=0)
     np.testing.assert_allclose(found, [0.906, 0.0, -14.57], rtol=0, atol=0.1)
 
 
 def test_kinds_say_whether_they_linearise():
-    assert {"esn", "equations", "equations_noisy", "quadratic"} <= set(
-        filter(linearises, available_kinds())
-    )
+    kinds = {kind for kind in trajectory_kinds() if kind_class(kind).linearises()}
+    assert {"esn", "equations", "equations_noisy", "quadratic"} <= kinds
+    assert not {"analogues", "nvar", "persistence"} & kinds
 
     class Other(MadeUpForecaster):
-        def start(self, washout, parameters=None):
+        def start(self, washout):
             return washout[-1]
 
-        def advance(self, memory, steps, parameters=None):
+        def advance(self, memory, steps):
             return np.repeat(memory[np.newaxis], steps, axis=0), memory
 
     with pytest.raises(NotImplementedError, match="Other does not linearise"):

@@ -41,11 +41,11 @@ class Scripted(MadeUpForecaster):
     bound: float = np.inf
     asked: int = field(default=0)
 
-    def start(self, washout, parameters=None):
+    def start(self, washout):
         # which trajectory, and how far it is
         return np.stack([washout[-1, 0], np.zeros(washout.shape[2])])
 
-    def advance(self, memory, steps, parameters=None):
+    def advance(self, memory, steps):
         which, begin = memory[0].astype(int), int(memory[1, 0])
         self.asked += steps * len(which)
         return self.script[begin : begin + steps, :, which], memory + np.array([[0.0], [steps]])
@@ -224,7 +224,7 @@ def test_what_rests_is_a_fixed_point_from_its_first_step_but_not_the_observable_
 
 def test_equations_have_the_statistics_of_their_own_trajectories():
     system = Lorenz63()
-    forecaster = EquationsFromTruth(system, 0.01, 2)
+    forecaster = EquationsFromTruth(system=system, time_step=0.01, sampling_stride=2)
     washouts = np.random.default_rng(2).normal(0, 5, (5, 4, 3)) + np.array([0, 0, 20])
     edges = np.linspace(-30, 30, 31)
     found = run_long_term(

@@ -1,0 +1,176 @@
+"""`EventForecaster` with a kind by its name, as a class or as an object, of burstcast or not."""
+
+import importlib
+import sys
+
+import numpy as np
+import pytest
+import sklearn.base
+from numpy.testing import assert_array_equal
+from sklearn.model_selection import GridSearchCV, cross_val_score
+from test_event_forecaster import SMALL, lorenz
+
+from burstcast import EventForecaster
+from burstcast.event_forecaster.scoring import EventScorer
+from burstcast.forecasters.nvar import NVAR
+from burstcast.forecasters.precursor import LearntPrecursor
+
+# what extrapolates or persists forecasts events no better than chance
+pytestmark = pytest.mark.filterwarnings("ignore:signs of a weak forecaster")
+
+PLAIN = {**SMALL, "options": None}
+OWN = """
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from burstcast.forecasters.base import Forecaster, fitted
+
+
+@dataclass(frozen=True)
+class Extrapolated(Forecaster):
+    '''The polynomial through the last samples, within the bounds of the training series.'''
+
+    degree: int = 2
+    names: tuple[str, ...] = ("x",)
+    low: np.ndarray = fitted()
+    high: np.ndarray = fitted()
+
+    def fit(self, training, case):
+        return self.with_fitted(low=training.min(axis=(0, 1)), high=training.max(axis=(0, 1)))
+
+    def start(self, washout):
+        return np.ascontiguousarray(washout[-self.degree - 1 :])
+
+    def advance(self, memory, steps):
+        outputs = []
+        for _ in range(steps):
+            differences = [np.diff(memory, n, axis=0)[-1] for n in range(self.degree + 1)]
+            bounds = self.low[:, np.newaxis], self.high[:, np.newaxis]
+            outputs.append(np.clip(sum(differences), *bounds))
+            memory = np.concatenate([memory[1:], outputs[-1:]])
+        return np.array(outputs), memory
+
+
+@dataclass(frozen=True)
+class Other(Extrapolated):
+    pass
+"""
+
+
+@pytest.fixture(scope="module")
+def training():
+    return lorenz(4, 900, 1)
+
+
+@pytest.fixture(scope="module")
+def tested():
+    return lorenz(5, 800, 2)
+
+
+@pytest.fixture
+def own(tmp_path, monkeypatch):
+    """A module of one's own."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    (tmp_path / "own_extrapolation.py").write_text(OWN)
+    yield importlib.import_module("own_extrapolation")
+    sys.modules.pop("own_extrapolation")
+
+
+def test_a_name_a_class_and_an_object_are_the_same_forecaster(training, tested, tmp_path):
+    ways = [
+        {"kind": NVAR(lags=3, ridge=1e-4)},
+        {"kind": NVAR, "options": {"lags": 3, "ridge": 1e-4}},
+        {"kind": "nvar", "options": {"lags": 3, "ridge": 1e-4}},
+    ]
+    fitted = [EventForecaster(**{**PLAIN, **way}).fit(training) for way in ways]
+    assert fitted[0].kind == NVAR(lags=3, ridge=1e-4)  # it is not the object that is fitted
+    (member,) = fitted[0].members_
+    alone = NVAR(lags=3, ridge=1e-4).fit(np.ascontiguousarray(training), fitted[0]._case(3))
+    assert_array_equal(member.weights, alone.weights)
+    expected = fitted[0].predict_proba(tested[:, :300])
+    scores = fitted[0].scores(tested)
+    assert scores["roc_area"] > 0.6
+    for forecaster in fitted[1:]:
+        assert_array_equal(forecaster.predict_proba(tested[:, :300]), expected)
+        assert forecaster.scores(tested) == scores
+    for number, forecaster in enumerate(fitted):
+        forecaster.save(path := tmp_path / f"{number}.nc")
+        loaded = EventForecaster.load(path)
+        assert loaded.get_params()["kind"] == "nvar"
+        assert loaded.options == {"lags": 3, "ridge": 1e-4}
+        assert_array_equal(loaded.predict_proba(tested[:, :300]), expected)
+    default = EventForecaster(**PLAIN, kind=NVAR).fit(training)
+    assert not np.array_equal(default.forecast(tested), fitted[0].forecast(tested))
+
+
+def test_a_classifier_may_be_an_object(training, tested):
+    settings = {**PLAIN, "event_threshold": {"quantile": 0.9}}
+    options = {"classifier": "logistic", "lags_lt": (0.1,), "folds": 2}
+    one = EventForecaster(**settings, kind=LearntPrecursor(**options)).fit(training)
+    other = EventForecaster(**{**settings, "kind": "precursor", "options": options}).fit(training)
+    assert_array_equal(one.predict_proba(tested), other.predict_proba(tested))
+    with pytest.raises(ValueError, match="precursor gives probabilities of events without a traj"):
+        one.forecast(tested)
+    with pytest.raises(ValueError, match="of the kind precursor do not know the parameters"):
+        one.predict_proba(tested, parameters=3.0)
+
+
+def test_scikit_learn_clones_scores_and_searches_objects(training):
+    forecaster = EventForecaster(**PLAIN, kind=NVAR(lags=3))
+    copy = sklearn.base.clone(forecaster)
+    assert copy.get_params() == forecaster.get_params()
+    assert repr(copy).count("NVAR(lags=3, ridge=1e-06)") == 1
+    scorer = EventScorer("neg_brier_score")
+    found = cross_val_score(forecaster, training, cv=2, scoring=scorer, error_score="raise")
+    for rows, score in zip(([0, 1], [2, 3]), found, strict=True):
+        by_hand = EventForecaster(**PLAIN, kind=NVAR(lags=3)).fit(np.delete(training, rows, axis=0))
+        assert score == scorer(by_hand, training[rows])
+    kinds = [NVAR(lags=1, ridge=1e9), NVAR(lags=3), "persistence"]
+    search = GridSearchCV(forecaster, {"kind": kinds}, cv=2, scoring=scorer, error_score="raise")
+    search.fit(training)
+    assert search.best_params_ == {"kind": NVAR(lags=3)}
+    assert search.cv_results_["split0_test_score"][1] == found[0]
+
+
+def test_a_class_of_ones_own_is_saved_without_its_code(own, training, tested, tmp_path):
+    path, seen = tmp_path / "own.nc", tested[:, :300]
+    kind = own.Extrapolated(degree=3, names=("x", "z"))
+    fitted = EventForecaster(**PLAIN, kind=kind).fit(training)
+    expected = fitted.forecast(seen)
+    last = seen[:, -4:].transpose(1, 0, 2)
+    cubic = 4 * last[3] - 6 * last[2] + 4 * last[1] - last[0]
+    clipped = np.clip(cubic, training.min(axis=(0, 1)), training.max(axis=(0, 1)))
+    np.testing.assert_allclose(expected[0, :, 0], clipped, rtol=1e-12)
+    by_name = {"kind": "own_extrapolation:Extrapolated", "options": {"degree": 3}}
+    assert_array_equal(
+        EventForecaster(**{**PLAIN, **by_name}).fit(training).forecast(seen), expected
+    )
+    fitted.save(path)
+    loaded = EventForecaster.load(path, kind=own.Extrapolated)
+    assert loaded.options == {"degree": 3, "names": ["x", "z"]}
+    assert loaded._kind == kind
+    assert_array_equal(loaded.forecast(seen), expected)
+    assert_array_equal(loaded.predict_proba(seen), fitted.predict_proba(seen))
+    loaded.save(tmp_path / "again.nc")
+    assert (tmp_path / "again.nc").read_bytes() == path.read_bytes()
+    # the module is not imported on the word of a file
+    message = r"own_extrapolation:Extrapolated, which the file has not: give it as load\(path, kind"
+    with pytest.raises(ValueError, match=message):
+        EventForecaster.load(path)
+    message = "is a own_extrapolation:Extrapolated, not a "
+    for other in (own.Other, NVAR, dict):
+        with pytest.raises(ValueError, match=message):
+            EventForecaster.load(path, kind=other)
+
+
+def test_a_class_of_ones_own_that_cannot_be_made_is_named(own, training):
+    wrong = {**PLAIN, "kind": own.Extrapolated, "options": {"degree": 2.5}}
+    message = "'degree' of forecaster 'own_extrapolation:Extrapolated' must be a whole number"
+    with pytest.raises(ValueError, match=message):
+        EventForecaster(**wrong).fit(training)
+    wrong["options"] = {"low": [0.0]}
+    with pytest.raises(ValueError, match="has no option 'low'; its options are degree, names"):
+        EventForecaster(**wrong).fit(training)
