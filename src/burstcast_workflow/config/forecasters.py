@@ -1,6 +1,6 @@
 """Settings of forecasters: the kinds of a block of the campaign, and the options of kinds."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, ConfigDict, Field, create_model, model_validator
 from pydantic_core import PydanticCustomError
@@ -60,22 +60,10 @@ OwnKind = Annotated[
 ]
 
 
-def _sound(own: dict[str, OwnForecaster]) -> dict[str, OwnForecaster]:
-    for kind, forecaster in own.items():
-        try:
-            make_kind(kind, forecaster.options)
-        except (ValueError, TypeError) as error:
-            raise PydanticCustomError("between", f"has {kind}: {error}") from None
-    return own
-
-
-OwnForecasters = Annotated[dict[OwnKind, OwnForecaster], AfterValidator(_sound)]
-
-
 class Chosen(Section):
     """Kinds of forecasters, with the axes of each kind."""
 
-    own: OwnForecasters = setting(
+    own: dict[OwnKind, OwnForecaster] = setting(
         "classes of your own, `<module>:<class>`, with their options; they may stand beside the "
         "kinds of this list",
         default={},
@@ -107,6 +95,15 @@ class Chosen(Section):
             # what YAML reads in `- equations:`
             kinds |= {kind: {} if axes is None else axes for kind, axes in found.items()}
         return kinds
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        for kind, forecaster in self.own.items():
+            try:
+                make_kind(kind, forecaster.options)
+            except (ValueError, TypeError) as error:
+                raise PydanticCustomError("between", f"has {kind}: {error}") from None
+        return self
 
     @property
     def kinds(self) -> dict[str, Any]:

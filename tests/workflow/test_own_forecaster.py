@@ -1,0 +1,176 @@
+"""Forecasters of one's own in a campaign: the module of docs/extending.md, and a classifier."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from helpers_configs import ROOT, TINY, tiny_with
+
+from burstcast.files.netcdf import read_netcdf
+from burstcast.files.tables import read_table
+from burstcast.forecasters._names import ForecasterName, parsed
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.commands import check_forecaster
+from burstcast_workflow.config.loading import load
+
+PAGE = (ROOT / "docs/extending.md").read_text()
+(MODULE,) = (
+    text for text in re.findall(r"```python\n(.*?)```", PAGE, re.S) if "class NVAR" in text
+)
+CLASSIFIER = """
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.forecasters._event_classifier import EventClassifier
+from burstcast.forecasters.base import fitted
+
+
+@dataclass(frozen=True)
+class BaseRate(EventClassifier):
+    rate: np.ndarray = fitted()
+
+    def fit(self, points, case):
+        return self.with_fitted(rate=points.happened.mean(axis=0))
+
+    def probabilities(self, washouts, known=None):
+        return np.tile(self.rate, (len(washouts), 1))
+"""
+OFF = {"forecasters": {"esn": None, "equations": None}}
+OVERLAY = {
+    "results": "results/mine",
+    "campaign": [
+        {
+            "reynolds": [400],
+            "forecasters": {
+                "my_models:NVAR": {"lags": 2},
+                "classifiers.base_rate:BaseRate": {},
+                "nvar": {},
+            },
+        },
+        {
+            "reynolds": [400],
+            "forecasters": ["persistence", {"my_models:NVAR": {"lags": 1, "label": "one"}}],
+        },
+    ],
+    "statistics": OFF,
+    "control": {**OFF, "strategies": []},
+}
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("mine")
+    (directory / "my_models.py").write_text(MODULE)
+    (directory / "classifiers").mkdir()
+    (directory / "classifiers/base_rate.py").write_text(CLASSIFIER)
+    (directory / "mine.yaml").write_text(yaml.safe_dump(OVERLAY))
+    return directory
+
+
+@pytest.fixture
+def importable(place, monkeypatch):
+    monkeypatch.syspath_prepend(str(place))
+    monkeypatch.chdir(place)
+
+
+def test_names_lead_from_a_class_to_paths_and_tables_and_back():
+    for kind, label, identifier, called in (
+        ("my_models:NVAR", None, "my_models.NVAR", "NVAR"),
+        ("lab.models:NVAR", "four", "lab.models.NVAR-four", "NVAR_four"),
+    ):
+        name = ForecasterName(kind, label=label)
+        assert name.identifier == identifier
+        assert parsed(identifier) == name
+        assert name.keys["forecaster"] == called
+    committee = ForecasterName("my_models:NVAR", role="committee")
+    assert parsed(committee.identifier) == committee
+
+
+def test_a_campaign_has_classes_of_ones_own_with_their_options(importable):
+    campaign = Campaign(load(tiny_with(OVERLAY)))
+    names = {one.name.identifier for one in campaign.forecasters}
+    assert names == {
+        *("my_models.NVAR", "my_models.NVAR-one", "classifiers.base_rate.BaseRate"),
+        *("nvar", "persistence"),
+    }
+    assert campaign.options("my_models:NVAR", "Re400") == {"lags": 2}
+    assert campaign.options("my_models:NVAR", "Re400", "one") == {"lags": 1}
+    assert [one.name.kind for one in campaign.classifiers] == ["classifiers.base_rate:BaseRate"]
+    modules = campaign.modules({"case": "Re400", "forecaster": "my_models.NVAR-one"})
+    assert modules["burstcast.forecasters"] == ["my_models:NVAR"]
+    # what is kept with the results is read again
+    again = Campaign(load(campaign.config.dump()))
+    assert again.forecasters == campaign.forecasters
+
+
+@pytest.mark.parametrize(
+    ("forecasters", "message"),
+    [
+        ({"my_models:NVAR": {"lag": 2}}, "has no option 'lag' (did you mean 'lags'?)"),
+        ({"my_models:NVAR": {"lags": 2.5}}, "must be a whole number, not 2.5"),
+        (
+            {"my_models:Nvar": {}},
+            "campaign[0].forecasters has my_models:Nvar: the module my_models",
+        ),
+        ({"no_models:NVAR": {}}, "there is no module no_models"),
+        ({"my_models:np": {}}, "np of"),
+        ({"my_models:NVAR": {"label": "One"}}, "label"),
+        ({"my models:NVAR": {}}, "<module>:<class> of your own"),
+    ],
+)
+def test_mistakes_are_told_before_any_job(importable, forecasters, message):
+    overlay = {"campaign": [{"reynolds": [400], "forecasters": forecasters}]}
+    with pytest.raises(ValueError, match=re.escape(message)):
+        load(tiny_with(OVERLAY | overlay))
+
+
+def test_the_same_name_for_two_forecasters_is_refused(importable):
+    others = {"my_models:NVAR": {"lags": 3}}
+    blocks = [*OVERLAY["campaign"], {"reynolds": [400], "forecasters": others}]
+    with pytest.raises(
+        ValueError, match="are both called NVAR in tables; give one of them a label"
+    ):
+        load(tiny_with(OVERLAY | {"campaign": blocks}))
+
+
+def test_the_page_s_command_checks_the_module(importable, capsys):
+    assert check_forecaster.main("my_models:NVAR", ["lags=3"]) == 0
+    assert "NVAR(lags=3, ridge=1e-06): keeps to the interface" in capsys.readouterr().out
+    assert check_forecaster.main("my_models:NVAR", ["lags"]) == 1
+    assert "write NAME=VALUE" in capsys.readouterr().err
+
+
+def test_a_campaign_runs_with_them(place):
+    """The class of the page scores as the built-in kind, and the classifier is calibrated."""
+    command = [sys.executable, "-m", "snakemake", "-s", str(ROOT / "Snakefile"), "--cores", "2"]
+    command += ["--workflow-profile", str(ROOT / "profiles/default"), "--quiet", "all"]
+    tables = ["classification", "horizon", "probability_scores"]
+    targets = [f"results/mine/tables/{table}.csv" for table in tables]
+    environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run(
+        [*command, *targets, "--configfile", str(TINY), "mine.yaml"],
+        cwd=place,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    classification, horizon, probability = (
+        read_table(Path(place / target)).set_index("forecaster") for target in targets
+    )
+    assert set(horizon.index) == {"NVAR", "NVAR_one", "nvar", "persistence"}
+    for table in (classification, horizon, probability):
+        own, built_in = (table.loc[[name]].reset_index(drop=True) for name in ("NVAR", "nvar"))
+        assert own.equals(built_in)
+        assert not own.equals(table.loc[["NVAR_one"]].reset_index(drop=True))
+    assert "BaseRate" in probability.index
+    learnt = read_netcdf(place / "results/mine/Re400/my_models.NVAR/forecaster.nc")
+    built_in = read_netcdf(place / "results/mine/Re400/nvar/forecaster.nc")
+    np.testing.assert_allclose(learnt["weights"], built_in["weights"], rtol=1e-6, atol=1e-9)
