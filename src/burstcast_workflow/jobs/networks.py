@@ -45,9 +45,15 @@ class Networks(Washed, Observed):
 
         ``divergence_bound``: Given where diverged forecasts must be recognised.
         """
-        names = ("connectivity", "input_bias", "input_range", "readout", "backend")
-        options = {name: getattr(self, name) for name in names}
-        kind = make_kind(parsed(identifier).kind, {**options, "divergence_bound": divergence_bound})
+        options = {
+            "connectivity": self.connectivity,
+            "input_bias": self.input_bias,
+            "input_range": self.input_range,
+            "readout": self.readout,
+            "backend": self.backend,
+            "divergence_bound": divergence_bound,
+        }
+        kind = make_kind(parsed(identifier).kind, options)
         assert isinstance(kind, NetworkForecaster)
         return kind
 
