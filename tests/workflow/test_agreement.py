@@ -12,7 +12,7 @@ from numpy.testing import assert_array_equal
 from burstcast.event_forecaster import forecaster
 from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.files.netcdf import read_attributes, read_netcdf
-from burstcast.forecasters import _options as forecaster_options
+from burstcast.forecasters._options import SECTIONS
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast_workflow.config.forecasters import Forecasters
 from burstcast_workflow.harness.canonical import canonical
@@ -109,7 +109,7 @@ def test_a_forecaster_without_a_search_is_the_workflows(finished):
 
 
 def test_the_options_of_kinds_are_those_of_the_config():
-    defaults = canonical(dict(forecaster_options.DEFAULTS))
+    defaults = canonical({name: vars(section()) for name, section in SECTIONS.items()})
     assert Forecasters().dump() == {**defaults, "variants": {}}
 
 

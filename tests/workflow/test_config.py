@@ -10,7 +10,7 @@ import pytest
 from helpers_configs import PRESETS, ROOT, paper_with, put, read, records_of
 from pydantic_core import PydanticUndefined
 
-from burstcast.forecasters._options import DEFAULTS
+from burstcast.forecasters._options import SECTIONS
 from burstcast_workflow.config import reference
 from burstcast_workflow.config.loading import ConfigError, load, misread
 from burstcast_workflow.config.model import Configuration
@@ -83,7 +83,7 @@ def test_every_setting_has_its_default_in_one_place(config):
             assert value != place.default, f"{place.name} has a default"
     for name in of_the_paper:
         section, key = name.split(".")[1:]
-        assert value_at(config, name)[0] == DEFAULTS[section][key]
+        assert value_at(config, name)[0] == getattr(SECTIONS[section](), key)
 
 
 def test_kinds_are_a_list_or_a_mapping(config):

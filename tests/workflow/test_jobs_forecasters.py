@@ -8,8 +8,14 @@ from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.training import train
 from burstcast.files.netcdf import Variable, read_attributes
+from burstcast.forecasters._names import parsed
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
-from burstcast.forecasters.registry import forecaster_class, trajectory_kinds
+from burstcast.forecasters.registry import (
+    kind_class,
+    make_forecaster,
+    options_of_kind,
+    trajectory_kinds,
+)
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.tuning.hyperparameters import HyperparameterPoint
@@ -37,25 +43,24 @@ SETTINGS = {
     "forecasters.esn.connectivity": 6,
     "forecasters.esn.input_bias": 0.1,
     "forecasters.esn.input_range": "all",
-    # of all kinds together
-    "forecaster.options": {
-        "backend": "scipy",
-        "noise": 0.01,
-        "members": 20,
-        "inflation": 1.0,
-        "window_lt": 0.2,
-        "degree": 2,
-        "neighbours": 5,
-    },
+}
+SECTIONS = {
+    "esn": {"backend": "scipy"},
+    "observation": {"noise": 0.01},
+    "filter": {"members": 20, "inflation": 1.0},
+    "quadratic": {"window_lt": 0.2, "degree": 2},
+    "analogues": {"neighbours": 5},
+    "nvar": {"lags": 2, "ridge": 0.01},
 }
 
 
-class Job(Observing, Networks):
-    """A job that does what several do."""
+def networks(settings=SETTINGS, case="lorenz"):
+    return Networks(settings, {"case": case, "forecaster": IDENTIFIER})
 
 
 def job(settings=SETTINGS, case="lorenz", forecaster=IDENTIFIER):
-    return Job(settings, {"case": case, "forecaster": forecaster})
+    options = {"forecaster.options": options_of_kind(parsed(forecaster).kind, SECTIONS)}
+    return Observing({**options, **settings}, {"case": case, "forecaster": forecaster})
 
 
 @pytest.fixture
@@ -78,7 +83,7 @@ def write(path, states):
 
 def test_learnt_is_the_first_series_with_noise(tmp_path):
     states = write(tmp_path / "e.nc", np.random.default_rng(1).normal(size=(7, 90, 3)))
-    training = job().learnt(tmp_path / "e.nc")
+    training = networks().learnt(tmp_path / "e.nc")
     flat = states[:3].reshape(-1, 3)
     np.testing.assert_array_equal(training.input_range, np.ptp(flat, axis=0))
     assert training.observed.shape == (3, 90, 3)
@@ -87,39 +92,43 @@ def test_learnt_is_the_first_series_with_noise(tmp_path):
         expected = states[series] + 0.01 * flat.std(axis=0) * numbers
         np.testing.assert_allclose(training.observed[series], expected, rtol=1e-14, atol=1e-14)
     with pytest.raises(ValueError, match=r"training\.series is 8, but only 7 series"):
-        job({**SETTINGS, "case.training.series": 8}).learnt(tmp_path / "e.nc")
+        networks({**SETTINGS, "case.training.series": 8}).learnt(tmp_path / "e.nc")
 
 
 def test_a_reservoir_is_its_size_and_seed_whatever_the_case_and_strategy():
     expected = ReservoirSeed(2022, 40, 2, 6, 0.1)
-    assert job().reservoir_seed(IDENTIFIER) == expected
-    assert job(case="Re600").reservoir_seed("esn-N40-SSV-seed2") == expected
+    assert networks().reservoir_seed(IDENTIFIER) == expected
+    assert networks(case="Re600").reservoir_seed("esn-N40-SSV-seed2") == expected
     # that of the scan, which several strategies share
-    assert job().reservoir_seed("esn-N40-seed2") == expected
-    assert job().reservoir_seed("esn-N41-RV-seed3") == ReservoirSeed(2022, 41, 3, 6, 0.1)
+    assert networks().reservoir_seed("esn-N40-seed2") == expected
+    assert networks().reservoir_seed("esn-N41-RV-seed3") == ReservoirSeed(2022, 41, 3, 6, 0.1)
 
 
 @pytest.fixture
 def network(ensemble):
     """A trained network, as the job that trains makes it."""
-    training = job().learnt(ensemble)
-    seed = job().reservoir_seed(IDENTIFIER)
+    training = networks().learnt(ensemble)
+    seed = networks().reservoir_seed(IDENTIFIER)
     dynamics = Dynamics(seed.reservoir(3), 0.7, 1.3, "scipy")
     readout = train(dynamics, training, washout=10, tikhonov=1e-6)
     return NetworkForecaster(
-        EchoStateNetwork(dynamics, readout, training.input_range), seed, np.inf
+        divergence_bound=np.inf,
+        backend="scipy",
+        network=EchoStateNetwork(dynamics, readout, training.input_range),
+        seed=seed,
     )
 
 
 @pytest.fixture(params=trajectory_kinds())
 def forecaster(request, network, ensemble):
     """One of each kind, and the settings of its job."""
-    found = forecaster_class(request.param)
+    found = kind_class(request.param)
     identifier = IDENTIFIER.replace("esn", request.param) if found.has_search else request.param
     settings = job(forecaster=identifier)
     if issubclass(found, NetworkForecaster):
-        return found(network.network, network.seed, network.divergence_bound), settings
-    return found.fit(settings.learnt(ensemble).observed, settings.forecasting_case()), settings
+        return found(**vars(network)), settings
+    observed = networks().learnt(ensemble).observed
+    return settings.unfitted().fit(observed, settings.forecasting_case()), settings
 
 
 def test_read_forecaster_gives_back_what_write_forecaster_was_given(forecaster, tmp_path):
@@ -128,6 +137,7 @@ def test_read_forecaster_gives_back_what_write_forecaster_was_given(forecaster, 
     write_forecaster(path, made, {"source": "test"})
     back = settings.read_forecaster(path)
     assert type(back) is type(made)
+    assert back.options | {"divergence_bound": None} == made.options | {"divergence_bound": None}
     washout = np.random.default_rng(5).normal(size=(12, 3, 3))
     outputs = [one.advance(one.start(washout), 20)[0] for one in (made, back)]
     assert np.isfinite(outputs[0]).all()
@@ -165,10 +175,26 @@ def test_the_file_of_a_network_says_what_it_is_made_of_and_holds_no_big_matrix(n
 
 
 def test_what_forecasters_may_know_of_their_case():
-    case = job({**SETTINGS, "forecaster.options": {}}).forecasting_case()
+    case = job().forecasting_case()
     assert (case.system.rho, case.system.dimension) == (30, 3)
     assert (case.time_step, case.sampling_stride, case.steps_per_lyapunov_time) == (0.01, 4, 27)
-    assert case.options == {}
+    assert (case.random_seed, case.parameters, case.source, case.maps) == (2022, None, None, None)
+    # the equations of encoded states
+    source = {"system": "lorenz63", "parameters": {"rho": 31}}
+    case = job({**SETTINGS, "forecaster.source": source}).forecasting_case()
+    assert case.source == Lorenz63(rho=31)
+
+
+def test_options_of_a_job_are_those_of_its_kind():
+    filtered = job(forecaster="quadratic_filtered").unfitted()
+    assert filtered.options == {
+        **SECTIONS["observation"],
+        **SECTIONS["filter"],
+        **SECTIONS["quadratic"],
+    }
+    given = {**SETTINGS, "forecaster.options": {"neighbours": 3, "lags": 2}}
+    with pytest.raises(ValueError, match="'analogues' has no option 'lags'"):
+        job(given, forecaster="analogues").unfitted()
 
 
 def test_only_the_bound_is_given_the_truth(forecaster):
@@ -180,14 +206,14 @@ def test_only_the_bound_is_given_the_truth(forecaster):
 
 
 def test_who_learns_from_noise_and_who_sees_the_truth_reads_none(ensemble):
-    classes = map(forecaster_class, ("equations", "esn", "esn_true_washout"))
-    true, noisy, same = (job().learnt_rows(kind, str(ensemble)) for kind in classes)
+    kinds = [make_forecaster(kind, {}) for kind in ("equations", "esn", "esn_true_washout")]
+    true, noisy, same = (job().learnt_rows(kind, str(ensemble)) for kind in kinds)
     states = job().training_states(str(ensemble))
     np.testing.assert_array_equal(true, states)
-    np.testing.assert_array_equal(noisy, job().learnt(ensemble).observed)
+    np.testing.assert_array_equal(noisy, networks().learnt(ensemble).observed)
     np.testing.assert_array_equal(same, noisy)
     unread = {key: value for key, value in SETTINGS.items() if key != "case.training.noise"}
-    kinds = [forecaster_class(kind) for kind in ("equations", "equations_noisy")]
+    kinds = [make_forecaster(kind, {}) for kind in ("equations", "equations_noisy")]
     assert seen_rows(kinds[0], job(unread), str(ensemble), 0, states) is states
     seen_by_others = seen_rows(kinds[1], job(), str(ensemble), 0, states)
     assert 0 < np.abs(seen_by_others - states).max() < 1
@@ -197,7 +223,7 @@ def test_who_learns_from_noise_and_who_sees_the_truth_reads_none(ensemble):
 
 RESERVOIR = "esn-N40-seed0"  # the reservoir of a scan
 OF_SEARCH = {
-    **{name: value for name, value in SETTINGS.items() if name != "forecaster.options"},
+    **SETTINGS,
     "case.parameters": {},
     "case.lyapunov.published_exponent": 1.0,  # a Lyapunov time of 25 steps
     "case.recycle_validation": {"series": 2, "intervals_per_series": 4},

@@ -14,7 +14,7 @@ from burstcast.arrays import FloatArray
 from burstcast.files.netcdf import read_netcdf
 from burstcast.files.tables import read_table
 from burstcast.forecast.windows import WindowSummaries, crosses
-from burstcast.probability.precursor import Precursor, PrecursorOptions, precursor_features
+from burstcast.probability.precursor import Precursor, PrecursorTraining, precursor_features
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow.harness.storage import read_json
@@ -306,7 +306,7 @@ def logistic_f_score(own, threshold: float, windows: tuple[int, int]) -> float:
         kept = points["washout_maximum"] < threshold
         sets[name] = precursor_features(points["washout"])[kept], happened[kept]
     features, happened = sets["calibration_set"]
-    precursor = Precursor.fit(features, happened[:, np.newaxis], PrecursorOptions("logistic"))
+    precursor = Precursor.fit(features, happened[:, np.newaxis], PrecursorTraining("logistic"))
 
     def f_score(probability, truth, alarm):
         alarms = probability >= alarm

@@ -16,9 +16,8 @@ from burstcast.data.dataset import component_scales, observed_series
 from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.files.tables import read_table
 from burstcast.forecasters._event_classifier import LabelledPoints
-from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecastingCase
-from burstcast.forecasters.registry import classifier_class
+from burstcast.forecasters.registry import make_classifier
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
 ROOT = Path(__file__).parents[2]
@@ -195,13 +194,12 @@ def test_a_reservoir_is_read_out_as_the_library_does_it(results, by_hand):
     assert stored["weights"].shape == (31, 3)
     assert (attributes["random_seed"], attributes["seed"], attributes["penalty"]) == (2022, 0, 1)
     assert attributes["input_scaling"] in (1, 10)
-    options = options_of_kind("esn_direct") | {"neurons": 30, "penalty": [1], "backend": "scipy"}
-    options |= {"random_seed": 2022, "input_scaling": [1, 10]}
-    case = ForecastingCase(MoehlisFaisstEckhardt(400.0), 0.5, 2, UNIT, options)
+    options = {"neurons": 30, "penalty": [1], "backend": "scipy", "input_scaling": [1, 10]}
+    case = ForecastingCase(MoehlisFaisstEckhardt(400.0), 0.5, 2, UNIT, random_seed=2022)
     training = read_netcdf(results / "Re400" / "training_set.nc")
     kept = training["washout_maximum"] < THRESHOLD
     points = LabelledPoints(training["washout"][kept], happened, rows)
-    fitted = classifier_class("esn_direct").fit(points, case)
+    fitted = make_classifier("esn_direct", options).fit(points, case)
     tested = read_netcdf(results / "Re400" / "evaluation_set.nc", "washout")["washout"]
     found = read_netcdf(results / "Re400" / "esn_direct" / "forecast.nc")["probability"]
     np.testing.assert_allclose(found, fitted.probabilities(tested), rtol=1e-9)

@@ -42,9 +42,15 @@ class Networks(Washed, Observed):
 
     def unfitted(self, identifier: str) -> NetworkForecaster:
         """A network with its options alone."""
-        names = ("connectivity", "input_bias", "input_range", "readout", "backend")
-        options = {name: getattr(self, name) for name in names}
-        kind = make_kind(parsed(identifier).kind, {**options, "divergence_bound": None})
+        options = {
+            "connectivity": self.connectivity,
+            "input_bias": self.input_bias,
+            "input_range": self.input_range,
+            "readout": self.readout,
+            "backend": self.backend,
+            "divergence_bound": None,
+        }
+        kind = make_kind(parsed(identifier).kind, options)
         assert isinstance(kind, NetworkForecaster)
         return kind
 
