@@ -467,7 +467,9 @@ class Stages:
         network = EchoStateNetwork(self._compiled, self._readout, self._data.training.input_range)
         options = self._data.config["forecasters"]["esn"]
         seed = ReservoirSeed(0, self._neurons, 0, options["connectivity"], options["input_bias"])
-        return CountingForecaster(network, seed, options["divergence_bound"])
+        return CountingForecaster(
+            network=network, seed=seed, divergence_bound=options["divergence_bound"]
+        )
 
     def _of_forecaster(
         self, stage: str, work: str, run: Callable[[Forecaster], object], factor: float

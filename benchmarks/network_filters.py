@@ -254,9 +254,8 @@ def main():
     for seed in range(arguments.networks):
         path = arguments.case / f"esn-N{arguments.neurons}-RV-seed{seed}" / "forecaster.nc"
         record = ForecasterRecord(read_netcdf(path), read_attributes(path))
-        options = {"backend": "compiled", "divergence_bound": None}
-        case = ForecastingCase(SYSTEM, 0.25, 4, STEPS_PER_LT, options)
-        network = NetworkForecaster.restore(record, case).network
+        case = ForecastingCase(SYSTEM, 0.25, 4, STEPS_PER_LT)
+        network = NetworkForecaster(divergence_bound=None).restore(record, case).network
         model_error = None
         if any(name.startswith("additive") for name in arguments.filters):
             model_error, consistency = estimated_model_error(network, training, noise)

@@ -37,7 +37,6 @@ from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries, train
 from burstcast.filters.square_root import assimilate, mean, symmetric_members
 from burstcast.forecast.windows import crosses, summarise, window_boundaries
-from burstcast.forecasters._options import options_of_kind
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.quadratic import QuadraticModel
 from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
@@ -59,7 +58,7 @@ BOUNDARIES = window_boundaries(0.5, 9, STEPS_PER_LT)
 PLAN = ValidationPlan(washout=WASHOUT, interval=2 * STEPS_PER_LT, series=3, intervals=30)
 SPACE = SearchSpace((0.1, 1.0), (0.1, 10.0))
 TIKHONOV = (1e-6, 1e-9, 1e-12)
-CASE = ForecastingCase(SYSTEM, 0.25, 4, STEPS_PER_LT, options_of_kind("quadratic"))
+CASE = ForecastingCase(SYSTEM, 0.25, 4, STEPS_PER_LT)
 
 
 @dataclass(frozen=True)
@@ -109,7 +108,7 @@ class OtherInputs(Dynamics):
 class Validator(PointValidator):
     """Validates reservoirs that are driven by other series than their targets (`OtherInputs`)."""
 
-    errors: np.ndarray
+    errors: np.ndarray | None = None
 
     def dynamics(self, point):
         """Reservoir at a point of the search."""
@@ -196,7 +195,7 @@ class TrainingSet:
     @cached_property
     def model(self):
         """Quadratic equations learnt from the training series."""
-        return QuadraticModel.fit(self.observed, CASE)
+        return QuadraticModel().fit(self.observed, CASE)
 
     @cached_property
     def smooth(self):

@@ -33,6 +33,7 @@ class NVAR(NVAROptions, Forecaster):
         """Ridge regression over all steps of all series (see `Forecaster.fit`)."""
         if training.shape[1] <= self.lags:
             raise ValueError(f"{self.lags} lags take series of more than {self.lags} samples")
+        training = np.ascontiguousarray(training)  # sums depend on the layout in their last bits
         mean, scale = training.mean(axis=(0, 1)), training.std(axis=(0, 1))
         scale = np.where(scale > 0, scale, 1.0)
         series = ((training - mean) / scale).transpose(1, 2, 0)

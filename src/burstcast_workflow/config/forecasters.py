@@ -63,6 +63,11 @@ OwnKind = Annotated[
 class Chosen(Section):
     """Kinds of forecasters, with the axes of each kind."""
 
+    # `_mapping` takes them for entries of ``own``
+    model_config = ConfigDict(
+        json_schema_extra={"patternProperties": {"^[^:]+:[^:]+$": {"type": ["object", "null"]}}}
+    )
+
     own: dict[OwnKind, OwnForecaster] = setting(
         "classes of your own, `<module>:<class>`, with their options; they may stand beside the "
         "kinds of this list",

@@ -46,7 +46,9 @@ _COLUMNS = ("Setting", "Allowed", "Unit", "Default", "Meaning")
 
 def text(config: Mapping[str, Any]) -> str:
     """Text of the reference, with the defaults of a configuration."""
-    kinds = textwrap.fill(f"The kinds are {', '.join(all_kinds())}.", 100)
+    own = "and classes of your own, module:Class, with their options (extending.md)"
+    kinds = textwrap.fill(f"The kinds are {', '.join(all_kinds())}, {own}.", 100)
+    kinds = kinds.replace("extending.md", "[extending.md](extending.md#a-forecaster)")
     return _HEAD.replace("{kinds}", kinds) + "".join(f"{line}\n" for line in _lines(config))
 
 
