@@ -36,20 +36,10 @@ def _parser() -> argparse.ArgumentParser:
     check = command("check-system", "commands.check_system", "check a dynamical system")
     check.add_argument("system", help="lorenz63, ..., or <module>:<class> of your own")
     check.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help="of its equations")
-    command("why", "commands.why", "what would run again, and why, in words", of_snakemake=True)
-    command(
-        "prune", "commands.prune", "list results that the campaign does not make", of_snakemake=True
-    )
-    command(
-        "costs",
-        "costs.records",
-        "predicted time and memory, compared with what jobs took",
-        of_snakemake=True,
-    )
     archive = command(
         "archive",
         "commands.archive",
-        "tables, figures, config, versions and why in one zip",
+        "tables, figures, report, config, versions and reasons in one zip",
         of_snakemake=True,
     )
     archive.add_argument("--output", type=Path, help="the zip; <results>.zip if left out")

@@ -1,34 +1,14 @@
 """Environment that numbers depend on: libraries, Python, the processor."""
 
-import logging
-import os
 import platform
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 from typing import Any
 
 from threadpoolctl import threadpool_info
 
-from snaketrust.cache import Cache
-
-logger = logging.getLogger(__name__)
-
-CACHE = "BURSTCAST_CACHE"
-"""Environment variable that names the cache's directory. It is no setting: it changes no result."""
-
 LIBRARIES = ("numpy", "scipy", "llvmlite", "scikit-learn", "scikit-optimize")
 """Libraries another version of which may give other numbers."""
-
-
-def shared_results() -> Cache | None:
-    """The cache of results of the expensive stages; None where there is none."""
-    directory = os.environ.get(CACHE, "")
-    try:
-        return Cache(Path(directory).expanduser(), environment()) if directory else None
-    except RuntimeError as error:
-        logger.warning("the cache %s is not used: %s", directory, error)
-        return None
 
 
 def environment() -> dict[str, Any]:

@@ -8,8 +8,8 @@ from typing import Any
 
 from snakemake.cli import args_to_api, parse_args
 
-started: Any = None
-"""Snakemake's workflow that `snaketrust.start.start` was last called with."""
+from burstcast_workflow import start
+from snakemake_logger_plugin_burstcast.reasons import PlannedJob, explanation
 
 # options of snakemake that do something else than planning, even in a dry run
 _CHANGING = (
@@ -21,8 +21,7 @@ _CHANGING = (
 
 def planned(arguments: Sequence[str]) -> Any:
     """Snakemake's workflow, planned under its own options; `SystemExit` if that fails."""
-    global started
-    started, said = None, io.StringIO()
+    said = io.StringIO()
     with redirect_stdout(said), redirect_stderr(said):
         # quiet in this way, Snakemake ends a dry run before it pretends to execute the jobs
         parser, options = parse_args([*arguments, "--dry-run", "--quiet", "rules", "progress"])
@@ -35,4 +34,22 @@ def planned(arguments: Sequence[str]) -> Any:
     if not succeeded:
         print(said.getvalue(), file=sys.stderr)
         raise SystemExit(1)
-    return started
+    return start.latest
+
+
+def reasons(workflow: Any) -> str:
+    """What the jobs of a plan would run for, as ``snakemake -n`` says it."""
+    dag = workflow.dag
+    jobs = [
+        PlannedJob(
+            job.rule.name,
+            job.wildcards_dict.get("case", ""),
+            [*map(str, job.input)],
+            [*map(str, job.output)],
+            str(dag.reason(job)),
+        )
+        for level in dag.toposorted()
+        for job in sorted(level, key=lambda job: [job.rule.name, *map(str, job.output)])
+        if job.output and dag.needrun(job)
+    ]
+    return explanation(jobs) if jobs else "Nothing would run: all results are up to date."
