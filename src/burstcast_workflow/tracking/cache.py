@@ -153,8 +153,8 @@ def _entries(cache: Path) -> Iterator[tuple[Path, float]]:
 
 
 def _size(entry: Path) -> int:
-    """Bytes that an entry takes: none for what present results link to."""
-    states = [path.stat() for path in entry.iterdir()]
+    """Bytes of the outputs in an entry: none for what present results link to."""
+    states = [path.stat() for path in entry.iterdir() if path.name.isdigit()]
     return sum(state.st_size for state in states if state.st_nlink == 1)
 
 
