@@ -47,10 +47,10 @@ def explanation(jobs: Sequence[PlannedJob]) -> str:
         for text, case in own_causes(job):
             causes.setdefault(text, set()).add(number)
             cases.setdefault(text, set()).update(filter(None, [case or job.case]))
-    later = _downstream(jobs)
+    users = _users(jobs)
     by_jobs: dict[tuple[frozenset[int], str], list[str]] = {}
     for text, numbers in causes.items():
-        whole = frozenset(numbers.union(*(later[number] for number in numbers)))
+        whole = _set_off(numbers, users)
         by_jobs.setdefault((whole, ", ".join(sorted(cases[text]))), []).append(text)
     lines = [
         f"{'; '.join(sorted(texts))}{f' ({whose})' if whose else ''}: "
@@ -140,22 +140,25 @@ def _shown(value: Any) -> str:
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 3] + "..."
 
 
-def _downstream(jobs: Sequence[PlannedJob]) -> list[set[int]]:
-    """Jobs that each job sets off, directly or not."""
+def _users(jobs: Sequence[PlannedJob]) -> list[set[int]]:
+    """Jobs that read what each job makes."""
     maker = {path: number for number, job in enumerate(jobs) for path in job.outputs}
     users: list[set[int]] = [set() for _ in jobs]
     for number, job in enumerate(jobs):
         for path in job.inputs:
             if path in maker:
                 users[maker[path]].add(number)
-    known: dict[int, set[int]] = {}
+    return users
 
-    def after(number: int) -> set[int]:
-        if number not in known:
-            known[number] = users[number].union(*map(after, users[number]))
-        return known[number]
 
-    return [after(number) for number in range(len(jobs))]
+def _set_off(first: Iterable[int], users: Sequence[set[int]]) -> frozenset[int]:
+    """Jobs, and all that these set off, directly or not."""
+    found, waiting = set(first), [*first]
+    while waiting:
+        more = users[waiting.pop()] - found
+        found |= more
+        waiting += more
+    return frozenset(found)
 
 
 def _counted(jobs: Iterable[PlannedJob]) -> str:

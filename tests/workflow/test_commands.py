@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from snaketrust.records import Records
 
 import burstcast_workflow
 from burstcast_workflow.commands.archive import (
@@ -29,7 +30,6 @@ from burstcast_workflow.project import (
     project_root,
     snakefile,
 )
-from snaketrust.records import Records
 
 ROOT = Path(__file__).parents[2]
 

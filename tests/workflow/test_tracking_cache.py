@@ -1,4 +1,4 @@
-"""The cache of actions: what is taken from it, what is not, and what it does when all goes wrong."""
+"""The cache of actions: what is taken from it, what is not, and what it does in trouble."""
 
 import json
 import logging
@@ -41,7 +41,7 @@ def taken(directory, key=1):
     directory.mkdir(exist_ok=True)
     outputs = [str(directory / name) for name in ("a.nc", "b.json")]
     made = Entry(outputs, key=key).restore()
-    assert not [*directory.glob("*.partial")]
+    assert not [*directory.glob(".*.partial")]
     return made and "".join(Path(path).read_text() for path in outputs)
 
 
@@ -94,7 +94,9 @@ def test_a_damaged_entry_is_noticed_removed_and_made_again(tmp_path, place, dama
         blob.unlink()
     else:
         name = {"record": "entry.json", "no log": "log"}[damage]
-        (blob.parent / name).write_text("{") if damage == "record" else (blob.parent / name).unlink()
+        (blob.parent / name).write_text("{") if damage == "record" else (
+            blob.parent / name
+        ).unlink()
     assert taken(tmp_path / "two") is None
     assert not [*(tmp_path / "two").iterdir()]
     assert "is damaged" in caplog.text

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from burstcast_workflow.harness.environment import library_version
 from burstcast_workflow.tracking import code
 from burstcast_workflow.tracking.code import Sources, parsed
+from burstcast_workflow.tracking.environment import library_version
 
 ROOT = Path(__file__).parents[2]
 
@@ -96,7 +96,7 @@ def test_all_imports_are_followed_wherever_they_stand(way):
     ],
 )
 def test_relative_imports_are_followed(module, text):
-    empty = {name: "" for name in ("own/__init__.py", "own/deep/__init__.py", "own/deep/more.py")}
+    empty = dict.fromkeys(("own/__init__.py", "own/deep/__init__.py", "own/deep/more.py"), "")
     written({**empty, "own/one.py": "", "own/part.py": "", "scripts/a.py": "import own.one"})
     if "deep" in text or "deep" in module:
         written({"own/one.py": "from .deep import more", "own/deep/more.py": "from .. import part"})
@@ -106,7 +106,9 @@ def test_relative_imports_are_followed(module, text):
 
 
 def test_packages_count_and_libraries_do_not():
-    written({"scripts/a.py": "import own.part, numpy, json", "own/__init__.py": "", "own/part.py": ""})
+    written(
+        {"scripts/a.py": "import own.part, numpy, json", "own/__init__.py": "", "own/part.py": ""}
+    )
     assert names(sources().entries("a.py", {})) == {"a.py", "own", "own.part"}
     assert names(sources(own=()).entries("a.py", {})) == {"a.py"}  # nobody has own modules
 

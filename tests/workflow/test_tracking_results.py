@@ -49,7 +49,7 @@ def exchange(path):
 )
 def test_a_result_that_was_changed_stops_who_reads_it_and_is_listed(result, change):
     change(result)
-    with pytest.raises(DamagedResultError, match="events.nc is not what its job wrote.*Delete it"):
+    with pytest.raises(DamagedResultError, match=r"events\.nc is not what its job wrote.*Delete it"):
         checked(str(result))
     assert damaged(result.parents[1]) == [str(result)]
 
@@ -58,7 +58,9 @@ def test_a_result_that_was_changed_stops_who_reads_it_and_is_listed(result, chan
     "change",
     [
         lambda path: path.touch(),
-        lambda path: shutil.copy2(path, path.with_name("copy")) and os.replace(f"{path.parent}/copy", path),
+        lambda path: (
+            shutil.copy2(path, path.with_name("copy")) and os.replace(f"{path.parent}/copy", path)
+        ),
         lambda path: path.write_text("events"),
     ],
     ids=["touched", "copied", "written again"],

@@ -22,10 +22,10 @@ from typing import Any
 import yaml
 
 from burstcast_workflow.commands.planned import planned, reasons
-from burstcast_workflow.harness.environment import library_version
 from burstcast_workflow.harness.storage import atomic
 from burstcast_workflow.project import project_root
 from burstcast_workflow.start import names_of_rules
+from burstcast_workflow.tracking.environment import library_version
 from burstcast_workflow.tracking.run import CLAIM
 
 LIBRARIES = (

@@ -30,12 +30,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
+from burstcast.files.atomic_files import remove_partial
 from burstcast_workflow.harness.canonical import canonical_json
-from burstcast_workflow.harness.environment import (
-    LIBRARIES,
-    environment,
-    library_version,
-)
 from burstcast_workflow.harness.settings import (
     THRESHOLDS,
     TIME_UNIT,
@@ -56,6 +52,11 @@ from burstcast_workflow.harness.storage import (
 )
 from burstcast_workflow.tracking.cache import Entry
 from burstcast_workflow.tracking.code import Sources, make_importable
+from burstcast_workflow.tracking.environment import (
+    LIBRARIES,
+    environment,
+    library_version,
+)
 from burstcast_workflow.tracking.results import checked, date_after, digest, note
 from burstcast_workflow.tracking.run import plan
 
@@ -153,6 +154,9 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
         environment=environment(),
         libraries=sources.libraries(entry.partition(" ")[0] for entry in code),
     )
+    for path in snakemake.output:
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        remove_partial(path)
     if made := entry.restore():
         print(made.log)
         logger.info("the outputs are those of this job, which took %.2f s", made.seconds)

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from burstcast.files.atomic_files import PARTIAL_SUFFIX
 from burstcast_workflow.tracking.results import digest
 
 logger = logging.getLogger(__name__)
@@ -65,7 +66,10 @@ class Entry:
         """Put the outputs in place, if they are here and undamaged; what their job was."""
         if self._place is None or not self._place.exists():
             return None
-        partials = [f"{path}.{secrets.token_hex(4)}.partial" for path in self._outputs]
+        partials = [
+            str(path.with_name(f".{path.name}.{secrets.token_hex(4)}{PARTIAL_SUFFIX}"))
+            for path in map(Path, self._outputs)
+        ]
         try:
             record = json.loads((self._place / _RECORD).read_bytes())
             made = Made(float(record["seconds"]), (self._place / _LOG).read_text("utf-8"))

@@ -17,8 +17,8 @@ from importlib.metadata import packages_distributions
 from pathlib import Path
 from typing import NamedTuple
 
-from burstcast_workflow.harness.environment import library_version
 from burstcast_workflow.project import HARNESS, PACKAGES, VERSION
+from burstcast_workflow.tracking.environment import library_version
 
 _MEMORY = Path(".snakemake") / "burstcast_code.json"
 _LIBRARIES = {"site-packages", "dist-packages"}

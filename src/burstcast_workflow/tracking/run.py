@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from burstcast_workflow.harness.environment import blas_kernels
+from burstcast_workflow.tracking.environment import blas_kernels
 
 VARIABLE = "BURSTCAST_RUN"
 """Environment variable that tells jobs their run: its token, and the results directory."""

@@ -8,7 +8,6 @@ import os
 
 import pytest
 from helpers_rebuilds import RESULTS, Project
-
 from snaketrust.run import VARIABLE
 
 
