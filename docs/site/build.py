@@ -52,8 +52,8 @@ NAVIGATION = {
         *("results", "studies", "method", "solver", "performance"),
     ],
     "How it is built": [
-        *("architecture", "extending", "selective_rebuilds", "selective_rebuild_trials"),
-        *("trust", "decisions", "repository/CONTRIBUTING"),
+        *("architecture", "extending", "selective_rebuilds", "decisions"),
+        "repository/CONTRIBUTING",
     ],
 }
 # Campaigns that figures are taken from, in this order: the paper's, then presets.
