@@ -60,9 +60,13 @@ def start(
         raise WorkflowError(str(error)) from None
     if workflow.is_main_process:
         check_results(checked["results"], forced=not _FORCING.isdisjoint(sys.argv))
-    sources = Sources(
-        script, packages_of(project_root()), own_modules(checked), checked["rerun_libraries"]
-    )
+    packages, beside = packages_of(project_root()), defaults.parent / "src"
+    if beside.is_dir() and beside.resolve() != packages.resolve():
+        raise WorkflowError(
+            f"this workflow lies beside the sources in {beside}, but Python imports burstcast from "
+            f"{packages}, another copy: install the one that you want to run (pip install -e)"
+        )
+    sources = Sources(script, packages, own_modules(checked), checked["rerun_libraries"])
     return Started(checked, sources, directories)
 
 

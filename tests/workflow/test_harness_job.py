@@ -20,7 +20,7 @@ from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.harness.job import JobSettings, at, run_job
 from burstcast_workflow.harness.storage import atomic, write_json
 from burstcast_workflow.tracking.code import Sources
-from burstcast_workflow.tracking.results import DamagedResultError, checked
+from burstcast_workflow.tracking.results import DamagedResultError, checked, damaged
 from burstcast_workflow.tracking.run import begin
 
 HEADER = """
@@ -193,8 +193,8 @@ def test_a_job_that_is_not_what_its_rule_says_fails(tmp_path, body, complaint):
 
 
 def test_a_comment_is_no_edit_while_a_job_runs(tmp_path):
-    edit = '    script.write_text("import burstcast.durations  # a comment"), write_json(network, {})'
-    assert run(tmp_path, MAIN + edit)[0].returncode == 0
+    edit = '    script.write_text("import burstcast.durations  # a comment")'
+    assert run(tmp_path, f"{MAIN}{edit}, write_json(network, {{}})")[0].returncode == 0
 
 
 @pytest.mark.parametrize("read", ["name", "number"])
@@ -240,6 +240,15 @@ def test_a_job_that_depends_on_something_else_computes(tmp_path, change):
     assert (tmp_path / "ran").read_text() == "x"
     assert run(tmp_path, f"{change}\n{body}")[0].returncode == 0
     assert (tmp_path / "ran").read_text() == "xx"
+
+
+def test_what_a_killed_job_leaves_is_not_taken_for_a_damaged_result(tmp_path):
+    body = f"{MAIN}    write_json(network, {{}})"
+    run(tmp_path, body)
+    killed = f"snakemake.wildcards['seed'] = '4'\n{MAIN}    write_json(network, [1]), os._exit(9)"
+    assert run(tmp_path, killed)[0].returncode == 9
+    assert (tmp_path / "deep/er/network.json").read_text() == "[\n  1\n]\n"
+    assert damaged(tmp_path) == []
 
 
 def test_a_damaged_input_stops_the_job(tmp_path):

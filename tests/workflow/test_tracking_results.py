@@ -49,7 +49,7 @@ def exchange(path):
 )
 def test_a_result_that_was_changed_stops_who_reads_it_and_is_listed(result, change):
     change(result)
-    with pytest.raises(DamagedResultError, match=r"events\.nc is not what its job wrote.*Delete it"):
+    with pytest.raises(DamagedResultError, match=r"events\.nc is not what its job wrote.*Delete"):
         checked(str(result))
     assert damaged(result.parents[1]) == [str(result)]
 

@@ -57,7 +57,7 @@ from burstcast_workflow.tracking.environment import (
     environment,
     library_version,
 )
-from burstcast_workflow.tracking.results import checked, date_after, digest, note
+from burstcast_workflow.tracking.results import checked, date_after, digest, forget, note
 from burstcast_workflow.tracking.run import plan
 
 __all__ = [
@@ -157,6 +157,7 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     for path in snakemake.output:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         remove_partial(path)
+        forget(path)
     if made := entry.restore():
         print(made.log)
         logger.info("the outputs are those of this job, which took %.2f s", made.seconds)

@@ -32,6 +32,11 @@ def note(path: str | Path, content: str) -> None:
     os.replace(partial, sidecar)
 
 
+def forget(path: str | Path) -> None:
+    """Remove the digest of a result that is about to be made again, perhaps not to its end."""
+    _sidecar(path).unlink(missing_ok=True)
+
+
 def checked(path: str) -> str:
     """Digest of an input; `DamagedResultError` if it is a result, and not what its job wrote."""
     try:
