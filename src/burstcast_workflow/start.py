@@ -34,6 +34,7 @@ class Started(NamedTuple):
     """What rules are made of."""
 
     config: dict[str, Any]
+    results: str  # where they lie: below a prefix where another workflow has this one as a module
     sources: Sources
     directories: list[str]  # of a user's own modules
 
@@ -58,8 +59,9 @@ def start(
         checked = claim.get("config") or load(config, workflow.configfiles, defaults=defaults)
     except ConfigError as error:
         raise WorkflowError(str(error)) from None
+    place = workflow.modifier.path_modifier.replace_prefix(checked["results"])
     if workflow.is_main_process:
-        check_results(checked["results"], forced=not _FORCING.isdisjoint(sys.argv))
+        check_results(place, forced=not _FORCING.isdisjoint(sys.argv))
     packages, beside = packages_of(project_root()), defaults.parent / "src"
     if beside.is_dir() and beside.resolve() != packages.resolve():
         raise WorkflowError(
@@ -67,7 +69,7 @@ def start(
             f"{packages}, another copy: install the one that you want to run (pip install -e)"
         )
     sources = Sources(script, packages, own_modules(checked), checked["rerun_libraries"])
-    return Started(checked, sources, directories)
+    return Started(checked, place, sources, directories)
 
 
 def check_results(results: str, forced: bool = False) -> None:

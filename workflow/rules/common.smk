@@ -112,7 +112,7 @@ onstart:
     ):
         raise WorkflowError(reason)
     begin(
-        RESULTS,
+        started.results,
         PLANNED,
         sources.all_entries(),
         started.directories,
