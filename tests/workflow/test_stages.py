@@ -464,3 +464,16 @@ def test_what_makes_a_job_run_again_is_the_same_everywhere():
     # logs are those that the summary of failures reads
     common = (ROOT / "workflow" / "rules" / "common.smk").read_text()
     assert f'SCHEDULER_LOGS = Path("{PROFILE["slurm-logdir"]}")' in common
+
+
+def test_every_rule_belongs_to_a_group_of_the_cluster():
+    """Rules of tables name it themselves; all others the profile does."""
+    profile = yaml.safe_load((ROOT / "profiles" / "slurm" / "config.yaml").read_text())
+    groups = dict(pair.split("=") for pair in profile["groups"])
+    named = {rule for rule, text in WRITTEN.items() if "    group:\n" in text}
+    assert not named & groups.keys()
+    assert named | groups.keys() == {*WRITTEN, "figure"}
+    assert {*groups.values()} == {"case", "forecaster", "tables", "figures"}
+    in_loops = re.findall(r"^    rule:\n((?:  .*\n|\n)*)", RULES, re.M)
+    assert len(in_loops) == 2
+    assert all('group:\n            "tables"' in text for text in in_loops)
