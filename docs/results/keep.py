@@ -132,9 +132,14 @@ def _finished_tables(results: Path) -> list[Path]:
         path = results / "tables" / f"{name}.csv"
         try:
             checked(str(path))
-        except (FileNotFoundError, DamagedResultError) as error:
-            raise RefusedError(f"{results} is not finished: {error}; run the campaign") from error
-        found.append(path)
+        except FileNotFoundError:
+            problem = f"{path} is missing"
+        except DamagedResultError as error:
+            problem = str(error)
+        else:
+            found.append(path)
+            continue
+        raise RefusedError(f"{results} is not finished: {problem}; run the campaign first")
     return found
 
 
