@@ -50,7 +50,9 @@ def test_closures_have_what_scripts_load(job_server):
     assert len(scripts) == len(SCRIPTS)
     for script in scripts:
         found = names(SEEN.entries(script, {}))
-        assert {one for one in loaded[script] if not one.startswith(OF_HARNESS)} <= found, script
+        # what reads and writes files loads more, for which the version stands, too
+        left_out = (*OF_HARNESS, "burstcast.files.")
+        assert {one for one in loaded[script] if not one.startswith(left_out)} <= found, script
 
 
 # which have a version instead

@@ -26,7 +26,6 @@ import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.metadata import version
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -50,6 +49,7 @@ from burstcast_workflow.harness.storage import (
     write_table,
     write_text,
 )
+from burstcast_workflow.project import packages_of, project_root
 from burstcast_workflow.tracking.cache import Entry
 from burstcast_workflow.tracking.code import Sources, make_importable
 from burstcast_workflow.tracking.environment import (
@@ -192,8 +192,7 @@ def parameters(params: Iterable[Any]) -> tuple[dict[str, Any], list[str]]:
 
 def _checked_code(snakemake: Any, code: list[str], planned: Mapping[str, Any]) -> Sources:
     """The sources, after a check that the code on disk is what the run has planned."""
-    package = find_spec("burstcast")
-    packages = Path(str(package and package.origin)).parents[1]
+    packages = packages_of(project_root())
     own = {entry.partition(" ")[0]: () for entry in code}
     sources = Sources(lambda name: Path(snakemake.scriptdir) / Path(name).name, packages, own)
     others = {*code} - {*planned["code"]}

@@ -259,12 +259,12 @@ class Project:
 
 
 def digests(directory: Path) -> dict[str, str]:
-    """Digests of all files of a directory; records, which hold times, are not among them."""
+    """Digests of all files of a directory but hidden ones, which hold times."""
     names = {path: str(path.relative_to(directory)) for path in sorted(directory.rglob("*"))}
     return {
         name: hashlib.sha256(path.read_bytes()).hexdigest()
         for path, name in names.items()
-        if path.is_file() and not name.startswith(".")
+        if path.is_file() and not path.name.startswith(".")
     }
 
 
