@@ -1,4 +1,4 @@
-"""Environment that numbers depend on: libraries, Python, the processor."""
+"""Environment that numbers depend on: versions of libraries, Python, the processor."""
 
 import platform
 from functools import cache
@@ -12,11 +12,10 @@ LIBRARIES = ("numpy", "scipy", "llvmlite", "scikit-learn", "scikit-optimize")
 
 
 def environment() -> dict[str, Any]:
-    """All that last digits depend on, as plain data."""
+    """All that last digits depend on beside the libraries that a job imports, as plain data."""
     import numpy  # most jobs that ask for it have it loaded; the others start without it
 
     return {
-        "libraries": {name: library_version(name) for name in LIBRARIES},
         "python": ".".join(platform.python_version_tuple()[:2]),
         "machine": platform.machine(),
         "instructions": numpy.show_config(mode="dicts").get("SIMD Extensions"),
