@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS := 1
 unexport PYTHONDONTWRITEBYTECODE
 
 # What `make` and `make help` say: the words after ##.
-.PHONY: help demo test test-long test-slurm paper why report archive pages results bench slurm docs check clean
+.PHONY: help demo test test-long test-slurm paper why archive pages results bench slurm docs check clean
 
 help:
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -36,19 +36,15 @@ test-slurm: $(VENV)/developed ## tests on a Slurm of their own
 
 # What would run again, and why: make why ARGS="--configfile workflow/presets/quick.yaml"
 why: $(VENV)/installed ## what would run again, and why
-	@$(BIN)/burstcast why $(ARGS)
+	@$(SNAKEMAKE) -n $(ARGS)
 
-# Of the demo: make report ARGS="--configfile workflow/presets/quick.yaml"
-report: $(VENV)/installed ## a finished campaign on one page to hand on, report.html
-	$(SNAKEMAKE) --reporter burstcast $(ARGS)
-
-archive: $(VENV)/installed ## tables, figures, config, versions and why in one zip
+archive: $(VENV)/installed ## tables, figures, report, config, versions in one zip
 	@$(BIN)/burstcast archive $(ARGS)
 
 pages: $(VENV)/installed ## pages and the schema of settings, from the model and the declarations
 	$(BIN)/burstcast settings > docs/settings.md
 	$(BIN)/python -m burstcast_workflow.config.schema > workflow/schemas/config.schema.json
-	$(BIN)/python -m burstcast_report.tables_page > docs/tables.md
+	$(BIN)/python -m burstcast_workflow.tables.page > docs/tables.md
 
 # make results ARGS="collect results/paper" takes a campaign's tables first
 results: $(VENV)/installed ## docs/results.md, from the tables in docs/results
@@ -67,7 +63,7 @@ check: $(VENV)/developed ## linters and types alone
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check src tests workflow/scripts benchmarks examples docs/results docs/site
 	$(BIN)/mypy
-	$(BIN)/snakefmt --check Snakefile workflow/rules
+	$(BIN)/snakefmt --check Snakefile workflow/Snakefile workflow/rules
 
 # Lock files hold every version; the package itself comes from this directory. Python compiles what is
 # imported when it is imported: compiling all of it here would double the time. uv, where it is
@@ -95,7 +91,8 @@ $(VENV)/documented: $(VENV)/developed requirements-docs.lock
 	@lock=requirements-docs.lock; $(INSTALL)
 	touch $@
 
-# Beside this file alone, and never what VENV= on the command line names
+# Beside this file alone, and never what VENV= on the command line names. The cache stays: with it,
+# results that .snakemake has forgotten cost nothing (docs/selective_rebuilds.md).
 clean: ## remove what is not the results'
 	cd '$(dir $(abspath $(lastword $(MAKEFILE_LIST))))' && \
 		rm -rf .venv .snakemake .pytest_cache .mypy_cache .ruff_cache

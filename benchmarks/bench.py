@@ -1,4 +1,4 @@
-"""What each stage costs on this machine, one thread, and what the whole campaign would.
+"""What each stage costs on this machine, one thread.
 
 ::
 
@@ -18,10 +18,9 @@ import platform
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import textbook
@@ -67,22 +66,11 @@ from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import validate
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.costs.model import SECONDS_PER
-from burstcast_workflow.costs.records import costs_of_plan, costs_text
-from burstcast_workflow.start import names_of_rules
-from snaketrust.plan import planned
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "benchmarks" / "measured.md"
 CASE = "Re400"
 SPECTRAL_RADIUS, INPUT_SCALING, TIKHONOV = 0.6, 1.0, 1e-9
-CORES = 2  # of the machine that the campaign's duration is predicted for
-# Rules of what the paper does not have, and those whose arithmetic bounds what it has.
-BEYOND_THE_PAPER = (
-    *("lyapunov_spectrum", "lyapunov_spectrum_table", "calibration_set", "calibration_forecast"),
-    *("calibrate", "probability_scores", "reliability_table", "lead_times"),
-)
-OF_NETWORKS = ("scan", "search", "forecast", "horizon", "long_term", "control")
 # Operations of one hyperbolic tangent in the compiled backend, and of what joins its argument.
 TANH_OPERATIONS = 33
 
@@ -596,14 +584,6 @@ class Stages:
             cells += [f"{mine:.3g}", f"{other / mine:.3g}"]
         return cells
 
-    def rates(self) -> dict[str, float]:
-        """Measured constants of the cost model, at this size."""
-        products = self._rows * float(self._neurons) ** 2
-        return {
-            "neuron step": self._closed_rates["compiled"] / self._neurons,
-            "product": self._gram_seconds[0] / products,
-        }
-
 
 class ByNumpy(DynamicalSystem):
     """A system that takes numbers only, so that numpy has to integrate it."""
@@ -685,62 +665,6 @@ def table(head: list[str], rows: list[list[str]]) -> list[str]:
     return ["| " + " | ".join(cells) + " |" for cells in (head, ["---"] * len(head), *rows)]
 
 
-def prediction(rates: dict[str, float], peak: float, dimension: int) -> list[str]:
-    """Lines with the predicted cost of the whole campaign, by rule, and what bounds it."""
-    costs = costs_of_plan(_planned(), rates)
-    minutes = costs["predicted_minutes"].sum()
-    of_paper = costs[~costs["rule"].isin(BEYOND_THE_PAPER)]["predicted_minutes"].sum()
-    limit = arithmetic(peak, dimension)
-    return [
-        "```",
-        costs_text(costs),
-        "```",
-        "",
-        f"On {CORES} cores: **{minutes / 60 / CORES:.1f} hours**.",
-        "",
-        *table(
-            ["", "core-minutes", f"hours on {CORES} cores"],
-            [
-                [what, f"{some:.0f}", f"{some / 60 / CORES:.1f}"]
-                for what, some in (
-                    ("what the paper has: without probabilities and networks' exponents", of_paper),
-                    ("the limit: its networks' arithmetic at dgemm's rate", limit),
-                )
-            ],
-        ),
-        "",
-        f"That is **{of_paper / limit:.2f} times** the machine's limit.",
-    ]
-
-
-def arithmetic(peak: float, dimension: int) -> float:
-    """Minutes that the arithmetic of the paper's networks takes at dgemm's rate.
-
-    Gram matrices, ridge regressions, steps of networks; without `train`, whose Gram matrices a
-    search has had.
-    """
-    operation, connectivity = (
-        1e-9 / peak,
-        names_of_rules(_planned())["campaign"].config.forecasters.esn.connectivity,
-    )
-    of_neuron = 2 + TANH_OPERATIONS + 2 * dimension + 2 * connectivity
-    # of a symmetric matrix half the products are computed
-    units = {"neuron step": of_neuron * operation, "product": operation}
-    nothing = dict.fromkeys(units, 1e-300)  # start-up alone
-    start_up, whole = (
-        costs[costs["rule"].isin(OF_NETWORKS)]["predicted_minutes"].sum()
-        for costs in (costs_of_plan(_planned(), rates) for rates in (nothing, units))
-    )
-    return whole - start_up
-
-
-@cache
-def _planned() -> Any:
-    """The workflow with all jobs of the campaign: planned once, for whatever its jobs may take."""
-    project = ["--snakefile", str(ROOT / "Snakefile"), "--directory", str(ROOT)]
-    return planned([*project, "--forceall"])
-
-
 def write(section: str, lines: list[str]) -> None:
     """Put lines between the marks of a section of the document."""
     begin, end = f"<!-- {section}: begin -->", f"<!-- {section}: end -->"
@@ -752,9 +676,7 @@ def write(section: str, lines: list[str]) -> None:
 
 def main() -> None:
     """Measure, print, and write where asked to."""
-    parser = argparse.ArgumentParser(
-        description="What each stage costs on this machine, and what the whole campaign would."
-    )
+    parser = argparse.ArgumentParser(description="What each stage costs on this machine.")
     parser.add_argument("--sizes", type=int, nargs="+", default=[500, 1000, 2000, 3000])
     parser.add_argument("--quick", action="store_true", help="one size, little of everything")
     parser.add_argument("--write", action="store_true", help="write benchmarks/measured.md")
@@ -765,18 +687,13 @@ def main() -> None:
     config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
     campaign = Campaign(load(config))
     data = Data(campaign, series=24 if options.quick else 80)
-    rows, beside, of_sizes = [], [], []
+    rows, beside = [], []
     for neurons in sizes:
         stages = Stages(data, neurons, clock, quick=options.quick)
         rows += stages.rows()
         beside.append(stages.beside_reservoirpy())
-        of_sizes.append(stages.rates())
         print(f"{neurons} neurons measured", flush=True)
     integrations = integration(data, clock)
-    # as they are printed: the prediction can be made again from the table
-    rates = {
-        unit: float(f"{np.mean([rates[unit] for rates in of_sizes]):.2g}") for unit in SECONDS_PER
-    }
     measured = [
         f"{machine()}. One thread;",
         f"dgemm reaches {clock.peak:.1f} GFLOP/s.",
@@ -787,15 +704,9 @@ def main() -> None:
         "",
         *table(RESERVOIRPY_HEAD, beside),
     ]
-    constants = table(
-        ["unit", "measured", "in `SECONDS_PER`"],
-        [[unit, f"{rate:.2g}", f"{SECONDS_PER[unit]:.2g}"] for unit, rate in rates.items()],
-    )
-    predicted = [*constants, "", *prediction(rates, clock.peak, data.system.dimension)]
-    print("\n".join(["", *measured, "", *predicted]))
+    print("\n".join(["", *measured]))
     if options.write:
         write("measured", measured)
-        write("predicted", predicted)
 
 
 if __name__ == "__main__":

@@ -1,14 +1,13 @@
-"""Code that fingerprints cannot follow, words that they leave out, settings without a parameter."""
+"""Code that hashes cannot follow, docstrings that they leave out, settings without a parameter."""
 
 import ast
-from types import NoneType
 
 _FORBIDDEN_MODULES = frozenset({"importlib", "imp", "pkgutil", "runpy", "zipimport"})
 _FORBIDDEN_NAMES = frozenset({"__import__", "compile", "eval", "exec"})
 
 
 def forbidden_imports(path):
-    """Places of a file that run code which fingerprints do not see, as ``line 3: ...``.
+    """Places of a file that run code which hashes do not see, as ``line 3: ...``.
 
     These are imports by computed names, code made from text, and ``import *``, after which it is
     unclear where a name comes from. ``from importlib.metadata import ...`` only reads versions and
@@ -26,18 +25,14 @@ def forbidden_reads(path):
     return _places(path, _forbidden_read)
 
 
-_WORDS = {
+_DOCSTRINGS = {
     *("__doc__", "getdoc", "get_docstring", "getsource", "getsourcelines", "getcomments"),
-    *("traceback", "exc_info", "__cause__", "__context__", "__traceback__", "__notes__"),
-    *("addHandler", "addFilter", "handlers"),
 }
 
 
-def words_read(path, allowed=frozenset()):
-    """Places of a file where something could depend on what fingerprints leave out.
+def docstrings_read(path, allowed=frozenset()):
+    """Places of a file that read a docstring or a source, on which hashes do not depend.
 
-    These read a docstring or an error that was caught (other than to say it in another error or in
-    the log, or its type), or do more with a logger than log.
     ``allowed``: functions of it that may, since they only pass words on to people.
     """
     tree = ast.parse(path.read_bytes(), str(path))
@@ -47,57 +42,9 @@ def words_read(path, allowed=frozenset()):
     return [
         f"line {node.lineno}: {ast.unparse(node)}"
         for node in ast.walk(tree)
-        for node in _words_of(node)
+        if getattr(node, "id", getattr(node, "attr", "")) in _DOCSTRINGS
+        or (isinstance(node, ast.ImportFrom) and _DOCSTRINGS & {one.name for one in node.names})
     ]
-
-
-def _words_of(node):
-    name = getattr(node, "id", getattr(node, "attr", ""))
-    if name in _WORDS:
-        yield node
-    if isinstance(node, ast.Attribute):
-        others = getattr(node.value, "id", "") == "logging" and node.attr != "getLogger"
-        if others or (node.attr == "logger" and not isinstance(node.ctx, ast.Load)):
-            yield node
-    if isinstance(node, ast.ImportFrom):
-        module = (node.module or "").partition(".")[0]
-        if module in ("logging", "traceback") or _WORDS & {alias.name for alias in node.names}:
-            yield node
-    if isinstance(node, ast.alias) and node.name in ("logging", "traceback") and node.asname:
-        yield node
-    if isinstance(node, ast.ExceptHandler) and node.name:
-        yield from _uses_of(node.name, node.body)
-    if isinstance(node, ast.FunctionDef) and node.name == "__exit__" and len(node.args.args) > 2:
-        yield from _uses_of(node.args.args[2].arg, node.body)
-
-
-def _uses_of(error, body):
-    """Where an error that was caught is used for more than words."""
-    waiting = [*body]
-    while waiting:
-        node = waiting.pop()
-        below = [*ast.iter_child_nodes(node)]
-        if isinstance(node, ast.Raise):
-            below = [
-                one for one in (node.exc, node.cause) if not isinstance(one, ast.Name | NoneType)
-            ]
-            if isinstance(node.exc, ast.Call):
-                below = [node.exc.func, *_more_than_words(node.exc), *below[1:]]
-        elif isinstance(node, ast.Call) and _first_name(node.func) in ("type", "logger"):
-            below = _more_than_words(node)
-        elif isinstance(node, ast.Name) and node.id == error:
-            yield node
-        waiting += below
-
-
-def _more_than_words(call):
-    """Arguments of a call that are more than texts and names."""
-    arguments = [*call.args, *(keyword.value for keyword in call.keywords)]
-    return [one for one in arguments if not isinstance(one, ast.JoinedStr | ast.Name)]
-
-
-def _first_name(node):
-    return ast.unparse(node).partition(".")[0]
 
 
 def offered_late(path, package):

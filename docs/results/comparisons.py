@@ -328,9 +328,9 @@ def onsets(tables: Tables, source: str = "turbulence") -> pd.DataFrame:
 def costs(tables: Tables, shown: int = 6) -> Part:
     """Times of the jobs of the most expensive rules, and of all."""
     found = tables.rows("rule_costs").sort_values("minutes", ascending=False)
-    sums = found[["jobs", "predicted_minutes", "minutes", "disk_mib"]].sum()
+    sums = found[["jobs", "minutes"]].sum()
     total = {**sums.to_dict(), "memory_mib": found["memory_mib"].max(), "rule": "**all**"}
-    cells = {"jobs": "{jobs:.0f}", "predicted [min]": "{predicted_minutes:.0f}"}
-    cells |= {"took [min]": "{minutes:.0f}", "largest memory [MiB]": "{memory_mib:.0f}"}
+    cells = {"jobs": "{jobs:.0f}", "took [min]": "{minutes:.0f}"}
+    cells |= {"largest memory [MiB]": "{memory_mib:.0f}"}
     rows = pd.concat([found.head(shown), pd.DataFrame([total])])
     return part(rows, "{rule}", cells)

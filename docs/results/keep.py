@@ -22,10 +22,9 @@ from kept_tables import KEPT
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.opened import open_campaign
 from burstcast_workflow.commands.archive import versions
-from burstcast_workflow.costs.model import RULE_COSTS
 from burstcast_workflow.tables.registry import table_names
-from snaketrust.records import Records
-from snaketrust.run import OvertakenError, Run
+from burstcast_workflow.tracking.results import DamagedResultError, checked
+from burstcast_workflow.tracking.run import CLAIM
 
 OF_SINGLE_NETWORKS = (
     *("dataset", "hyperparameters", "classification", "classification_intervals"),
@@ -51,6 +50,11 @@ KEPT_TABLES = (
 WITH_PROBABILITIES = ("beyond_the_paper", "learnt_precursor", "readout_committee")
 
 VERSIONS = "versions.json"
+RULE_COSTS = "rule_costs.csv"
+"""Table of what the jobs of each rule took: minutes of all, largest memory."""
+
+_COST = re.compile(r"is done: (?P<seconds>[\d.]+) s, peak memory (?P<mib>\d+) MiB\s*$")
+_EARLIER = re.compile(r"this job, which took (?P<seconds>[\d.]+) s$", re.MULTILINE)
 COLLECTED = {f"{name}.csv" for name in (*KEPT_TABLES, "probability_scores")}
 COLLECTED |= {RULE_COSTS, VERSIONS}
 
@@ -84,11 +88,8 @@ def collect(results: Path) -> None:
         for path in tables:
             if path.stat().st_size:
                 shutil.copyfile(path, new / path.name)
-        costs = results / "benchmarks" / RULE_COSTS
-        if costs.exists():
-            shutil.copyfile(costs, new / costs.name)
-        made_by = versions(results)
-        del made_by["revision"]  # the collecting revision, not the computing one
+        rule_costs(results / "logs").to_csv(new / RULE_COSTS, index=False)
+        made_by = versions(json.loads((results / CLAIM).read_bytes()))
         text = json.dumps(made_by, indent=2, sort_keys=True)
         (new / VERSIONS).write_text(f"{text}\n", encoding="utf-8")
         if target.exists():
@@ -101,23 +102,43 @@ def collect(results: Path) -> None:
             raise
 
 
+def rule_costs(logs: Path) -> pd.DataFrame:
+    """What the jobs of each rule took, by their logs: a row for each rule."""
+    rows = []
+    for path in sorted(logs.rglob("*.log")):
+        text = path.read_text(encoding="utf-8")
+        if done := _COST.search(text):
+            # of a job that took its results from the cache: what they took when they were computed
+            seconds = float((_EARLIER.search(text) or done)["seconds"])
+            rule = path.relative_to(logs).parts[0].removesuffix(".log")
+            rows.append((rule, seconds / 60, float(done["mib"])))
+    found = pd.DataFrame(rows, columns=["rule", "minutes", "memory_mib"]).groupby("rule")
+    sums = {"jobs": found.size(), "minutes": found["minutes"].sum()}
+    return pd.DataFrame({**sums, "memory_mib": found["memory_mib"].max()}).reset_index()
+
+
 def _finished_tables(results: Path) -> list[Path]:
     """Files of the tables to collect, each of which is as its job wrote it."""
     try:
         made = table_names(Campaign(open_campaign(results).config))
-        Run("", str(results)).check_idle()
-    except (ValueError, OvertakenError) as error:
+    except ValueError as error:
         raise RefusedError(str(error)) from error
     more = ["probability_scores"] if results.name in WITH_PROBABILITIES else []
-    records, found = Records(str(results)), []
+    found = []
     for name in (*KEPT_TABLES, *more):
         if name not in made:
             continue
         path = results / "tables" / f"{name}.csv"
-        problem = records.found(str(path))[1] if path.exists() else f"{path} is missing"
-        if problem:
-            raise RefusedError(f"{results} is not finished: {problem}; run the campaign first")
-        found.append(path)
+        try:
+            checked(str(path))
+        except FileNotFoundError:
+            problem = f"{path} is missing"
+        except DamagedResultError as error:
+            problem = str(error)
+        else:
+            found.append(path)
+            continue
+        raise RefusedError(f"{results} is not finished: {problem}; run the campaign first")
     return found
 
 

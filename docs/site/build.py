@@ -36,7 +36,7 @@ from burstcast_workflow.config.loading import load
 from burstcast_workflow.figures.registry import FIGURES, cases_of, files_of, settings_of
 from burstcast_workflow.tables.declarations import SECTIONS
 from burstcast_workflow.tables.registry import OPTIONAL, table_of
-from snaketrust.modules import make_importable
+from burstcast_workflow.tracking.code import make_importable
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -52,8 +52,8 @@ NAVIGATION = {
         *("results", "studies", "method", "solver", "performance"),
     ],
     "How it is built": [
-        *("architecture", "extending", "selective_rebuilds", "selective_rebuild_trials"),
-        *("trust", "decisions", "repository/CONTRIBUTING"),
+        *("architecture", "extending", "selective_rebuilds", "decisions"),
+        "repository/CONTRIBUTING",
     ],
 }
 # Campaigns that figures are taken from, in this order: the paper's, then presets and examples.

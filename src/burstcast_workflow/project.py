@@ -7,19 +7,15 @@ puts them, so that an installed burstcast runs as it is.
 import subprocess
 from pathlib import Path
 
-from snaketrust.project import Project
-
-PACKAGES = (
-    *("burstcast", "burstcast_workflow", "burstcast_report", "snaketrust"),
-    *("snakemake_logger_plugin_burstcast", "snakemake_report_plugin_burstcast"),
-)
+PACKAGES = ("burstcast", "burstcast_workflow")
 """Packages of the project, also where others lie beside them."""
 
 VERSION = "burstcast_workflow.harness.version"
 """Module of the version that stands for `HARNESS`, which runs scripts and writes files."""
 
 HARNESS = (
-    *("burstcast_workflow.harness", "snaketrust"),
+    "burstcast_workflow.harness",
+    *("burstcast_workflow.tracking", "burstcast_workflow.project"),
     *("burstcast.files.netcdf", "burstcast.files.tables"),
 )
 """Packages and modules that are in no fingerprint: an edit of them would run everything again."""
@@ -45,19 +41,6 @@ def packages_of(project: Path) -> Path:
     """Directory of the packages that belong to the workflow's files in a directory."""
     beside = project / "src"
     return beside if beside.is_dir() else project.parents[1]
-
-
-def code_of(project: Path) -> Project:
-    """The code of the workflow whose files are in this directory, as `snaketrust` knows it."""
-    return Project(
-        root=project,
-        scripts=project / "workflow" / "scripts",
-        sources=packages_of(project),
-        packages=PACKAGES,
-        stand_ins=dict.fromkeys(HARNESS, VERSION),
-        revision=source_revision(),
-        checked=True,
-    )
 
 
 def source_revision() -> str:

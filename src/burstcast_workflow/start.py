@@ -6,75 +6,85 @@ import os
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+from snakemake.exceptions import WorkflowError
 
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.case_checks import extrapolations, few_points
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF
-from burstcast_workflow.project import code_of
-from snaketrust import start as trust
-from snaketrust.checks import RefusedError
-from snaketrust.modules import UnlikeCodeError
-from snaketrust.run import OvertakenError
+from burstcast_workflow.project import packages_of, project_root
+from burstcast_workflow.tracking.code import Sources, make_importable, search_directories
+from burstcast_workflow.tracking.results import damaged
+from burstcast_workflow.tracking.run import is_known, plan
 
-REFUSALS = (ConfigError, OvertakenError, UnlikeCodeError)
-"""Errors that stop a run before it starts, shown without a traceback."""
-
+# Snakemake has not read its own options when it reads rules
+_FORCING = {"--forceall", "-F", "--touch", "-t", "--unlock"}
 
 OFF_WITHOUT_NETWORKS = "hyperparameters, examples of forecasts, control by networks, their figures"
 
 
-def start(
-    workflow: Any, config: Mapping[str, Any], project: Path, check: Callable[[], None]
-) -> trust.Started:
-    """Check the code and the config, and make Snakemake plan by records and claim the results.
+latest: Any = None
+"""Snakemake's workflow that `start` was last called with: commands inspect its plan."""
 
-    ``check``: Called when all jobs are known, before any of them (`snaketrust.start.start`).
-    """
+
+class Started(NamedTuple):
+    """What rules are made of."""
+
+    config: dict[str, Any]
+    results: str  # where they lie: below a prefix where another workflow has this one as a module
+    sources: Sources
+    directories: list[str]  # of a user's own modules
+
+
+def start(
+    workflow: Any, config: Mapping[str, Any], script: Callable[[str], Path], defaults: Path
+) -> Started:
+    """Read the config and the code; ``script`` gives the file of a script."""
+    global latest
+    latest = workflow
     # Planning makes millions of objects and keeps them: looking through them for garbage all the
     # time takes a tenth of it; doing so once more when the process ends is as useless.
     gc.set_threshold(200_000, 50, 1000)
     atexit.register(gc.freeze)
     os.environ["MPLBACKEND"] = "agg"  # jobs draw to files, also if a notebook has started them
-    started = trust.start(
-        workflow,
-        code_of(project),
-        results=lambda whole: str(whole["results"]),
-        load=lambda: load(config, workflow.configfiles, defaults=project / "config.yaml"),
-        own_modules=own_modules,
-        check=check,
+    claim = {} if workflow.is_main_process else plan()
+    directories = claim.get("directories") or search_directories(
+        workflow.configfiles, project_root()
     )
-    if undeclared := started.sources.undeclared():
-        raise ConfigError(
-            [
-                f"{path}, {place} reads a file that the config does not declare: list it in the "
-                f"setting files, beside system (files: [] if there is none)"
-                for path, place in undeclared
-            ]
+    make_importable(directories)
+    try:
+        checked = claim.get("config") or load(config, workflow.configfiles, defaults=defaults)
+    except ConfigError as error:
+        raise WorkflowError(str(error)) from None
+    place = workflow.modifier.path_modifier.replace_prefix(checked["results"])
+    if workflow.is_main_process:
+        check_results(place, forced=not _FORCING.isdisjoint(sys.argv))
+    packages, beside = packages_of(project_root()), defaults.parent / "src"
+    if beside.is_dir() and beside.resolve() != packages.resolve():
+        raise WorkflowError(
+            f"this workflow lies beside the sources in {beside}, but Python imports burstcast from "
+            f"{packages}, another copy: install the one that you want to run (pip install -e)"
         )
-    return started
+    sources = Sources(script, packages, own_modules(checked), checked["rerun_libraries"])
+    return Started(checked, place, sources, directories)
 
 
-def check_records(workflow: Any, campaign: Campaign) -> None:
-    """Refuse files that jobs would import and that have mistakes, before any job."""
-    problems = []
-    for job in workflow.dag.needrun_jobs():
-        case = job.wildcards.get("case", "")
-        data = campaign.cases[case].data if case in campaign.cases else None
-        if data is None or not data.files:
-            continue
-        if not any(path.endswith("/ensemble.nc") for path in job.output):
-            continue
-        from burstcast_workflow.jobs.measured import MeasuredData  # others save the time
-
-        try:
-            MeasuredData(job.params["settings"], {"case": case}).measured_series(data.paths)
-        except ValueError as error:
-            problems.append(f"case {case}: {error}")
-    if problems:
-        raise RefusedError(str(ConfigError(problems)))
+def check_results(results: str, forced: bool = False) -> None:
+    """Refuse a run where present results would be believed that should not be."""
+    if not (forced or is_known(results)):
+        raise WorkflowError(
+            f"{results} was last made from another directory, or .snakemake was deleted since: "
+            f"Snakemake does not know what it was made with. Run once with --forceall: what is in "
+            f"the cache is not computed again"
+        )
+    if files := damaged(results):
+        raise WorkflowError(
+            f"{', '.join(files)}: not what a job wrote, but edited, exchanged or cut off since. "
+            f"Delete what should be made again, and run again"
+        )
 
 
 def tell_what_is_off(campaign: Campaign) -> None:
@@ -92,16 +102,7 @@ def names_of_rules(workflow: Any) -> Mapping[str, Any]:
     """Names that the rules of burstcast know, also where another workflow has them as a module."""
     for rule in workflow.rules if workflow else ():
         names: Mapping[str, Any] = rule.module_globals
-        if "campaign" in names and "run" in names:
+        if "campaign" in names and "of_script" in names:
             return names
     print("this workflow has no rules of burstcast", file=sys.stderr)
     raise SystemExit(2)
-
-
-def covers_campaign(workflow: Any) -> bool:
-    """Whether a plan has all jobs of the campaign, whether they would run or not."""
-    options = workflow.dag_settings
-    targets = {job.rule.name for job in workflow.dag.jobs if not job.output}
-    # as a module, its rules may have a prefix
-    whole = any(name == "all" or name.endswith("_all") for name in targets)
-    return whole and not (options.until or options.omit_from or options.batch)

@@ -10,15 +10,16 @@ import shutil
 import sys
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 from snakemake.logging import DefaultFormatter
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
 from snakemake_logger_plugin_burstcast.config_files import unreadable_config
+from snakemake_logger_plugin_burstcast.reasons import PlannedJob, explanation
 
 SHARE_OF_A_LINE = 0.04
 """Without a terminal, a line of progress is written when this share more is done."""
@@ -43,19 +44,15 @@ _REPETITIONS = (
 )
 _INTERRUPTION = ("Terminating processes on user request", "Cancelling snakemake on user request")
 
-_expected: dict[int, tuple[str, float]] = {}
-_basis: list[str] = []
+_expected: dict[int, tuple[str, float | None]] = {}
 _interruption = threading.Event()
 
 
-def expect(jobs: Mapping[int, tuple[str, float]], basis: str = "") -> None:
-    """Take note of the jobs of this run, by their numbers: the rule, and the predicted seconds.
-
-    ``basis``: What the prediction is based on, in words.
-    """
+def expect(jobs: Iterable[Any], seconds: Mapping[str, float]) -> None:
+    """Take note of the jobs of this run, and of the seconds that earlier jobs of rules took."""
     _expected.clear()
-    _expected.update(jobs)
-    _basis[:] = [basis] if basis else []
+    names = {job.jobid: job.rule.name for job in jobs if job.output}
+    _expected.update({number: (rule, seconds.get(rule)) for number, rule in names.items()})
 
 
 def interrupted() -> bool:
@@ -66,24 +63,20 @@ def interrupted() -> bool:
 class Progress:
     """Progress of a run on some cores, and the time left.
 
-    Jobs are expected to take what is predicted, as many times as finished jobs of their rule did.
+    A job is expected to take what finished jobs of its rule took; without any, what such jobs took
+    in earlier runs; and without these, what all finished jobs took.
+
+    ``expected``: Rule of each job, and seconds of earlier jobs of that rule, if there were any.
     """
 
     def __init__(
-        self, expected: Mapping[int, tuple[str, float]], cores: int, started: float
+        self, expected: Mapping[int, tuple[str, float | None]], cores: int, started: float
     ) -> None:
         self._expected, self._cores, self._started = dict(expected), max(1, cores), started
-        self._done, self._share = 0.0, 0.0
         self._begun: dict[int, float] = {}
-        # of each rule: seconds that its finished jobs took, their prediction, and that of the rest
-        self._rules: dict[str, tuple[float, float, float]] = {}
-        for rule, predicted in expected.values():
-            self._count(rule, left=predicted)
+        self._took: dict[str, list[float]] = {}  # by the finished jobs of each rule
+        self._done, self._share = 0.0, 0.0
         self.jobs, self.finished = len(self._expected), 0
-
-    def _count(self, rule: str, took: float = 0.0, done: float = 0.0, left: float = 0.0) -> None:
-        known = self._rules.get(rule, (0.0, 0.0, 0.0))
-        self._rules[rule] = known[0] + took, known[1] + done, known[2] + left
 
     def start(self, job: int, now: float) -> None:
         """Take note that a job has started, perhaps once more."""
@@ -92,49 +85,56 @@ class Progress:
     def finish(self, job: int, now: float) -> None:
         """Count a job that is done; targets are no jobs."""
         if job in self._expected:
-            rule, predicted = self._expected.pop(job)
+            rule, _ = self._expected.pop(job)
             took = now - self._begun.pop(job, now)
-            self._count(rule, took, predicted, -predicted)
+            self._took.setdefault(rule, []).append(took)
             self._done += took
             self.finished += 1
 
-    def _ratio(self, rule: str) -> float:
-        """How many times the predicted time the finished jobs of a rule took; 1 without any."""
-        took, predicted, _ = self._rules[rule]
-        return took / predicted if predicted else 1.0
+    def _seconds(self, rule: str, earlier: float | None) -> float | None:
+        """Seconds that a job of a rule is expected to take; None: nothing is known yet."""
+        if took := self._took.get(rule):
+            return sum(took) / len(took)
+        if earlier is None and self.finished:
+            return self._done / self.finished
+        return earlier
 
-    @property
-    def _left(self) -> float:
-        """Seconds on one core that all unfinished jobs are expected to take."""
-        return sum(self._ratio(rule) * left for rule, (_, _, left) in self._rules.items())
+    def _left(self, now: float) -> float | None:
+        """Seconds on one core that all unfinished jobs take; None: nothing is known yet."""
+        left = 0.0
+        for job, (rule, earlier) in self._expected.items():
+            seconds = self._seconds(rule, earlier)
+            if seconds is None:
+                return None
+            running = now - self._begun[job] if job in self._begun else 0.0
+            left += max(seconds - running, (1 - _NEARLY) * seconds)
+        return left
 
-    @property
-    def share(self) -> float:
+    def share(self, now: float) -> float:
         """Share of the work that is done, from 0 to 1; it never falls."""
-        whole = self._done + self._left
-        self._share = max(self._share, self._done / whole if whole else 0.0)
+        left = self._left(now)
+        if left is not None:
+            running = sum(now - begun for job, begun in self._begun.items())
+            whole = self._done + running + left
+            now_done = (self._done + running) / whole if whole else 0.0
+            self._share = max(self._share, now_done)
         return self._share
 
-    def remaining(self, now: float) -> float:
+    def remaining(self, now: float) -> float | None:
         """Seconds that the rest takes: as expected, and more and more by the pace of the run."""
-        running = sum(
-            min(now - begun, _NEARLY * self._ratio(rule) * predicted)
-            for job, begun in self._begun.items()
-            for rule, predicted in [self._expected.get(job, ("", 0.0))]
-            if rule
-        )
-        left, done = self._left - running, self._done + running
-        if not self._done:
-            return left / self._cores
-        pace = (now - self._started) / done
-        return left * ((1.0 - self.share) / self._cores + self.share * pace)
+        left = self._left(now)
+        if left is None:
+            return None
+        done = self._done + sum(now - begun for begun in self._begun.values())
+        pace = (now - self._started) / done if done else 1.0 / self._cores
+        share = self.share(now)
+        return left * ((1.0 - share) / self._cores + share * pace)
 
     def line(self, now: float) -> str:
         """Progress line: share done, jobs, time left."""
-        done = f"{self.share:4.0%}  {self.finished} of {counted(self.jobs)}"
-        if self.finished >= self.jobs:
-            return done
-        return f"{done}, about {duration(self.remaining(now))} left"
+        done = f"{self.share(now):4.0%}  {self.finished} of {counted(self.jobs)}"
+        left = self.remaining(now) if self.finished < self.jobs else None
+        return done if left is None else f"{done}, about {duration(left)} left"
 
 
 def counted(jobs: int) -> str:
@@ -150,6 +150,11 @@ def duration(seconds: float) -> str:
     if whole < 3600:
         return f"{whole // 60} min {whole % 60:02} s"
     return f"{whole // 3600} h {whole % 3600 // 60:02} min"
+
+
+def _label(fields: Mapping[str, Any]) -> str:
+    """A job as a person reads it: train Re400 esn-N500-RV-seed0."""
+    return " ".join([fields["rule_name"], *map(str, dict(fields["wildcards"]).values())])
 
 
 class TerminalHandler(LogHandlerBase):
@@ -172,12 +177,15 @@ class TerminalHandler(LogHandlerBase):
         self._progress: Progress | None = None
         self._cores = 1
         self._last_share = 0.0
+        self._planned: list[PlannedJob] = []
 
     def emit(self, record: logging.LogRecord) -> None:
         """Show a message, or leave it to the log."""
         event = getattr(record, "event", None)
         try:
-            if self.common_settings.dryrun or record.levelno < logging.INFO:
+            if self.common_settings.dryrun and not self.common_settings.verbose:
+                self._plan(event, record)
+            elif self.common_settings.dryrun or record.levelno < logging.INFO:
                 self._say(self.format(record))
             elif event is None or event == LogEvent.ERROR:
                 self._message(record)
@@ -185,6 +193,22 @@ class TerminalHandler(LogHandlerBase):
                 self._event(event, record)
         except Exception:
             self.handleError(record)
+
+    def _plan(self, event: str | None, record: logging.LogRecord) -> None:
+        """Collect the jobs of a dry run; at its end, say what they would run for."""
+        fields = record.__dict__
+        if event == LogEvent.JOB_INFO:
+            if fields["output"]:  # a target has none
+                case = dict(fields["wildcards"]).get("case", "")
+                files = fields["input"] or (), fields["output"]
+                job = PlannedJob(fields["rule_name"], case, *files, fields["reason"])
+                self._planned.append(job)
+        elif record.getMessage().startswith("This was a dry-run"):
+            self._say(f"{explanation(self._planned)}\n(each job: snakemake -n --verbose)")
+        elif event == LogEvent.ERROR or record.levelno >= logging.WARNING:
+            self._say(self.format(record))
+        elif record.getMessage().startswith(_WANTED):
+            self._say(record.getMessage().strip())
 
     def _message(self, record: logging.LogRecord) -> None:
         text = record.getMessage().strip()
@@ -207,13 +231,13 @@ class TerminalHandler(LogHandlerBase):
             if self._progress is None:
                 self._progress = Progress(_expected, self._cores, time.monotonic())
                 seconds = self._progress.remaining(time.monotonic())
+                about = "" if seconds is None else f", about {duration(seconds)}"
                 cores = "1 core" if self._cores == 1 else f"{self._cores} cores"
-                plan = f"{counted(self._progress.jobs)}, about {duration(seconds)} on {cores}"
-                self._say(", ".join([plan, *_basis]))
+                self._say(f"{counted(self._progress.jobs)}{about} on {cores}")
                 threading.Thread(target=self._beat, daemon=True).start()
             if fields["output"]:  # a target has none
                 job, now = fields["jobid"], time.monotonic()
-                self._labels[job] = (fields["rule_msg"] or fields["rule_name"], now)
+                self._labels[job] = (_label(fields), now)
                 self._progress.start(job, now)
                 self._show()
         elif event == LogEvent.JOB_FINISHED and self._progress is not None:
@@ -231,17 +255,18 @@ class TerminalHandler(LogHandlerBase):
     def _show(self) -> None:
         """Renew the line of progress, or write one if there is enough to tell."""
         assert self._progress is not None
-        line = self._progress.line(time.monotonic())
+        now = time.monotonic()
+        line, share = self._progress.line(now), self._progress.share(now)
         if self._live:
             width = shutil.get_terminal_size().columns - 1
             self._stream.write(f"\r\x1b[K{f'{line}  {self._running()}'.strip()[:width]}")
             self._stream.flush()
             self._said = time.monotonic()
         elif (
-            self._progress.share >= self._last_share + SHARE_OF_A_LINE
+            share >= self._last_share + SHARE_OF_A_LINE
             or self._progress.finished == self._progress.jobs
         ):
-            self._last_share = self._progress.share
+            self._last_share = share
             self._say(line)
 
     def _running(self) -> str:

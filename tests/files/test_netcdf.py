@@ -21,7 +21,6 @@ from burstcast.files.netcdf import (
     variables_of,
     write_netcdf,
 )
-from snaketrust.files import remove_partial
 
 
 def example():
@@ -166,7 +165,7 @@ def test_partial_files_are_not_seen_as_finished_and_can_be_removed(tmp_path):
         killed.write_text("left behind by a killed job")
     other = tmp_path / ".data.nc2.abc.partial"
     other.write_text("of another file")
-    remove_partial(path)
+    atomic_files.remove_partial(path)
     assert sorted(entry.name for entry in tmp_path.iterdir()) == [other.name, "data.nc"]
 
 

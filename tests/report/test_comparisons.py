@@ -204,15 +204,15 @@ def test_only_cases_with_the_same_series_are_ranked_beside_each_other(tmp_path):
 
 def test_the_most_expensive_rules_and_the_sum(tmp_path):
     rows = [
-        {"rule": rule, "jobs": 2, "predicted_minutes": 1, "minutes": minutes, "memory_mib": 5}
+        {"rule": rule, "jobs": 2, "minutes": minutes, "memory_mib": 5}
         for rule, minutes in (("cheap", 1), ("dear", 9), ("middle", 3))
     ]
-    pd.DataFrame(rows).assign(disk_mib=0).to_csv(tmp_path / "rule_costs.csv", index=False)
+    pd.DataFrame(rows).to_csv(tmp_path / "rule_costs.csv", index=False)
     found = rows_of(costs(Tables(tmp_path), 2))
     assert found == {
-        "dear": ["2", "1", "9", "5"],
-        "middle": ["2", "1", "3", "5"],
-        "**all**": ["6", "3", "13", "5"],
+        "dear": ["2", "9", "5"],
+        "middle": ["2", "3", "5"],
+        "**all**": ["6", "13", "5"],
     }
 
 

@@ -14,8 +14,8 @@ from kept_tables import Tables, best, name_of, part, table, text
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.tables.registry import table_names
-from snaketrust.records import Records
-from snaketrust.run import VARIABLE, Run
+from burstcast_workflow.tracking.results import digest, note
+from burstcast_workflow.tracking.run import VARIABLE, begin
 
 ROOT = Path(__file__).parents[2]
 
@@ -29,7 +29,8 @@ def results(tmp_path, monkeypatch):
     preset = yaml.safe_load((ROOT / "workflow/presets/tiny.yaml").read_text(encoding="utf-8"))
     config = load(preset, defaults=ROOT / "config.yaml")
     monkeypatch.setenv(VARIABLE, "")
-    Run.new(str(results)).claim(config, [])
+    monkeypatch.chdir(tmp_path)
+    begin(str(results), config, [], [], "abc")
     (results / "tables").mkdir()
     for name in table_names(Campaign(config)):
         put_table(results, name, "case,seed,f_score\nRe400,0,0.5\nRe400,1,0.75\n")
@@ -39,7 +40,7 @@ def results(tmp_path, monkeypatch):
 def put_table(results, name, text):
     path = results / "tables" / f"{name}.csv"
     path.write_text(text)
-    Records(str(results)).write([str(path)], {"rule": "all_cases"}, {}, {}, "a.log", 1.0)
+    note(path, digest(path))
 
 
 def test_collected_tables_are_those_of_the_campaign(results, capsys):

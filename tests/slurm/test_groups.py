@@ -3,13 +3,13 @@
 Each job says that it ran in ``ran.txt``, and waits as long as a file ``hang<number>`` is there.
 """
 
+import os
 import subprocess
 import sys
 import time
 from pathlib import Path
 
 import pytest
-from test_toy import Toy
 
 pytestmark = pytest.mark.slurm
 
@@ -18,32 +18,38 @@ OPTIONS = (
     f"--workflow-profile {PROFILE} --slurm-no-account --default-resources mem_mb=300 "
     "--slurm-init-seconds-before-status-checks 3 --seconds-between-status-checks 2 --latency-wait 5"
 ).split()
+TRIGGERS = ("--rerun-triggers", "mtime", "params", "input", "software-env")
 SNAKEFILE = """
 from pathlib import Path
-from snaketrust.project import Project
-from snaketrust.start import start
+from burstcast_workflow.tracking.code import Sources
+from burstcast_workflow.tracking.run import begin
 
 ROOT = Path(str(workflow.current_basedir))
-PROJECT = Project(root=ROOT, scripts=ROOT / "scripts", sources=ROOT / "lib", packages=("toy",))
-sources = start(workflow, PROJECT, lambda config: "results", lambda: dict(config)).sources
+sources = Sources(lambda name: ROOT / "scripts" / name, ROOT / "none", {})
+CODE = sources.entries("step.py", {})
+
+onstart:
+    begin("results", {}, CODE, [], "")
 
 rule all:
     input: "results/total/6.txt"
     localrule: True
 
 rule step:
-    input: lambda wildcards: [f"results/step/{int(wildcards.n) - 1}.txt"][: int(wildcards.n) - 1]
-    output: "results/step/{n}.txt"
+    input: before=lambda one: [f"results/step/{int(one.n) - 1}.txt"][: int(one.n) - 1]
+    output: made="results/step/{n}.txt"
+    log: "results/logs/{n}.log"
     wildcard_constraints: n="[1-5]"
-    params: code=sources.fingerprint("step.py")
+    params: *CODE
     group: "five"
     resources: runtime=lambda wildcards: int(int(wildcards.n) > 4)
     script: "scripts/step.py"
 
 rule total:
-    input: "results/step/5.txt"
-    output: "results/total/{n}.txt"
-    params: code=sources.fingerprint("step.py")
+    input: before="results/step/5.txt"
+    output: made="results/total/{n}.txt"
+    log: "results/logs/{n}.log"
+    params: *CODE
     resources: runtime=1
     script: "scripts/step.py"
 """
@@ -51,24 +57,39 @@ SCRIPT = """
 import time
 from pathlib import Path
 
-from snaketrust.job import run_job
+from burstcast_workflow.harness.job import JobSettings, job, write_text
 
 
-def compute():
+@job
+def compute(*, before: str | list[str], made: str, settings: JobSettings):
+    number = Path(made).stem
     with open("ran.txt", "a") as file:
-        file.write(f"{snakemake.wildcards.n} ")
-    while Path(f"hang{snakemake.wildcards.n}").exists():
+        file.write(f"{number} ")
+    while Path(f"hang{number}").exists():
         time.sleep(0.2)
-    before = "".join(Path(path).read_text() for path in snakemake.input)
-    Path(snakemake.output[0]).write_text(f"{before} {snakemake.wildcards.n}")
-
-
-run_job(snakemake, compute)
+    paths = [before] if isinstance(before, str) else before
+    write_text(made, "".join(Path(path).read_text() for path in paths) + f" {number}")
 """
 
 
-class Submitted(Toy):
+class Submitted:
     """A workflow whose jobs a Slurm runs."""
+
+    def __init__(self, directory):
+        self.directory = directory
+        source = Path(__file__).parents[2] / "src"
+        self.environment = {**os.environ, "PYTHONPATH": str(source)}
+        (directory / "scripts").mkdir()
+        (directory / "scripts" / "step.py").write_text(SCRIPT)
+        (directory / "Snakefile").write_text(SNAKEFILE)
+
+    def run(self, *arguments, fails=False):
+        """Run it on this machine, without Slurm; what it said."""
+        command = [sys.executable, "-m", "snakemake", "--cores", "1", *TRIGGERS, *arguments]
+        options = {"cwd": self.directory, "env": self.environment, "text": True}
+        result = subprocess.run(command, capture_output=True, check=False, **options)
+        assert (result.returncode != 0) == fails, result.stdout + result.stderr
+        return result.stdout + result.stderr
 
     def submit(self):
         self.log = self.directory / "snakemake.log"
@@ -98,19 +119,18 @@ class Submitted(Toy):
         self.wait(lambda: process.poll() is not None)
         assert process.returncode == 0, self.log.read_text()
         assert (self.directory / "results/total/6.txt").read_text() == " 1 2 3 4 5 6"
-        assert not self.run()
+        assert "Nothing to be done" in self.run()
 
 
 @pytest.fixture
 def toy(slurm, tmp_path):
-    toy = Submitted(tmp_path)
-    toy.write("Snakefile", SNAKEFILE)
-    toy.write("scripts/step.py", SCRIPT)
-    return toy
+    return Submitted(tmp_path)
 
 
 @pytest.mark.parametrize("event", ["requeue", "fail_node"])
-def test_a_group_that_slurm_starts_again_keeps_what_its_members_have_finished(slurm, toy, event):
+def test_a_group_that_slurm_starts_again_takes_what_its_members_have_finished_from_the_cache(
+    slurm, toy, event
+):
     toy.hang(3)
     process = toy.submit()
     toy.wait(lambda: "3" in toy.ran())
@@ -152,4 +172,4 @@ def test_a_run_that_is_started_again_while_a_group_of_the_killed_one_runs_gets_i
     old, new, _ = slurm.jobs()[before:]
     assert (old.state, new.state) == ("FAILED", "COMPLETED")
     (log,) = (toy.directory / "results/slurm-logs").rglob(f"{old.number}.log")
-    assert "belongs to a newer run now" in log.read_text()
+    assert "belongs to a newer run" in log.read_text()

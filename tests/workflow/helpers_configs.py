@@ -10,8 +10,6 @@ from snakemake.utils import update_config
 
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.costs.records import costs_of_plan
-from snaketrust.plan import planned
 
 ROOT = Path(__file__).parents[2]
 PRESETS = sorted((ROOT / "workflow" / "presets").glob("*.yaml"))
@@ -92,8 +90,3 @@ def networks(neurons: list[int], validation: tuple[str, ...] = ("RV",), seeds: i
 def records_of(loaded: Any) -> dict[str, dict[str, Any]]:
     """All settings of each case, as plain data."""
     return {name: case.dump() for name, case in Campaign(loaded).cases.items()}
-
-
-def predicted_costs(arguments=(), seconds_per=None):
-    """Costs of the rules of the campaign that options of snakemake name, done or not."""
-    return costs_of_plan(planned([*arguments, "--forceall"]), seconds_per)

@@ -1,68 +1,82 @@
-"""The code of the project: fingerprints tell what a job depends on, and jobs load little."""
+"""The code of the project: closures tell what a job depends on, and jobs load little."""
 
 import ast
 import subprocess
 import sys
-from dataclasses import replace
 from fnmatch import fnmatch
 from functools import cache
 from pathlib import Path
 
 import pytest
+from helpers_rebuilds import Project
 
 from burstcast.figures.registry import available_figures
-from burstcast_workflow.project import PACKAGES, code_of
-from forbidden_code import forbidden_imports, forbidden_reads, offered_late, words_read
-from snaketrust.fingerprint import Sources
+from burstcast_workflow.project import PACKAGES
+from burstcast_workflow.tracking.code import Sources
+from forbidden_code import docstrings_read, forbidden_imports, forbidden_reads, offered_late
 
 ROOT = Path(__file__).parents[2]
-PROJECT = code_of(ROOT)
 SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*/*.py"))
 SOURCES = sorted((ROOT / "src").rglob("*.py"))
 
 
-SEEN = Sources(PROJECT)
+def sources_of(scripts: Path) -> Sources:
+    return Sources(lambda name: scripts / name, ROOT / "src", {})
+
+
+SEEN = sources_of(ROOT / "workflow" / "scripts")
+
+
+def names(entries) -> frozenset[str]:
+    return frozenset(entry.partition(" ")[0] for entry in entries)
 
 
 @cache
 def modules_of(path: Path) -> frozenset[str]:
     """Modules that a script reaches."""
-    below = path.is_relative_to(PROJECT.scripts)
-    sources = SEEN if below else Sources(replace(PROJECT, scripts=path.parent))
-    name = str(path.relative_to(PROJECT.scripts)) if below else path.name
-    return frozenset(entry.partition("@")[0] for entry in sources.fingerprint(name))
+    return names(sources_of(path.parent).entries(path.name, {}))
 
 
 def test_all_packages_are_those_of_the_project():
-    assert {path.name for path in (ROOT / "src").iterdir() if path.suffix == ""} == {*PACKAGES}
+    found = {path.name for path in (ROOT / "src").iterdir() if path.suffix == ""}
+    # what Snakemake imports is in no closure of a script
+    assert found == {*PACKAGES, "snakemake_logger_plugin_burstcast"}
+
+
+def test_closures_have_what_scripts_load(job_server):
+    """What they load when they are imported; what functions import is in them, too."""
+    loaded = Project(ROOT, job_server).loaded_modules()
+    scripts = [name for name in loaded if name.endswith(".py")]
+    assert len(scripts) == len(SCRIPTS)
+    for script in scripts:
+        found = names(SEEN.entries(script, {}))
+        # what reads and writes files loads more, for which the version stands, too
+        left_out = (*OF_HARNESS, "burstcast.files.")
+        assert {one for one in loaded[script] if not one.startswith(left_out)} <= found, script
+
+
+# which have a version instead
+OF_HARNESS = (
+    *("burstcast_workflow.harness", "burstcast_workflow.project", "burstcast_workflow.tracking"),
+    *("burstcast.files.netcdf", "burstcast.files.tables"),
+)
 
 
 @pytest.mark.parametrize("path", SOURCES + SCRIPTS, ids=lambda path: str(path.relative_to(ROOT)))
-def test_fingerprints_see_all_code_of_the_project(path):
+def test_closures_see_all_code_of_the_project(path):
     # what finds modules by their names, what compares the code that runs with its text, and the
     # command, which no job imports
-    if path.name not in ("discovery.py", "modules.py", "command_line.py"):
+    if path.name not in ("discovery.py", "code.py", "command_line.py"):
         assert forbidden_imports(path) == []
 
 
-# Functions that pass words on to people: where a module's mistake is, a figure's caption in the
-# report, what is wrong with a file of series or with settings of its times, that
-# a disk is full, why a system is not compiled.
+# Functions that pass docstrings on to people: a figure's caption, where a source is.
 PASS_WORDS_ON = {
-    "burstcast.control.loop": {"run"},
-    "burstcast.discovery": {"imported", "_place"},
     "burstcast.figures.registry": {"caption"},
-    "burstcast.systems.compiled": {"_attempt", "_place"},
-    "burstcast.data.series_files": {"_named"},
-    "burstcast.data.tables": {"frame_run"},
-    "burstcast.data.records": {"problems_of_columns"},
-    "burstcast.files.atomic_files": {"atomic"},
-    "burstcast_workflow.jobs.lengths": {"listing"},  # which lengths do not fit
-    "neighbour_divergence.py": {"estimated_exponent"},  # why there is none, in words
 }
 
 
-def test_no_job_depends_on_what_fingerprints_leave_out():
+def test_no_job_depends_on_docstrings_or_on_what_packages_offer_late():
     registries = {
         f"burstcast.{name}": [
             path.stem
@@ -78,22 +92,21 @@ def test_no_job_depends_on_what_fingerprints_leave_out():
     paths = {}
     for script in SCRIPTS:
         name = str(script.relative_to(ROOT / "workflow" / "scripts"))
-        for entry in SEEN.fingerprint(name, found_by_name):
-            module = entry.partition("@")[0]
+        for module in names(SEEN.entries(name, found_by_name)):
             path = ROOT / "src" / module.replace(".", "/")
             inside = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
             paths[module] = script if module.endswith(".py") else inside
     assert len(paths) > 200
     for module, path in paths.items():
         allowed = frozenset(PASS_WORDS_ON.get(module, ()))
-        assert words_read(path, allowed) == [], module
+        assert docstrings_read(path, allowed) == [], module
         # these offer what notebooks begin with, and no job asks for that
-        packages = "burstcast", "burstcast_workflow", "snaketrust"
+        packages = "burstcast", "burstcast_workflow"
         for package in packages if module not in packages else ():
             assert offered_late(path, ROOT / "src" / package) == [], module
     for module, functions in PASS_WORDS_ON.items():  # none in vain
         for function in functions:
-            assert words_read(paths[module], frozenset(functions - {function})), function
+            assert docstrings_read(paths[module], frozenset(functions - {function})), function
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
@@ -102,8 +115,7 @@ def test_a_script_depends_on_what_concerns_its_numbers_alone(path):
     found = modules_of(path)
     assert not {one for one in found if one.startswith("burstcast_workflow.config")}
     # of the harness, which is left out, its version
-    left_out = "burstcast_workflow.harness.", "snaketrust"
-    of_harness = {one for one in found if one.startswith(left_out)}
+    of_harness = {one for one in found if one.startswith(OF_HARNESS)}
     assert of_harness == {"burstcast_workflow.harness.version"}
     # others than control know what an actuation is; tables know its records
     if path.parent.name != "control":
@@ -119,10 +131,7 @@ def test_packages_import_nothing_by_themselves():
         if path.name == "__init__.py" and ast.parse(path.read_text()).body[1:]  # not only words
     }
     # Snakemake asks for its plugins' classes there, and no job imports them
-    plugins = {
-        ROOT / "src" / f"snakemake_{kind}_plugin_burstcast" / "__init__.py"
-        for kind in ("logger", "report")
-    }
+    plugins = {ROOT / "src" / "snakemake_logger_plugin_burstcast" / "__init__.py"}
     # what notebooks begin with is loaded when it is asked for
     notebook = {ROOT / "src" / name / "__init__.py" for name in ("burstcast", "burstcast_workflow")}
     assert packages == plugins | notebook
@@ -148,7 +157,7 @@ def reached(script, *kinds, systems=(), strategies=()):
         **{"burstcast.control.strategies": [*strategies]},
         "burstcast.tuning.strategies": ["recycle"],
     }
-    return {entry.partition("@")[0] for entry in SEEN.fingerprint(script, about)}
+    return names(SEEN.entries(script, about))
 
 
 @pytest.mark.parametrize("rule", ["control", "suppressed_event"])
@@ -261,9 +270,9 @@ def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_wit
 
 
 # Each may import those before it; what offers the rest to notebooks and commands is above all.
-DOWNWARDS = ("burstcast", "snaketrust", "snakemake_logger_plugin_burstcast", "burstcast_workflow")
+DOWNWARDS = ("burstcast", "snakemake_logger_plugin_burstcast", "burstcast_workflow")
 PARTS = (
-    *("project", "harness", "jobs", "config", "campaign", "tables", "start", "costs"),
+    *("project", "tracking", "harness", "jobs", "config", "campaign", "tables", "start"),
     *("stages", "figures", "commands"),
 )
 
@@ -302,8 +311,6 @@ def test_the_parts_of_the_workflow_import_downwards():
 
 @pytest.mark.parametrize("package", DOWNWARDS)
 def test_packages_import_downwards(package):
-    above = {*DOWNWARDS[DOWNWARDS.index(package) + 1 :], "burstcast_report"}
-    above |= {"snaketrust"} if package == "burstcast" else set()
-    above |= {"burstcast"} if package == "snaketrust" else set()
+    above = {*DOWNWARDS[DOWNWARDS.index(package) + 1 :]}
     for path in sorted((SOURCE / package).rglob("*.py")):
         assert not above & {module.partition(".")[0] for module in imported(path)}, path

@@ -16,7 +16,7 @@ import yaml
 import burstcast_workflow
 from burstcast_workflow.commands.archive import (
     NothingToArchiveError,
-    _config_of,
+    _claim_of,
     contents,
     versions,
     write_archive,
@@ -29,7 +29,6 @@ from burstcast_workflow.project import (
     project_root,
     snakefile,
 )
-from snaketrust.records import Records
 
 ROOT = Path(__file__).parents[2]
 
@@ -85,7 +84,7 @@ def test_a_revision_says_whether_files_differ_from_it(tmp_path):
         (["wy"], "invalid choice: 'wy'"),
         (["check-system"], "the following arguments are required: system"),
         (["settings", "more"], "settings does not know more"),
-        (["why", "--configfile", "none.yaml"], "none.yaml: there is no file of this name"),
+        (["archive", "--configfile", "none.yaml"], "none.yaml: there is no file of this name"),
     ],
 )
 def test_a_mistake_is_told_in_a_line(arguments, message, capsys):
@@ -111,9 +110,6 @@ TINY = ROOT / "workflow" / "presets" / "tiny.yaml"
 
 def test_a_study_in_a_directory_of_its_own_plans(tmp_path, job_server):
     options = ["-s", snakefile(), "--configfile", TINY]
-    why = said_by([*COMMAND, "why", "results/tiny/tables/horizon.csv", *options], tmp_path)
-    assert "not made yet" in why
-    assert "train (4)" in why
     outcome = job_server.snakemake(tmp_path, "-n", *options, "--config", "random_seed=-4")
     assert outcome.status == 1
     assert "a mistake: random_seed is -4; it must be" in outcome.text
@@ -139,7 +135,7 @@ def test_the_page_has_all_commands(capsys):
         main(["--help"])
     known = re.findall(r"^    ([a-z-]+)(?: |$)", capsys.readouterr().out, re.MULTILINE)
     assert sorted(re.findall(r"^\| `burstcast ([a-z-]+)", PAGE, re.MULTILINE)) == sorted(known)
-    assert len(known) == 5
+    assert len(known) == 4
 
 
 def study(directory, change=("", "")):
@@ -162,9 +158,8 @@ def test_a_study_may_have_rules_of_its_own(tmp_path):
     study(tmp_path, (" as burstcast_*\n", f"\n{own}"))
     profile = ["--workflow-profile", ROOT / "profiles" / "default"]
     targets = ["results/tiny/tables/horizon.csv", "own.txt"]
-    costs = said_by([*COMMAND, "costs", *targets], tmp_path)
-    assert "\ntrain " in costs
-    assert "own" not in costs
+    plan = said_by([sys.executable, "-m", "snakemake", "-n", *profile, *targets], tmp_path)
+    assert "burstcast_train (4)" in plan
     snakemake = [sys.executable, "-m", "snakemake", "--cores", "1", *profile]
     figure = "results/tiny/figures/validation_strategies.png"
     said = said_by([*snakemake, "own.txt", figure], tmp_path)
@@ -175,7 +170,7 @@ def test_a_study_may_have_rules_of_its_own(tmp_path):
     assert "x.zip: 6 files" in said
     # a workflow that has nothing of burstcast
     (tmp_path / "Snakefile").write_text("rule own:\n    output: 'b'\n    shell: 'touch b'\n")
-    assert "no rules of burstcast" in said_by([*COMMAND, "why", "own"], tmp_path, status=2)
+    assert "no rules of burstcast" in said_by([*COMMAND, "archive", "own"], tmp_path, status=2)
 
 
 # -- the archive -----------------------------------------------------------------------------------
@@ -183,44 +178,43 @@ def test_a_study_may_have_rules_of_its_own(tmp_path):
 
 @pytest.fixture
 def results(tmp_path):
-    """Results of three files, by two revisions and one that is not known."""
+    """Results of a few files."""
     directory = tmp_path / "results" / "quick"
-    for name, revision in {
-        "tables/scores.csv": "a1",
-        "tables/scores.tex": "a1",
-        "figures/scores.pdf": "b2-dirty",
-        "Re400/ensemble.nc": None,
-    }.items():
-        path, record = directory / name, directory / ".records" / f"{name}.json"
-        for one in (path, record):
-            one.parent.mkdir(parents=True, exist_ok=True)
+    for name in (
+        *("tables/scores.csv", "tables/scores.tex", "figures/scores.pdf", "Re400/ensemble.nc"),
+        *("report.html", "tables/.scores.csv.1.partial", "tables/.scores.csv.sha256"),
+    ):
+        path = directory / name
+        path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(name)
-        known = {"revision": revision, "environment": [f"kernel of {revision}"]}
-        record.write_text(json.dumps({} if revision is None else known))
-    (directory / "tables" / ".scores.csv.1.partial").write_text("half")
     return directory
 
 
+CLAIM_OF_RUN = {"revision": "a1-dirty", "linear algebra": ["a kernel"]}
+
+
 def test_an_archive_has_what_can_be_cited(results, tmp_path):
-    files = contents(results, {"results": str(results), "random_seed": 3}, "nothing")
+    files = contents(
+        results, {**CLAIM_OF_RUN, "config": {"results": str(results), "random_seed": 3}}, "nothing"
+    )
     assert set(files) == {
         f"quick/{name}"
         for name in (
             *("tables/scores.csv", "tables/scores.tex", "figures/scores.pdf"),
             *("config.yaml", "versions.json", "why.txt", "README.md", "CITATION.cff"),
+            "report.html",
         )
     }
     config = yaml.safe_load(files["quick/config.yaml"])
     assert config == {"results": "results/quick", "random_seed": 3}
     assert str(tmp_path) not in b"".join(files.values()).decode()
     told = json.loads(files["quick/versions.json"])
-    assert told["files by revision"] == {"a1": 2, "b2-dirty": 1, "unknown": 1}
-    assert told["linear algebra"] == ["kernel of a1", "kernel of b2-dirty"]
+    assert (told["revision"], told["linear algebra"]) == ("a1-dirty", ["a kernel"])
     assert {"numpy", "scipy", "snakemake"} <= set(told["libraries"])
 
 
 def test_equal_results_make_equal_archives(results, tmp_path):
-    files = contents(results, {"results": "results/quick"}, "nothing")
+    files = contents(results, {**CLAIM_OF_RUN, "config": {"results": "results/quick"}}, "nothing")
     packed = []
     for number, order in enumerate((sorted(files), sorted(files, reverse=True))):
         path = tmp_path / f"{number}.zip"
@@ -256,33 +250,21 @@ def test_an_archive_of_nothing_or_with_a_damaged_claim_is_refused(damage, tmp_pa
     claim = tmp_path / ".run.json"
     claim.write_text(damage)
     with pytest.raises(NothingToArchiveError, match=r"\.run\.json is damaged"):
-        _config_of(claim)
+        _claim_of(tmp_path)
 
 
-def test_records_say_the_revision_and_files_do_not(finished):
-    """Equal runs of different revisions have the same bits: only records tell them apart."""
+def test_a_run_says_its_revision_and_files_do_not(finished):
+    """Equal runs of different revisions have the same bits: only the claim tells them apart."""
     results = finished.project.results
     claim = json.loads((results / ".run.json").read_bytes())
-    told = versions(results)
-    assert list(told["files by revision"]) == [claim["revision"]]
+    told = versions(claim)
+    assert (told["revision"], told["linear algebra"]) == (
+        claim["revision"],
+        claim["linear algebra"],
+    )
     path = results / "Re400" / "esn-N40-RV-seed0" / "forecaster.nc"
     if claim["revision"] != "unknown":
         assert claim["revision"][:40].encode() not in path.read_bytes()
-    record, _ = Records(str(results)).found(str(path))
-    assert record.environment
-    assert record.environment[0].encode() not in path.read_bytes()
-
-
-def test_a_damaged_record_does_not_stop_an_archive(tmp_path):
-    paths = [str(tmp_path / name) for name in ("a.csv", "b.csv")]
-    for path in paths:
-        Path(path).write_text("1")
-    records = Records(str(tmp_path))
-    records.write(paths, {"rule": "table"}, {}, {}, "", 1.0, "revision", ["kernel"])
-    records.file(paths[1]).write_text("{")
-    told = versions(tmp_path)
-    assert told["files by revision"] == {"damaged record": 1, "revision": 1}
-    assert told["linear algebra"] == ["kernel"]
 
 
 # -- the wheel -------------------------------------------------------------------------------------
@@ -337,19 +319,19 @@ def test_the_tiny_campaign_runs_from_a_wheel_in_an_empty_directory(installed, tm
     for name in ("tables/horizon.csv", "tables/classification.csv", "tables/control.csv"):
         expected = (finished.project.results / name).read_bytes()
         assert (study / "results" / "tiny" / name).read_bytes() == expected
-    why = ["burstcast", "why", "tables", *options]
-    assert "up to date" in said_by(why, study, **environment)
+    why = [python, "-m", "snakemake", "-n", "tables", *options]
+    assert "Nothing to be done" in said_by(why, study, **environment)
     # sources are verified: those of the installed package, and of no other library
     claim = json.loads((study / "results" / "tiny" / ".run.json").read_bytes())
     packages = {
-        entry.partition("@")[0].partition(".")[0]
+        entry.partition(" ")[0].partition(".")[0]
         for entry in claim["code"]
-        if not entry.partition("@")[0].endswith(".py")
+        if not entry.partition(" ")[0].endswith(".py")
     }
     assert packages == {*PACKAGES}
     edited = root.parents[1] / "burstcast" / "events.py"
     edited.write_text(edited.read_text() + "\nEDITED = True\n")
-    assert "code of burstcast.events changed" in said_by(why, study, **environment)
+    assert "code of burstcast.events (Re400)" in said_by(why, study, **environment)
     said = said_by(["burstcast", "archive", *options], study, **environment)
     assert re.search(r"tiny.zip: \d\d files", said)
 

@@ -26,7 +26,6 @@ from burstcast_workflow.config.case import Data, Measured, PartOfCase, Simulated
 from burstcast_workflow.config.case_checks import extrapolations, few_points
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.model import Block, Configuration, case_name
-from burstcast_workflow.costs.model import CostModel
 from burstcast_workflow.figures.registry import figure_names
 from burstcast_workflow.harness.canonical import canonical
 from burstcast_workflow.jobs.data import check_kept_series
@@ -410,10 +409,6 @@ def test_what_a_campaign_makes_of_measured_cases(measured):
     # only what is about measured series depends on their code
     assert found.modules({"case": "part"})["burstcast.systems"] == ["measured"]
     assert found.modules({"case": "Re400"})["burstcast.systems"] == ["mfe"]
-    costs = CostModel(found)
-    for case in ("lab", "part"):
-        names = {"case": case, "forecaster": "esn-N2000-RV-seed0"}
-        assert costs.predicted("training", names).seconds > 0
 
 
 def test_files_as_people_sort_their_names(measured):
@@ -474,10 +469,6 @@ def test_what_is_left_out_of_a_case_follows_from_the_data(measured):
     assert lab["recycle_validation"] == {"series": 4, "intervals_per_series": None}
     assert lab["density"] == {"bins": 200, "range": None}
     assert lab["test_series"] is lab["fixed_point"] is None
-    costs = CostModel(Campaign(load(measured)))
-    costs.classes["forecast"] = "forecast"
-    network = {"case": "lab", "forecaster": "esn-N2000-RV-seed0"}
-    assert costs.predicted("forecast", network).minutes_for(1) >= 0
 
 
 def test_what_is_extrapolated_is_told_with_the_range():

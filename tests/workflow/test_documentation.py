@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from helpers_configs import FLOW, predicted_costs
+from helpers_configs import FLOW
 from helpers_rebuilds import Project
 from PIL import Image
 
@@ -143,12 +143,6 @@ def test_the_readme_is_short_and_every_page_in_the_index():
     index = (ROOT / "docs" / "README.md").read_text()
     pages = {page.name for page in (ROOT / "docs").glob("*.md")} - {"README.md"}
     assert pages == set(re.findall(r"\]\((\S+\.md)\)", index))
-
-
-def test_what_the_demo_is_said_to_take():
-    """A few minutes on two cores, by the cost model."""
-    jobs = predicted_costs(["--configfile", str(ROOT / "workflow/presets/quick.yaml")])
-    assert jobs["predicted_minutes"].sum() < 8
 
 
 # -- the site --------------------------------------------------------------------------------------

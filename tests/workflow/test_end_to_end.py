@@ -26,7 +26,7 @@ def results(project):
     return {
         name: digest
         for name, digest in digests(project.results).items()
-        if name.split("/")[0] not in ("logs", "benchmarks")
+        if name.split("/")[0] != "logs"
     }
 
 
@@ -179,8 +179,6 @@ def test_nothing_is_written_outside_of_the_results(finished):
         *("results", ".snakemake"),
     }
     assert [path.name for path in finished.project.results.parent.iterdir()] == ["tiny"]
-    # a part of a campaign, without its figures, writes no costs of the whole
-    assert not (finished.project.results / "benchmarks" / "rule_costs.csv").exists()
 
 
 # -- running it again ------------------------------------------------------------------------------

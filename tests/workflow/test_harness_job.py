@@ -8,7 +8,6 @@ import sys
 import textwrap
 import time
 import warnings
-from dataclasses import replace
 from tempfile import TemporaryFile
 from types import SimpleNamespace
 
@@ -17,13 +16,12 @@ import pytest
 from helpers_configs import ROOT
 from snakemake.iocontainers import Namedlist
 
-from burstcast_workflow.harness import environment
 from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.harness.job import JobSettings, at, run_job
 from burstcast_workflow.harness.storage import atomic, write_json
-from burstcast_workflow.project import code_of
-from snaketrust.fingerprint import Sources
-from snaketrust.run import Run
+from burstcast_workflow.tracking.code import Sources
+from burstcast_workflow.tracking.results import DamagedResultError, checked, damaged
+from burstcast_workflow.tracking.run import begin
 
 HEADER = """
 from pathlib import Path
@@ -32,15 +30,15 @@ from types import SimpleNamespace
 Path("data.nc").write_text("data")
 script = Path("train.py").resolve()
 script.write_text("import burstcast.durations")
-sources = Sources(replace(PROJECT, scripts=script.parent))
+sources = Sources(lambda name: script, SOURCES, {})
+code = sources.entries("train.py", {})
+begin("results", {}, code, [os.path.abspath("mine")], "abc")
 
 snakemake = SimpleNamespace(
     rule="train", resources={}, scriptdir=str(script.parent), log=["logs/train.log"],
     wildcards={"case": "Re400", "seed": "3"},
     input=files(data="data.nc"), output=files(network="deep/er/network.json"),
-    params=files(
-        settings={"number": 3.0, "name": "Re400"}, code=sources.fingerprint("train.py")
-    ),
+    params=Namedlist(toclone=['number = 3', 'name = "Re400"', "", *code]),
 )
 """
 MAIN = "def main(*, data, network, settings: Named):\n"
@@ -55,7 +53,7 @@ class Named(JobSettings):
 # what a script finds beside its own text
 GIVEN = {
     **{"os": os, "time": time, "np": np, "files": lambda **items: Namedlist(fromdict=items)},
-    **{"PROJECT": code_of(ROOT), "Sources": Sources, "replace": replace, "Run": Run},
+    **{"SOURCES": ROOT / "src", "Sources": Sources, "begin": begin, "Namedlist": Namedlist},
     **{"atomic": atomic, "write_json": write_json, "run_job": run_job},
     **{"Named": Named},
 }
@@ -123,19 +121,15 @@ def test_success(tmp_path):
 def test_a_job_of_a_run_finds_own_modules_and_records_how_long_it_took(tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "own_flow.py").write_text("RATE = 2")
-    body = f"""
-Run.new("results").claim({{}}, sources.all_code(), [os.path.abspath("mine")])
-snakemake.output = files(network="results/network.json")
-{MAIN}
+    body = f"""{MAIN}
     import own_flow
     time.sleep(0.2)
     write_json(network, {{"rate": own_flow.RATE}})
     """
     result, log = run(tmp_path, body)
     assert result.returncode == 0, log
-    record = json.loads((tmp_path / "results" / ".records" / "network.json.json").read_text())
-    assert 0.2 <= record["seconds"] < 60
-    assert record["parameters"]["settings"] == {"name": "Re400", "number": 3}
+    (record,) = (tmp_path / ".burstcast_cache").rglob("entry.json")
+    assert 0.2 <= json.loads(record.read_text())["seconds"] < 60
 
 
 def test_provenance_has_versions_and_nothing_of_time_machine_or_path(tmp_path):
@@ -173,10 +167,6 @@ def main_with(parameters):
     ("body", "complaint"),
     [
         (
-            f'snakemake.params.settings["neurons"] = np.int64(3)\n{MAIN}    open("ran", "w")',
-            "TypeError: params.settings.neurons is",
-        ),
-        (
             f"{MAIN}    settings.neurons",
             "UndeclaredSettingError: train reads the setting neurons, which does not concern it; "
             "its settings are: name, number (log:",
@@ -204,25 +194,79 @@ def test_a_job_that_is_not_what_its_rule_says_fails(tmp_path, body, complaint):
 
 def test_a_comment_is_no_edit_while_a_job_runs(tmp_path):
     edit = '    script.write_text("import burstcast.durations  # a comment")'
-    assert run(tmp_path, MAIN + edit)[0].returncode == 0
+    assert run(tmp_path, f"{MAIN}{edit}, write_json(network, {{}})")[0].returncode == 0
 
 
 @pytest.mark.parametrize("read", ["name", "number"])
 def test_settings_that_nobody_reads_are_in_the_log(tmp_path, read):
-    _, log = run(tmp_path, f"{MAIN}    settings.name, settings.{read}")
+    _, log = run(tmp_path, f"{MAIN}    settings.name, settings.{read}, write_json(network, {{}})")
     assert ("settings not read: number" in log) == (read == "name")
     assert "is done" in log
 
 
-def test_outputs_from_the_cache_say_nothing_about_settings(tmp_path):
-    cached = 'os.environ["BURSTCAST_CACHE"] = "cache"\nsnakemake.resources = {"cached": 1}\n'
-    body = f"{cached}{MAIN}    settings.name, write_json(network, {{}})"
-    _, first = run(tmp_path, body)
-    _, second = run(tmp_path, body)
-    assert "outputs put into the cache" in first
-    assert "settings not read: number" in first
-    assert "outputs taken from the cache" in second
-    assert "not read" not in second
+def test_outputs_come_from_the_cache_with_their_log(tmp_path):
+    body = f"{MAIN}    settings.name, print('computed'), write_json(network, {{}})"
+    first = run(tmp_path, body)[1]
+    output = tmp_path / "deep" / "er" / "network.json"
+    content = output.read_bytes()
+    output.unlink()
+    second = run(tmp_path, f"{MAIN}    raise ValueError('computed again')")[1]
+    assert output.read_bytes() == content
+    assert checked(str(output))
+    for log in (first, second):
+        assert "computed\n" in log
+        assert "settings not read: number" in log
+        assert "is done: 0." in log.splitlines()[-1]
+    assert "the outputs are those of this job, which took 0." in second
+    assert "the outputs are" not in first
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "snakemake.params = Namedlist(toclone=['number = 4', 'name = \"Re400\"', *code])",
+        'snakemake.wildcards["seed"] = "4"',
+        'Path("data.nc").write_text("other")',
+        'snakemake.output = files(network="deep/er/other.json")',
+        'Path("data.nc").rename("other.nc"); snakemake.input = files(data="other.nc")',
+        "from burstcast_workflow.tracking import environment; environment.platform.machine = str",
+    ],
+    ids=["setting", "wildcard", "input", "output", "name of an input", "machine"],
+)
+def test_a_job_that_depends_on_something_else_computes(tmp_path, change):
+    body = f"{MAIN}    write_json(network, {{}})\n    open('ran', 'a').write('x')"
+    run(tmp_path, body)
+    run(tmp_path, body)
+    assert (tmp_path / "ran").read_text() == "x"
+    assert run(tmp_path, f"{change}\n{body}")[0].returncode == 0
+    assert (tmp_path / "ran").read_text() == "xx"
+
+
+def test_what_a_killed_job_leaves_is_not_taken_for_a_damaged_result(tmp_path):
+    body = f"{MAIN}    write_json(network, {{}})"
+    run(tmp_path, body)
+    killed = f"snakemake.wildcards['seed'] = '4'\n{MAIN}    write_json(network, [1]), os._exit(9)"
+    assert run(tmp_path, killed)[0].returncode == 9
+    assert (tmp_path / "deep/er/network.json").read_text() == "[\n  1\n]\n"
+    assert damaged(tmp_path) == []
+
+
+def test_a_damaged_input_stops_the_job(tmp_path):
+    damage = """
+from burstcast_workflow.tracking.results import note
+note("data.nc", "0" * 64)
+os.utime("data.nc", (1, 1))
+"""
+    result, _ = run(tmp_path, f"{damage}{MAIN}    open('ran', 'w')")
+    assert DamagedResultError.__name__ in result.stderr
+    assert "data.nc is not what its job wrote" in result.stderr
+    assert not (tmp_path / "ran").exists()
+
+
+def test_an_input_that_changes_while_the_job_runs_is_noticed(tmp_path):
+    result, _ = run(tmp_path, f"{MAIN}    write_json(network, {{}}), Path(data).write_text('new')")
+    assert "an input has changed while the job ran" in result.stderr
+    assert not [*(tmp_path / ".burstcast_cache").rglob("entry.json")]
 
 
 def test_leftovers_of_killed_jobs_are_removed(tmp_path):
@@ -310,17 +354,3 @@ def test_many_failures_are_listed_by_name_only(tmp_path):
     for said in ("reason 0", "15 more", "24.log"):
         assert said in text
     assert "reason 24" not in text
-
-
-# -- what numbers depend on beside settings, code and inputs ---------------------------------------
-
-
-def test_shared_results_are_where_the_variable_says(monkeypatch, tmp_path, caplog):
-    monkeypatch.setenv(environment.CACHE, "~nosuchuser/cache")
-    assert environment.shared_results() is None
-    assert "the cache ~nosuchuser/cache is not used: " in caplog.text
-    monkeypatch.delenv(environment.CACHE)
-    assert environment.shared_results() is None
-    monkeypatch.setenv("HOME", str(tmp_path))
-    monkeypatch.setenv(environment.CACHE, "~/cache")
-    assert environment.shared_results().directory == tmp_path / "cache"

@@ -4,7 +4,6 @@ A simulated ensemble is written to CSV and read as data: everything that does no
 the same, to the last bit.
 """
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -207,13 +206,6 @@ def test_what_an_edit_of_the_data_runs_again(project, tmp_path):
     assert outcome.status == 1
     message = "lab/run_12.csv: column 'y' has no number in row 7 of 1001: fill gaps"
     assert message in outcome.text
-
-
-def test_the_record_names_the_files(project):
-    record = project.directory / "results/measured/.records/lorenz/ensemble.nc.json"
-    inputs = json.loads(record.read_text())["inputs"]
-    assert [name for name in inputs if name.endswith("lab/run_10.csv")]
-    assert len(inputs) == 9
 
 
 @pytest.mark.long

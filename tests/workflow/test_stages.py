@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import pytest
 import yaml
 from helpers_rebuilds import loaded_script
+from snakemake import iocontainers
 from snakemake.api import SnakemakeApi
 from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 from snakemake.utils import update_config
@@ -23,15 +24,14 @@ from burstcast.tables.makers._probabilities import SETTINGS as SCORED
 from burstcast.tables.makers.registry import maker
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.loading import load
-from burstcast_workflow.costs.model import CostModel
 from burstcast_workflow.figures.jobs import FigureJobs, captions
 from burstcast_workflow.figures.registry import FIGURES, settings_of
+from burstcast_workflow.harness.job import parameters as parameters_of
 from burstcast_workflow.harness.settings import THRESHOLDS, Setting
-from burstcast_workflow.project import code_of
 from burstcast_workflow.stages.declared import declared_settings
-from burstcast_workflow.stages.stages import Stages, of_job, one_of
+from burstcast_workflow.stages.stages import Stages, one_of
 from burstcast_workflow.tables.declarations import TABLES as DECLARED
-from snaketrust.fingerprint import Sources
+from burstcast_workflow.tracking.code import Sources
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = ROOT / "workflow" / "scripts"
@@ -75,20 +75,9 @@ def workflow():
     return SimpleNamespace(rules=rules, campaign=Campaign(load(config)))
 
 
-def groups():
-    """Groups of the rules that have a script: the others only name what to make."""
-    # read anew: rules see the workflow that Snakemake has read last
-    found = {name: rule for name, rule in workflow.__wrapped__().rules.items() if rule.script}
-    settings = SimpleNamespace(common_settings=SimpleNamespace(local_exec=False))
-    for rule in found.values():
-        rule.workflow._executor_plugin = settings  # as where jobs are submitted
-    return {name: rule.ruleinfo.group({}) for name, rule in found.items()}
-
-
-class Wildcards(dict):
+def Wildcards(**values):  # noqa: N802 - as Snakemake's
     """Values by name or attribute, as Snakemake's."""
-
-    __getattr__ = dict.__getitem__
+    return iocontainers.Wildcards(fromdict=values)
 
 
 JOINED = dict.fromkeys(table.section for table in DECLARED.values() if table.of_cases)
@@ -110,14 +99,20 @@ def wildcards_of(rule):
         "strategy": "prediction_triggered-prediction_time1-window1",
     }
     names = workflow().rules[rule].wildcard_names
-    return Wildcards({name: found[name] for name in names})
+    return Wildcards(**{name: found[name] for name in names})
+
+
+def of_job(rule, wildcards=None):
+    """Settings of a rule's job, and the names of its code."""
+    wildcards = wildcards or wildcards_of(rule)
+    params = workflow().rules[rule].params
+    made, code = parameters_of([one(wildcards) if callable(one) else one for one in params])
+    return made, {entry.partition(" ")[0] for entry in code}
 
 
 def settings(rule):
     """Settings of a rule's job."""
-    made = workflow().rules[rule].params
-    (found,) = (function for name, function in made.items() if name == "settings")
-    return found(wildcards_of(rule))
+    return of_job(rule)[0]
 
 
 def declared(rule):
@@ -133,14 +128,12 @@ def test_the_rules_are_those_of_the_text():
 
 @pytest.mark.parametrize("rule", WRITTEN)
 def test_a_rule_says_its_name_wherever_it_is_asked_for(rule):
-    """Settings are found by it, and files of logs and costs are named by it."""
-    asked = r"(?:unknowns_of|needs)\(\s*\"(\w+)\"|\{(?:LOGS|TIMES)\}/(\w+)"
+    """Settings are found by it, and logs are named by it."""
+    asked = r"unknowns_of\(\s*\"(\w+)\"|\{LOGS\}/(\w+)"
     found = [one or other for one, other in re.findall(asked, WRITTEN[rule])]
-    assert len(found) >= 3
     assert {*found} == {rule}
     script = script_of(rule).relative_to(SCRIPTS)
-    assert f'code_of("{script}")' in WRITTEN[rule]
-    assert re.search(rf'settings_of\(\s*"{script}"', WRITTEN[rule])
+    assert re.search(rf'\*of_script\(\s*"{script}"', WRITTEN[rule])
 
 
 @pytest.mark.parametrize("rule", WRITTEN)
@@ -154,8 +147,8 @@ def test_what_other_jobs_find_out_is_an_input_of_the_rules_that_read_it(rule):
 def test_a_rule_runs_the_script_of_its_name_and_has_its_code(rule):
     # of rules in a loop not that of the last one
     script, made = script_of(rule), dict(workflow().rules[rule].params.items())
-    entries = made["code"](wildcards_of(rule))
-    assert script.name in [entry.partition("@")[0] for entry in entries]
+    (found,) = [name for name in of_job(rule)[1] if name.endswith(".py")]
+    assert found == str(script.relative_to(SCRIPTS))
     if script == TABLES:
         assert made["maker"] == rule
     else:
@@ -246,11 +239,10 @@ def test_a_figure_is_drawn_of_all_that_it_declares_and_of_nothing_else(name):
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_the_code_of_a_figure_is_its_own_module_and_what_that_reaches(name):
-    code = dict(workflow().rules["figure"].params.items())["code"]
-    found = {one.partition("@")[0] for one in code(Wildcards(figure=name, of_case=""))}
+    _, found = of_job("figure", Wildcards(figure=name, of_case=""))
     assert found & {f"burstcast.figures.{one}" for one in FIGURES} == {f"burstcast.figures.{name}"}
     version = "burstcast_workflow.harness.version"
-    assert found > {"figure.py", "burstcast.figures.parts.style", version}
+    assert found > {"figures/figure.py", "burstcast.figures.parts.style", version}
     # of what the module itself finds by name, only what the case is about
     strategies = {"burstcast.tuning.strategies.recycle", "burstcast.tuning.strategies.single_shot"}
     assert found & strategies == (strategies if name == "validation_strategies" else set())
@@ -366,7 +358,11 @@ def stages(*overlays):
     for overlay in overlays:
         update_config(config, overlay)
     campaign = Campaign(load(config))
-    return Stages(campaign, Sources(code_of(ROOT)), CostModel(campaign))
+    return Stages(campaign, sources())
+
+
+def sources():
+    return Sources(lambda name: SCRIPTS / name, SOURCE, {})
 
 
 @pytest.fixture(scope="module")
@@ -402,30 +398,46 @@ def test_files_of_cases_forecasters_and_tables(paper):
 def test_thresholds_are_inputs_where_they_are_quantiles(paper):
     assert paper.unknowns_of("events") == {}
     other = stages(QUANTILE)
-    other.settings_of("data/events.py")
-    other.settings_of("data/simulate.py")
+    other.of_script("data/events.py")
+    other.of_script("data/simulate.py")
     thresholds = other.unknowns_of("events")[THRESHOLDS]
     assert thresholds(JOB) == ["results/paper/Re600/event_threshold.json"]
     assert other.unknowns_of("simulate")[THRESHOLDS](JOB) == []
 
 
-def test_values_and_needs_of_a_stage(paper):
-    values = {"given": 3, "asked": of_job(lambda wildcards: wildcards["case"])}
-    settings = paper.settings_of("data/training_set.py", **values)(JOB)
+def made(params, wildcards):
+    return parameters_of([one(wildcards) if callable(one) else one for one in params])
+
+
+def test_values_of_a_stage(paper):
+    values = {"given": 3, "asked": lambda wildcards: wildcards.case}
+    params = paper.of_script("data/training_set.py", **values)
+    settings, code = made(params, JOB)
     expected = {"given": 3, "asked": "Re600", "washout_lt": 0.5}
     assert {name: settings[name] for name in expected} == expected
-    # more memory for each attempt, and what the cache keeps
-    needed = paper.needs("forecast", "forecast", cached=True)
-    first, second = (needed["mem_mb"](JOB, attempt) for attempt in (1, 2))
-    assert 0 < first < second
-    assert needed["cached"] == 1
+    assert len(code) > 5
+
+
+def test_a_parameter_is_empty_where_it_does_not_concern_the_job(paper):
+    params = paper.of_script("evaluation/forecast.py")
+    lengths = []
+    for name in ("esn-N2000-RV-seed3", "equations"):
+        wildcards = Wildcards(case="Re600", forecaster=name)
+        texts = [one(wildcards) if callable(one) else one for one in params]
+        assert "" in texts
+        _, code = made(params, wildcards)
+        reached = {entry.partition(" ")[0] for entry in code}
+        assert ("burstcast.esn.dynamics" in reached) == name.startswith("esn")
+        assert "burstcast.systems.mfe" in reached
+        lengths.append(len(texts))
+    assert lengths == [len(params)] * 2  # one for each setting and each module of any job
 
 
 def test_a_figure_of_another_case_and_its_overlay():
     job = Wildcards(figure="long_term_density", of_case="_Re600")
     for overlay in (False, True):
         made = stages({"figures": {"published_overlay": overlay}})
-        drawn = FigureJobs(made, Sources(code_of(ROOT)), PUBLISHED)
+        drawn = FigureJobs(made, PUBLISHED)
         assert drawn.case(job) == "Re600"
         assert ("published" in drawn.files(job)) == overlay
         assert drawn.labels(job) == {"figure": "long_term_density", "case": "Re600"}
@@ -444,21 +456,31 @@ PROFILE = yaml.safe_load((ROOT / "profiles" / "slurm" / "config.yaml").read_text
 DEFAULT = yaml.safe_load((ROOT / "profiles" / "default" / "config.yaml").read_text())
 
 
-def test_the_profile_describes_the_group_of_every_job_and_spans_those_that_there_are():
-    assert len(groups()) > 20
+def test_the_profile_describes_its_groups_and_spans_those_that_there_are():
     described = (ROOT / "profiles" / "slurm" / "config.yaml").read_text()
-    for rule, name in groups().items():
-        assert re.search(rf"^#   {name} ", described, re.M), rule
-    # a profile's groups would replace those of the rules
-    assert "groups" not in PROFILE
+    groups = {entry.split("=")[1] for entry in PROFILE["groups"]}
+    for name in groups:
+        assert re.search(rf"^#   {name} ", described, re.M), name
     spanning = {entry.split("=")[0] for entry in PROFILE["group-components"]}
-    assert set() < spanning <= set(groups().values())
+    assert set() < spanning <= groups
 
 
 def test_what_makes_a_job_run_again_is_the_same_everywhere():
-    for option in ("rerun-triggers", "rerun-incomplete", "keep-going"):
+    for option in ("rerun-triggers", "max-checksum-file-size", "rerun-incomplete", "keep-going"):
         assert PROFILE[option] == DEFAULT[option]
     assert PROFILE["retries"] == 2  # with more
     # logs are those that the summary of failures reads
     common = (ROOT / "workflow" / "rules" / "common.smk").read_text()
     assert f'SCHEDULER_LOGS = Path("{PROFILE["slurm-logdir"]}")' in common
+
+
+def test_every_rule_belongs_to_a_group_of_the_cluster():
+    """Rules of tables name it themselves; all others the profile does."""
+    groups = dict(pair.split("=") for pair in PROFILE["groups"])
+    named = {rule for rule, text in WRITTEN.items() if "    group:\n" in text}
+    assert not named & groups.keys()
+    assert named | groups.keys() == {*WRITTEN, "figure"}
+    assert {*groups.values()} == {"case", "forecaster", "tables", "figures"}
+    in_loops = re.findall(r"^    rule:\n((?:  .*\n|\n)*)", RULES, re.M)
+    assert len(in_loops) == 2
+    assert all('group:\n            "tables"' in text for text in in_loops)

@@ -15,8 +15,7 @@ from burstcast.tables.joined import joined
 from burstcast.tables.makers.warnings_table import ADVICE, OF_NETWORKS
 from burstcast.tables.wide import typeset as typeset_tables
 from burstcast.tables.wide import wide_tables
-from burstcast_report import tables_page
-from burstcast_workflow.tables import registry
+from burstcast_workflow.tables import page, registry
 from burstcast_workflow.tables.declarations import COLUMNS, SECTIONS, TABLES
 from burstcast_workflow.tables.registry import plain, table_of, typeset, with_percentiles, written
 
@@ -35,7 +34,7 @@ def columns_of(name, optional=True):
 
 def test_the_page_is_up_to_date():
     """Made by: make pages."""
-    assert (ROOT / "docs" / "tables.md").read_text() == tables_page.text()
+    assert (ROOT / "docs" / "tables.md").read_text() == page.text()
 
 
 def test_every_column_has_its_meaning_and_no_other():

@@ -30,64 +30,71 @@ def jobs(*seconds, rule="train"):
     return {number: (rule, one) for number, one in enumerate(seconds, 1)}
 
 
-def test_time_left_goes_from_predicted_to_measured():
-    progress = Progress(jobs(10.0, 30.0, 60.0), cores=2, started=0.0)
-    assert progress.remaining(5.0) == pytest.approx(50.0)
-    for job, now in ((1, 20.0), (2, 80.0)):
-        progress.start(job, 0.0)
-        progress.finish(job, now)
-    # 40 predicted seconds took 100 on one of the cores: the other 60 will take 150, on two cores
-    # 75; by the pace of the run, 100 seconds of work in 80, they will take 120
-    assert progress.share == pytest.approx(0.4)
-    assert progress.remaining(80.0) == pytest.approx(0.6 * 75.0 + 0.4 * 120.0)
-    assert progress.line(80.0) == " 40%  2 of 3 jobs, about 1 min 33 s left"
+def finished(progress, *intervals):
+    for job, (begin, end) in intervals:
+        progress.start(job, begin)
+        progress.finish(job, end)
+
+
+def test_time_left_goes_from_earlier_seconds_to_measured_ones():
+    progress = Progress(jobs(20.0, 20.0, 20.0), cores=2, started=0.0)
+    assert progress.remaining(0.0) == pytest.approx(30.0)
+    finished(progress, (1, (0.0, 20.0)), (2, (0.0, 80.0)))
+    # two jobs took 100 seconds on one of the cores: the third will take 50, on two cores 25; by the
+    # pace of the run, 100 seconds of work in 80, it will take 40
+    assert progress.share(80.0) == pytest.approx(2 / 3)
+    assert progress.remaining(80.0) == pytest.approx(25.0 / 3 + 40.0 * 2 / 3)
+    assert progress.line(80.0) == " 67%  2 of 3 jobs, about 35 s left"
     progress.finish(3, 100.0)
     assert progress.line(100.0) == "100%  3 of 3 jobs"
 
 
 def test_finished_jobs_correct_the_time_of_their_own_rule():
-    expected = {**jobs(1.0, 1.0), 3: ("search", 8.0)}
-    progress = Progress(expected, cores=1, started=0.0)
-    progress.start(1, 0.0)
-    progress.finish(1, 2.0)
-    assert progress.share == pytest.approx(2 / (2 + 2 + 8))
-    progress.start(2, 2.0)
-    progress.finish(2, 60.0)
-    assert progress.share == pytest.approx(60 / 68)
+    progress = Progress({**jobs(1.0, 1.0), 3: ("search", 8.0)}, cores=1, started=0.0)
+    finished(progress, (1, (0.0, 2.0)))
+    assert progress.share(2.0) == pytest.approx(2 / (2 + 2 + 8))
+    finished(progress, (2, (2.0, 60.0)))
+    assert progress.share(60.0) == pytest.approx(60 / 68)
     progress.start(3, 60.0)
     assert progress.remaining(64.0) == pytest.approx(4.0)
+
+
+def test_nothing_is_said_before_anything_is_known():
+    progress = Progress({1: ("train", None), 2: ("scan", None), 3: ("scan", 5.0)}, 1, 0.0)
+    assert progress.remaining(0.0) is None
+    assert progress.line(0.0) == "  0%  0 of 3 jobs"
+    finished(progress, (1, (0.0, 3.0)))
+    # of a rule of which nothing is known: as all jobs in the mean
+    assert progress.share(3.0) == pytest.approx(3 / (3 + 3 + 5))
 
 
 def test_the_share_never_falls():
     progress, shares = Progress(jobs(1.0, 1.0, 1.0), cores=1, started=0.0), []
     for job, now in ((1, 1.0), (2, 100.0), (3, 101.0)):
-        progress.start(job, 0.0)
-        progress.finish(job, now)
-        shares.append(progress.share)
+        finished(progress, (job, (0.0, now)))
+        shares.append(progress.share(now))
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
 
 
 def test_the_time_left_advances_while_jobs_run():
-    progress = Progress(jobs(10.0, 30.0), cores=1, started=0.0)
+    progress = Progress(jobs(10.0, 10.0), cores=1, started=0.0)
     progress.start(1, 0.0)
-    assert [progress.remaining(now) for now in (0.0, 4.0, 500.0)] == [40.0, 36.0, 30.5]
-    progress.finish(1, 10.0)
-    progress.start(2, 10.0)
-    # 10 + 15 seconds of work took 25 seconds: as predicted
-    assert progress.remaining(25.0) == pytest.approx(15.0)
+    assert [progress.remaining(now) for now in (0.0, 4.0, 500.0)] == [20.0, 16.0, 10.5]
 
 
 @pytest.fixture
 def handler(monkeypatch):
     monkeypatch.setattr(terminal, "_interruption", type(terminal._interruption)())
-    terminal.expect(jobs(*[1.0] * 100), "estimated from sizes")
+    rule = SimpleNamespace(name="train")
+    expected = [SimpleNamespace(jobid=one, rule=rule, output=["a"]) for one in range(1, 101)]
+    terminal.expect(expected, {"train": 1.0})
     settings = SimpleNamespace(quiet=None, stdout=False, dryrun=False, verbose=False)
     made = TerminalHandler(settings, None)
     made._stream = io.StringIO()
     made._live = False
     yield made
-    terminal.expect({})
+    terminal.expect([], {})
 
 
 def send(handler, message="", event=None, level=logging.INFO, **fields):
@@ -99,16 +106,16 @@ def send(handler, message="", event=None, level=logging.INFO, **fields):
 def run_of_a_hundred_jobs(handler, failing=()):
     send(handler, "Provided cores: 4", LogEvent.RESOURCES_INFO, cores=4)
     for number in range(1, 101):
-        label = {"jobid": number, "rule_msg": f"job number {number}", "rule_name": "train"}
-        label["output"] = ["network.nc"]
+        label = {"jobid": number, "rule_name": "train", "output": ["network.nc"]}
+        label["wildcards"] = {"case": "Re400", "number": number}
         send(handler, event=LogEvent.JOB_INFO, **label)
         if number in failing:
-            error = {**label, "rule_msg": None, "log": ["logs/train.log"]}
+            error = {**label, "log": ["logs/train.log"]}
             send(handler, "", LogEvent.JOB_ERROR, logging.ERROR, **error)
             send(handler, "CalledProcessError in file x, line 3", level=logging.ERROR)
         else:
             send(handler, event=LogEvent.JOB_FINISHED, job_id=number)
-    target = {"jobid": 0, "rule_msg": None, "rule_name": "all", "output": []}
+    target = {"jobid": 0, "rule_name": "all", "output": []}
     send(handler, event=LogEvent.JOB_INFO, **target)
     send(handler, event=LogEvent.JOB_FINISHED, job_id=0)
     return handler._stream.getvalue().splitlines()
@@ -117,9 +124,9 @@ def run_of_a_hundred_jobs(handler, failing=()):
 @pytest.mark.parametrize("failing", [(), (7,)])
 def test_a_hundred_jobs_are_a_few_lines_and_a_failure_is_said_once(handler, failing):
     lines = run_of_a_hundred_jobs(handler, failing)
-    assert lines[0] == "100 jobs, about 25 s on 4 cores, estimated from sizes"
+    assert lines[0] == "100 jobs, about 25 s on 4 cores"
     assert len(lines) <= 27
-    said = [f"FAILED  job number {number} (log: logs/train.log)" for number in failing]
+    said = [f"FAILED  train Re400 {number} (log: logs/train.log)" for number in failing]
     assert [line for line in lines if "FAILED" in line] == said
     assert not any("CalledProcessError" in line for line in lines)
     if not failing:
@@ -136,15 +143,33 @@ def test_messages_that_a_person_wants(handler):
         "Nothing to be done (all requested files are present and up to date).",
         "the disk is nearly full",
     ]
-    handler.common_settings.dryrun = True  # as Snakemake shows it
-    send(handler, "This was a dry-run (flag -n).")
-    assert "dry-run" in said.getvalue()
+
+
+@pytest.mark.parametrize("verbose", [False, True])
+def test_a_dry_run_is_its_reasons_and_all_jobs_on_demand(handler, verbose):
+    handler.common_settings.dryrun, handler.common_settings.verbose = True, verbose
+    reason = "Params have changed since last execution: before: 'a = 1' now: 'a = 2' "
+    job = {**JOB, "input": [], "reason": reason}
+    send(handler, event=LogEvent.JOB_INFO, **job, **OTHERS)
+    send(handler, event=LogEvent.JOB_INFO, **{**job, "output": [], "rule_name": "all"}, **OTHERS)
+    send(handler, "a warning", level=logging.WARNING)
+    send(handler, "Job stats: ...", LogEvent.RUN_INFO, stats={"total": 1})
+    send(handler, "This was a dry-run (flag -n). The order of jobs ...")
+    said = handler._stream.getvalue()
+    assert ("This was a dry-run" in said) == verbose
+    assert ("a 1 -> 2 (Re400): train (1)\nin all 1 job\n" in said) == (not verbose)
+    assert "a warning" in said
+
+
+# what else Snakemake says of a job
+OTHERS = dict.fromkeys(("rule_msg", "log", "benchmark", "threads", "resources", "priority"))
+OTHERS |= dict.fromkeys(("local", "indent", "is_checkpoint", "is_handover", "shellcmd"), False)
 
 
 def test_an_interruption_is_one_line(handler):
     assert not terminal.interrupted()
     send(handler, "Terminating processes on user request, this might take some time.")
-    job = {"jobid": 3, "rule_name": "train", "rule_msg": None, "log": ["a.log"]}
+    job = {"jobid": 3, "rule_name": "train", "log": ["a.log"]}
     send(handler, "", LogEvent.JOB_ERROR, logging.ERROR, **job)
     send(handler, "Cancelling snakemake on user request.", level=logging.ERROR)
     send(handler, "CalledProcessError in file x", level=logging.ERROR)
@@ -154,7 +179,7 @@ def test_an_interruption_is_one_line(handler):
     ]
 
 
-JOB = {"jobid": 1, "rule_msg": "Re400: train", "rule_name": "train", "output": ["a"]}
+JOB = {"jobid": 1, "rule_name": "train", "output": ["a"], "wildcards": {"case": "Re400"}}
 
 
 def test_the_line_of_a_terminal_renews_itself(handler):
@@ -162,7 +187,7 @@ def test_the_line_of_a_terminal_renews_itself(handler):
     send(handler, event=LogEvent.JOB_INFO, **JOB)
     send(handler, "something is odd", level=logging.WARNING)
     text = handler._stream.getvalue()
-    assert "Re400: train" in text
+    assert "train Re400" in text
     assert text.endswith("\r\x1b[Ksomething is odd\n")
     assert text.count("\n") == 2  # the plan and the warning
 
@@ -176,7 +201,7 @@ def test_a_silent_minute_ends_with_what_runs(handler, monkeypatch):
     monkeypatch.setattr(terminal.time, "monotonic", lambda: now + 61.0)
     handler.beat()
     (line,) = handler._stream.getvalue().removeprefix(before).splitlines()
-    assert line.endswith("left  Re400: train (1 min 01 s)")
+    assert line.endswith("left  train Re400 (1 min 01 s)")
 
 
 # -- configs that cannot be read -------------------------------------------------------------------

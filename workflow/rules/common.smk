@@ -1,58 +1,61 @@
 """What all rules share: the campaign, where files lie, and functions of what rules need."""
 
+import os
 import sys
 import time
 from pathlib import Path
 
+from snakemake.exceptions import WorkflowError
+
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.costs.model import RULE_COSTS, CostModel
-from burstcast_workflow.costs.records import check_memory, costs_of_jobs, rule_costs
-from burstcast_workflow.figures.jobs import captions
-from burstcast_workflow.harness.failures import failure_summary
-from burstcast_workflow.harness.storage import write_table
-from burstcast_workflow.stages.stages import Stages, of_job, one_of
-from snaketrust.checks import RefusedError
-from burstcast_workflow.start import (
-    REFUSALS,
-    check_records,
-    covers_campaign,
-    start,
-    tell_what_is_off,
-)
 from burstcast_workflow.campaign.summary import (
     campaign_summary,
     warnings_summary,
     where_results_lie,
 )
+from burstcast_workflow.figures.jobs import captions
+from burstcast_workflow.harness.failures import failure_summary
+from burstcast_workflow.project import source_revision
+from burstcast_workflow.stages.resources import beyond_memory, resources_of
+from burstcast_workflow.stages.stages import Stages, one_of
+from burstcast_workflow.start import start, tell_what_is_off
 from burstcast_workflow.tables.declarations import SECTIONS
 from burstcast_workflow.tables.registry import table_of, typeset
+from burstcast_workflow.tracking.cache import seconds_of_rules, tidy
+from burstcast_workflow.tracking.run import begin
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
 
-PROJECT = Path(str(workflow.current_basedir)).parents[1]
+HERE = Path(str(workflow.current_basedir))
 
 
-def check():
-    """What jobs of this run would lack, or read in files with mistakes."""
-    check_memory(workflow, costs)
-    check_records(workflow, campaign)
+def file_of(path):
+    """A file of the workflow, by its path from here; a copy where the workflow is a remote module."""
+    return (
+        (HERE / path).resolve() if HERE.is_dir() else Path(workflow.source_path(path))
+    )
 
 
-try:
-    started = start(workflow, config, PROJECT, check)
-except REFUSALS as error:
-    raise RefusedError(str(error)) from None
-config, run, sources = started.config, started.run, started.sources
+def beside(path):
+    """The same as an input: relative, so that another clone plans the same."""
+    return os.path.relpath(file_of(path))
+
+
+started = start(
+    workflow,
+    config,
+    lambda script: file_of(f"../scripts/{script}"),
+    file_of("../../config.yaml"),
+)
+config, sources = started.config, started.sources
 campaign = Campaign(config)
-costs = CostModel(campaign)
-stages = Stages(campaign, sources, costs)
+stages = Stages(campaign, sources)
 # Parameters of rules: the settings that a script declares, and hashes of the code that runs.
-settings_of, code_of = stages.settings_of, stages.code_of
-# Resources: memory and time of a class of work (burstcast_workflow/costs/model.py).
-needs = stages.needs
+of_script = stages.of_script
 # Inputs: thresholds and units of time that jobs compute; files of a case, or of the campaign.
 unknowns_of, files_in_case = stages.unknowns_of, stages.files_in_case
 of_case, of_cases = stages.of_case, stages.of_cases
 of_forecasters = stages.of_forecasters
+PLANNED = dict(config)
 # The report reads captions from the config, where they are no setting of any job.
 config["captions"] = captions(campaign)
 
@@ -64,11 +67,8 @@ FORECASTER = f"{CASE}/{{forecaster}}"
 TABLES = f"{RESULTS}/tables"
 TABLES_OF_CASE = f"{CASE}/tables"
 LOGS = f"{RESULTS}/logs"
-TIMES = f"{RESULTS}/benchmarks"
-# Only where Snakemake makes environments (--sdm): each job would look for the file.
-ENVIRONMENT = (
-    "../envs/burstcast.yaml" if workflow.deployment_settings.deployment_method else None
-)
+
+CACHE_BYTES = 10**9 * config["cache_gb"]
 # Logs of jobs of a scheduler, as profiles/slurm says it.
 SCHEDULER_LOGS = Path("results/slurm-logs")
 STARTED = time.time()
@@ -105,16 +105,23 @@ wildcard_constraints:
 
 
 onstart:
-    found = costs_of_jobs(workflow.dag.needrun_jobs(), costs)
-    expect(
-        {job.jobid: (job.rule.name, cost.seconds) for job, cost in found},
-        f"by the times in {costs.table}" if costs.table else "estimated from sizes",
+    if workflow.local_exec and (
+        reason := beyond_memory(one.name.neurons or 0 for one in campaign.networks)
+    ):
+        raise WorkflowError(reason)
+    begin(
+        started.results,
+        PLANNED,
+        sources.all_entries(),
+        started.directories,
+        source_revision(),
     )
+    tidy(CACHE_BYTES)
+    expect(workflow.dag.needrun_jobs(), seconds_of_rules())
 
 
 onsuccess:
-    if workflow.is_main_process and covers_campaign(workflow):
-        write_table(Path(TIMES) / RULE_COSTS, rule_costs(workflow, costs))
+    tidy(CACHE_BYTES)
     found = [
         campaign_summary(Path(TABLES)),
         warnings_summary(Path(TABLES)),
@@ -133,14 +140,6 @@ onerror:
 
 
 # -- what all rules use ------------------------------------------------------------------------------
-
-
-def group_of(name):
-    """Group of a rule's submitted jobs on Slurm (profiles/slurm); jobs that run locally are in none.
-
-    Snakemake would plan by the groups all the same, at each job by all jobs of its group.
-    """
-    return of_job(lambda wildcards: None if workflow.local_exec else name)
 
 
 def in_report(table):

@@ -15,19 +15,12 @@ rule control:
         flows=f"{CONTROL}/flows.nc",
     log:
         f"{LOGS}/control/{{case}}/{{controller}}/{{strategy}}.log",
-    benchmark:
-        f"{TIMES}/control/{{case}}/{{controller}}/{{strategy}}.tsv"
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("control", "control", cached=True),
+        **resources_of(),
     params:
-        settings=settings_of("control/control.py"),
-        code=code_of("control/control.py"),
-    message:
-        "{wildcards.case}, {wildcards.controller}, {wildcards.strategy}: control"
+        *of_script("control/control.py"),
     script:
         "../scripts/control/control.py"
 
@@ -42,18 +35,11 @@ rule suppressed_event:
         event=f"{CONTROL}/suppressed_event.nc",
     log:
         f"{LOGS}/suppressed_event/{{case}}/{{controller}}/{{strategy}}.log",
-    benchmark:
-        f"{TIMES}/suppressed_event/{{case}}/{{controller}}/{{strategy}}.tsv"
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("suppressed_event", "control"),
+        **resources_of(),
     params:
-        settings=settings_of("control/suppressed_event.py"),
-        code=code_of("control/suppressed_event.py"),
-    message:
-        "{wildcards.case}, {wildcards.controller}, {wildcards.strategy}: a suppressed event"
+        *of_script("control/suppressed_event.py"),
     script:
         "../scripts/control/suppressed_event.py"

@@ -7,21 +7,14 @@ rule simulate:
         summary=f"{CASE}/dataset.json",
     log:
         f"{LOGS}/simulate/{{case}}.log",
-    benchmark:
-        f"{TIMES}/simulate/{{case}}.tsv"
     wildcard_constraints:
         case=INTEGRATED,
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("simulate", "integration", cached=True),
+        **resources_of(),
     params:
-        settings=settings_of("data/simulate.py"),
-        code=code_of("data/simulate.py"),
-    message:
-        "{wildcards.case}: integrate the ensemble"
+        *of_script("data/simulate.py"),
     script:
         "../scripts/data/simulate.py"
 
@@ -34,21 +27,14 @@ rule import_data:
         summary=f"{CASE}/dataset.json",
     log:
         f"{LOGS}/import_data/{{case}}.log",
-    benchmark:
-        f"{TIMES}/import_data/{{case}}.tsv"
     wildcard_constraints:
         case=IMPORTED,
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("import_data", "data"),
+        **resources_of(),
     params:
-        settings=settings_of("data/import_data.py"),
-        code=code_of("data/import_data.py"),
-    message:
-        "{wildcards.case}: check and copy measured series"
+        *of_script("data/import_data.py"),
     script:
         "../scripts/data/import_data.py"
 
@@ -63,21 +49,14 @@ rule encode:
         encoder=f"{CASE}/encoder.nc",
     log:
         f"{LOGS}/encode/{{case}}.log",
-    benchmark:
-        f"{TIMES}/encode/{{case}}.tsv"
     wildcard_constraints:
         case=one_of(campaign.encoded_cases),
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("encode", "data"),
+        **resources_of(),
     params:
-        settings=settings_of("data/encode.py"),
-        code=code_of("data/encode.py"),
-    message:
-        "{wildcards.case}: observe and encode the series of another case"
+        *of_script("data/encode.py"),
     script:
         "../scripts/data/encode.py"
 
@@ -92,21 +71,14 @@ rule training_realisation:
         summary=f"{CASE}/dataset.json",
     log:
         f"{LOGS}/training_realisation/{{case}}.log",
-    benchmark:
-        f"{TIMES}/training_realisation/{{case}}.tsv"
     wildcard_constraints:
         case=REALISED,
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("training_realisation", "data"),
+        **resources_of(),
     params:
-        settings=settings_of("data/training_realisation.py"),
-        code=code_of("data/training_realisation.py"),
-    message:
-        "{wildcards.case}: choose other training series"
+        *of_script("data/training_realisation.py"),
     script:
         "../scripts/data/training_realisation.py"
 
@@ -118,19 +90,12 @@ rule event_threshold:
         event_threshold=f"{CASE}/event_threshold.json",
     log:
         f"{LOGS}/event_threshold/{{case}}.log",
-    benchmark:
-        f"{TIMES}/event_threshold/{{case}}.tsv"
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("event_threshold", "data"),
+        **resources_of(),
     params:
-        settings=settings_of("data/event_threshold.py"),
-        code=code_of("data/event_threshold.py"),
-    message:
-        "{wildcards.case}: the event threshold, a quantile of the training series"
+        *of_script("data/event_threshold.py"),
     script:
         "../scripts/data/event_threshold.py"
 
@@ -144,23 +109,16 @@ rule scheduled_series:
         scheduled_series=f"{CASE}/scheduled_series.nc",
     log:
         f"{LOGS}/scheduled_series/{{case}}.log",
-    benchmark:
-        f"{TIMES}/scheduled_series/{{case}}.tsv"
     wildcard_constraints:
         case=one_of(
             [*campaign.simulated_cases, *campaign.where(lambda case: case.known)]
         ),
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("scheduled_series", "data"),
+        **resources_of(),
     params:
-        settings=settings_of("data/scheduled_series.py"),
-        code=code_of("data/scheduled_series.py"),
-    message:
-        "{wildcards.case}: series with the parameters in force"
+        *of_script("data/scheduled_series.py"),
     script:
         "../scripts/data/scheduled_series.py"
 
@@ -173,21 +131,14 @@ rule lyapunov:
         spectrum=f"{CASE}/lyapunov_spectrum.nc",
     log:
         f"{LOGS}/lyapunov/{{case}}.log",
-    benchmark:
-        f"{TIMES}/lyapunov/{{case}}.tsv"
     wildcard_constraints:
         case=SIMULATED,
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("lyapunov", "tangent", cached=True),
+        **resources_of(),
     params:
-        settings=settings_of("data/lyapunov.py"),
-        code=code_of("data/lyapunov.py"),
-    message:
-        "{wildcards.case}: Lyapunov exponents"
+        *of_script("data/lyapunov.py"),
     script:
         "../scripts/data/lyapunov.py"
 
@@ -199,21 +150,14 @@ rule neighbour_divergence:
         exponents=f"{CASE}/lyapunov.json",
     log:
         f"{LOGS}/neighbour_divergence/{{case}}.log",
-    benchmark:
-        f"{TIMES}/neighbour_divergence/{{case}}.tsv"
     wildcard_constraints:
         case=MEASURED,
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("neighbour_divergence", "data"),
+        **resources_of(),
     params:
-        settings=settings_of("data/neighbour_divergence.py"),
-        code=code_of("data/neighbour_divergence.py"),
-    message:
-        "{wildcards.case}: Lyapunov exponent, from how neighbours part"
+        *of_script("data/neighbour_divergence.py"),
     script:
         "../scripts/data/neighbour_divergence.py"
 
@@ -227,22 +171,15 @@ rule lengths:
         lengths=f"{CASE}/lengths.json",
     log:
         f"{LOGS}/lengths/{{case}}.log",
-    benchmark:
-        f"{TIMES}/lengths/{{case}}.tsv"
     wildcard_constraints:
         case=one_of(campaign.where(lambda case: case.time_unit)),
     priority: 1
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("lengths", "data"),
+        **resources_of(),
     params:
-        settings=settings_of("data/lengths.py"),
-        code=code_of("data/lengths.py"),
-    message:
-        "{wildcards.case}: compare what the config needs with the lengths of the series"
+        *of_script("data/lengths.py"),
     script:
         "../scripts/data/lengths.py"
 
@@ -255,21 +192,14 @@ rule evaluation_set:
         evaluation_set=f"{CASE}/evaluation_set.nc",
     log:
         f"{LOGS}/evaluation_set/{{case}}.log",
-    benchmark:
-        f"{TIMES}/evaluation_set/{{case}}.tsv"
     wildcard_constraints:
         case=one_of({*campaign.cases} - {*campaign.switched_cases}),
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("evaluation_set", "data"),
+        **resources_of(),
     params:
-        settings=settings_of("data/evaluation_set.py"),
-        code=code_of("data/evaluation_set.py"),
-    message:
-        "{wildcards.case}: starting points of the forecasts"
+        *of_script("data/evaluation_set.py"),
     script:
         "../scripts/data/evaluation_set.py"
 
@@ -282,21 +212,14 @@ rule switched_evaluation_set:
         evaluation_set=f"{CASE}/evaluation_set.nc",
     log:
         f"{LOGS}/switched_evaluation_set/{{case}}.log",
-    benchmark:
-        f"{TIMES}/switched_evaluation_set/{{case}}.tsv"
     wildcard_constraints:
         case=one_of(campaign.switched_cases),
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("switched_evaluation_set", "data"),
+        **resources_of(),
     params:
-        settings=settings_of("data/switched_evaluation_set.py"),
-        code=code_of("data/switched_evaluation_set.py"),
-    message:
-        "{wildcards.case}: starting points of forecasts under actuation"
+        *of_script("data/switched_evaluation_set.py"),
     script:
         "../scripts/data/switched_evaluation_set.py"
 
@@ -310,19 +233,12 @@ rule events:
         events_summary=f"{CASE}/events.json",
     log:
         f"{LOGS}/events/{{case}}.log",
-    benchmark:
-        f"{TIMES}/events/{{case}}.tsv"
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("events", "data"),
+        **resources_of(),
     params:
-        settings=settings_of("data/events.py"),
-        code=code_of("data/events.py"),
-    message:
-        "{wildcards.case}: extreme events"
+        *of_script("data/events.py"),
     script:
         "../scripts/data/events.py"
 
@@ -337,18 +253,11 @@ rule reference_statistics:
         floor=f"{CASE}/statistics_floor.nc",
     log:
         f"{LOGS}/reference_statistics/{{case}}.log",
-    benchmark:
-        f"{TIMES}/reference_statistics/{{case}}.tsv"
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("reference_statistics", "data"),
+        **resources_of(),
     params:
-        settings=settings_of("data/reference_statistics.py"),
-        code=code_of("data/reference_statistics.py"),
-    message:
-        "{wildcards.case}: long-term statistics of the data"
+        *of_script("data/reference_statistics.py"),
     script:
         "../scripts/data/reference_statistics.py"

@@ -10,21 +10,14 @@ rule forecast:
         forecast=f"{FORECASTER}/forecast.nc",
     log:
         f"{LOGS}/forecast/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/forecast/{{case}}/{{forecaster}}.tsv"
     wildcard_constraints:
         forecaster=f"{NO_CLASSIFIER}[^/]+",
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("forecast", "forecast", cached=True),
+        **resources_of(),
     params:
-        settings=settings_of("evaluation/forecast.py"),
-        code=code_of("evaluation/forecast.py"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: forecast the evaluation set"
+        *of_script("evaluation/forecast.py"),
     script:
         "../scripts/evaluation/forecast.py"
 
@@ -39,21 +32,14 @@ rule horizon:
         horizon=f"{FORECASTER}/horizon.nc",
     log:
         f"{LOGS}/horizon/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/horizon/{{case}}/{{forecaster}}.tsv"
     wildcard_constraints:
         forecaster=f"{NO_CLASSIFIER}[^/]+",
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("horizon", "horizon", cached=True),
+        **resources_of(),
     params:
-        settings=settings_of("evaluation/horizon.py"),
-        code=code_of("evaluation/horizon.py"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: prediction horizons"
+        *of_script("evaluation/horizon.py"),
     script:
         "../scripts/evaluation/horizon.py"
 
@@ -67,19 +53,12 @@ rule long_term:
         long_term=f"{FORECASTER}/long_term.nc",
     log:
         f"{LOGS}/long_term/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/long_term/{{case}}/{{forecaster}}.tsv"
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("long_term", "long_term", cached=True),
+        **resources_of(),
     params:
-        settings=settings_of("evaluation/long_term.py"),
-        code=code_of("evaluation/long_term.py"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: long-term runs"
+        *of_script("evaluation/long_term.py"),
     script:
         "../scripts/evaluation/long_term.py"
 
@@ -94,19 +73,12 @@ rule lyapunov_spectrum:
         spectrum=f"{FORECASTER}/lyapunov_spectrum.nc",
     log:
         f"{LOGS}/lyapunov_spectrum/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/lyapunov_spectrum/{{case}}/{{forecaster}}.tsv"
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("lyapunov_spectrum", "spectrum", cached=True),
+        **resources_of(),
     params:
-        settings=settings_of("evaluation/lyapunov_spectrum.py"),
-        code=code_of("evaluation/lyapunov_spectrum.py"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: Lyapunov exponents of its own flow"
+        *of_script("evaluation/lyapunov_spectrum.py"),
     script:
         "../scripts/evaluation/lyapunov_spectrum.py"
 
@@ -125,19 +97,12 @@ rule examples:
         examples=f"{FORECASTER}/examples.nc",
     log:
         f"{LOGS}/examples/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/examples/{{case}}/{{forecaster}}.tsv"
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("examples", "examples"),
+        **resources_of(),
     params:
-        settings=settings_of("evaluation/examples.py"),
-        code=code_of("evaluation/examples.py"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: example forecasts"
+        *of_script("evaluation/examples.py"),
     script:
         "../scripts/evaluation/examples.py"
 
@@ -152,18 +117,11 @@ rule flow_event:
         event=f"{FORECASTER}/flow_event.nc",
     log:
         f"{LOGS}/flow_event/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/flow_event/{{case}}/{{forecaster}}.tsv"
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("flow_event", "examples"),
+        **resources_of(),
     params:
-        settings=settings_of("evaluation/flow_event.py"),
-        code=code_of("evaluation/flow_event.py"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: an event whose flow is worth seeing"
+        *of_script("evaluation/flow_event.py"),
     script:
         "../scripts/evaluation/flow_event.py"

@@ -1,12 +1,9 @@
 """Figures: one rule for all of them; each module of `burstcast.figures` says what it is made of."""
 
-import os
-
 from burstcast_workflow.figures.jobs import FigureJobs
 from burstcast_workflow.figures.registry import FIGURES, figure_names
 
-PUBLISHED = os.path.relpath(PROJECT / "resources" / "published_percentiles.csv")
-drawn = FigureJobs(stages, sources, PUBLISHED)
+drawn = FigureJobs(stages, beside("../../resources/published_percentiles.csv"))
 
 
 rule figure:
@@ -23,23 +20,16 @@ rule figure:
         ),
     log:
         f"{LOGS}/figure/{{figure}}{{of_case}}.log",
-    benchmark:
-        f"{TIMES}/figure/{{figure}}{{of_case}}.tsv"
     wildcard_constraints:
         figure="|".join(FIGURES),
         # nothing for the case that figures show by default
         of_case=r"(_[A-Za-z][A-Za-z0-9_.-]*)?",
-    group:
-        group_of("figures")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("figure", "figure"),
+        **resources_of("short"),
     params:
-        settings=drawn.settings,
-        code=drawn.code,
-    message:
-        "figure: {wildcards.figure}{wildcards.of_case}"
+        *drawn.parameters(),
     script:
         "../scripts/figures/figure.py"
 

@@ -1,10 +1,9 @@
 """From the data to forecasters: the search for a network's hyperparameters, training, fitting."""
 
-# In all rules: `settings_of` gives a script the settings that its class declares, the one of the
-# argument `settings` of its function; `needs`, a class of work that says memory and time (CLASSES
-# in burstcast_workflow/costs/model.py), and whether the cache keeps the results; `unknowns_of` asks
-# for thresholds and units of time where jobs compute them. A name that a rule repeats is its own,
-# which `module` may change.
+# In all rules: `of_script` gives a job each setting that the class of the script declares, and each
+# module of its code, as parameters; `resources_of`, memory and time; `unknowns_of`, files of
+# thresholds and units of time where jobs compute them. A name that a rule repeats is its own, which
+# `module` may change.
 
 
 rule scan:
@@ -18,19 +17,12 @@ rule scan:
         scan_errors=f"{CASE}/scan/{{reservoir}}-{{strategies}}.nc",
     log:
         f"{LOGS}/scan/{{case}}/{{reservoir}}/{{strategies}}.log",
-    benchmark:
-        f"{TIMES}/scan/{{case}}/{{reservoir}}/{{strategies}}.tsv"
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("scan", "search_grid", cached=True),
+        **resources_of("training"),
     params:
-        settings=settings_of("forecasters/scan.py"),
-        code=code_of("forecasters/scan.py"),
-    message:
-        "{wildcards.case}, {wildcards.reservoir}, {wildcards.strategies}: objectives on the grid"
+        *of_script("forecasters/scan.py"),
     script:
         "../scripts/forecasters/scan.py"
 
@@ -47,19 +39,12 @@ rule search:
         trace=f"{FORECASTER}/search.csv",
     log:
         f"{LOGS}/search/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/search/{{case}}/{{forecaster}}.tsv"
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("search", "search_points", cached=True),
+        **resources_of("training"),
     params:
-        settings=settings_of("forecasters/search.py"),
-        code=code_of("forecasters/search.py"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: Bayesian search"
+        *of_script("forecasters/search.py"),
     script:
         "../scripts/forecasters/search.py"
 
@@ -74,21 +59,14 @@ rule train:
         forecaster=f"{FORECASTER}/forecaster.nc",
     log:
         f"{LOGS}/train/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/train/{{case}}/{{forecaster}}.tsv"
     wildcard_constraints:
         forecaster=NETWORKS,
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("train", "training", cached=True),
+        **resources_of("training"),
     params:
-        settings=settings_of("forecasters/train.py"),
-        code=code_of("forecasters/train.py"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: train"
+        *of_script("forecasters/train.py"),
     script:
         "../scripts/forecasters/train.py"
 
@@ -103,20 +81,13 @@ rule fit:
         forecaster=f"{FORECASTER}/forecaster.nc",
     log:
         f"{LOGS}/fit/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/fit/{{case}}/{{forecaster}}.tsv"
     wildcard_constraints:
         forecaster=NO_CLASSIFIER + OTHERS,
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("fit", "training", cached=True),
+        **resources_of(),
     params:
-        settings=settings_of("forecasters/fit.py"),
-        code=code_of("forecasters/fit.py"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: fit"
+        *of_script("forecasters/fit.py"),
     script:
         "../scripts/forecasters/fit.py"

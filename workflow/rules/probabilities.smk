@@ -9,19 +9,12 @@ rule calibration_set:
         calibration_set=f"{CASE}/calibration_set.nc",
     log:
         f"{LOGS}/calibration_set/{{case}}.log",
-    benchmark:
-        f"{TIMES}/calibration_set/{{case}}.tsv"
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("calibration_set", "data"),
+        **resources_of(),
     params:
-        settings=settings_of("data/calibration_set.py"),
-        code=code_of("data/calibration_set.py"),
-    message:
-        "{wildcards.case}: starting points of the calibration"
+        *of_script("data/calibration_set.py"),
     script:
         "../scripts/data/calibration_set.py"
 
@@ -37,21 +30,14 @@ rule calibration_forecast:
         calibration_forecast=f"{FORECASTER}/calibration_forecast.nc",
     log:
         f"{LOGS}/calibration_forecast/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/calibration_forecast/{{case}}/{{forecaster}}.tsv"
     wildcard_constraints:
         forecaster=f"{NO_CLASSIFIER}[^/]+",
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("calibration_forecast", "leave_one_out", cached=True),
+        **resources_of("training"),
     params:
-        settings=settings_of("evaluation/calibration_forecast.py"),
-        code=code_of("evaluation/calibration_forecast.py"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: forecast the calibration set out of sample"
+        *of_script("evaluation/calibration_forecast.py"),
     script:
         "../scripts/evaluation/calibration_forecast.py"
 
@@ -64,19 +50,12 @@ rule training_set:
         training_set=f"{CASE}/training_set.nc",
     log:
         f"{LOGS}/training_set/{{case}}.log",
-    benchmark:
-        f"{TIMES}/training_set/{{case}}.tsv"
-    group:
-        group_of("case")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("training_set", "data"),
+        **resources_of(),
     params:
-        settings=settings_of("data/training_set.py"),
-        code=code_of("data/training_set.py"),
-    message:
-        "{wildcards.case}: starting points that classifiers learn from"
+        *of_script("data/training_set.py"),
     script:
         "../scripts/data/training_set.py"
 
@@ -93,21 +72,14 @@ rule event_probabilities:
         calibration_forecast=f"{FORECASTER}/calibration_forecast.nc",
     log:
         f"{LOGS}/event_probabilities/{{case}}/{{forecaster}}.log",
-    benchmark:
-        f"{TIMES}/event_probabilities/{{case}}/{{forecaster}}.tsv"
     wildcard_constraints:
         forecaster=CLASSIFIERS,
-    group:
-        group_of("forecaster")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("event_probabilities", "classifiers", cached=True),
+        **resources_of(),
     params:
-        settings=settings_of("evaluation/event_probabilities.py"),
-        code=code_of("evaluation/event_probabilities.py"),
-    message:
-        "{wildcards.case}, {wildcards.forecaster}: train a classifier, probabilities of events"
+        *of_script("evaluation/event_probabilities.py"),
     script:
         "../scripts/evaluation/event_probabilities.py"
 
@@ -121,18 +93,11 @@ rule calibrate:
         calibration=f"{CASE}/calibration.json",
     log:
         f"{LOGS}/calibrate/{{case}}.log",
-    benchmark:
-        f"{TIMES}/calibrate/{{case}}.tsv"
-    group:
-        group_of("tables")
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("calibrate", "gather"),
+        **resources_of("short"),
     params:
-        settings=settings_of("probabilities/calibrate.py"),
-        code=code_of("probabilities/calibrate.py"),
-    message:
-        "{wildcards.case}: calibrate the probabilities, choose the thresholds of alarms"
+        *of_script("probabilities/calibrate.py"),
     script:
         "../scripts/probabilities/calibrate.py"

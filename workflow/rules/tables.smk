@@ -20,163 +20,109 @@ PROBABILITIES = {
     "evaluation_set": f"{CASE}/evaluation_set.nc",
     "calibration": f"{CASE}/calibration.json",
 }
-# Rules that make tables of a case, by the name of their module in burstcast.tables.makers:
-# what the rule does, and its inputs.
+# Inputs of the rules that make tables of a case, by the name of their module in
+# burstcast.tables.makers.
 TABLE_RULES = {
     "dataset_table": {
-        "does": "table of the dataset",
-        "inputs": {
-            "summary": f"{CASE}/dataset.json",
-            "events_summary": f"{CASE}/events.json",
-            # a case that is a part of another one has that one's
-            "exponents": of_case(
-                lambda case: f"{RESULTS}/{case.source.name}/lyapunov.json"
-            ),
-        },
+        "summary": f"{CASE}/dataset.json",
+        "events_summary": f"{CASE}/events.json",
+        # a case that is a part of another one has that one's
+        "exponents": of_case(
+            lambda case: f"{RESULTS}/{case.source.name}/lyapunov.json"
+        ),
     },
     "hyperparameters_table": {
-        "does": "table of the hyperparameters",
-        "inputs": {
-            "hyperparameters": files_in_case(
-                "hyperparameters.json", campaign.searched_networks
-            )
-        },
+        "hyperparameters": files_in_case(
+            "hyperparameters.json", campaign.searched_networks
+        )
     },
     "classification_table": {
-        "does": "score the forecasts",
-        "inputs": {
-            "forecasts": files_in_case("forecast.nc"),
-            "evaluation_set": f"{CASE}/evaluation_set.nc",
-            # the alarm thresholds of forecasters that give probabilities
-            "calibration": stages.file_of_case(
-                "calibration.json",
-                {
-                    one.case
-                    for one in campaign.forecasters
-                    if not one.kind.has_trajectories
-                },
-            ),
-        },
+        "forecasts": files_in_case("forecast.nc"),
+        "evaluation_set": f"{CASE}/evaluation_set.nc",
+        # the alarm thresholds of forecasters that give probabilities
+        "calibration": stages.file_of_case(
+            "calibration.json",
+            {one.case for one in campaign.forecasters if not one.kind.has_trajectories},
+        ),
     },
-    "probability_scores": {
-        "does": "score the probabilities",
-        "inputs": PROBABILITIES,
-    },
-    "reliability_table": {
-        "does": "reliability of the probabilities",
-        "inputs": PROBABILITIES,
-    },
-    "ranking_table": {
-        "does": "rank the starting points of flows that are encoded",
-        "inputs": PROBABILITIES,
-    },
-    "lead_times": {
-        "does": "how early events were warned of",
-        "inputs": {"ensemble": f"{CASE}/ensemble.nc", **PROBABILITIES},
-    },
+    "probability_scores": PROBABILITIES,
+    "reliability_table": PROBABILITIES,
+    "ranking_table": PROBABILITIES,
+    "lead_times": {"ensemble": f"{CASE}/ensemble.nc", **PROBABILITIES},
     "horizon_table": {
-        "does": "table of the prediction horizons",
-        "inputs": {
-            "horizons": files_in_case("horizon.nc", campaign.trajectory_forecasters)
-        },
+        "horizons": files_in_case("horizon.nc", campaign.trajectory_forecasters)
     },
     "statistics_table": {
-        "does": "table of the long-term statistics",
-        "inputs": {
-            "data": f"{CASE}/statistics_data.nc",
-            "training": f"{CASE}/statistics_training.nc",
-            "floor": f"{CASE}/statistics_floor.nc",
-            "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
-        },
+        "data": f"{CASE}/statistics_data.nc",
+        "training": f"{CASE}/statistics_training.nc",
+        "floor": f"{CASE}/statistics_floor.nc",
+        "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
     },
     "survival_table": {
-        "does": "table of escapes from the chaotic phase",
-        "inputs": {
-            "ensemble": f"{CASE}/ensemble.nc",
-            "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
-        },
+        "ensemble": f"{CASE}/ensemble.nc",
+        "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
     },
     "lyapunov_spectrum_table": {
-        "does": "table of the Lyapunov exponents",
-        "inputs": {
-            "spectrum": stages.file_of_case(
-                "lyapunov_spectrum.nc", campaign.simulated_cases
-            ),
-            "forecasters": files_in_case(
-                "lyapunov_spectrum.nc", campaign.spectrum_forecasters
-            ),
-        },
+        "spectrum": stages.file_of_case(
+            "lyapunov_spectrum.nc", campaign.simulated_cases
+        ),
+        "forecasters": files_in_case(
+            "lyapunov_spectrum.nc", campaign.spectrum_forecasters
+        ),
     },
-    "control_table": {
-        "does": "table of control",
-        "inputs": {"flows": files_in_case("flows.nc", campaign.control_runs)},
-    },
+    "control_table": {"flows": files_in_case("flows.nc", campaign.control_runs)},
     "control_density_table": {
-        "does": "densities with and without control",
-        "inputs": {"flows": files_in_case("flows.nc", campaign.control_runs)},
+        "flows": files_in_case("flows.nc", campaign.control_runs)
     },
     "control_strategies_table": {
-        "does": "costs and gains of control",
-        "inputs": {"flows": files_in_case("flows.nc", campaign.strategy_runs)},
+        "flows": files_in_case("flows.nc", campaign.strategy_runs)
     },
-    "control_choice_table": {
-        "does": "strategies at their best",
-        "inputs": {"flows": files_in_case("flows.nc", campaign.chosen_runs)},
-    },
+    "control_choice_table": {"flows": files_in_case("flows.nc", campaign.chosen_runs)},
     "warnings_table": {
-        "does": "look for warning signs",
-        "inputs": {
-            "ensemble": f"{CASE}/ensemble.nc",
-            "data": f"{CASE}/statistics_data.nc",
-            "events_summary": f"{CASE}/events.json",
-            "calibration_set": f"{CASE}/calibration_set.nc",
-            **stages.tables_of_case(
-                "dataset classification hyperparameters statistics"
-            ),
-            # where the unit of time is an estimate that it may contradict
-            "lyapunov_spectrum": stages.file_of_case(
-                "tables/lyapunov_spectrum.csv",
-                set(cases_of(campaign, "lyapunov_spectrum"))
-                & set(campaign.where(lambda case: case.estimates_time_unit)),
-            ),
-        },
+        "ensemble": f"{CASE}/ensemble.nc",
+        "data": f"{CASE}/statistics_data.nc",
+        "events_summary": f"{CASE}/events.json",
+        "calibration_set": f"{CASE}/calibration_set.nc",
+        **stages.tables_of_case("dataset classification hyperparameters statistics"),
+        # where the unit of time is an estimate that it may contradict
+        "lyapunov_spectrum": stages.file_of_case(
+            "tables/lyapunov_spectrum.csv",
+            set(cases_of(campaign, "lyapunov_spectrum"))
+            & set(campaign.where(lambda case: case.estimates_time_unit)),
+        ),
     },
 }
 # Tables that each rule makes (workflow/tables.yaml declares them), percentiles beside them.
 FILES = {name: with_percentiles(made_by(name)) for name in TABLE_RULES}
 # -- tables of a case --------------------------------------------------------------------------------
 
-for name, made in TABLE_RULES.items():
+for name, inputs in TABLE_RULES.items():
 
     rule:
         name:
             name
         input:
-            **made["inputs"],
+            **inputs,
             **unknowns_of(name),
         output:
             tables=[f"{TABLES_OF_CASE}/{file}.csv" for file in FILES[name]],
         log:
             f"{LOGS}/{name}/{{case}}.log",
-        benchmark:
-            f"{TIMES}/{name}/{{case}}.tsv"
         group:
-            group_of("tables")
+            "tables"
         conda:
-            ENVIRONMENT
+            "../envs/burstcast.yaml"
         resources:
-            **needs(name, "gather"),
+            **resources_of("short"),
         params:
-            settings=settings_of(
+            *of_script(
                 "tables/table.py",
                 name,
                 maker=name,
+                by_name={"burstcast.tables.makers": [name]},
                 tables=written(made_by(name), campaign.unused_columns),
             ),
-            code=code_of("tables/table.py", {"burstcast.tables.makers": [name]}),
             maker=name,
-        message:
-            f"{{wildcards.case}}: {made['does']}"
         script:
             "../scripts/tables/table.py"
 
@@ -200,24 +146,19 @@ for section, files in tables_by_section(campaign).items():
             latex=[f"{TABLES}/{paper}.tex" for paper in typeset(files)],
         log:
             f"{LOGS}/joined_{section}.log",
-        benchmark:
-            f"{TIMES}/joined_{section}.tsv"
         group:
-            group_of("tables")
+            "tables"
         conda:
-            ENVIRONMENT
+            "../envs/burstcast.yaml"
         resources:
-            **needs(f"joined_{section}", "gather"),
+            **resources_of("short"),
         params:
-            settings=settings_of(
+            *of_script(
                 "tables/joined.py",
                 f"joined_{section}",
                 columns=joined(files, campaign.unused_columns),
                 latex=typeset(files),
             ),
-            code=code_of("tables/joined.py"),
-        message:
-            f"tables of all cases: {SECTIONS[section]}"
         script:
             "../scripts/tables/joined.py"
 
@@ -234,16 +175,14 @@ rule data_generation_parameters:
         latex=f"{TABLES}/data_generation_parameters.tex",
     log:
         f"{LOGS}/data_generation_parameters.log",
-    benchmark:
-        f"{TIMES}/data_generation_parameters.tsv"
     group:
-        group_of("tables")
+        "tables"
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("data_generation_parameters", "gather"),
+        **resources_of("short"),
     params:
-        settings=settings_of(
+        *of_script(
             "tables/data_generation_parameters.py",
             caption=caption_of("data_generation_parameters"),
             cases=settings_of_cases(
@@ -252,9 +191,6 @@ rule data_generation_parameters:
                 campaign.simulated_cases,
             ),
         ),
-        code=code_of("tables/data_generation_parameters.py"),
-    message:
-        "table of the parameters of the data"
     script:
         "../scripts/tables/data_generation_parameters.py"
 
@@ -265,16 +201,14 @@ rule network_hyperparameters:
         latex=f"{TABLES}/network_hyperparameters.tex",
     log:
         f"{LOGS}/network_hyperparameters.log",
-    benchmark:
-        f"{TIMES}/network_hyperparameters.tsv"
     group:
-        group_of("tables")
+        "tables"
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("network_hyperparameters", "gather"),
+        **resources_of("short"),
     params:
-        settings=settings_of(
+        *of_script(
             "tables/network_hyperparameters.py",
             caption=caption_of("network_hyperparameters"),
             cases=settings_of_cases(
@@ -282,9 +216,6 @@ rule network_hyperparameters:
                 stages.declared("tables/network_hyperparameters.py", "CaseNoise"),
             ),
         ),
-        code=code_of("tables/network_hyperparameters.py"),
-    message:
-        "table of the networks' hyperparameters"
     script:
         "../scripts/tables/network_hyperparameters.py"
 
@@ -304,16 +235,14 @@ rule training_realisations:
         tables=[in_report("training_realisations")],
     log:
         f"{LOGS}/training_realisations.log",
-    benchmark:
-        f"{TIMES}/training_realisations.tsv"
     group:
-        group_of("tables")
+        "tables"
     conda:
-        ENVIRONMENT
+        "../envs/burstcast.yaml"
     resources:
-        **needs("training_realisations", "gather"),
+        **resources_of("short"),
     params:
-        settings=settings_of(
+        *of_script(
             "tables/training_realisations.py",
             tables=written(["training_realisations"]),
             scattered=written(SCATTERED),
@@ -321,9 +250,6 @@ rule training_realisations:
                 {one.name.keys["forecaster"] for one in campaign.forecasters}
             ),
         ),
-        code=code_of("tables/training_realisations.py"),
-    message:
-        "scatter over training sets and over seeds"
     script:
         "../scripts/tables/training_realisations.py"
 

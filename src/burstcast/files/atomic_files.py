@@ -6,6 +6,7 @@ that a process that dies leaves nothing that looks finished.
 
 import errno
 import os
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -41,6 +42,18 @@ def atomic(path: str | Path, check: Callable[[], None] | None = None) -> Iterato
             raise OSError(errno.ENOSPC, text, str(path)) from error
         raise
     _flush_to_disk(path.parent)
+
+
+def remove_partial(path: str | Path) -> None:
+    """Remove the temporary files that killed writers of ``path`` have left behind.
+
+    A writer that is still alive loses its temporary file and fails: the caller takes its place.
+    """
+    path = Path(path)
+    for other in [*path.parent.iterdir()]:
+        # x must not take the partial file of x.csv
+        if re.fullmatch(rf"\.{re.escape(path.name)}\.[0-9a-f]+{PARTIAL_SUFFIX}", other.name):
+            other.unlink(missing_ok=True)
 
 
 def _disk_is_full(directory: Path, error: BaseException) -> bool:

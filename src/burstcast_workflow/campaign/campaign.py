@@ -430,6 +430,12 @@ class Campaign:
             ),
         }
 
+    def all_modules(self) -> dict[str, list[str]]:
+        """Modules that any job reaches by a name (`modules`)."""
+        runs = [*self.control_runs, *self.strategy_runs]
+        strategies = {self.plan(run.identity["strategy"]).strategy for run in runs}
+        return {**self.modules({}), "burstcast.control.strategies": sorted(strategies)}
+
     def asked_of_series(self, case: str) -> dict[str, Any]:
         """Kinds, validation strategies and long runs of a case, for which series must be long."""
         names = [one.name for one in self.forecasters if one.case == case]

@@ -21,7 +21,7 @@ from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.harness.settings import at, exponent_in
 from burstcast_workflow.jobs.data import Observed, kept_series
 from burstcast_workflow.jobs.forecasters import Forecasting
-from snaketrust.run import CLAIM
+from burstcast_workflow.tracking.run import CLAIM
 
 if TYPE_CHECKING:
     import pandas as pd

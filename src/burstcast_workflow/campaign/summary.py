@@ -21,13 +21,13 @@ MOST_WARNINGS = 8
 LOOK_FIRST_AT = ("classification_scores", "forecast_skill")
 """Figures that the summary names first, if they exist."""
 
-_WARNINGS = "warnings.csv"
+_WARNINGS = "warnings"
 _KEYS = ["case", "forecaster", "neurons", "validation"]
 
 
 def campaign_summary(tables: Path) -> str:
     """`summary_table` as text, as far as it fits on a screen; empty without any score."""
-    table = summary_table(tables)
+    table = summary_table(tables_in(tables))
     if table is None:
         return ""
     shown_rows = table.head(MOST_ROWS)
@@ -36,23 +36,29 @@ def campaign_summary(tables: Path) -> str:
     return text + (f"\n... and {left_out} more in {tables}" if left_out > 0 else "")
 
 
-def summary_table(tables: Path) -> pd.DataFrame | None:
+def tables_in(directory: Path) -> dict[str, Path]:
+    """Tables in a directory, by name."""
+    return {path.stem: path for path in directory.glob("*.csv")}
+
+
+def summary_table(tables: Mapping[str, Path]) -> pd.DataFrame | None:
     """Medians over the networks of each ensemble: F-score, prediction horizon, control.
 
-    Returns a row for each ensemble, the best of each case first: case, ``forecaster``, and a column
-    for each available score, by its name for people. None without any score.
+    ``tables``: Files of existing tables, by name. Returns a row for each ensemble, the best of each
+    case first: case, ``forecaster``, and a column for each available score, by its name for people.
+    None without any score.
     """
     columns = {}
-    scores = _medians(tables / "classification_percentiles.csv", "f_score")
+    scores = _medians(tables, "classification_percentiles", "f_score")
     if scores is not None:
         times = scores["prediction_time_lt"].to_numpy(dtype=np.float64)
         shown = times[np.abs(times - PREDICTION_TIME_LT).argmin()]
         at_time = scores[times == shown].set_index(_KEYS)
         columns[f"F-score {shown:g} LT ahead"] = at_time["p50"]
-    horizons = _medians(tables / "horizon_percentiles.csv", "mean_horizon_lt")
+    horizons = _medians(tables, "horizon_percentiles", "mean_horizon_lt")
     if horizons is not None:
         columns["mean PH_ee [LT]"] = horizons.set_index(_KEYS)["p50"]
-    columns |= _control(tables / "control_percentiles.csv")
+    columns |= _control(tables)
     if not columns:
         return None
     table = pd.DataFrame(columns).dropna(how="all")
@@ -78,13 +84,16 @@ def where_results_lie(results: Path) -> str:
         first = [name for name in LOOK_FIRST_AT if (figures / f"{name}.png").exists()]
         look = f"; look first at {' and '.join(first)}" if first else ""
         found.append(f"Figures: {figures}/*.pdf and *.png{look}.")
+    if (results / "report.html").exists():
+        found.append(f"All on one page: {results}/report.html.")
     return " ".join(found) or f"Results: {results}"
 
 
-def _control(path: Path) -> dict[str, "pd.Series[float]"]:
+def _control(tables: Mapping[str, Path]) -> dict[str, "pd.Series[float]"]:
     """Exceedance without and under control, at the prediction time with the least exceedance."""
     controlled, uncontrolled = (
-        _medians(path, f"exceedance_{flows}") for flows in ("controlled", "uncontrolled")
+        _medians(tables, "control_percentiles", f"exceedance_{flows}")
+        for flows in ("controlled", "uncontrolled")
     )
     if controlled is None or uncontrolled is None:
         return {}
@@ -100,13 +109,13 @@ def _control(path: Path) -> dict[str, "pd.Series[float]"]:
 
 def warnings_summary(tables: Path) -> str:
     """Signs that results are less than they seem, each with what to try; "" if there are none."""
-    found = found_warnings(tables)
+    found = found_warnings(tables_in(tables))
     if not found:
         return ""
     lines = [f"  {one.whose}: {one.finding}. Try: {one.advice}." for one in found]
     left_out = len(lines) - MOST_WARNINGS
     lines = lines[:MOST_WARNINGS] + ([f"  ... and {left_out} more"] if left_out > 0 else [])
-    return "\n".join([f"What to look at twice ({tables / _WARNINGS}):", *lines])
+    return "\n".join([f"What to look at twice ({tables / _WARNINGS}.csv):", *lines])
 
 
 @dataclass(frozen=True)
@@ -118,12 +127,12 @@ class FoundWarning:
     advice: str
 
 
-def found_warnings(tables: Path) -> list[FoundWarning]:
+def found_warnings(tables: Mapping[str, Path]) -> list[FoundWarning]:
     """Signs that results are less than they seem; what is said of several is one.
 
     The first of each kind come first, so that no kind is missing where not all are shown.
     """
-    table = _read(tables / _WARNINGS)
+    table = _read(tables, _WARNINGS)
     if table is None:
         return []
     names = ["warning", "finding", "advice", "case"]
@@ -141,13 +150,13 @@ def found_warnings(tables: Path) -> list[FoundWarning]:
     return [found[number] for number in np.argsort(repeated, kind="stable")]
 
 
-def _read(path: Path) -> pd.DataFrame | None:
+def _read(tables: Mapping[str, Path], name: str) -> pd.DataFrame | None:
     """Read a table that may be missing, or of no byte: a finished campaign does not fail for it."""
-    return pd.read_csv(path) if path.exists() and path.stat().st_size else None
+    return pd.read_csv(tables[name]) if name in tables and tables[name].stat().st_size else None
 
 
-def _medians(path: Path, metric: str) -> pd.DataFrame | None:
-    table = _read(path)
+def _medians(tables: Mapping[str, Path], name: str, metric: str) -> pd.DataFrame | None:
+    table = _read(tables, name)
     if table is None:
         return None
     chosen = table[table["metric"] == metric].dropna(subset=["p50"])

@@ -4,10 +4,10 @@
 
     burstcast archive [--output FILE] [options of snakemake]
 
-It holds tables, figures, the config, ``versions.json`` (libraries, and the git revisions that the
-results were made by), ``why.txt`` (whether anything would run again, and why), ``CITATION.cff``,
-and a README. Files are in a fixed order and without times: equal results make equal archives.
-Series and forecasters, which are large and follow from the config, are left out.
+It holds tables, figures, the page of the report, the config, ``versions.json`` (libraries, and the
+git revision of the last run), ``why.txt`` (whether anything would run again, and why),
+``CITATION.cff``, and a README. Files are in a fixed order and without times: equal results make
+equal archives. Series and forecasters, which are large and follow from the config, are left out.
 """
 
 import json
@@ -15,21 +15,18 @@ import os
 import platform
 import sys
 import zipfile
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from burstcast_workflow.commands.why import jobs_to_run, report
-from burstcast_workflow.harness.environment import library_version
+from burstcast_workflow.commands.planned import planned, reasons
 from burstcast_workflow.harness.storage import atomic
-from burstcast_workflow.project import project_root, source_revision
+from burstcast_workflow.project import project_root
 from burstcast_workflow.start import names_of_rules
-from snaketrust.plan import planned
-from snaketrust.records import DIRECTORY
-from snaketrust.run import CLAIM
+from burstcast_workflow.tracking.environment import library_version
+from burstcast_workflow.tracking.run import CLAIM
 
 LIBRARIES = (
     *("burstcast", "llvmlite", "matplotlib", "netCDF4", "numpy", "pandas", "pydantic"),
@@ -45,8 +42,9 @@ Results of a campaign of burstcast, {revision}.
 
 * `tables/`: CSV and LaTeX. `figures/`: PDF and PNG.
 * `config.yaml`: the whole configuration; `snakemake --configfile config.yaml` makes it all again.
-* `versions.json`: Python, the libraries, and the revisions of burstcast and the kernels of linear
-  algebra that the results were computed with.
+* `report.html`: all of them on one page.
+* `versions.json`: Python, the libraries, the kernels of linear algebra, and the revision of
+  burstcast that the last run was of.
 * `why.txt`: what would run again when this was packed, and why.
 * `CITATION.cff`: how to cite burstcast, and the paper whose method it is.
 """
@@ -56,27 +54,16 @@ class NothingToArchiveError(ValueError):
     """A campaign has neither tables nor figures, or the archive would replace another file."""
 
 
-def versions(results: Path) -> dict[str, Any]:
-    """Versions of Python and of the libraries here; revisions and BLAS kernels that made results.
+def versions(claim: Mapping[str, Any]) -> dict[str, Any]:
+    """Versions of Python and of the libraries here, and of what the last run was of.
 
-    A campaign that was edited while it grew has files of several revisions.
+    ``claim``: What the last run has planned (`burstcast_workflow.tracking.run`).
     """
-    revisions: Counter[str] = Counter()
-    kernels: set[str] = set()
-    for path in sorted((results / DIRECTORY).rglob("*.json")):
-        try:
-            record = dict(json.loads(path.read_bytes()))
-        except (ValueError, TypeError, RecursionError):
-            revisions["damaged record"] += 1
-            continue
-        revisions[str(record.get("revision") or "unknown")] += 1
-        kernels.update(map(str, record.get("environment") or ()))
     return {
         "python": platform.python_version(),
         "libraries": {library: library_version(library) for library in LIBRARIES},
-        "revision": source_revision(),
-        "files by revision": dict(sorted(revisions.items())),
-        "linear algebra": sorted(kernels),
+        "revision": claim["revision"],
+        "linear algebra": claim["linear algebra"],
     }
 
 
@@ -100,8 +87,8 @@ def _is_archive(path: Path) -> bool:
         return any(name.endswith("/versions.json") for name in archive.namelist())
 
 
-def contents(results: Path, config: Mapping[str, Any], why: str) -> dict[str, bytes]:
-    """Files of the archive of a campaign, by their names in it."""
+def contents(results: Path, claim: Mapping[str, Any], why: str) -> dict[str, bytes]:
+    """Files of the archive of a campaign, by their names in it. ``claim``: See `versions`."""
     found = {
         f"{directory}/{path.name}": path.read_bytes()
         for directory, suffixes in (("tables", (".csv", ".tex")), ("figures", (".pdf", ".png")))
@@ -111,9 +98,11 @@ def contents(results: Path, config: Mapping[str, Any], why: str) -> dict[str, by
         raise NothingToArchiveError(
             f"{results} has neither tables nor figures yet: run the campaign first"
         )
-    made_by = versions(results)
+    if (page := results / "report.html").exists():
+        found["report.html"] = page.read_bytes()
+    made_by = versions(claim)
     # a path that exists wherever the campaign is run again
-    portable = {**config, "results": f"results/{results.name}"}
+    portable = {**claim["config"], "results": f"results/{results.name}"}
     found["config.yaml"] = yaml.safe_dump(portable, sort_keys=True).encode()
     found["versions.json"] = f"{json.dumps(made_by, indent=2)}\n".encode()
     found["why.txt"] = f"{why}\n".encode()
@@ -127,9 +116,13 @@ def _files(directory: Path, suffixes: Iterable[str]) -> list[Path]:
     return [path for path in sorted(directory.glob("*")) if path.suffix in suffixes]
 
 
-def _config_of(claim: Path) -> Any:
+def _claim_of(results: Path) -> dict[str, Any]:
+    claim = results / CLAIM
     try:
-        return json.loads(claim.read_bytes())["config"]
+        return {
+            name: json.loads(claim.read_bytes())[name]
+            for name in ("config", "revision", "linear algebra")
+        }
     except (ValueError, KeyError, TypeError):
         raise NothingToArchiveError(f"{claim} is damaged: run the campaign again") from None
 
@@ -137,11 +130,10 @@ def _config_of(claim: Path) -> Any:
 def main(arguments: Sequence[str], output: Path | None = None) -> int:
     """Pack a campaign's results."""
     workflow = planned(arguments)
-    results = Path(os.path.abspath(names_of_rules(workflow)["run"].results))
+    results = Path(os.path.abspath(names_of_rules(workflow)["campaign"].config.results))
     target = output or Path(f"{results.name}.zip")
     try:
-        config = _config_of(results / CLAIM)
-        files = contents(results, config, report(*jobs_to_run(workflow)))
+        files = contents(results, _claim_of(results), reasons(workflow))
         write_archive(target, files)
     except (NothingToArchiveError, OSError) as error:
         print(f"nothing is archived: {error}", file=sys.stderr)

@@ -10,7 +10,7 @@ from typing import Any
 from burstcast.forecasters.check import UnsoundForecasterError, check_forecaster
 from burstcast.forecasters.registry import make_kind
 from burstcast.random_streams import stream
-from snaketrust.modules import make_importable
+from burstcast_workflow.tracking.code import make_importable
 
 
 def main(forecaster: str, options: Sequence[str]) -> int:

@@ -8,7 +8,7 @@ from pathlib import Path
 from burstcast.random_streams import stream
 from burstcast.systems.check import UnsoundSystemError, check_system
 from burstcast.systems.registry import make_system
-from snaketrust.modules import make_importable
+from burstcast_workflow.tracking.code import make_importable
 
 
 def main(system: str, parameters: Sequence[str]) -> int:

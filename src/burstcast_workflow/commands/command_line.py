@@ -39,17 +39,10 @@ def _parser() -> argparse.ArgumentParser:
     check = command("check-forecaster", "commands.check_forecaster", "check a forecaster")
     check.add_argument("forecaster", help="nvar, ..., or <module>:<class> of your own")
     check.add_argument("options", nargs="*", metavar="NAME=VALUE", help="of its class")
-    command("why", "commands.why", "what would run again, and why, in words", of_snakemake=True)
-    command(
-        "costs",
-        "costs.records",
-        "predicted time and memory, compared with what jobs took",
-        of_snakemake=True,
-    )
     archive = command(
         "archive",
         "commands.archive",
-        "tables, figures, config, versions and why in one zip",
+        "tables, figures, report, config, versions and reasons in one zip",
         of_snakemake=True,
     )
     archive.add_argument("--output", type=Path, help="the zip; <results>.zip if left out")

@@ -39,7 +39,7 @@ from burstcast_workflow.config.measured_cases import (
 from burstcast_workflow.config.messages import model_problems, suggestion
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.jobs.lengths import FORECASTS, Lengths, listing
-from snaketrust.modules import module_file
+from burstcast_workflow.tracking.code import module_file
 
 FINE = 1000
 """Steps per Lyapunov time where it is unknown: no duration is too short then."""

@@ -329,6 +329,16 @@ class Configuration(Section):
     """Configuration of a campaign."""
 
     results: Directory = setting("directory of everything that the workflow writes")
+    cache_gb: float = setting(
+        "size of the cache of earlier results beyond which those unused for longest go; files that "
+        "present results share count nothing",
+        "GB",
+        ge=0,
+        default=20.0,
+    )
+    rerun_libraries: bool = setting(
+        "whether another version of a library runs again the jobs that import it", default=False
+    )
     # the files of the networks hold it, as an unsigned number of 64 bits
     random_seed: Whole = setting("the one root of all random numbers", ge=0, lt=2**64)
     campaign: list[Block] = setting("cases x forecasters: the union of these blocks", min_length=1)

@@ -17,14 +17,13 @@ from burstcast_workflow.harness.settings import THRESHOLDS
 from burstcast_workflow.stages.stages import Stages
 from burstcast_workflow.tables.declarations import SECTIONS
 from burstcast_workflow.tables.registry import table_names, table_of
-from snaketrust.fingerprint import Sources
 
 
 class FigureJobs:
     """Inputs, parameters and place in the report, by the wildcards of a figure's job."""
 
-    def __init__(self, stages: Stages, sources: Sources, published: str) -> None:
-        self._stages, self._sources, self._published = stages, sources, published
+    def __init__(self, stages: Stages, published: str) -> None:
+        self._stages, self._published = stages, published
         self._campaign = stages.campaign
 
     def case(self, wildcards: Any) -> str:
@@ -48,11 +47,17 @@ class FigureJobs:
         """Settings of a figure."""
         return settings_of(self._campaign, FIGURES[wildcards.figure], self.case(wildcards))
 
-    def code(self, wildcards: Any) -> list[str]:
-        """Code that draws a figure: the script of all figures, and the figure's own module."""
+    def _modules(self, wildcards: Any) -> dict[str, list[str]]:
         modules = self._campaign.modules({"case": self.case(wildcards)})
-        found = {**modules, "burstcast.figures": [wildcards.figure]}
-        return self._sources.fingerprint("figures/figure.py", found)
+        return {**modules, "burstcast.figures": [wildcards.figure]}
+
+    def parameters(self) -> list[Any]:
+        """Parameters of the rule: settings, the script of all figures, the figure's own module."""
+        everything = {**self._campaign.all_modules(), "burstcast.figures": [*FIGURES]}
+        paths = sorted({path for figure in FIGURES.values() for path in figure.paths.values()})
+        return self._stages.parameters(
+            "figures/figure.py", paths, self.settings, self._modules, everything
+        )
 
     def category(self, wildcards: Any) -> str:
         """Section of the report that a figure stands in."""

@@ -13,6 +13,7 @@ thresholds and the unit of time, have their values already.
 import atexit
 import gc
 import inspect
+import json
 import logging
 import os
 import platform
@@ -22,19 +23,14 @@ import signal
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NoReturn
 
-from burstcast_workflow.harness.canonical import canonical, canonical_json
-from burstcast_workflow.harness.environment import (
-    LIBRARIES,
-    blas_kernels,
-    library_version,
-    shared_results,
-)
+from burstcast.files.atomic_files import remove_partial
+from burstcast_workflow.harness.canonical import canonical_json
 from burstcast_workflow.harness.settings import (
     THRESHOLDS,
     TIME_UNIT,
@@ -53,8 +49,16 @@ from burstcast_workflow.harness.storage import (
     write_table,
     write_text,
 )
-from snaketrust import job as trust
-from snaketrust.fingerprint import script_of
+from burstcast_workflow.project import packages_of, project_root
+from burstcast_workflow.tracking.cache import Entry
+from burstcast_workflow.tracking.code import Sources, make_importable
+from burstcast_workflow.tracking.environment import (
+    LIBRARIES,
+    environment,
+    library_version,
+)
+from burstcast_workflow.tracking.results import checked, date_after, digest, forget, note
+from burstcast_workflow.tracking.run import plan
 
 __all__ = [
     "JobSettings",
@@ -124,31 +128,106 @@ def tell(message: str) -> None:
     _told.warning(message)
 
 
+class UnlikeCodeError(RuntimeError):
+    """The code that runs is not what was planned."""
+
+
 def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
-    """Compute a job's outputs, or take them from the cache, and record what made them."""
+    """Compute a job's outputs, or take them from the cache."""
+    start = time.monotonic()
+    declared, code = parameters(snakemake.params)
+    (script,) = [entry.partition(" ")[0] for entry in code if ".py @" in entry]
     # one script makes many tables: there, the rule names the table's maker
-    name = snakemake.params.get("maker") or script_of(snakemake).stem
-    identity = job_identity(name, snakemake.wildcards)
-    declared = canonical(dict(snakemake.params.settings), "params.settings")
+    identity = job_identity(snakemake.params.get("maker") or Path(script).stem, snakemake.wildcards)
     logger.info("%s starts with settings %s", label, canonical_json(declared))
-
-    def compute() -> None:
-        files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
-        known = _known(declared, files.pop(THRESHOLDS, []))
-        exponent = exponent_in(files.pop(TIME_UNIT, ""))
-        of_job = function.__annotations__.get("settings", JobSettings)
-        settings = of_job(known, identity, provenance(identity, declared), exponent)
-        function(**arguments_for(function, {**files, "settings": settings}))
-        if unread := settings.unread():
-            logger.info("settings not read: %s", ", ".join(unread))
-
-    trust.run_job(
-        snakemake,
-        compute,
+    planned = plan()
+    make_importable(planned["directories"])
+    sources = _checked_code(snakemake, code, planned)
+    inputs = _contents(snakemake.input)
+    entry = Entry(
+        snakemake.output,
         identity=identity,
-        cache=shared_results if snakemake.resources.get("cached", 0) else lambda: None,
-        environment=blas_kernels,
+        settings=declared,
+        code=code,
+        inputs=inputs,
+        names={name: [*map(_name, _listed(files))] for name, files in snakemake.output.items()},
+        environment=environment(),
+        libraries=sources.libraries(entry.partition(" ")[0] for entry in code),
     )
+    for path in snakemake.output:
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        remove_partial(path)
+        forget(path)
+    if made := entry.restore():
+        print(made.log)
+        logger.info("the outputs are those of this job, which took %.2f s", made.seconds)
+        _keep(snakemake)
+        return
+
+    files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
+    known = _known(declared, files.pop(THRESHOLDS, []))
+    exponent = exponent_in(files.pop(TIME_UNIT, ""))
+    of_job = function.__annotations__.get("settings", JobSettings)
+    settings = of_job(known, identity, provenance(identity, declared), exponent)
+    function(**arguments_for(function, {**files, "settings": settings}))
+    if unread := settings.unread():
+        logger.info("settings not read: %s", ", ".join(unread))
+
+    # what was edited meanwhile may have taken part
+    _checked_code(snakemake, code, plan())
+    if inputs != _contents(snakemake.input):
+        raise UnlikeCodeError("an input has changed while the job ran: run again")
+    seconds = time.monotonic() - start
+    entry.store(_keep(snakemake), snakemake.rule, seconds, Path(snakemake.log[0]))
+
+
+def parameters(params: Iterable[Any]) -> tuple[dict[str, Any], list[str]]:
+    """Settings by path, and entries of code, of a job's parameters (`Stages.of_script`)."""
+    texts = [text for text in params if isinstance(text, str)]
+    code = [text for text in texts if re.fullmatch(r".+ @[0-9a-f]+", text) and " = " not in text]
+    pairs = (text.partition(" = ") for text in texts)
+    settings = {path: json.loads(value) for path, equals, value in pairs if equals}
+    return dict(sorted(settings.items())), sorted(code)
+
+
+def _checked_code(snakemake: Any, code: list[str], planned: Mapping[str, Any]) -> Sources:
+    """The sources, after a check that the code on disk is what the run has planned."""
+    packages = packages_of(project_root())
+    own = {entry.partition(" ")[0]: () for entry in code}
+    sources = Sources(lambda name: Path(snakemake.scriptdir) / Path(name).name, packages, own)
+    others = {*code} - {*planned["code"]}
+    if changed := sources.changed(code) or [entry.partition(" ")[0] for entry in others]:
+        raise UnlikeCodeError(
+            f"{', '.join(changed)} changed after the workflow was planned: nothing is kept of this "
+            f"job; run the workflow again when the edit is done"
+        )
+    return sources
+
+
+def _contents(inputs: Any) -> dict[str, list[list[str]]]:
+    """Names and digests of inputs, by the names of the rule's inputs."""
+    return {
+        name: [[_name(file), checked(file)] for file in _listed(files)]
+        for name, files in inputs.items()
+    }
+
+
+def _keep(snakemake: Any) -> list[str]:
+    """Note what the outputs are; return their digests."""
+    date_after(snakemake.output, snakemake.input)
+    digests = [*map(digest, snakemake.output)]
+    for path, content in zip(snakemake.output, digests, strict=True):
+        note(path, content)
+    return digests
+
+
+def _listed(files: str | list[str]) -> list[str]:
+    return [files] if isinstance(files, str) else files
+
+
+def _name(path: str) -> str:
+    """Name of a file and of its directory: in no campaign a file lies in the results themselves."""
+    return "/".join(Path(path).parts[-2:])
 
 
 def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Provenance:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from burstcast.files import atomic_files
-from snaketrust.run import check_ownership
+from burstcast_workflow.tracking.run import check_ownership
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -1,6 +1,7 @@
-"""Inputs and needs of stages: functions of a job's wildcards, which Snakemake calls."""
+"""Inputs and parameters of stages: functions of a job's wildcards, which Snakemake calls."""
 
 import inspect
+import json
 import re
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from functools import cached_property
@@ -16,11 +17,10 @@ from burstcast.tables.makers.registry import settings_of
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
 from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.config.case import Case
-from burstcast_workflow.costs.model import CostModel
 from burstcast_workflow.harness.settings import THRESHOLDS, TIME_UNIT, cases_of_thresholds
 from burstcast_workflow.stages.declared import declared_settings
 from burstcast_workflow.tables.registry import cases_of
-from snaketrust.fingerprint import Sources
+from burstcast_workflow.tracking.code import Sources
 
 Paths: TypeAlias = str | list[str]
 OfJob: TypeAlias = Callable[..., Any]
@@ -49,9 +49,16 @@ def _once(function: OfJob) -> OfJob:
     Neither settings nor code depend on these, and a campaign has hundreds of such networks.
     """
     known: dict[tuple[object, ...], Any] = {}
+    seen: dict[tuple[str, ...], Any] = {}
 
     @of_job
     def found(wildcards: Any) -> Any:
+        values = tuple(wildcards)
+        if values not in seen:
+            seen[values] = of_like(wildcards)
+        return seen[values]
+
+    def of_like(wildcards: Any) -> Any:
         names: dict[str, object] = dict(wildcards.items())
         for key in {"forecaster", "controller"} & names.keys():
             name = parsed(str(names[key]))
@@ -67,16 +74,21 @@ def _once(function: OfJob) -> OfJob:
     return found
 
 
+def _one(texts: OfJob, key: str) -> OfJob:
+    """One of a job's parameters; empty where it does not concern the job."""
+    return of_job(lambda wildcards: texts(wildcards).get(key, ""))
+
+
 def one_of(names: Iterable[str]) -> str:
     """Regular expression of a wildcard that is one of these names."""
     return "|".join(map(re.escape, names)) or "(?!)"
 
 
 class Stages:
-    """Files, settings, code and resources of the stages of a campaign."""
+    """Files, settings and code of the stages of a campaign."""
 
-    def __init__(self, campaign: Campaign, sources: Sources, costs: CostModel) -> None:
-        self.campaign, self._sources, self._costs = campaign, sources, costs
+    def __init__(self, campaign: Campaign, sources: Sources) -> None:
+        self.campaign, self._sources = campaign, sources
         self.results: str = campaign.config.results
         self._settings: dict[str, OfJob] = {}  # of each stage
 
@@ -215,22 +227,34 @@ class Stages:
             found[TIME_UNIT] = time_unit
         return found
 
-    # -- settings, code and resources --------------------------------------------------------------
+    # -- settings and code ------------------------------------------------------------------------
 
     def declared(self, script: str, name: str = "") -> list[str]:
         """Paths of the settings that a script declares, or one of its classes."""
-        return declared_settings(self._sources.scripts / script, self._sources.packages, name)
+        return declared_settings(self._sources.script(script), self._sources.packages, name)
 
-    def settings_of(self, script: str, stage: str = "", *, maker: str = "", **values: Any) -> OfJob:
-        """Settings of a script's jobs: those of the class that its function takes.
+    def of_script(
+        self,
+        script: str,
+        stage: str = "",
+        *,
+        maker: str = "",
+        by_name: Mapping[str, Sequence[str]] | None = None,
+        **values: Any,
+    ) -> list[Any]:
+        """Parameters of a script's jobs: each setting, and each module of the code that runs.
+
+        Each is a text, ``path = value`` or ``module @hash``: reasons of Snakemake name those that
+        have changed. Settings are those of the class that the script's function takes.
 
         ``stage``: Name of the rule, if it is not the script's. ``maker``: Module of
-        `burstcast.tables.makers` that declares further settings. ``values``: Given as they are, or
-        by functions of the job's wildcards, without sizes and seeds.
+        `burstcast.tables.makers` that declares further settings. ``by_name``: Modules that all jobs
+        find by name, beside `Campaign.modules`. ``values``: Given as they are, or by functions of
+        the job's wildcards, without sizes and seeds.
         """
+        declared = [*self.declared(script), *(settings_of(maker) if maker else [])]
 
         def settings(wildcards: Any) -> Any:
-            declared = [*self.declared(script), *(settings_of(maker) if maker else [])]
             found = {
                 name: value(wildcards) if callable(value) else value
                 for name, value in values.items()
@@ -239,39 +263,39 @@ class Stages:
             # Snakemake's wildcards are a list: only of a mapping can one ask whether it has a name
             return settings_of_job(self.campaign, asked, dict(wildcards.items()), found)
 
+        def modules(wildcards: Any) -> Mapping[str, Sequence[str]]:
+            return {**self.campaign.modules(wildcards), **(by_name or {})}
+
+        everything = {**self.campaign.all_modules(), **(by_name or {})}
         stage = stage or Path(script).stem
         self._settings[stage] = _once(settings)
-        return self._settings[stage]
+        return self.parameters(
+            script, [*declared, *values], self._settings[stage], modules, everything
+        )
 
-    def code_of(
-        self, script: str, found_by_name: Mapping[str, Sequence[str]] | None = None
-    ) -> OfJob:
-        """Hashes of the code that a job runs: its script and all modules that this reaches.
-
-        ``found_by_name``: Modules that all its jobs find by name, by package, beside
-        `Campaign.modules`.
-        """
-
-        def code(wildcards: Any) -> list[str]:
-            modules = {**self.campaign.modules(wildcards), **(found_by_name or {})}
-            return self._sources.fingerprint(script, modules)
-
-        return _once(code)
-
-    def needs(self, stage: str, cost_class: str, cached: bool = False) -> dict[str, Any]:
-        """Resources of a stage: memory and time for a scheduler, and whether its files are cached.
-
-        ``stage``: Name of the stage; the rule has another one where this workflow is a module.
-        ``cost_class``: The class of its work (`burstcast_workflow.costs.model.CLASSES`).
-        """
-        self._costs.classes[stage] = cost_class
-
-        @of_job
-        def memory(wildcards: Any, attempt: int) -> int:
-            return self._costs.predicted(cost_class, wildcards, stage).mib_for(attempt)
-
-        @of_job
-        def runtime(wildcards: Any, attempt: int) -> int:
-            return self._costs.predicted(cost_class, wildcards, stage).minutes_for(attempt)
-
-        return {"mem_mb": memory, "runtime": runtime, "cached": int(cached)}
+    def parameters(
+        self,
+        script: str,
+        paths: Iterable[str],
+        settings: OfJob,
+        modules: OfJob,
+        everything: Mapping[str, Sequence[str]],
+    ) -> list[Any]:
+        """Parameters of jobs, by functions of their settings and of modules found by name."""
+        code = self._sources.entries
+        always = code(script, {})
+        sometimes = sorted({*code(script, everything)} - {*always})
+        texts = _once(
+            lambda wildcards: {
+                path: f"{path} = {json.dumps(value, ensure_ascii=False)}"
+                for path, value in settings(wildcards).items()
+            }
+        )
+        reached = _once(
+            lambda wildcards: {entry: entry for entry in code(script, modules(wildcards))}
+        )
+        return [
+            *(_one(texts, path) for path in dict.fromkeys(paths)),
+            *always,
+            *(_one(reached, entry) for entry in sometimes),
+        ]

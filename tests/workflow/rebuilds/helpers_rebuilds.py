@@ -42,7 +42,7 @@ class Outcome:
         return {
             rule: int(count)
             for rule, count in counts.items()
-            if rule not in ("all", "forecasters", "tables", "figures", "report")
+            if rule not in ("all", "forecasters", "tables", "figures")
         }
 
 
@@ -125,11 +125,13 @@ class Project:
         copy = self.copy(directory)
         shutil.rmtree(copy.directory / "results", ignore_errors=True)
         shutil.rmtree(copy.directory / ".snakemake", ignore_errors=True)
+        shutil.rmtree(copy.directory / ".burstcast_cache", ignore_errors=True)
         return copy
 
     def environment(self) -> dict[str, str]:
         paths = [str(self.directory / "src")]
-        variables = {name: value for name, value in os.environ.items() if name != "BURSTCAST_CACHE"}
+        without = ("BURSTCAST_CACHE", "BURSTCAST_RUN")
+        variables = {name: value for name, value in os.environ.items() if name not in without}
         paths.append(str(HERE / "server"))
         if self.server is not None:
             variables["BURSTCAST_TEST_JOB_SERVER"] = self.server.address
@@ -194,7 +196,7 @@ class Project:
 
     def dry_run(self, *arguments: str, overlay: dict | None = None) -> dict[str, int]:
         """Jobs of each rule that would run."""
-        outcome = self.snakemake("--quiet", "rules", "-n", *arguments, overlay=overlay)
+        outcome = self.snakemake("--verbose", "-n", *arguments, overlay=overlay)
         assert outcome.status == 0, outcome.text
         return outcome.jobs
 
@@ -213,20 +215,11 @@ class Project:
             if plan == "update pending"
         }
 
-    def why(self, *targets: str, overlay: dict | None = None) -> str:
-        """What the project itself says would run again, and why."""
-        options = [*targets, *self.options("-n", overlay=overlay)[1:]]
-        result = subprocess.run(
-            [sys.executable, "-m", "burstcast_workflow", "why", *options],
-            cwd=self.directory,
-            env=self.environment(),
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        text = result.stdout + result.stderr
-        assert result.returncode == 0, text
-        return text
+    def reasons(self, *targets: str, overlay: dict | None = None) -> str:
+        """What a dry run says would run again, and why."""
+        outcome = self.snakemake("-n", *targets, overlay=overlay)
+        assert outcome.status == 0, outcome.text
+        return outcome.text
 
     @property
     def results(self) -> Path:
@@ -266,12 +259,12 @@ class Project:
 
 
 def digests(directory: Path) -> dict[str, str]:
-    """Digests of all files of a directory; records, which hold times, are not among them."""
+    """Digests of all files of a directory but hidden ones, which hold times."""
     names = {path: str(path.relative_to(directory)) for path in sorted(directory.rglob("*"))}
     return {
         name: hashlib.sha256(path.read_bytes()).hexdigest()
         for path, name in names.items()
-        if path.is_file() and not name.startswith(".")
+        if path.is_file() and not path.name.startswith(".")
     }
 
 

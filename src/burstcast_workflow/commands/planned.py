@@ -1,0 +1,55 @@
+"""Plans of a workflow by Snakemake, for commands that inspect it without running it."""
+
+import io
+import sys
+from collections.abc import Sequence
+from contextlib import redirect_stderr, redirect_stdout
+from typing import Any
+
+from snakemake.cli import args_to_api, parse_args
+
+from burstcast_workflow import start
+from snakemake_logger_plugin_burstcast.reasons import PlannedJob, explanation
+
+# options of snakemake that do something else than planning, even in a dry run
+_CHANGING = (
+    *("unlock", "touch", "cleanup_metadata", "cleanup_shadow", "archive", "report"),
+    *("delete_all_output", "delete_temp_output", "conda_cleanup_envs"),
+    *("conda_create_envs_only", "export_cwl", "containerize"),
+)
+
+
+def planned(arguments: Sequence[str]) -> Any:
+    """Snakemake's workflow, planned under its own options; `SystemExit` if that fails."""
+    said = io.StringIO()
+    with redirect_stdout(said), redirect_stderr(said):
+        # quiet in this way, Snakemake ends a dry run before it pretends to execute the jobs
+        parser, options = parse_args([*arguments, "--dry-run", "--quiet", "rules", "progress"])
+        changing = [name for name in _CHANGING if getattr(options, name, None)]
+        succeeded = not changing and args_to_api(options, parser)
+    if changing:
+        option = f"--{changing[0].replace('_', '-')}"
+        print(f"this only looks, and changes nothing: leave out {option}", file=sys.stderr)
+        raise SystemExit(2)
+    if not succeeded:
+        print(said.getvalue(), file=sys.stderr)
+        raise SystemExit(1)
+    return start.latest
+
+
+def reasons(workflow: Any) -> str:
+    """What the jobs of a plan would run for, as ``snakemake -n`` says it."""
+    dag = workflow.dag
+    jobs = [
+        PlannedJob(
+            job.rule.name,
+            job.wildcards_dict.get("case", ""),
+            [*map(str, job.input)],
+            [*map(str, job.output)],
+            str(dag.reason(job)),
+        )
+        for level in dag.toposorted()
+        for job in sorted(level, key=lambda job: [job.rule.name, *map(str, job.output)])
+        if job.output and dag.needrun(job)
+    ]
+    return explanation(jobs) if jobs else "Nothing would run: all results are up to date."

@@ -1,0 +1,81 @@
+"""What the page of a campaign says beside its results (`burstcast_workflow.jobs.report`)."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from burstcast.figures.registry import caption
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.config.loading import load
+from burstcast_workflow.figures.registry import FIGURES, figure_names
+from burstcast_workflow.harness.settings import leaves
+from burstcast_workflow.project import project_root
+from burstcast_workflow.tables.declarations import SECTIONS
+from burstcast_workflow.tables.registry import table_names, table_of
+
+# What differs in every campaign and is shown elsewhere, or changes no result.
+_LEFT_OUT = ("campaign", "results", "figures", "cache_gb", "rerun_libraries")
+
+
+def report_of(campaign: Campaign) -> dict[str, Any]:
+    """The fields of `burstcast_workflow.jobs.report.Report`."""
+    return {
+        "name": Path(campaign.config.results).name,
+        "cases": [_computed(campaign, case) for case in campaign.case_names],
+        "settings": other_settings(campaign.config.dump()),
+        "sections": [*filter(_has_content, (_section(campaign, name) for name in SECTIONS))],
+    }
+
+
+def _computed(campaign: Campaign, case: str) -> dict[str, str]:
+    networks = [one.name for one in campaign.networks if one.case == case]
+    kinds = dict.fromkeys(one.name.kind for one in campaign.select(case=case))
+    return {
+        "case": case,
+        "networks": str(len(networks)),
+        "of neurons": ", ".join(map(str, sorted({one.neurons or 0 for one in networks}))),
+        "validated by": ", ".join(sorted({str(one.validation) for one in networks})),
+        "seeds": str(len({one.seed for one in networks})),
+        "forecasters": ", ".join(kinds),
+    }
+
+
+def other_settings(config: Mapping[str, Any]) -> list[list[str]]:
+    """Settings that differ from the paper's config.yaml: path, value here, value there."""
+    paper = load(yaml.safe_load((project_root() / "config.yaml").read_text(encoding="utf-8")))
+    here, there = (
+        {path: json.dumps(value, ensure_ascii=False) for path, value in leaves(settings)}
+        for settings in (config, paper)
+    )
+    return [
+        [path, here.get(path, ""), there.get(path, "")]
+        for path in dict.fromkeys([*here, *there])
+        if here.get(path) != there.get(path) and path.partition(".")[0] not in _LEFT_OUT
+    ]
+
+
+def _section(campaign: Campaign, section: str) -> dict[str, Any]:
+    figures = [
+        {"name": name, "title": _title(name), "caption": caption(figure)}
+        for name in figure_names(campaign)
+        for figure in [max((one for one in FIGURES if name.startswith(one)), key=len)]
+        if FIGURES[figure].section == section
+    ]
+    tables = [
+        {"name": name, "title": _title(name), "caption": table_of(name).says}
+        for name in table_names(campaign)
+        if table_of(name).section == section
+    ]
+    return {"title": SECTIONS[section], "figures": figures, "tables": tables}
+
+
+def _has_content(section: Mapping[str, Any]) -> bool:
+    return bool(section["figures"] or section["tables"])
+
+
+def _title(name: str) -> str:
+    words = name.replace("_", " ")
+    return words[:1].upper() + words[1:]

@@ -1,0 +1,71 @@
+"""What jobs ask a scheduler for: memory and time. They are bounds, doubled at each retry."""
+
+import math
+import os
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from burstcast.forecasters._names import parsed
+
+TRAINING = "training"
+"""Work whose memory and time grow with the square of a network's neurons: the Gram matrix of its
+states, of all series or of each."""
+
+SHORT = "short"
+"""Work of seconds: tables and figures."""
+
+_MIB, _MINUTES, _SHORT_MINUTES = 500, 10, 2
+_MATRICES = 16
+_MINUTES_OF_1000_NEURONS = 10.0
+
+
+def resources_of(work: str = "") -> dict[str, Callable[..., int]]:
+    """Resources of a rule, as functions of a job's wildcards and of the number of its attempt."""
+
+    def memory(wildcards: Any, attempt: int) -> int:
+        return memory_mib(work, _neurons(wildcards)) << (attempt - 1)
+
+    def runtime(wildcards: Any, attempt: int) -> int:
+        return minutes(work, _neurons(wildcards)) << (attempt - 1)
+
+    return {"mem_mb": memory, "runtime": runtime}
+
+
+def memory_mib(work: str, neurons: int) -> int:
+    """Memory of a job in MiB."""
+    return _MIB + math.ceil(_MATRICES * _matrix_mib(neurons)) * (work == TRAINING)
+
+
+def minutes(work: str, neurons: int) -> int:
+    """Time of a job in minutes."""
+    if work == TRAINING:
+        return _MINUTES + math.ceil(_MINUTES_OF_1000_NEURONS * (neurons / 1000) ** 2)
+    return _SHORT_MINUTES if work == SHORT else _MINUTES
+
+
+def _matrix_mib(neurons: int) -> float:
+    return 8 * neurons**2 / 2**20
+
+
+def _neurons(wildcards: Mapping[str, str]) -> int:
+    names = dict(wildcards.items())
+    return parsed(names.get("forecaster") or names.get("reservoir") or "none").neurons or 0
+
+
+def beyond_memory(neurons: Iterable[int], machine_mib: float | None = None) -> str:
+    """Why this machine cannot train the largest network, in words; empty if it may.
+
+    It is a bound, no prediction: the Gram matrix alone does not fit. Of other machines, only their
+    scheduler knows the memory.
+    """
+    if machine_mib is None:
+        machine_mib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**20
+    most = max(neurons, default=0)
+    if _matrix_mib(most) <= machine_mib:
+        return ""
+    return (
+        f"a network of {most} neurons cannot be trained on this machine: the Gram matrix of its "
+        f"states takes {_matrix_mib(most) / 1024:.1f} GiB, and there are {machine_mib / 1024:.1f} "
+        f"GiB of memory. Take fewer neurons (campaign.forecasters.esn.neurons), or a cluster "
+        f"(docs/cluster.md)"
+    )

@@ -1,0 +1,1 @@
+"""What jobs are made from: code, inputs, earlier results, the run that plans them."""

@@ -1,0 +1,166 @@
+"""Jobs that a dry run would start, grouped by what they would run for.
+
+Snakemake lists each job with its reason. Parameters of burstcast's rules are texts: a setting
+``path = value``, a module of the code ``module @hash``, or a library ``library ==version``, so that
+the reason has what changed, before and now.
+"""
+
+import ast
+import json
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+_LITERAL = re.compile(r"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"")
+_PARAMETERS = "Params have changed since last execution: "
+_REASONS = (
+    (re.compile(r"Forced execution"), "asked for by an option"),
+    (re.compile(r"Missing output files: "), "results are missing"),
+    (re.compile(r"Incomplete output files: "), "interrupted before it was complete"),
+    (re.compile(r"Updated input files: (?P<files>[^;]+)"), "changed: {files}"),
+    (re.compile(r"Set of input files has changed"), "made from other files"),
+    (re.compile(r"Code has changed"), "the code has changed"),
+    (re.compile(r"Software environment definition has changed"), "another software environment"),
+)
+_LONGEST_VALUE = 60
+_MOST_MODULES = 3
+
+
+@dataclass(frozen=True)
+class PlannedJob:
+    """A job of a dry run, and Snakemake's reason for it."""
+
+    rule: str
+    case: str  #: "" if it belongs to none
+    inputs: Sequence[str]
+    outputs: Sequence[str]
+    reason: str
+
+
+def explanation(jobs: Sequence[PlannedJob]) -> str:
+    """What the jobs would run for: each reason with all jobs that it sets off, directly or not."""
+    causes: dict[str, set[int]] = {}
+    cases: dict[str, set[str]] = {}
+    for number, job in enumerate(jobs):
+        for text, case in own_causes(job):
+            causes.setdefault(text, set()).add(number)
+            cases.setdefault(text, set()).update(filter(None, [case or job.case]))
+    users = _users(jobs)
+    by_jobs: dict[tuple[frozenset[int], str], list[str]] = {}
+    for text, numbers in causes.items():
+        whole = _set_off(numbers, users)
+        by_jobs.setdefault((whole, ", ".join(sorted(cases[text]))), []).append(text)
+    lines = [
+        f"{'; '.join(sorted(texts))}{f' ({whose})' if whose else ''}: "
+        f"{_counted(jobs[number] for number in sorted(numbers))}"
+        for (numbers, whose), texts in sorted(by_jobs.items(), key=lambda item: -len(item[0][0]))
+    ]
+    rules = f": {_counted(jobs)}" if len(lines) > 1 else ""
+    return "\n".join([*lines, f"in all {len(jobs)} job{'s' * (len(jobs) != 1)}{rules}"])
+
+
+def own_causes(job: PlannedJob) -> Iterator[tuple[str, str]]:
+    """Text of each cause that lies in the job itself, and the case of a setting of several."""
+    reason, _, parameters = job.reason.partition(_PARAMETERS)
+    for pattern, text in _REASONS:
+        if found := pattern.search(reason):
+            yield text.format(**found.groupdict()).strip(), ""
+    if parameters:
+        before, _, now = parameters.partition(" now: ")
+        yield from differences(*(_literals(part) for part in (before, now)))
+
+
+def _literals(text: str) -> list[str]:
+    return [str(ast.literal_eval(literal)) for literal in _LITERAL.findall(text)]
+
+
+def differences(before: Iterable[str], now: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Text of each difference of parameters, and the case that it is of, or ""."""
+    (settings, code, libraries), (settings_now, code_now, libraries_now) = map(
+        _sorted_out, (before, now)
+    )
+    for case, path in sorted({*settings, *settings_now}):
+        pair = (settings.get((case, path), _NONE), settings_now.get((case, path), _NONE))
+        if pair[0] != pair[1]:
+            yield f"{path} {_change(*pair)}", case
+    changed = sorted(code.keys() & code_now.keys()) or sorted(code.keys() ^ code_now.keys())
+    if changed:
+        more = f" and {len(changed) - _MOST_MODULES} more" if len(changed) > _MOST_MODULES else ""
+        yield f"code of {', '.join(changed[:_MOST_MODULES])}{more}", ""
+    for name in sorted({*libraries, *libraries_now}):
+        yield f"{name} {libraries.get(name, 'none')} -> {libraries_now.get(name, 'none')}", ""
+
+
+_NONE = object()
+
+
+def _sorted_out(texts: Iterable[str]) -> tuple[dict[tuple[str, str], Any], dict[str, str], Any]:
+    settings: dict[tuple[str, str], Any] = {}
+    code, libraries = {}, {}
+    for text in texts:
+        path, is_setting, value = text.partition(" = ")
+        if is_setting:
+            settings.update(_leaves(path, json.loads(value)))
+        elif " @" in text:
+            name, _, content = text.rpartition(" @")
+            code[name] = content
+        elif " ==" in text:
+            name, _, version = text.partition(" ==")
+            libraries[name] = version
+    return settings, code, libraries
+
+
+def _leaves(path: str, value: Any) -> Iterator[tuple[tuple[str, str], Any]]:
+    """Values that are no mappings, by case (or "") and path; cases are those in ``cases``."""
+    if isinstance(value, Mapping) and value:
+        for name, inner in value.items():
+            yield from _leaves(f"{path}.{name}", inner)
+    else:
+        first, _, others = path.partition(".")
+        case, _, setting = others.partition(".")
+        yield (case, setting) if first == "cases" and setting else ("", path), value
+
+
+def _change(before: Any, now: Any) -> str:
+    if isinstance(before, list) and isinstance(now, list) and len(before) + len(now) > 4:
+        old, new = (Counter(map(_shown, values)) for values in (before, now))
+        added = [f"with {value}" for value in (new - old).elements()]
+        removed = [f"without {value}" for value in (old - new).elements()]
+        if len(added) + len(removed) < min(len(before), len(now)):
+            return ", ".join([*added, *removed]) or "in another order"
+    return f"{_shown(before)} -> {_shown(now)}"
+
+
+def _shown(value: Any) -> str:
+    if value is _NONE:
+        return "none"
+    text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 3] + "..."
+
+
+def _users(jobs: Sequence[PlannedJob]) -> list[set[int]]:
+    """Jobs that read what each job makes."""
+    maker = {path: number for number, job in enumerate(jobs) for path in job.outputs}
+    users: list[set[int]] = [set() for _ in jobs]
+    for number, job in enumerate(jobs):
+        for path in job.inputs:
+            if path in maker:
+                users[maker[path]].add(number)
+    return users
+
+
+def _set_off(first: Iterable[int], users: Sequence[set[int]]) -> frozenset[int]:
+    """Jobs, and all that these set off, directly or not."""
+    found, waiting = set(first), [*first]
+    while waiting:
+        more = users[waiting.pop()] - found
+        found |= more
+        waiting += more
+    return frozenset(found)
+
+
+def _counted(jobs: Iterable[PlannedJob]) -> str:
+    counts = Counter(job.rule for job in jobs)
+    return ", ".join(f"{rule} ({count})" for rule, count in counts.items())

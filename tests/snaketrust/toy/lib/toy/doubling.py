@@ -1,5 +1,0 @@
-from toy import scaling
-
-
-def double(text, factor):
-    return f"{scaling.scaled(int(text), factor)}\n"

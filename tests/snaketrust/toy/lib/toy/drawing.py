@@ -1,5 +1,0 @@
-from toy.texts import written
-
-
-def draw(number):
-    return written(number)

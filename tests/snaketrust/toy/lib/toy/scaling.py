@@ -1,2 +1,0 @@
-def scaled(number, factor):
-    return number * factor

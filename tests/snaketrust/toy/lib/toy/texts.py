@@ -1,3 +1,0 @@
-def written(number):
-    """Text of a number."""
-    return f"{number}\n"

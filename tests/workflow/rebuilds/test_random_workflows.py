@@ -1,0 +1,326 @@
+"""Random edits of random workflows on the engine, compared with runs from scratch.
+
+Everything that a job could depend on is in its results: contents of inputs by their names,
+settings, wildcards, values of modules. ``BURSTCAST_SEED`` and ``BURSTCAST_WORKFLOWS`` choose which
+workflows, and how many.
+"""
+
+import os
+import random
+import shutil
+import sys
+import traceback
+from pathlib import Path
+
+import numpy  # noqa: F401 - imported here once, for all forks
+import pytest
+from snakemake import cli
+from snakemake.script import PythonScript
+
+from burstcast_workflow.harness import job  # noqa: F401
+
+OPTIONS = (
+    *("--cores", "1", "--scheduler", "greedy", "--max-checksum-file-size", "1000000000"),
+    *("--rerun-triggers", "mtime", "params", "input", "software-env"),
+)
+SNAKEFILE = """
+import json, sys
+from pathlib import Path
+from burstcast_workflow.tracking.cache import tidy
+from burstcast_workflow.start import check_results
+from burstcast_workflow.tracking.code import Sources
+from burstcast_workflow.tracking.run import begin
+
+ROOT = Path(str(workflow.current_basedir))
+check_results("results", "--forceall" in sys.argv)
+sources = Sources(lambda name: ROOT / "scripts" / name, ROOT / "none", {"own": ()})
+
+def of_script(script, **values):
+    settings = [f"{name} = {json.dumps(value)}" for name, value in values.items()]
+    return [*settings, *sources.entries(script, {})]
+
+onstart:
+    begin("results", {}, sources.all_entries(), [], "")
+"""
+SCRIPT = """
+import hashlib
+from pathlib import Path
+from burstcast_workflow.harness.job import JobSettings, at, job, write_text
+{imports}
+
+class Settings(JobSettings):
+    pass
+
+@job
+def compute(*, settings: Settings, made: str, too: str, **files):
+    contents = [
+        [name, [Path(file).read_text() for file in ([one] if isinstance(one, str) else one)]]
+        for name, one in sorted(files.items())
+    ]
+    values = [settings.value_of(name) for name in {names}]
+    text = repr([contents, values, settings.identity, [{values}]])
+    for path in (made, too):
+        write_text(path, hashlib.sha256(text.encode()).hexdigest())
+    with open("ran.txt", "a") as file:
+        file.write(f"{{Path(made).parent.name}} ")
+"""
+WAYS = (
+    ("import {module}", "{module}.VALUE"),
+    ("from {module} import VALUE as {last}_value", "{last}_value"),
+    ("from {package} import {last}", "{last}.VALUE"),
+    ("def {last}_late():\n    import {module} as found\n    return found.VALUE", "{last}_late()"),
+)
+MODULES = ("lib/pack/one.py", "lib/pack/two.py", "lib/pack/deep/three.py")
+
+
+class Workflow:
+    """A random workflow, which edits change: rules in a chain of files, scripts that import."""
+
+    def __init__(self, seed):
+        self.random = chance = random.Random(seed)
+        self.sources = [f"source {place}" for place in range(3)]
+        self.values = {module: chance.randrange(9) for module in MODULES}
+        self.imports = {
+            module: chance.sample(MODULES[:place], min(place, 1))
+            for place, module in enumerate(MODULES)
+        }
+        self.comment, self.cases = 0, ["a", "b"]
+        self.rules = []
+        for place in range(chance.randint(3, 6)):
+            inputs = [self.some_inputs(place) for _ in range(chance.randint(1, 2))]
+            settings = {
+                f"x.p{number}": chance.randrange(9) for number in range(chance.randrange(4))
+            }
+            used = {
+                module: chance.choice(WAYS)
+                for module in chance.sample(MODULES, chance.randrange(3))
+            }
+            self.rules.append(
+                {"inputs": inputs, "settings": settings, "modules": used, "script": 0}
+            )
+        self.former = [self.texts()]
+
+    def some_inputs(self, place):
+        """Numbers of sources, which are negative, and of earlier rules."""
+        numbers = [*range(-len(self.sources), place)]
+        return [self.random.choice(numbers) for _ in range(self.random.randint(1, 2))]
+
+    def texts(self):
+        """Texts of all files, by name."""
+        texts = {f"data/s{place}.txt": text for place, text in enumerate(self.sources)}
+        for package in ("lib/pack", "lib/pack/deep"):
+            texts[f"{package}/__init__.py"] = ""
+        for module, value in self.values.items():
+            lines, values = imported(
+                self.imports[module], dict.fromkeys(self.imports[module], WAYS[1])
+            )
+            texts[module] = (
+                f"{lines}\n# {self.comment}\nVALUE = {' + '.join([str(value), *values])}\n"
+            )
+        rules, everything = [], []
+        for place, rule in enumerate(self.rules):
+            lines, values = imported(rule["modules"], rule["modules"])
+            names = sorted(rule["settings"])
+            script = SCRIPT.format(imports=lines, names=names, values=", ".join(values))
+            texts[f"scripts/s{place}.py"] = f"# {self.comment}\n{script}{rule['script'] or ''}\n"
+            inputs = ", ".join(
+                f"in{number}={[self.file(one) for one in files]}"
+                for number, files in enumerate(rule["inputs"])
+            )
+            settings = f"**{rule['settings']}"
+            rules.append(
+                f"rule r{place}:\n    input: {inputs}\n"
+                f"    output: made='results/{{case}}/r{place}.txt',\n"
+                f"        too='results/{{case}}/t{place}.txt'\n"
+                f"    log: 'results/logs/{{case}}{place}.log'\n"
+                f"    params: *of_script('s{place}.py', {settings})\n"
+                f"    script: 'scripts/s{place}.py'\n"
+            )
+            everything += [f"results/{case}/r{place}.txt" for case in self.cases]
+        texts["Snakefile"] = (
+            SNAKEFILE + f"rule all:\n    input: {everything}\n\n" + "\n".join(rules)
+        )
+        return texts
+
+    def file(self, number):
+        return f"data/s{-number - 1}.txt" if number < 0 else f"results/{{case}}/r{number}.txt"
+
+    def edit(self, directory):
+        """Change something; what it was."""
+        chance, rule = self.random, self.random.choice(self.rules)
+        kind = chance.choice(KINDS)
+        if kind == "source":
+            self.sources[chance.randrange(3)] = f"another {chance.randrange(4)}"
+        elif kind == "module":
+            self.values[chance.choice(MODULES)] = chance.randrange(9)
+        elif kind == "setting" and rule["settings"]:
+            rule["settings"][chance.choice([*rule["settings"]])] = chance.randrange(9)
+        elif kind == "more settings":
+            rule["settings"][f"x.p{chance.randrange(6)}"] = chance.randrange(9)
+        elif kind == "imports":
+            rule["modules"] = {
+                module: chance.choice(WAYS)
+                for module in chance.sample(MODULES, chance.randrange(3))
+            }
+        elif kind == "inputs":
+            place = self.rules.index(rule)
+            rule["inputs"][0] = self.some_inputs(place)
+        elif kind == "script":
+            rule["script"] = f"\nCONSTANT = {chance.randrange(9)}"
+        elif kind == "comment":
+            self.comment += 1
+        elif kind == "cases":
+            self.cases = chance.choice([["a"], ["a", "b"], ["b", "c"]])
+        elif kind in ("delete", "touch"):
+            results = sorted(directory.glob("results/[abc]/*.txt"))
+            for path in chance.sample(results, min(2, len(results))):
+                path.unlink() if kind == "delete" else path.touch()
+        elif kind == "touch a source":
+            (directory / f"data/s{chance.randrange(3)}.txt").touch()
+        elif kind == "forget":  # and run with --forceall
+            shutil.rmtree(directory / ".snakemake")
+        return kind
+
+
+KINDS = (
+    *("source", "module", "setting", "more settings", "imports", "inputs", "script", "comment"),
+    *("cases", "delete", "touch", "touch a source", "back", "back", "forget"),
+)
+
+
+def imported(modules, ways):
+    """Lines that import modules, and expressions of their values."""
+    lines, values = [], []
+    for path in modules:
+        module = ".".join(Path(path).with_suffix("").parts[1:])
+        package, _, last = module.rpartition(".")
+        names = {"module": module, "package": package, "last": last}
+        line, value = (text.format(**names) for text in ways[path])
+        lines.append(line)
+        values.append(value)
+    return "\n".join(lines), values
+
+
+def write(texts, directory):
+    """Write what is not there, with new times; remove what belongs to no workflow."""
+    for name, text in texts.items():
+        path = directory / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.exists() or path.read_text() != text:
+            path.write_text(text)
+
+
+def execute_script(self, fname, edit=False):
+    """Run a script as Snakemake does, in a fork instead of a new process."""
+    child = os.fork()
+    if child == 0:
+        try:
+            sys.argv = [fname]
+            sys.dont_write_bytecode = True
+            exec(
+                compile(Path(fname).read_text(), fname, "exec"),
+                {"__name__": "__main__", "__file__": fname},
+            )
+        except SystemExit as leave:
+            os._exit(int(bool(leave.code)))
+        except BaseException:
+            traceback.print_exc()
+            os._exit(1)
+        sys.stdout.flush()
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
+
+
+def run(directory, *arguments, cache=""):
+    """Run the workflow in a fork: jobs that computed, and what it said if it failed."""
+    ran, log = directory / "ran.txt", directory / "said.txt"
+    ran.unlink(missing_ok=True)
+    child = os.fork()
+    if child == 0:
+        os.chdir(directory)
+        file = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        for number in (1, 2):
+            os.dup2(file, number)
+        sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")
+        os.environ["BURSTCAST_CACHE"] = cache
+        sys.dont_write_bytecode = True
+        sys.path.insert(0, str(directory / "lib"))
+        PythonScript.execute_script = execute_script
+        status = 1
+        try:
+            cli.main([*OPTIONS, *arguments])
+        except SystemExit as leave:
+            status = int(bool(leave.code))
+        except BaseException:
+            traceback.print_exc()
+        sys.stdout.flush()
+        os._exit(status)
+    status = os.waitpid(child, 0)[1]
+    return ran.read_text().split() if ran.exists() else [], log.read_text() if status else ""
+
+
+def contents(directory, texts):
+    """Results that the workflow asks for, by name."""
+    wanted = eval(texts["Snakefile"].partition("rule all:\n    input: ")[2].partition("\n")[0])
+    return {name: (directory / name).read_text() for name in wanted}
+
+
+def trial(seed, edits, place):
+    """Edit a random workflow; yield what was done, and what is wrong, or nothing."""
+    workflow, directory, cache = Workflow(seed), place / "project", str(place / "cache")
+    states = [workflow.texts()]
+    write(states[0], directory)
+    yield ["first"], run(directory, cache=cache)[1]
+    for _ in range(edits):
+        kinds = [workflow.edit(directory) for _ in range(workflow.random.choice([1, 1, 2]))]
+        texts = workflow.texts()
+        if back := "back" in kinds:
+            texts = workflow.random.choice(states)
+        write(texts, directory)
+        options = ["--forceall"] if "forget" in kinds else []
+        computed, said = run(directory, *options, cache=cache)
+        if said:
+            yield kinds, said
+            continue
+        scratch = place / "scratch"
+        shutil.rmtree(scratch, ignore_errors=True)
+        write(texts, scratch)
+        said = run(scratch)[1]
+        problem = said
+        found = {} if said else contents(directory, texts)
+        expected = {} if said else contents(scratch, texts)
+        if wrong := [name for name in expected if found[name] != expected[name]]:
+            problem = f"unlike a run from scratch: {wrong}"
+        elif back and computed and kinds == ["back"]:
+            problem = f"computed on the way back: {computed}"
+        elif {*kinds} <= {"comment", "delete", "touch", "touch a source", "forget"} and computed:
+            problem = f"computed in vain: {computed}"
+        elif again := run(directory, cache=cache)[0]:
+            problem = f"runs twice: {again}"
+        if back:  # and here again
+            write(workflow.texts(), directory)
+            problem = problem or run(directory, cache=cache)[1]
+        states.append(workflow.texts())
+        yield kinds, problem
+
+
+SEED = int(os.environ.get("BURSTCAST_SEED", "0"))
+WORKFLOWS = int(os.environ.get("BURSTCAST_WORKFLOWS", "20"))
+
+
+def check(seed, edits, place):
+    done = []
+    for kinds, problem in trial(seed, edits, place):
+        done.append(kinds)
+        assert not problem, (seed, done, problem)
+    assert len(done) == edits + 1
+
+
+def test_some_edits_of_a_workflow_give_the_results_of_a_run_from_scratch(tmp_path):
+    check(1, 4, tmp_path)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(SEED, SEED + WORKFLOWS))
+def test_random_edits_give_the_results_of_a_run_from_scratch(seed, tmp_path):
+    check(seed, 10, tmp_path)

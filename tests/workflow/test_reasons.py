@@ -1,0 +1,143 @@
+"""What a dry run says: reasons with all jobs that they set off, from what Snakemake tells."""
+
+import random
+
+import pytest
+from snakemake.persistence import ParamsChange
+
+from snakemake_logger_plugin_burstcast.reasons import PlannedJob, explanation, own_causes
+
+
+def params(before, now):
+    change = ParamsChange({repr(one) for one in before}, {repr(one) for one in now}, {"a"})
+    return f"Params have changed since last execution: {change}"
+
+
+def job(rule, reason="", inputs=(), outputs=None, case="Re400"):
+    return PlannedJob(rule, case, inputs, outputs or [f"{case}/{rule}"], reason)
+
+
+def causes(reason):
+    return [text for text, _ in own_causes(job("train", reason))]
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "said"),
+    [
+        (["a.b = 0.2"], ["a.b = 0.25"], ["a.b 0.2 -> 0.25"]),
+        (["a = 1", "b = 1"], ["b = 2", "a = 2"], ["a 1 -> 2", "b 1 -> 2"]),
+        (
+            ['a = "it\'s"'],
+            ['a = "one; now: two, \\"three\\""'],
+            ['a it\'s -> one; now: two, "three"'],
+        ),
+        (["a = null"], [], ["a null -> none"]),
+        (
+            ['a = {"b": {"c": 1, "d": [2]}}'],
+            ['a = {"b": {"c": 1, "d": [3]}}'],
+            ["a.b.d [2] -> [3]"],
+        ),
+        (["a = [1, 2, 3]"], ["a = [1, 2, 3, 4]"], ["a with 4"]),
+        (["a = [1, 2, 3]"], ["a = [3, 2, 1]"], ["a in another order"]),
+        (["one.part @12ab"], ["one.part @34cd"], ["code of one.part"]),
+        (["b @1", "a @1", "new @1"], ["a @2", "b @2", "old @2"], ["code of a, b"]),
+        ([], ["a @1"], ["code of a"]),
+        (
+            [f"m{n} @1" for n in range(9)],
+            [f"m{n} @2" for n in range(9)],
+            ["code of m0, m1, m2 and 6 more"],
+        ),
+        (["numpy ==2.1"], ["numpy ==2.2"], ["numpy 2.1 -> 2.2"]),
+        (
+            ["file:own:my rates.csv @1"],
+            ["file:own:my rates.csv @2"],
+            ["code of file:own:my rates.csv"],
+        ),
+        ([""], ["a = 1"], ["a none -> 1"]),
+        (
+            ["a = " + '"x"'],
+            ["a = " + repr("y" * 99).replace("'", '"')],
+            ["a x -> " + "y" * 57 + "..."],
+        ),
+    ],
+)
+def test_changes_of_parameters_in_words(before, now, said):
+    assert causes(params(before, now)) == said
+
+
+def test_a_setting_of_several_cases_says_whose():
+    before, now = (
+        f'cases = {{"Re400": {{"case.noise": {n}}}, "Re600": {{"case.noise": 1}}}}' for n in (1, 2)
+    )
+    found = own_causes(job("table", params([before], [now]), case=""))
+    assert [*found] == [("case.noise 1 -> 2", "Re400")]
+
+
+@pytest.mark.parametrize(
+    ("reason", "said"),
+    [
+        ("Forced execution", ["asked for by an option"]),
+        ("Missing output files: a/b.nc, c", ["results are missing"]),
+        ("Incomplete output files: a/b.nc", ["interrupted before it was complete"]),
+        ("Updated input files: lab/run 1.csv", ["changed: lab/run 1.csv"]),
+        ("Input files updated by another job: a, b", []),
+        ("Set of input files has changed since last execution", ["made from other files"]),
+        (
+            "Updated input files: a; Set of input files has changed since last execution",
+            ["changed: a", "made from other files"],
+        ),
+        (
+            "Software environment definition has changed since last execution",
+            ["another software environment"],
+        ),
+    ],
+)
+def test_other_reasons_in_words(reason, said):
+    assert causes(reason) == said
+
+
+def test_a_reason_counts_what_it_sets_off_directly_or_not():
+    threshold = params(["case.event_threshold = 0.1"], ["case.event_threshold = 0.12"])
+    jobs = [
+        job("events", threshold),
+        job("horizon", "Input files updated by another job: x", ["Re400/events"]),
+        job("horizon", threshold, ["Re600/events"], case="Re600"),
+        job("table", "", ["Re400/horizon", "Re600/horizon"], case=""),
+        job("figure", params(["style @1"], ["style @2"]), [], case=""),
+    ]
+    assert explanation(jobs).splitlines() == [
+        "case.event_threshold 0.1 -> 0.12 (Re400, Re600): events (1), horizon (2), table (1)",
+        "code of style: figure (1)",
+        "in all 5 jobs: events (1), horizon (2), table (1), figure (1)",
+    ]
+
+
+def test_reasons_of_the_same_jobs_are_one_line():
+    reason = params(["a = 1", "m @1"], ["a = 2", "m @2"])
+    assert (
+        explanation([job("train", reason)])
+        == "a 1 -> 2; code of m (Re400): train (1)\nin all 1 job"
+    )
+
+
+def test_every_job_is_counted_by_some_reason():
+    chance = random.Random(3)
+    jobs = [
+        job(
+            f"rule{n % 7}",
+            params([f"a{n % 3} = 1"], [f"a{n % 3} = 2"]) if not made else "",
+            made,
+            [f"f{n}"],
+        )
+        for n in range(200)
+        for made in [[f"f{chance.randrange(n)}" for _ in range(2)] if n > 5 else []]
+    ]
+    lines = explanation(jobs).splitlines()
+    assert lines[-1].startswith("in all 200 jobs: ")
+    assert len(lines) == 4
+
+
+def test_a_chain_of_a_thousand_jobs():
+    first = params(["a = 1"], ["a = 2"])
+    jobs = [job("step", "" if n else first, [f"f{n - 1}"], [f"f{n}"]) for n in range(1500)]
+    assert "step (1500)" in explanation(jobs)

@@ -1,0 +1,54 @@
+"""What the page of a campaign says, beside what test_miniature.py finds on a whole one."""
+
+import copy
+
+import pandas as pd
+from helpers_configs import campaign, paper_with
+
+from burstcast_workflow.config.loading import load
+from burstcast_workflow.figures.registry import figure_names
+from burstcast_workflow.figures.report import other_settings, report_of
+from burstcast_workflow.jobs.report import rows_of
+from burstcast_workflow.tables.declarations import SECTIONS
+from burstcast_workflow.tables.registry import table_names
+
+
+def test_the_papers_settings_are_no_others():
+    paper = load(paper_with())
+    assert other_settings(paper) == []
+    here = copy.deepcopy(paper)
+    here["search"]["grid"] += 1
+    here["cache_gb"], here["results"] = 1, "results/elsewhere"
+    here["case_defaults"]["density"]["range"] = None
+    found = other_settings(here)
+    assert ["search.grid", str(here["search"]["grid"]), str(paper["search"]["grid"])] in found
+    assert {path for path, *_ in found} == {"search.grid", "case_defaults.density.range"}
+
+
+def test_every_figure_and_table_has_its_place_once():
+    paper = campaign()
+    found = report_of(paper)
+    figures = [figure for section in found["sections"] for figure in section["figures"]]
+    tables = [table for section in found["sections"] for table in section["tables"]]
+    assert sorted(figure["name"] for figure in figures) == sorted(figure_names(paper))
+    assert sorted(table["name"] for table in tables) == sorted(table_names(paper))
+    assert all(one["caption"] and one["title"] for one in [*figures, *tables])
+    titles = [section["title"] for section in found["sections"]]
+    assert titles == [title for title in SECTIONS.values() if title in titles]
+
+
+def test_the_paper_in_a_row_for_each_case():
+    row = report_of(campaign())["cases"][0]
+    assert row["case"] == "Re400"
+    assert row["seeds"] == "10"
+    assert row["validated by"] == "RV, SSV"
+    assert row["forecasters"] == "equations, equations_noisy, esn"
+
+
+def test_numbers_are_short_and_missing_ones_empty():
+    table = pd.DataFrame({"case": ["a", None], "n": [1200, 3], "x": [0.123456, float("nan")]})
+    assert rows_of(table) == [
+        {"case": "a", "n": "1200", "x": "0.123"},
+        {"case": "", "n": "3", "x": ""},
+    ]
+    assert rows_of(None) == []

@@ -1,0 +1,35 @@
+"""The report of a campaign: one page with its settings, numbers, warnings, figures and tables."""
+
+from pathlib import Path
+from typing import Any
+
+from burstcast_workflow.campaign.summary import found_warnings, summary_table
+from burstcast_workflow.harness.job import JobSettings, at, job, write_text
+from burstcast_workflow.jobs.report import Report, render, rows_of
+
+
+class ReportSettings(JobSettings):
+    """Settings of the page."""
+
+    report: Report = at("report", make=lambda value: Report(**value))
+
+
+@job
+def report_page(
+    *,
+    figures: list[str],
+    tables: list[str],
+    template: str,
+    page: str,
+    settings: ReportSettings,
+) -> None:
+    """Write the page."""
+    of_campaign = {Path(path).stem: Path(path) for path in tables}
+    pictures = {Path(path).stem: Path(path) for path in figures}
+    content: dict[str, Any] = {
+        "numbers": rows_of(summary_table(of_campaign)),
+        "warnings": found_warnings(of_campaign),
+        "provenance": settings.provenance,
+    }
+    text = render(Path(template), settings.report, pictures, of_campaign, content)
+    write_text(page, text)
