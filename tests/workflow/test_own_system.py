@@ -1,8 +1,8 @@
 """A system of one's own, and the workflow from elsewhere: as a module, in another directory."""
 
 import json
+import os
 import re
-import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -301,26 +301,25 @@ def test_a_snakefile_below_workflow(tmp_path, planned_jobs, expected):
     assert planned_jobs(tmp_path, *arguments) == expected
 
 
-FLOWS = "Re400/control/esn-N40-RV-seed0/prediction_triggered-prediction_time1-window1/flows.nc"
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("prefix", ["", "below"])
 def test_a_module_runs_and_its_results_are_known(tmp_path, planned_jobs, finished, prefix):
     """Files say the stages that made them, whatever the rules are called; where they are, too."""
     where = f"\n    prefix: {prefix!r}" if prefix else ""
     module = AS_MODULE.replace("    config: config", f"    config: config{where}")
-    (tmp_path / "Snakefile").write_text(f"{module} as flow_*\n", encoding="utf-8")
+    handler = "onstart:\n    burstcast.onstart()\n"
+    (tmp_path / "Snakefile").write_text(f"{module} as flow_*\n{handler}", encoding="utf-8")
     results = tmp_path / prefix / "results" / "tiny"
-    # what another rule has made, under its own name, is taken over with its records
-    shutil.copytree(finished.project.results, results)
     table = results / "tables" / "control.csv"
-    assert planned_jobs(tmp_path, str(table.relative_to(tmp_path))) == {}
-    before = table.read_bytes()
-    for path in (table, results / FLOWS):
-        path.unlink()
+    # what another rule has made, under its own name, comes from the cache
+    cache = finished.project.directory / ".burstcast_cache"
     command = [sys.executable, "-m", "snakemake", "--cores", "1", table.relative_to(tmp_path)]
-    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    environment = {**os.environ, "BURSTCAST_CACHE": str(cache)}
+    options = {"cwd": tmp_path, "capture_output": True, "text": True, "env": environment}
+    result = subprocess.run(command, check=False, **options)
     assert result.returncode == 0, result.stdout + result.stderr
-    assert table.read_bytes() == before
+    assert table.read_bytes() == (finished.project.results / "tables/control.csv").read_bytes()
+    logs = [path.read_text() for path in (results / "logs").rglob("*.log")]
+    assert len(logs) > 10
+    assert all("the outputs are those of this job" in log for log in logs)
     assert planned_jobs(tmp_path, str(table.relative_to(tmp_path))) == {}

@@ -37,6 +37,7 @@ def names(entries):
 
 
 SAME = [
+    ("a = 1", "import snakemake\n######## snakemake preamble end #########\na = 1"),
     ("a = 1", "a = 1  # one"),
     ("a = (1, 2)", "a = (\n    1,\n    2,\n)"),
     ("def f():\n    return 1", 'def f():\n    """One."""\n    return 1'),

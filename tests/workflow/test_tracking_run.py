@@ -1,7 +1,9 @@
 """The run that a results directory belongs to."""
 
 import json
+import os
 import shutil
+from pathlib import Path
 
 import pytest
 from snakemake.exceptions import WorkflowError
@@ -31,9 +33,12 @@ def begun(results="results/tiny"):
     begin(results, {"results": results}, ["a @1"], ["/own"], "abc")
 
 
-def metadata(path=".snakemake/metadata"):
-    from pathlib import Path
+def result(path="results/tiny/table.csv"):
+    Path(path).write_text("1")
+    note(path, digest(path))
 
+
+def metadata(path=".snakemake/metadata"):
     Path(path).mkdir(parents=True, exist_ok=True)
     (Path(path) / "one").touch()
 
@@ -47,8 +52,6 @@ def test_jobs_know_what_their_run_has_planned():
 
 
 def test_a_job_whose_run_was_overtaken_writes_nothing(directory, monkeypatch):
-    import os
-
     begun()
     former = os.environ[VARIABLE]
     begun()
@@ -71,10 +74,16 @@ def test_without_a_run_nobody_owns_anything_and_no_job_runs():
 def test_results_are_known_where_they_were_made_and_nowhere_else(directory, monkeypatch):
     assert is_known("results/tiny")  # there are none
     begun()
-    assert not is_known("results/tiny")  # no job has ended: nothing is known of any
+    assert is_known("results/tiny")  # no job has ended: there is nothing to believe
+    result()
+    assert not is_known("results/tiny")
     metadata()
     assert is_known("results/tiny")
     assert is_known("results/other")
+    # who made them is not known: they were copied here
+    result("results/bare.csv")
+    assert not is_known("results")
+    Path("results/bare.csv").unlink()
     # another campaign of the same directory
     begun("results/other")
     assert is_known("results/tiny")
@@ -99,16 +108,13 @@ def test_results_are_known_where_they_were_made_and_nowhere_else(directory, monk
 
 def test_results_that_snakemake_would_believe_stop_the_run(directory):
     begun()
+    result()
     with pytest.raises(WorkflowError, match="Run once with --forceall"):
         check_results("results/tiny")
     check_results("results/tiny", forced=True)
     metadata()
     check_results("results/tiny")
-    result = directory / "results" / "tiny" / "table.csv"
-    result.write_text("1")
-    note(result, digest(result))
-    check_results("results/tiny")
-    result.write_text("2")
+    (directory / "results" / "tiny" / "table.csv").write_text("2")
     for forced in (False, True):
         with pytest.raises(WorkflowError, match=r"results/tiny/table.csv: not what a job wrote"):
             check_results("results/tiny", forced)

@@ -142,7 +142,7 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     logger.info("%s starts with settings %s", label, canonical_json(declared))
     planned = plan()
     make_importable(planned["directories"])
-    sources = _checked_code(snakemake, code, planned)
+    sources = _checked_code(snakemake, function, code, planned)
     inputs = _contents(snakemake.input)
     entry = Entry(
         snakemake.output,
@@ -174,7 +174,7 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
         logger.info("settings not read: %s", ", ".join(unread))
 
     # what was edited meanwhile may have taken part
-    _checked_code(snakemake, code, plan())
+    _checked_code(snakemake, function, code, plan())
     if inputs != _contents(snakemake.input):
         raise UnlikeCodeError("an input has changed while the job ran: run again")
     seconds = time.monotonic() - start
@@ -190,11 +190,19 @@ def parameters(params: Iterable[Any]) -> tuple[dict[str, Any], list[str]]:
     return dict(sorted(settings.items())), sorted(code)
 
 
-def _checked_code(snakemake: Any, code: list[str], planned: Mapping[str, Any]) -> Sources:
+def _checked_code(
+    snakemake: Any, function: Callable[..., None], code: list[str], planned: Mapping[str, Any]
+) -> Sources:
     """The sources, after a check that the code on disk is what the run has planned."""
+
+    def script(name: str) -> Path:
+        path = Path(snakemake.scriptdir) / Path(name).name
+        # of a module from a repository, there is only the copy that Snakemake runs
+        return path if path.is_file() else Path(function.__code__.co_filename)
+
     packages = packages_of(project_root())
     own = {entry.partition(" ")[0]: () for entry in code}
-    sources = Sources(lambda name: Path(snakemake.scriptdir) / Path(name).name, packages, own)
+    sources = Sources(script, packages, own)
     others = {*code} - {*planned["code"]}
     if changed := sources.changed(code) or [entry.partition(" ")[0] for entry in others]:
         raise UnlikeCodeError(

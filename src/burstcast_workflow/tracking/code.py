@@ -29,6 +29,8 @@ _DISTRIBUTIONS = {"PIL": "pillow", "skimage": "scikit-image", "sklearn": "scikit
     "skopt": "scikit-optimize",
     "yaml": "PyYAML",
 }
+# what Snakemake puts before a script that it runs ends with this
+_END_OF_PREAMBLE = b"######## snakemake preamble end #########"
 ByName = Mapping[str, Iterable[str]]
 """Modules that the registry of a package finds by name, by the name of the package."""
 
@@ -180,7 +182,7 @@ class Sources:
 
 def parsed(content: bytes) -> Parsed:
     """Hash of the code in a source, and the modules that it may import."""
-    tree = ast.parse(content)
+    tree = ast.parse(content.rpartition(_END_OF_PREAMBLE)[2])
     tree.body = [node for node in tree.body if getattr(node, "name", "") not in _LATE]
     imports: dict[str, None] = {}
     for node in ast.walk(tree):

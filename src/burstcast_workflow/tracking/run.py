@@ -66,10 +66,11 @@ def is_known(results: str) -> bool:
     It does not where its metadata are gone, or another directory was the last to make them: it
     would believe them.
     """
-    token = _claim(results).get("token")
-    if token is None:
+    files = (path for path in Path(results).rglob("*") if path.is_file())
+    if not any(path.name != CLAIM and path.suffix != ".log" for path in files):
         return True
-    return _tokens().get(os.path.normpath(results)) == token and any(_METADATA.glob("*"))
+    known = _tokens().get(os.path.normpath(results))
+    return known is not None and _claim(results).get("token") == known and any(_METADATA.glob("*"))
 
 
 def plan() -> dict[str, Any]:
