@@ -102,3 +102,20 @@ def test_results_are_not_dated_before_their_inputs(tmp_path):
     date_after([str(made)], [str(source)])
     date_after([str(made)], [])
     assert made.stat().st_mtime == 6000
+
+
+def test_a_directory_is_an_input_by_its_files(tmp_path):
+    """Such as a Zarr store."""
+    store = tmp_path / "series.zarr"
+    (store / "u").mkdir(parents=True)
+    for name, text in (("zarr.json", "{}"), ("u/0", "1 2"), ("u/1", "3 4")):
+        (store / name).write_text(text)
+    before = checked(str(store))
+    (store / "u/1").touch()
+    assert checked(str(store)) == before
+    (store / "u/1").write_text("3 5")
+    assert checked(str(store)) != before
+    (store / "u/1").write_text("3 4")
+    assert checked(str(store)) == before
+    (store / "u/1").rename(store / "u/2")
+    assert checked(str(store)) != before
