@@ -19,7 +19,7 @@ class DamagedResultError(ValueError):
 
 
 def digest(path: str | Path) -> str:
-    """SHA-256 of a file's content; of a directory, such as a Zarr store, of its files' names too."""
+    """SHA-256 of a file's content; of a directory, a Zarr store, also of its files' names."""
     if (directory := Path(path)).is_dir():
         files = sorted(file for file in directory.rglob("*") if file.is_file())
         named = "".join(f"{digest(file)} {file.relative_to(directory)}\n" for file in files)
