@@ -77,9 +77,7 @@ STARTED = time.time()
 NETWORKS = r"[a-z_]+(-[a-z][a-z0-9]*)?-N\d+-[A-Z]+-seed\d+"
 OTHERS = r"(?![a-z_]+(-[a-z][a-z0-9]*)?-N\d)[A-Za-z][A-Za-z0-9_.]*(-[A-Za-z0-9.]+)*"
 # Kinds that give probabilities without a trajectory have one stage for all that.
-CLASSIFIERS = one_of(
-    sorted({one.name.identifier for one in campaign.classifiers})
-)
+CLASSIFIERS = one_of(sorted({one.name.identifier for one in campaign.classifiers}))
 NO_CLASSIFIER = rf"(?!({CLASSIFIERS})(/|$))"
 # Rule that makes the ensemble of a case.
 SIMULATED, MEASURED = one_of(campaign.simulated_cases), one_of(campaign.measured_cases)
