@@ -243,6 +243,7 @@ def run(directory, *arguments, cache=""):
             os.dup2(file, number)
         sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")
         os.environ["BURSTCAST_CACHE"] = cache
+        sys.argv = ["snakemake", *arguments]
         sys.dont_write_bytecode = True
         sys.path.insert(0, str(directory / "lib"))
         PythonScript.execute_script = execute_script
