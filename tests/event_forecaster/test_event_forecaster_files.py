@@ -300,6 +300,7 @@ def test_lags_whose_products_the_arrays_do_not_hold(lags, saved, tmp_path):
         lambda p, f, a: a.update(member0_weights=a["member0_weights"][:-1]),
         lambda p, f, a: a.update(member0_weights=a["member0_weights"] * np.nan),
         lambda p, f, a: a.update(member0_input_range=a["member0_input_range"][:1]),
+        lambda p, f, a: a.update(member0_input_offset=a["member0_input_offset"][:1]),
     ],
 )
 def test_arrays_that_are_missing_or_of_another_shape(change, saved, tmp_path):

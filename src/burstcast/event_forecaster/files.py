@@ -129,9 +129,11 @@ def check_sizes(record: ForecasterRecord, case: ForecastingCase, kind: Forecaste
         return
     neurons, dimension = int(said.get("neurons", 0)), case.system.dimension
     if neurons:
-        rows, ranges = (record.arrays[name].shape[0] for name in ("weights", "input_range"))
+        rows, scale = record.arrays["weights"].shape[0], record.arrays["input_range"]
+        offset = record.arrays.get("input_offset", scale)
         few = float(said["connectivity"]) * neurons <= _CONNECTIONS * stored
-        if rows % (neurons + 1) or ranges != dimension or not few:
+        scaled = scale.shape == offset.shape == (dimension,)
+        if rows % (neurons + 1) or not scaled or not few:
             raise ValueError(f"{stored} stored numbers are no network of {neurons} neurons")
     of_parameters = 0 if case.parameters is None else len(case.parameters.names)
     counted = [(int(kind.options.get("degree", 0)), dimension)] if record.arrays else []

@@ -16,7 +16,8 @@ _TIME = """case.ensemble.time_step case.ensemble.sampling_stride
     case.lyapunov.time_unit case.lyapunov.published_exponent"""
 _OBSERVED = "random_seed case.training.*"
 _RESERVOIR = """random_seed forecasters.esn.connectivity forecasters.esn.input_bias
-    forecasters.esn.readout forecasters.esn.input_range forecasters.esn.backend"""
+    forecasters.esn.readout forecasters.esn.input_range forecasters.esn.input_offset
+    forecasters.esn.backend"""
 _WINDOWS = """classification.resolution_lt classification.longest_prediction_time_lt
     classification.window_lt"""
 _SEARCH = f"""{_SYSTEM} {_TIME} {_OBSERVED} {_RESERVOIR} case.recycle_validation.* washout_lt
@@ -38,7 +39,8 @@ _PAPERS_CONTROL = f"{_CONTROL} case.controlled_density.*"
 # A forecaster is restored with the settings of its kind; the equations have none, and see no noise.
 # Whether forecasts have diverged is asked by those who judge them as a whole.
 _NETWORK = """forecasters.esn.connectivity forecasters.esn.input_bias forecasters.esn.readout
-    forecasters.esn.leak_rate forecasters.esn.input_range forecasters.esn.backend"""
+    forecasters.esn.leak_rate forecasters.esn.input_range forecasters.esn.input_offset
+    forecasters.esn.backend"""
 _JUDGED = "forecasters.esn.divergence_bound"
 _LEARNT = "forecasters.observation.* forecasters.quadratic.* forecasters.filter.*"
 _TRUE = "random_seed case.training.series"

@@ -157,6 +157,7 @@ _VALUES: dict[str, Any] = {
     "cases.Re400.lyapunov.published_exponent": 0.0174,
     "forecasters.esn.backend": "compiled",
     "forecasters.esn.input_range": "first",
+    "forecasters.esn.input_offset": "mean",
     "forecasters.esn.readout": "quadratic",
     "forecasters.esn.leak_rate": [1, 0.5],
     "forecasters.variants": {"quadratic": {"readout": "quadratic"}},
