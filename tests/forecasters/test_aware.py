@@ -268,9 +268,7 @@ def test_a_network_is_refitted_with_its_factors(network, training, switched):
     _, _, now = switched
     refitted = next(model.leave_one_out(observed, case, WASHOUT, schedules))
     scale = model.network.input_range
-    others, _ = factored_training(
-        TrainingSeries(observed[1:], scale), schedules[1:], case, NETWORK
-    )
+    others, _ = factored_training(TrainingSeries(observed[1:], scale), schedules[1:], case, NETWORK)
     readout = train(model.network.dynamics, others, washout=WASHOUT, tikhonov=1e-9)
     outputs, _ = refitted.network.under(np.zeros(1)).forecast(model.start(now[:WASHOUT]), 5)
     alone = replace(model.network, readout=readout).under(np.zeros(1))

@@ -83,9 +83,7 @@ class NetworkForecaster(NetworkOptions, Forecaster):
     ) -> TrainingSeries:
         """Series that the network is trained on."""
         network = self.network
-        return TrainingSeries(
-            training, network.input_range, input_offset=network.input_offset
-        )
+        return TrainingSeries(training, network.input_range, input_offset=network.input_offset)
 
     def record(self) -> ForecasterRecord:
         """Readout, normalisation and seed of the reservoir, without large matrices."""
