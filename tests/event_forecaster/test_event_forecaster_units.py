@@ -37,11 +37,10 @@ def record():
     return np.split(series.astype(np.float32).astype(float), [8])
 
 
-def probabilities(kind, change, scale=1.0, offset=0.0, **more):
-    """Probabilities of test series by a small forecaster of changed series."""
-    training, test = (change(series * scale + offset) for series in record())
-    learns = kind_class(kind).learns_parameters
-    forecaster = EventForecaster(
+def unfitted(kind, scale=1.0, offset=0.0, observable=0, **more):
+    """A small forecaster of the record in a unit."""
+    return EventForecaster(
+        observable=observable,
         event_threshold=THRESHOLD * scale + offset,
         kind=kind,
         prediction_times=(0.5,),
@@ -51,9 +50,20 @@ def probabilities(kind, change, scale=1.0, offset=0.0, **more):
         tikhonov=1e-4,  # well-conditioned: rounding stays rounding
         options={**OPTIONS.get(kind, {}), **more} or None,
     )
-    forecaster.fit(training, parameters=RHO if learns else None)
+
+
+def after(forecaster, test):
+    """Probabilities after several lengths of test series."""
     ends = range(60, 700, 20)
-    return np.stack([forecaster.predict_proba(change(test[:, :end]))[:, 1] for end in ends])
+    return np.stack([forecaster.predict_proba(test[:, :end])[:, 1] for end in ends])
+
+
+def probabilities(kind, change, scale=1.0, offset=0.0, **more):
+    """Probabilities of test series by a small forecaster of changed series."""
+    training, test = (change(series * scale + offset) for series in record())
+    learns = kind_class(kind).learns_parameters
+    forecaster = unfitted(kind, scale, offset, **more)
+    return after(forecaster.fit(training, parameters=RHO if learns else None), test)
 
 
 @functools.cache
@@ -84,6 +94,22 @@ def test_another_zero_changes_no_forecast(kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_layout_of_numbers_changes_no_forecast(kind, change):
     np.testing.assert_array_equal(probabilities(kind, change), expected(kind))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nothing_of_the_caller_is_kept_or_changed(kind):
+    def in_place(states):
+        np.negative(states, out=states)
+        return -states[..., 0]
+
+    (training, test), rho = (one.copy() for one in record()), RHO.copy()
+    forecaster = unfitted(kind, observable=in_place)
+    learns = kind_class(kind).learns_parameters
+    forecaster.fit(training, parameters=rho if learns else None)
+    np.testing.assert_array_equal(training, record()[0])
+    training[:] = rho[:] = np.nan
+    np.testing.assert_array_equal(after(forecaster, test), expected(kind))
+    np.testing.assert_array_equal(test, record()[1])
 
 
 @pytest.mark.parametrize("kind", ["esn", "esn_direct"])
