@@ -164,6 +164,27 @@ def test_washout_and_forecast_scale_by_the_range(network, signal):
     np.testing.assert_allclose(network.washout(outputs[1:], fed), later, atol=1e-10)
 
 
+def test_an_offset_is_the_same_network_of_centred_data(network, signal):
+    offset = np.array([100.0, -3.0, 0.5, 1e4])[: signal.shape[1]]
+    moved = signal + offset[:, None]
+    training = TrainingSeries(
+        moved[:-100].transpose(2, 0, 1), network.input_range, input_offset=offset
+    )
+    assert training.part(slice(1)).input_offset is offset
+    readout = train(network.dynamics, training, washout=WASHOUT, tikhonov=1e-6)
+    centred = EchoStateNetwork(network.dynamics, readout, network.input_range, offset)
+    expected, _ = network.forecast(network.washout(signal[:30]), 5)
+    outputs, _ = centred.forecast(centred.washout(moved[:30]), 5)
+    np.testing.assert_allclose(outputs, expected + offset[:, None], rtol=0, atol=1e-6)
+    # with the bits of the same readout
+    same = replace(network, input_offset=offset)
+    states = network.washout(signal[:30])
+    np.testing.assert_array_equal(same.forecast(states, 5)[0], expected + offset[:, None])
+    # the bound is about the offset
+    far = 9 * network.input_range[:, None] * np.array([1, -1, 1.2])
+    assert same.diverged((far + offset[:, None])[None], 10).tolist() == [False, False, True]
+
+
 def test_diverged_looks_at_each_trajectory(reservoir):
     network = EchoStateNetwork(
         Dynamics(reservoir, 0.5, 1.0),

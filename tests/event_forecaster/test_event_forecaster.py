@@ -1,5 +1,6 @@
 """The library's face in a notebook: `burstcast.EventForecaster`."""
 
+import dataclasses
 import math
 import subprocess
 import sys
@@ -10,13 +11,16 @@ import pytest
 import sklearn.base
 import xarray
 from numpy.testing import assert_array_equal
+from threadpoolctl import threadpool_info, threadpool_limits
 
 import burstcast
 from burstcast.data.delay_coordinates import delay_coordinates
 from burstcast.data.series_layout import as_series
 from burstcast.forecast.classification import ratio
+from burstcast.forecasters.base import fitted as fitted_field
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.nvar import NVAR
+from burstcast.forecasters.persistence import Persistence
 from burstcast.forecasters.registry import trajectory_kinds
 from burstcast.statistics.neighbour_divergence import neighbour_divergence
 from burstcast.systems.integration import integrate
@@ -315,6 +319,24 @@ def test_any_kind_of_forecaster(kind, training, test_series):
     if kind.startswith("equations"):
         with pytest.raises(ValueError, match="measured series have no equations"):
             fit(training, kind=kind, **settings)
+
+
+@dataclasses.dataclass(frozen=True)
+class ThreadsOfFit(Persistence):
+    """Persistence that keeps how many threads libraries have in `fit`."""
+
+    threads: int = fitted_field()
+
+    def fit(self, training, case):
+        return self.with_fitted(threads=max(one["num_threads"] for one in threadpool_info()))
+
+
+def test_one_thread_fits(training):
+    with threadpool_limits(limits=2):
+        assert max(one["num_threads"] for one in threadpool_info()) == 2
+        forecaster = fit(training, kind=ThreadsOfFit)
+        assert max(one["num_threads"] for one in threadpool_info()) == 2
+    assert [member.threads for member in forecaster.members_] == [1]
 
 
 def test_durations_are_in_samples_without_a_lyapunov_time(training, fitted):

@@ -3,6 +3,8 @@
 import json
 import sys
 import tracemalloc
+from fractions import Fraction
+from types import MappingProxyType
 
 import netCDF4
 import numpy as np
@@ -98,6 +100,46 @@ def test_networks_may_leak_and_square(saved):
         assert dynamics.readout == "quadratic"
         assert dynamics.leak_rate == chosen.get("leak_rate", 1)
         assert dynamics.leak_rate in (1, 0.6)
+
+
+FORMS = [
+    {"prediction_times": 1},
+    {"prediction_times": (1, 1.0, 0.5)},
+    {"prediction_times": range(1, 3)},
+    {"prediction_times": np.array([0.5, 1.0])},
+    {"prediction_times": np.float32(0.5), "window": Fraction(1, 2)},
+    {"event_threshold": MappingProxyType({"quantile": np.float64(0.9)}), "observable": np.int8(0)},
+    {"options": {"lags": np.int64(3)}, "calibrate": np.bool_(False), "case": "ä"},
+    {"options": MappingProxyType({"ridge": Fraction(1, 1000)}), "random_seed": np.int64(3)},
+    {"lyapunov_time": None, "washout": 20.0, "calibration_spacing": 5, "prediction_times": 20}
+    | {"window": np.int32(9), "start_spacing": 10},
+]
+NETWORK_FORMS = [
+    {"tikhonov": 1e-9},
+    {"tikhonov": np.array([1e-9, 1e-9]), "grid": 2.0},
+    {"spectral_radius": np.array([0.1, 1]), "input_scaling": [1, 10], "members": np.int64(1)},
+    {"validation_series": 2, "intervals_per_series": 3.0, "neurons": Fraction(60)},
+    {"options": {"backend": "scipy", "leak_rate": [np.float64(1), 0.5]}},
+    {"options": {"backend": "scipy", "leak_rate": range(1, 2), "connectivity": np.float32(9)}},
+]
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [{"kind": "nvar", **one} for one in FORMS] + [{"members": 1, **one} for one in NETWORK_FORMS],
+)
+def test_what_can_be_fitted_can_be_loaded(parameters, tmp_path):
+    forecaster = fit(lorenz(4, 500, 1), **parameters)
+    forecaster.save(tmp_path / "saved.nc")
+    found = burstcast.EventForecaster.load(tmp_path / "saved.nc")
+    seen = lorenz(5, 200, 2)
+    for time in forecaster.alarms_:
+        expected = forecaster.predict_proba(seen, time)
+        np.testing.assert_array_equal(found.predict_proba(seen, time), expected)
+    # and saved again
+    found.save(tmp_path / "again.nc")
+    again = burstcast.EventForecaster.load(tmp_path / "again.nc")
+    assert again.get_params() == found.get_params()
 
 
 # -- observables that are no component -------------------------------------------------------------
@@ -300,6 +342,7 @@ def test_lags_whose_products_the_arrays_do_not_hold(lags, saved, tmp_path):
         lambda p, f, a: a.update(member0_weights=a["member0_weights"][:-1]),
         lambda p, f, a: a.update(member0_weights=a["member0_weights"] * np.nan),
         lambda p, f, a: a.update(member0_input_range=a["member0_input_range"][:1]),
+        lambda p, f, a: a.update(member0_input_offset=a["member0_input_offset"][:1]),
     ],
 )
 def test_arrays_that_are_missing_or_of_another_shape(change, saved, tmp_path):

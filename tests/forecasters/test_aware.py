@@ -11,7 +11,7 @@ from burstcast.data.records import recorded_series
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.reservoir import ReservoirSeed
-from burstcast.esn.training import train
+from burstcast.esn.training import TrainingSeries, train
 from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecasters._event_classifier import LabelledPoints
@@ -227,7 +227,8 @@ def network(training):
     observed, schedules = training
     seed = ReservoirSeed(1, 200, 0, 3.0, 0.1)
     scale = np.ptp(observed, axis=(0, 1))
-    series, factors = factored_training(observed, scale, schedules, CASE, NETWORK)
+    plain = TrainingSeries(observed, scale)
+    series, factors = factored_training(plain, schedules, CASE, NETWORK)
     dynamics = Dynamics(seed.reservoir(3), 0.2, 1.0)
     readout = train(dynamics, series, washout=WASHOUT, tikhonov=1e-9)
     trained = EchoStateNetwork(dynamics, readout, series.input_range)
@@ -267,7 +268,7 @@ def test_a_network_is_refitted_with_its_factors(network, training, switched):
     _, _, now = switched
     refitted = next(model.leave_one_out(observed, case, WASHOUT, schedules))
     scale = model.network.input_range
-    others, _ = factored_training(observed[1:], scale, schedules[1:], case, NETWORK)
+    others, _ = factored_training(TrainingSeries(observed[1:], scale), schedules[1:], case, NETWORK)
     readout = train(model.network.dynamics, others, washout=WASHOUT, tikhonov=1e-9)
     outputs, _ = refitted.network.under(np.zeros(1)).forecast(model.start(now[:WASHOUT]), 5)
     alone = replace(model.network, readout=readout).under(np.zeros(1))
@@ -388,7 +389,8 @@ def trained(kind, case, states, schedules):
         return LEARNT.fit_under(states, case, schedules)
     seed = ReservoirSeed(1, 60, 0, 4, 0.1)
     scale = np.ptp(states, axis=(0, 1))
-    series, factors = factored_training(states, scale, schedules, case, NETWORK)
+    plain = TrainingSeries(states, scale)
+    series, factors = factored_training(plain, schedules, case, NETWORK)
     told = {"factors": factors, "in_force": case.parameters}
     how = {"washout": 20, "tikhonov": 1e-9}
     dynamics = Dynamics(seed.reservoir(3), 0.3, 0.5, "scipy")

@@ -65,19 +65,22 @@ def test_a_logistic_precursor_is_that_of_scikit_learn_on_features_cut_by_hand():
         np.testing.assert_allclose(found[:, window], oracle.predict_proba(products)[:, 1])
 
 
-def test_a_reservoir_is_read_out_by_the_logistic_regression_of_scikit_learn():
+@pytest.mark.parametrize("offset", ["mean", "none"])
+def test_a_reservoir_is_read_out_by_the_logistic_regression_of_scikit_learn(offset):
     points = labelled()
-    fitted = direct(penalty=[2.0]).fit(points, CASE)
+    fitted = direct(penalty=[2.0], input_offset=offset).fit(points, CASE)
     fresh = np.random.default_rng(2).normal(size=(50, 5, 3))
     # states by the plainest means: a dense matrix, step by step
-    reservoir = ReservoirSeed(7, 40, 0, 6, 0.1).reservoir(3)
+    reservoir = ReservoirSeed(7, 40, 0, 6, 1.0).reservoir(3)
     recurrent, bias = 0.8 * reservoir.recurrent.toarray(), reservoir.input_bias
     ranges = np.ptp(points.washouts, axis=(0, 1))
+    centre = points.washouts.mean(axis=(0, 1)) if offset == "mean" else 0.0
 
     def states(washouts):
         state = np.zeros((len(washouts), 40))
         for step in range(washouts.shape[1]):
-            inputs = np.hstack([washouts[:, step] / ranges, np.full((len(washouts), 1), bias)])
+            normalised = (washouts[:, step] - centre) / ranges
+            inputs = np.hstack([normalised, np.full((len(washouts), 1), bias)])
             driven = inputs[:, reservoir.input_column] * reservoir.input_weight
             state = np.tanh(5.0 * driven + state @ recurrent.T)
         return state

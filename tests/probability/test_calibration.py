@@ -176,6 +176,22 @@ def test_weights_minimise_the_penalised_loss(penalty):
         )
 
 
+@pytest.mark.parametrize("penalty", [0.1, 5.0])
+def test_fewer_points_than_features_have_the_same_minimum(penalty):
+    """Doubled points count twice: with as many as features, the fit is in features themselves."""
+    generator = np.random.default_rng(7)
+    features = generator.normal(size=(60, 100)) @ np.diag(np.geomspace(1, 1e-3, 100)) + 2.0
+    features[:, 99] = 4.0  # constant
+    happened = generator.random((60, 2)) < 1 / (1 + np.exp(2.0 - 2 * features[:, :2]))
+    weights = fit_logistic(features, happened, penalty)
+    doubled = [np.concatenate([one, one]) for one in (features, happened)]
+    expected = fit_logistic(*doubled, 2 * penalty)
+    fresh = generator.normal(size=(500, 100)) * features.std(axis=0) + 2.0
+    found = event_probability(weights, fresh)
+    assert np.ptp(found) > 0.3
+    np.testing.assert_allclose(found, event_probability(expected, fresh), rtol=0, atol=1e-4)
+
+
 def test_probabilities_are_those_of_the_odds():
     weights = np.array([[1.0, 0.0], [2.0, -1.0], [0.5, 3.0]])
     found = event_probability(weights, np.array([[0.2, -0.3]]))

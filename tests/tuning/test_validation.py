@@ -216,6 +216,32 @@ def test_lost_forecasts_count_as_a_large_error_and_stay_finite(monkeypatch):
     assert found.objective == pytest.approx(logs.mean(), rel=1e-12)
 
 
+@pytest.mark.parametrize("scale", [1.0, 1e8])
+def test_errors_of_networks_with_an_offset_have_no_unit(scale, monkeypatch):
+    """A bound in units of the observable would take all forecasts for diverged ones."""
+    offset = scale * OBSERVED.mean(axis=(0, 1))
+    observed = scale * OBSERVED
+    training = TrainingSeries(observed, np.ptp(observed, axis=(0, 1)), input_offset=offset)
+    plain = TrainingSeries(OBSERVED - OBSERVED.mean(axis=(0, 1)), np.ptp(OBSERVED, axis=(0, 1)))
+    strategy = [make_strategy("RV")]
+    variance = OBSERVED[..., 0].var()
+
+    def first(states):
+        return states[0]
+
+    (found,) = validate(DYNAMICS, training, first, PLAN, [1e-3], strategy)
+    (expected,) = validate(DYNAMICS, plain, first, PLAN, [1e-3], strategy)
+    logs = np.array(expected.log_errors) - np.log10(variance)
+    np.testing.assert_allclose(found.log_errors, logs, rtol=0, atol=1e-6)
+
+    def lost(self, weights, input_range, states, steps):
+        return np.full((steps, DIMENSION, states.shape[1]), 1e99), states
+
+    monkeypatch.setattr(Dynamics, "closed_loop", lost)
+    (diverged,) = validate(DYNAMICS, training, first, PLAN, [1e-3], strategy)
+    assert diverged.objective == np.log10(DIVERGED_ERROR)
+
+
 def test_the_best_is_the_first_of_the_smallest():
     results = []
     for tikhonov, error in ((1e-6, -2.0), (1e-9, -3.0), (1e-12, -3.0)):

@@ -200,7 +200,8 @@ def test_settings_are_found_by_their_path_in_canonical_form():
         "forecasters.esn.connectivity": 20,
         "forecaster.options": {
             **{"backend": "compiled", "connectivity": 20, "input_bias": 0.1},
-            **{"input_range": "all", "leak_rate": [1], "readout": "linear"},
+            **{"input_range": "all", "input_offset": "none"},
+            **{"leak_rate": [1], "readout": "linear"},
         },
         "forecaster.divergence_bound": 10,
         "washout_lt": 0.5,

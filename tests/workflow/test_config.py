@@ -63,7 +63,7 @@ def value_at(config, name):
 
 def test_every_setting_has_its_default_in_one_place(config):
     """What the model has no default for stands in config.yaml, which repeats no other."""
-    of_the_paper = {"forecasters.esn.connectivity", "forecasters.esn.input_bias"}
+    of_the_paper = {"forecasters.esn.connectivity"}
     for place in Place(Configuration).settings():
         if "[" in place.name or CHOICE.match(place.name) or place.fields:
             continue

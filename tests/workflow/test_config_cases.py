@@ -411,6 +411,19 @@ def test_what_a_campaign_makes_of_measured_cases(measured):
     assert found.modules({"case": "Re400"})["burstcast.systems"] == ["mfe"]
 
 
+@pytest.mark.parametrize("given", [None, "none", "mean"])
+def test_networks_of_measured_series_have_an_offset_unless_the_config_says_otherwise(
+    given, measured
+):
+    put(measured, "forecasters.esn.input_offset", given)
+    put(measured, "forecasters.variants", {"plain": {"input_offset": "none"}, "open": {}})
+    found = Campaign(load(measured))
+    for case, default in (("lab", "mean"), ("part", "mean"), ("Re400", "none"), ("", "none")):
+        for label, expected in ((None, given or default), ("open", given or default)):
+            assert found.sections(case, label)["esn"]["input_offset"] == expected
+        assert found.sections(case, "plain")["esn"]["input_offset"] == "none"
+
+
 def test_files_as_people_sort_their_names(measured):
     data = Data(files=["lab/run_*.csv"], observable="u")
     assert data.paths == [f"lab/run_{number}.csv" for number in (1, 9, 10)]

@@ -43,6 +43,7 @@ SETTINGS = {
     "forecasters.esn.connectivity": 6,
     "forecasters.esn.input_bias": 0.1,
     "forecasters.esn.input_range": "all",
+    "forecasters.esn.input_offset": "none",
 }
 SECTIONS = {
     "esn": {"backend": "scipy"},

@@ -135,6 +135,20 @@ def network_input_range(
     return component_scales(training_states[:1] if series == "first" else training_states).range
 
 
+def network_input_offset(
+    training_states: FloatArray, offset: Literal["mean", "none"]
+) -> FloatArray | None:
+    """What is subtracted from the inputs and the targets of a network, ``(dimension,)``, or None.
+
+    ``training_states``: As of `network_input_range`. ``offset``: "mean", so that forecasts do not
+    depend on the zero of a unit, or "none", as in the paper.
+    """
+    if offset == "none":
+        return None
+    mean: FloatArray = training_states.mean(axis=(0, 1))
+    return mean
+
+
 def observe(
     states: FloatArray,
     first_series: int,

@@ -21,7 +21,7 @@ from burstcast.arrays import AXES, FloatArray, float_array, is_known
 
 
 def as_series(data: Any, what: str = "the series") -> FloatArray:
-    """Series of a user as an array of the one layout, finite and contiguous.
+    """Copy series of a user into an array of the one layout, finite and contiguous.
 
     ``data``: An array of NumPy, or what can be made one, of shape ``(series, time, component)``; a
     table or a list of tables; or an array or a data set of xarray.
@@ -38,7 +38,7 @@ def as_series(data: Any, what: str = "the series") -> FloatArray:
             from burstcast.data.tables import rising_rows
 
             data = rising_rows(what, data)
-    series = np.ascontiguousarray(float_array(data, what))
+    series = np.array(float_array(data, what), order="C")
     if np.ndim(data) != len(AXES):
         single = "series[np.newaxis]" if np.ndim(data) == 2 else "series[np.newaxis, :, np.newaxis]"
         hint = f": a single series is {single}" if np.ndim(data) < 3 else ""

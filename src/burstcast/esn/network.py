@@ -24,6 +24,9 @@ class EchoStateNetwork:
     input_range
         Range of each component over the training data, which the inputs are divided by, shape
         ``(dimension,)``.
+    input_offset
+        What is subtracted from the inputs before that, and added to the outputs of the readout,
+        shape ``(dimension,)``; None: nothing.
 
     Examples
     --------
@@ -53,6 +56,7 @@ class EchoStateNetwork:
     dynamics: Dynamics
     readout: Readout
     input_range: FloatArray
+    input_offset: FloatArray | None = None
 
     def __repr__(self) -> str:
         """Size and hyperparameters, no matrices."""
@@ -87,7 +91,8 @@ class EchoStateNetwork:
         ValueError
             If a shape does not fit or a value is not finite.
         """
-        return self.dynamics.open_loop(inputs / self.input_range[:, np.newaxis], states)
+        centred = self._centred(inputs) / self.input_range[:, np.newaxis]
+        return self.dynamics.open_loop(centred, states)
 
     def forecast(
         self, states: FloatArray, steps: int, factors: FloatArray | None = None
@@ -119,8 +124,14 @@ class EchoStateNetwork:
         """
         weights = self.readout.weights
         if factors is not None:
-            return factored_closed_loop(self.dynamics, weights, self.input_range, states, factors)
-        return self.dynamics.closed_loop(weights, self.input_range, states, steps)
+            outputs, states = factored_closed_loop(
+                self.dynamics, weights, self.input_range, states, factors
+            )
+        else:
+            outputs, states = self.dynamics.closed_loop(weights, self.input_range, states, steps)
+        if self.input_offset is not None:
+            outputs = outputs + self.input_offset[:, np.newaxis]
+        return outputs, states
 
     def under(self, factors: FloatArray) -> "EchoStateNetwork":
         """Plain network that a network trained with factors is under constant ones.
@@ -146,9 +157,13 @@ class EchoStateNetwork:
 
         Returns
         -------
-        Shape ``(batch,)``: whether any value is not finite or larger than ``bound`` times its
-        component's training range.
+        Shape ``(batch,)``: whether any value is not finite, or further from the offset (from zero,
+        if there is none) than ``bound`` times its component's training range.
         """
         largest = bound * self.input_range[:, np.newaxis]
         # Negated, so that nan counts as diverged.
-        return np.asarray(~(np.abs(outputs) <= largest).all(axis=(0, 1)))
+        return np.asarray(~(np.abs(self._centred(outputs)) <= largest).all(axis=(0, 1)))
+
+    def _centred(self, data: FloatArray) -> FloatArray:
+        """Data ``(steps, dimension, batch)`` less the offset."""
+        return data if self.input_offset is None else data - self.input_offset[:, np.newaxis]

@@ -5,7 +5,7 @@ states are summed up panel by panel as they come: they are never all in memory.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 
 import numpy as np
@@ -30,11 +30,15 @@ class TrainingSeries:
         Factors of parameters in force from each sample to the next, ``(series, time - 1,
         factors)``, in which the readout is linear (`burstcast.esn.factored`); None: a plain
         readout.
+    input_offset
+        What is subtracted from inputs and targets, ``(dimension,)``; None: nothing. The ridge
+        regression penalises the bias of the readout, too, which would have to make up for it.
     """
 
     observed: FloatArray
     input_range: FloatArray
     factors: FloatArray | None = None
+    input_offset: FloatArray | None = None
 
     def __post_init__(self) -> None:
         """Check the factors.
@@ -54,7 +58,7 @@ class TrainingSeries:
     def part(self, rows: slice) -> "TrainingSeries":
         """Some of the series."""
         factors = None if self.factors is None else self.factors[rows]
-        return TrainingSeries(self.observed[rows], self.input_range, factors)
+        return replace(self, observed=self.observed[rows], factors=factors)
 
     @property
     def series(self) -> int:
@@ -114,6 +118,9 @@ def collect(
     # inputs 0 .. end - 1 lead to the states at steps 1 .. end
     # a copy always: for a single series the transpose is contiguous as it is
     inputs = np.array(training.observed[:, :end].transpose(1, 2, 0), order="C")
+    offset = training.input_offset
+    if offset is not None:
+        inputs -= offset[:, np.newaxis]
     inputs /= training.input_range[:, np.newaxis]
     factors = training.factors
     layout = FactoredStates.of(dynamics.reservoir, 0 if factors is None else factors.shape[2])
@@ -131,6 +138,8 @@ def collect(
         if first in snapshots and first not in taken:
             taken[first] = accumulator.moments()
         targets = training.observed[:, first:stop].transpose(2, 1, 0)
+        if offset is not None:
+            targets = targets - offset[:, np.newaxis, np.newaxis]
         columns = dynamics.features(panel.columns)
         if factors is not None:
             # a state at step j predicts step j: what counts is in force from step j - 1 on

@@ -4,12 +4,13 @@ Loaded when networks are made: other kinds of forecasters need not wait for it.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
-from burstcast.data.dataset import network_input_range
+from burstcast.data.dataset import network_input_offset, network_input_range
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
 from burstcast.forecasters.base import Forecaster, ForecastingCase
@@ -99,11 +100,14 @@ def training_of(
     ``schedules``: Parameters in force, ``(series, time - 1, parameters)``; None for other networks.
     """
     scale = network_input_range(states, network.input_range)
+    offset = network_input_offset(states, network.input_offset)
+    training = TrainingSeries(observed, scale, input_offset=offset)
     if schedules is None:
-        return TrainingSeries(observed, scale), {}
+        return training, {}
     turns = in_turns(schedules)
     assert isinstance(network, AwareNetworkForecaster)
-    training, factors = factored_training(observed[turns], scale, schedules[turns], case, network)
+    training = replace(training, observed=observed[turns])
+    training, factors = factored_training(training, schedules[turns], case, network)
     return training, {"factors": factors, "in_force": case.parameters}
 
 

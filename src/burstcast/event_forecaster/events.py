@@ -59,8 +59,8 @@ class EventTiming:
 
     @property
     def times(self) -> list[float]:
-        """Prediction times."""
-        return [float(time) for time in self.prediction_times]
+        """Prediction times, each of them once."""
+        return [*dict.fromkeys(float(time) for time in self.prediction_times)]
 
     def span(self, time: float) -> tuple[int, int]:
         """First and last step of the window at a prediction time, from the present."""

@@ -8,6 +8,7 @@ this package, and what a forecaster allocates is no larger than what it has lear
 import hashlib
 import json
 import math
+import numbers
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -88,7 +89,9 @@ def read_saved(
     if attributes.pop("digest", None) != _digest(attributes, arrays):
         raise ValueError(f"{path} is not what was saved: it is damaged; save the forecaster again")
     parameters, fitted = (json.loads(str(attributes[name])) for name in ("parameters", "fitted"))
-    parameters |= {name: tuple(parameters[name]) for name in _TUPLES}
+    for name in _TUPLES:
+        if isinstance(parameters[name], list):  # or a single number
+            parameters[name] = tuple(parameters[name])
     components = len(fitted["reference_states"][0])
     if fitted["components"] != components:
         raise ValueError(
@@ -129,9 +132,11 @@ def check_sizes(record: ForecasterRecord, case: ForecastingCase, kind: Forecaste
         return
     neurons, dimension = int(said.get("neurons", 0)), case.system.dimension
     if neurons:
-        rows, ranges = (record.arrays[name].shape[0] for name in ("weights", "input_range"))
+        rows, scale = record.arrays["weights"].shape[0], record.arrays["input_range"]
+        offset = record.arrays.get("input_offset", scale)
         few = float(said["connectivity"]) * neurons <= _CONNECTIONS * stored
-        if rows % (neurons + 1) or ranges != dimension or not few:
+        scaled = scale.shape == offset.shape == (dimension,)
+        if rows % (neurons + 1) or not scaled or not few:
             raise ValueError(f"{stored} stored numbers are no network of {neurons} neurons")
     of_parameters = 0 if case.parameters is None else len(case.parameters.names)
     counted = [(int(kind.options.get("degree", 0)), dimension)] if record.arrays else []
@@ -192,9 +197,15 @@ def _digest(attributes: Mapping[str, Any], arrays: Mapping[str, npt.NDArray[Any]
 
 
 def _plain(value: Any) -> Any:
-    """A number or an array of NumPy as JSON has it."""
+    """A number, a sequence or a mapping of any type as JSON has it."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
+    if isinstance(value, numbers.Real):
+        return float(value)
+    if isinstance(value, Sequence):
+        return list(value)
+    if isinstance(value, Mapping):
+        return dict(value)
     raise TypeError(f"{value!r} cannot be saved")
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Self, cast
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.compiled.backends import usable_backend
@@ -159,7 +160,15 @@ class EventForecaster(Estimator):
         equal parameters, if most networks have a hyperparameter on the edge of its search, or if
         forecasts tell events from no events no better than chance in the training series.
         """
-        checked, kind, timing = checked_parameters(self), self._kind, self._timing
+        kind = self._kind  # loads what it computes with, whose threads are limited
+        # threads of small matrices wait for each other more than they work
+        with threadpool_limits(limits=1):
+            self._fit(kind, series, parameters)
+        self._warn_once(self.warnings_)
+        return self
+
+    def _fit(self, kind: ForecasterKind, series: Any, parameters: Any) -> None:
+        checked, timing = checked_parameters(self), self._timing
         states = as_series(series, "the training series")
         learnt = self._told(parameters, len(states), states.shape[1] - 1, "fit")
         own = None if learnt is None else learnt.mean(axis=(0, 1)).tolist()
@@ -217,8 +226,6 @@ class EventForecaster(Estimator):
         self.reference_states_ = states.reshape(-1, self.components_)[rows]
         self.reference_observable_ = case.system.observable(self.reference_states_.T)
         self.event_threshold_, self.warnings_ = events.threshold, findings
-        self._warn_once(findings)
-        return self
 
     @property
     def classes_(self) -> BoolArray:

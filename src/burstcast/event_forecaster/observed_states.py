@@ -38,7 +38,9 @@ class ObservedStates:
         if not callable(self._given):
             component: FloatArray = state[self._given]
             return component
-        value = float_array(self._given(np.moveaxis(state, 0, -1)), "the observable")
+        # a copy of the same layout: the function may work in place
+        states = np.moveaxis(state, 0, -1).copy(order="K")
+        value = float_array(self._given(states), "the observable")
         if value.shape != state.shape[1:]:
             raise ValueError(
                 f"the function of the observable must make (...) of states (..., component): of "

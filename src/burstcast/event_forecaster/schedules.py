@@ -36,4 +36,4 @@ def as_schedules(given: Any, series: int, steps: int, names: Sequence[str]) -> F
         values = values[..., np.newaxis]
     if values.ndim == 2:
         values = values[:, np.newaxis]
-    return np.ascontiguousarray(np.broadcast_to(values, whole))
+    return np.array(np.broadcast_to(values, whole), order="C")

@@ -15,9 +15,12 @@ class NetworkOptions:
     section: ClassVar[str] = "esn"
 
     connectivity: float = 20.0  #: mean number of connections of a neuron
-    input_bias: float = 0.1  #: constant that is appended to the normalised inputs
+    input_bias: float = 1.0  #: constant that is appended to the normalised inputs
     #: training series whose range the inputs are divided by
     input_range: Literal["all", "first"] = "all"
+    #: what is subtracted from inputs and targets: their mean over the training series, so that
+    #: forecasts do not depend on the zero of a unit, or nothing, as in the paper
+    input_offset: Literal["mean", "none"] = "mean"
     readout: Literal["linear", "quadratic"] = "linear"  #: `burstcast.esn.readout`
     leak_rate: tuple[float, ...] = (1.0,)  #: several: chosen by the search
     #: a forecast beyond this many training ranges of any component has diverged; None: not judged

@@ -3,10 +3,19 @@
 from collections.abc import Mapping
 from typing import Any, Literal
 
+from burstcast.arrays import FloatArray
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.reservoir import ReservoirSeed
 
 _AS_IN_THE_PAPER = {"leak_rate": 1.0, "readout": "linear"}
+
+
+def recorded_scales(
+    input_range: FloatArray, input_offset: FloatArray | None
+) -> dict[str, FloatArray]:
+    """Arrays of the normalisation of inputs; the offset only if there is one."""
+    offset = {} if input_offset is None else {"input_offset": input_offset}
+    return {"input_range": input_range, **offset}
 
 
 def recorded_dynamics(seed: ReservoirSeed, dynamics: Dynamics) -> dict[str, str | int | float]:

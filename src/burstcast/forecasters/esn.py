@@ -15,7 +15,11 @@ from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.tangent import ClosedLoopTangent
 from burstcast.esn.training import TrainingSeries, train, train_leaving_one_out
 from burstcast.forecasters._options import NetworkOptions
-from burstcast.forecasters._reservoirs import recorded_dynamics, restored_dynamics
+from burstcast.forecasters._reservoirs import (
+    recorded_dynamics,
+    recorded_scales,
+    restored_dynamics,
+)
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase, fitted
 
 
@@ -52,7 +56,8 @@ class NetworkForecaster(NetworkOptions, Forecaster):
         ``washout``: Steps at the beginning of each series that training leaves out.
         """
         readout = train(dynamics, training, washout=washout, tikhonov=tikhonov)
-        network = EchoStateNetwork(dynamics, readout, training.input_range)
+        scales = training.input_range, training.input_offset
+        network = EchoStateNetwork(dynamics, readout, *scales)
         return self.with_fitted(network=network, seed=seed, **knowledge)
 
     def leave_one_out(
@@ -77,13 +82,15 @@ class NetworkForecaster(NetworkOptions, Forecaster):
         self, training: FloatArray, schedules: FloatArray | None
     ) -> TrainingSeries:
         """Series that the network is trained on."""
-        return TrainingSeries(training, self.network.input_range)
+        network = self.network
+        return TrainingSeries(training, network.input_range, input_offset=network.input_offset)
 
     def record(self) -> ForecasterRecord:
         """Readout, normalisation and seed of the reservoir, without large matrices."""
         dynamics, readout = self.network.dynamics, self.network.readout
+        scales = recorded_scales(self.network.input_range, self.network.input_offset)
         return ForecasterRecord(
-            {"weights": readout.weights, "input_range": self.network.input_range},
+            {"weights": readout.weights, **scales},
             {
                 **recorded_dynamics(self.seed, dynamics),
                 "tikhonov": readout.tikhonov,
@@ -102,7 +109,8 @@ class NetworkForecaster(NetworkOptions, Forecaster):
             solver=str(attributes["solver"]),
             reciprocal_condition=float(attributes["reciprocal_condition"]),
         )
-        network = EchoStateNetwork(dynamics, readout, input_range)
+        offset = record.arrays.get("input_offset")
+        network = EchoStateNetwork(dynamics, readout, input_range, offset)
         return self.with_fitted(network=network, seed=seed, **self._knowledge(record, case))
 
     def _knowledge(self, record: ForecasterRecord, case: ForecastingCase) -> dict[str, Any]:

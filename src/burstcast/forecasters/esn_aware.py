@@ -4,7 +4,7 @@ The reservoir does not receive the parameters, so that the washout needs no sche
 memory serves forecasts under any schedule (`burstcast.esn.factored`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -48,7 +48,8 @@ class AwareNetworkForecaster(AwareOptions, NetworkForecaster):
     ) -> TrainingSeries:
         if schedules is None:
             raise ValueError("the training series of this network have schedules")
-        return TrainingSeries(training, self.network.input_range, self.factors(schedules))
+        plain = super()._training_series(training, schedules)
+        return replace(plain, factors=self.factors(schedules))
 
     def record(self) -> ForecasterRecord:
         """Record of a plain network with the scaling of the parameters."""
@@ -83,17 +84,15 @@ class AwareNetworkForecaster(AwareOptions, NetworkForecaster):
 
 
 def factored_training(
-    observed: FloatArray,
-    input_range: FloatArray,
+    training: TrainingSeries,
     schedules: FloatArray,
     case: ForecastingCase,
     options: AwareOptions,
 ) -> tuple[TrainingSeries, ParameterFactors]:
     """Training series of a network that knows the parameters, for its search and its training.
 
-    ``observed``: ``(series, time, dimension)``. ``input_range``: Divisors of the inputs,
-    ``(dimension,)``. ``schedules``: Values in force from each sample to the next, ``(series, time -
-    1, parameters)``.
+    ``training``: The series without factors. ``schedules``: Values in force from each sample to the
+    next, ``(series, time - 1, parameters)``.
     """
     factors = fitted_factors(schedules, case, options)
-    return TrainingSeries(observed, input_range, factors(schedules)), factors
+    return replace(training, factors=factors(schedules)), factors

@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.data.dataset import network_input_offset
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.forecasters._event_classifier import (
@@ -19,7 +20,11 @@ from burstcast.forecasters._event_classifier import (
     with_known,
 )
 from burstcast.forecasters._options import DirectReadoutOptions, NetworkOptions
-from burstcast.forecasters._reservoirs import recorded_dynamics, restored_dynamics
+from burstcast.forecasters._reservoirs import (
+    recorded_dynamics,
+    recorded_scales,
+    restored_dynamics,
+)
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.probability.alarms import average_precision
 from burstcast.probability.logistic_readout import event_probability, fit_logistic
@@ -39,6 +44,8 @@ class DirectReadout(NetworkOptions, DirectReadoutOptions, EventClassifier):
     seed: ReservoirSeed = fitted()  #: what the reservoir is made from
     #: range of each observed component in training, by which inputs are divided
     input_scale: FloatArray = fitted()
+    #: mean of each observed component in training, which is subtracted before; None: nothing is
+    input_mean: FloatArray | None = fitted()
     #: weights of the state's neurons, of what is known in advance, and last the bias, for each
     #: window, ``(neurons + known features + 1, windows)``
     weights: FloatArray = fitted()
@@ -56,6 +63,8 @@ class DirectReadout(NetworkOptions, DirectReadoutOptions, EventClassifier):
         first = points.series == points.series.min()
         ranged = observed[first] if self.input_range == "first" else observed
         input_scale = np.ptp(ranged.reshape(-1, observed.shape[2]), axis=0)
+        input_mean = network_input_offset(observed, self.input_offset)
+        inputs = _normalised(observed, input_scale, input_mean)
         reservoir = seed.reservoir(observed.shape[2])
         choices = [getattr(self, name) for name in _SEARCHED]
         *applied, penalties = choices
@@ -67,19 +76,20 @@ class DirectReadout(NetworkOptions, DirectReadoutOptions, EventClassifier):
         several = np.prod([len(some) for some in choices]) > 1
         for point in product(*applied) if several else ():
             dynamics = driven(*point)
-            states = with_known(_states(dynamics, observed / input_scale), points.known)
+            states = with_known(_states(dynamics, inputs), points.known)
             for penalty in penalties:
                 score = _validation_score(states, points, penalty)
                 if score > highest:
                     best, highest = [*point, penalty], score
         *chosen, penalty = best
         dynamics = driven(*chosen)
-        states = with_known(_states(dynamics, observed / input_scale), points.known)
+        states = with_known(_states(dynamics, inputs), points.known)
         weights = fit_logistic(states, points.happened, penalty)
         return self.with_fitted(
             dynamics=dynamics,
             seed=seed,
             input_scale=input_scale,
+            input_mean=input_mean,
             weights=weights,
             chosen_penalty=float(penalty),
         )
@@ -96,13 +106,14 @@ class DirectReadout(NetworkOptions, DirectReadoutOptions, EventClassifier):
 
     def probabilities(self, washouts: FloatArray, known: FloatArray | None = None) -> FloatArray:
         """Probability of an event in each window (see `EventClassifier.probabilities`)."""
-        states = _states(self.dynamics, washouts / self.input_scale)
+        inputs = _normalised(washouts, self.input_scale, self.input_mean)
+        states = _states(self.dynamics, inputs)
         return event_probability(self.weights, with_known(states, known))
 
     def record(self) -> ForecasterRecord:
         """Readout, normalisation and seed of the reservoir, without large matrices."""
         return ForecasterRecord(
-            {"weights": self.weights, "input_range": self.input_scale},
+            {"weights": self.weights, **recorded_scales(self.input_scale, self.input_mean)},
             {
                 **recorded_dynamics(self.seed, self.dynamics),
                 "penalty": self.chosen_penalty,
@@ -117,9 +128,18 @@ class DirectReadout(NetworkOptions, DirectReadoutOptions, EventClassifier):
             dynamics=dynamics,
             seed=seed,
             input_scale=input_scale,
+            input_mean=record.arrays.get("input_offset"),
             weights=np.ascontiguousarray(record.arrays["weights"]),
             chosen_penalty=float(attributes["penalty"]),
         )
+
+
+def _normalised(
+    washouts: FloatArray, input_scale: FloatArray, input_mean: FloatArray | None
+) -> FloatArray:
+    """Washouts ``(points, steps, dimension)`` as inputs of the reservoir."""
+    centred = washouts if input_mean is None else washouts - input_mean
+    return np.asarray(centred / input_scale)
 
 
 def _states(dynamics: Dynamics, washouts: FloatArray) -> FloatArray:

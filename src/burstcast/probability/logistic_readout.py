@@ -10,6 +10,8 @@ _STEPS, _LEAST_STEP = 100, 1e-6
 _TOLERANCE = 1e-9
 """Newton decrement at which a fit has converged, per point."""
 _LEAST_CURVATURE = 1e-10
+_NEGLIGIBLE = 1e-4
+"""Penalties below which the sum of squares of a principal component is left out."""
 _ROWS = 4096
 """Points whose products are summed at a time: bounds the memory."""
 
@@ -19,7 +21,7 @@ def fit_logistic(features: FloatArray, happened: BoolArray, penalty: float) -> F
 
     They minimise the sum over points of the logarithmic loss, plus half the penalty times the
     squared weights of features of zero mean and unit variance; the bias is free. Newton's method
-    finds them.
+    finds them, in principal components where there are fewer points than features.
 
     ``features``: ``(points, features)``. ``happened``: Whether each event followed, ``(points,
     events)``. Shape ``(features + 1, events)``, the bias last, of features as they are.
@@ -35,15 +37,33 @@ def fit_logistic(features: FloatArray, happened: BoolArray, penalty: float) -> F
     """
     mean, scale = features.mean(axis=0), features.std(axis=0)
     scale = np.where(scale > 0, scale, 1.0)
-    standard = np.column_stack([(features - mean) / scale, np.ones(len(features))])
+    standard, rotation = (features - mean) / scale, None
+    if len(features) < features.shape[1]:
+        standard, rotation = _principal_components(standard, penalty)
+    standard = np.column_stack([standard, np.ones(len(features))])
     ridge = np.full(standard.shape[1], float(penalty))
     ridge[-1] = 0.0
     weights = np.stack(
         [_newton(standard, one, ridge) for one in happened.T.astype(np.float64)], axis=1
     )
+    if rotation is not None:
+        weights = np.vstack([rotation @ weights[:-1], weights[-1:]])
     weights[:-1] /= scale[:, np.newaxis]
     weights[-1] -= mean @ weights[:-1]
     return weights
+
+
+def _principal_components(features: FloatArray, penalty: float) -> tuple[FloatArray, FloatArray]:
+    """Principal components of fewer points than features, and the rotation back to features.
+
+    Loss and penalty are the same in them. Components that the penalty leaves no weight are left
+    out. Shapes ``(points, components)`` and ``(features, components)``.
+    """
+    squares, vectors = np.linalg.eigh(features @ features.T)
+    # rounding leaves components of no size at all, which nothing can be divided by
+    kept = squares > max(_NEGLIGIBLE * penalty, 1e-12 * squares[-1])
+    size = np.sqrt(squares[kept])
+    return vectors[:, kept] * size, features.T @ (vectors[:, kept] / size)
 
 
 def _newton(features: FloatArray, wanted: FloatArray, ridge: FloatArray) -> FloatArray:

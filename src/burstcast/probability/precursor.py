@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from burstcast.arrays import BoolArray, FloatArray
 from burstcast.discovery import suggestion
@@ -111,9 +112,10 @@ class Precursor:
                     f"{followed} of the {len(happened)} training points is followed by an event in "
                     f"prediction window {window}: there is only one class"
                 )
-        classifiers = []
-        for window in range(happened.shape[1]):
-            classifiers.append(_classifier(options).fit(features, happened[:, window]))
+        classifiers = [_classifier(options) for _ in happened.T]
+        with threadpool_limits(limits=1):  # scikit-learn is loaded by now
+            for classifier, events in zip(classifiers, happened.T, strict=True):
+                classifier.fit(features, events)
         return cls(options, features, happened, tuple(classifiers))
 
     def probabilities(self, features: FloatArray) -> FloatArray:
@@ -124,7 +126,9 @@ class Precursor:
         features
             Features of starting points, ``(points, features)``.
         """
-        each = [one.predict_proba(features)[:, 1] for one in self.classifiers]
+        # threads wait for each other more than they work
+        with threadpool_limits(limits=1):
+            each = [one.predict_proba(features)[:, 1] for one in self.classifiers]
         return np.stack(each, axis=1)
 
     def record(self) -> dict[str, FloatArray]:

@@ -23,7 +23,12 @@ from burstcast.tuning.hyperparameters import HyperparameterPoint
 from burstcast.tuning.strategies.base import Fold, ValidationPlan, ValidationStrategy
 
 DIVERGED_ERROR = 1e12
-"""Mean square error that a diverged forecast counts as: far beyond any other, yet finite."""
+"""Mean square error that a diverged forecast counts as: far beyond any other, yet finite.
+
+Of networks whose inputs have an offset, errors are relative to the variance of the observable in
+the training series, so that this bound is the same in any unit; of others they are in units of the
+observable, as in the paper.
+"""
 
 
 @dataclass(frozen=True)
@@ -33,7 +38,7 @@ class Validation:
     strategy: str  #: name of the strategy
     tikhonov: float
     #: log10 of the mean square error of the observable in each interval, in the order of the
-    #: strategy's folds
+    #: strategy's folds; relative to its variance where inputs have an offset (`DIVERGED_ERROR`)
     log_errors: tuple[float, ...]
     #: solver, reciprocal_condition: how the ridge regression was solved, and the estimate of the
     #: reciprocal condition number of its matrix: of the fold where it is the smallest
@@ -57,6 +62,9 @@ def validate(
     """Train one network and validate it by each strategy with each Tikhonov parameter."""
     folds = [strategy.folds(plan, training.series, training.length) for strategy in strategies]
     loops = _open_loops(dynamics, training, plan.washout, [fold for some in folds for fold in some])
+    unit = 1.0
+    if training.input_offset is not None:
+        unit = float(np.var(observable(training.observed.transpose(2, 0, 1))))
     results = []
     for strategy, of_strategy in zip(strategies, folds, strict=True):
         readouts: list[list[Readout]] = [[] for _ in tikhonov]
@@ -69,8 +77,11 @@ def validate(
             for number, beta in enumerate(tikhonov):
                 readout = solve_ridge(moments, beta)
                 readouts[number].append(readout)
+                network = EchoStateNetwork(
+                    dynamics, readout, training.input_range, training.input_offset
+                )
                 errors[number].append(
-                    _log_errors(dynamics, training, observable, readout, states, factors, truth)
+                    _log_errors(network, observable, states, factors, truth, unit)
                 )
         for number, beta in enumerate(tikhonov):
             worst = min(readouts[number], key=lambda readout: readout.reciprocal_condition)
@@ -214,19 +225,21 @@ def _factors(training: TrainingSeries, fold: Fold, interval: int) -> FloatArray 
 
 
 def _log_errors(
-    dynamics: Dynamics,
-    training: TrainingSeries,
+    network: EchoStateNetwork,
     observable: Callable[[FloatArray], FloatArray],
-    readout: Readout,
     states: FloatArray,
     factors: FloatArray | None,
     truth: FloatArray,
+    unit: float,
 ) -> FloatArray:
-    """log10 of the mean square error of the observable over each interval, ``(intervals,)``."""
-    network = EchoStateNetwork(dynamics, readout, training.input_range)
+    """log10 of the mean square error of the observable over each interval, ``(intervals,)``.
+
+    ``unit``: What the errors are divided by.
+    """
     outputs, _ = network.forecast(states, truth.shape[0], factors)
     with np.errstate(over="ignore", invalid="ignore"):
         error = np.mean((observable(outputs.transpose(1, 0, 2)) - truth) ** 2, axis=0)
+        error = error / unit
     # a comparison with NaN is False: a forecast that is lost counts as the largest error
     error = np.where(error < DIVERGED_ERROR, error, DIVERGED_ERROR)
     return np.asarray(np.log10(error))

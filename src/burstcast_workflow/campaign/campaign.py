@@ -352,11 +352,15 @@ class Campaign:
     def sections(self, case: str, label: str | None = None) -> dict[str, Any]:
         """Settings of kinds of forecasters in a case; records have known columns as parameters.
 
-        Networks with the label of a variant have its settings.
+        Networks with the label of a variant have its settings. What networks subtract from their
+        inputs follows from the case where the config leaves it open.
         """
         sections: dict[str, Any] = self.plain["forecasters"]
         if label in sections["variants"]:
             sections = {**sections, "esn": {**sections["esn"], **sections["variants"][label]}}
+        if sections["esn"]["input_offset"] is None:
+            offset = "mean" if case and self.cases[case].data else "none"
+            sections = {**sections, "esn": {**sections["esn"], "input_offset": offset}}
         known = self.cases[case].known if case else []
         if known:
             told = {**sections["aware"], "parameters": known, "transform": "identity"}

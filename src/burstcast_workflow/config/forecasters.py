@@ -193,6 +193,11 @@ class EchoStateNetwork(Section):
         "training series whose range the inputs are divided by: all, or the first one, as in the "
         "programs of the paper's authors"
     )
+    input_offset: Literal["mean", "none"] | None = setting(
+        "what is subtracted from inputs and targets: mean, their mean over the training series, so "
+        "that forecasts do not depend on the zero of a unit; none, nothing, as in the paper; null: "
+        "mean for measured series (`data` of a case), none for simulated ones"
+    )
     divergence_bound: float = setting(
         "a forecast beyond this many training ranges has diverged", "training ranges", ge=1
     )

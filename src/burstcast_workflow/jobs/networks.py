@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from typing import Any, Literal
 
-from burstcast.data.dataset import network_input_range
+from burstcast.arrays import FloatArray
+from burstcast.data.dataset import network_input_offset, network_input_range
 from burstcast.data.parameter_factors import ParameterFactors
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
@@ -27,6 +28,7 @@ class Networks(Washed, Observed):
     connectivity: float = at("forecasters.esn.connectivity")
     input_bias: float = at("forecasters.esn.input_bias")
     input_range: Literal["all", "first"] = at("forecasters.esn.input_range")
+    input_offset: Literal["mean", "none"] = at("forecasters.esn.input_offset")
     readout: Literal["linear", "quadratic"] = at("forecasters.esn.readout")
     backend: Literal["compiled", "scipy"] = at("forecasters.esn.backend")
     aware: dict[str, Any] = at("forecasters.aware")
@@ -46,6 +48,7 @@ class Networks(Washed, Observed):
             "connectivity": self.connectivity,
             "input_bias": self.input_bias,
             "input_range": self.input_range,
+            "input_offset": self.input_offset,
             "readout": self.readout,
             "backend": self.backend,
             "divergence_bound": None,
@@ -71,11 +74,17 @@ class Networks(Washed, Observed):
         if scheduled:
             series = read_scheduled(scheduled, self.case)
             factors = self.knowledge(scheduled)["factors"](series.schedules)
-            scale = network_input_range(series.true.states, self.input_range)
-            return TrainingSeries(series.observed.states, scale, factors)
+            return self._training(series.observed.states, series.true.states, factors)
         states = self.training_states(ensemble)
-        observed = self.observed_rows(ensemble, 0, states)
-        return TrainingSeries(observed, network_input_range(states, self.input_range))
+        return self._training(self.observed_rows(ensemble, 0, states), states)
+
+    def _training(
+        self, observed: FloatArray, states: FloatArray, factors: FloatArray | None = None
+    ) -> TrainingSeries:
+        """Observed series, normalised by their true states."""
+        scale = network_input_range(states, self.input_range)
+        offset = network_input_offset(states, self.input_offset)
+        return TrainingSeries(observed, scale, factors, offset)
 
 
 class Search(System, Networks):
