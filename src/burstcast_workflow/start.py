@@ -37,14 +37,27 @@ class Started(NamedTuple):
     results: str  # where they lie: below a prefix where another workflow has this one as a module
     sources: Sources
     directories: list[str]  # of a user's own modules
+    file: Callable[[str], Path]  # of the workflow, by its path from the rules
+
+    def beside(self, path: str) -> str:
+        """A file of the workflow as an input: a relative path, so that another clone plans it."""
+        return os.path.relpath(self.file(path))
 
 
-def start(
-    workflow: Any, config: Mapping[str, Any], script: Callable[[str], Path], defaults: Path
-) -> Started:
-    """Read the config and the code; ``script`` gives the file of a script."""
+def _files(workflow: Any) -> Callable[[str], Path]:
+    """Files by their paths from the rules; copies of them where the workflow is a remote module."""
+    rules = Path(str(workflow.current_basedir))
+    if rules.is_dir():
+        return lambda path: (rules / path).resolve()
+    return lambda path: Path(workflow.source_path(path))
+
+
+def start(workflow: Any, config: Mapping[str, Any]) -> Started:
+    """Read the config and the code, for rules in the directory of the calling file of rules."""
     global latest
     latest = workflow
+    file = _files(workflow)
+    defaults = file("../../config.yaml")
     # Planning makes millions of objects and keeps them: looking through them for garbage all the
     # time takes a tenth of it; doing so once more when the process ends is as useless.
     gc.set_threshold(200_000, 50, 1000)
@@ -68,8 +81,9 @@ def start(
             f"this workflow lies beside the sources in {beside}, but Python imports burstcast from "
             f"{packages}, another copy: install the one that you want to run (pip install -e)"
         )
-    sources = Sources(script, packages, own_modules(checked), checked["rerun_libraries"])
-    return Started(checked, place, sources, directories)
+    own, with_libraries = own_modules(checked), checked["rerun_libraries"]
+    sources = Sources(lambda name: file(f"../scripts/{name}"), packages, own, with_libraries)
+    return Started(checked, place, sources, directories, file)
 
 
 def check_results(results: str, forced: bool = False) -> None:

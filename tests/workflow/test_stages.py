@@ -29,7 +29,7 @@ from burstcast_workflow.figures.registry import FIGURES, settings_of
 from burstcast_workflow.harness.job import parameters as parameters_of
 from burstcast_workflow.harness.settings import THRESHOLDS, Setting
 from burstcast_workflow.stages.declared import declared_settings
-from burstcast_workflow.stages.stages import Stages, one_of
+from burstcast_workflow.stages.stages import Stages, any_of_regex
 from burstcast_workflow.tables.declarations import TABLES as DECLARED
 from burstcast_workflow.tracking.code import Sources
 
@@ -129,7 +129,7 @@ def test_the_rules_are_those_of_the_text():
 @pytest.mark.parametrize("rule", WRITTEN)
 def test_a_rule_says_its_name_wherever_it_is_asked_for(rule):
     """Settings are found by it, and logs are named by it."""
-    asked = r"unknowns_of\(\s*\"(\w+)\"|\{LOGS\}/(\w+)"
+    asked = r"computed_settings\(\s*\"(\w+)\"|<logs>/(\w+)"
     found = [one or other for one, other in re.findall(asked, WRITTEN[rule])]
     assert {*found} == {rule}
     script = script_of(rule).relative_to(SCRIPTS)
@@ -140,7 +140,7 @@ def test_a_rule_says_its_name_wherever_it_is_asked_for(rule):
 def test_what_other_jobs_find_out_is_an_input_of_the_rules_that_read_it(rule):
     # of drawn training series, which the paper's campaign has not, the threshold
     read = re.search("event_threshold|lyapunov.time_unit|'drawn'", str(settings(rule)))
-    assert ("unknowns_of" in WRITTEN[rule]) == bool(read)
+    assert ("computed_settings" in WRITTEN[rule]) == bool(read)
 
 
 @pytest.mark.parametrize("rule", STAGES)
@@ -375,15 +375,15 @@ JOB = Wildcards(case="Re600", forecaster="esn-N2000-RV-seed3")
 
 
 def test_wildcards_of_some_names_and_of_none():
-    assert re.fullmatch(one_of(["Re400", "a.b"]), "a.b")
-    assert not re.fullmatch(one_of(["Re400", "a.b"]), "aXb")
-    assert not re.fullmatch(one_of([]), "")
+    assert re.fullmatch(any_of_regex(["Re400", "a.b"]), "a.b")
+    assert not re.fullmatch(any_of_regex(["Re400", "a.b"]), "aXb")
+    assert not re.fullmatch(any_of_regex([]), "")
 
 
 def test_files_of_cases_forecasters_and_tables(paper):
-    assert paper.of_cases("dataset.json", ["Re600"]) == ["results/paper/Re600/dataset.json"]
-    assert len(paper.of_cases("dataset.json")) == 4
-    assert len(paper.of_forecasters("forecast.nc")) == 180 + 2 * 4
+    assert paper.case_files("dataset.json", ["Re600"]) == ["results/paper/Re600/dataset.json"]
+    assert len(paper.case_files("dataset.json")) == 4
+    assert len(paper.forecaster_files("forecast.nc")) == 180 + 2 * 4
     found = paper.files_in_case("horizon.nc")(JOB)
     assert len(found) == 2 * 10 + 2
     assert all(path.startswith("results/paper/Re600/") for path in found)
@@ -396,13 +396,13 @@ def test_files_of_cases_forecasters_and_tables(paper):
 
 
 def test_thresholds_are_inputs_where_they_are_quantiles(paper):
-    assert paper.unknowns_of("events") == {}
+    assert paper.computed_settings("events") == {}
     other = stages(QUANTILE)
     other.of_script("data/events.py")
     other.of_script("data/simulate.py")
-    thresholds = other.unknowns_of("events")[THRESHOLDS]
+    thresholds = other.computed_settings("events")[THRESHOLDS]
     assert thresholds(JOB) == ["results/paper/Re600/event_threshold.json"]
-    assert other.unknowns_of("simulate")[THRESHOLDS](JOB) == []
+    assert other.computed_settings("simulate")[THRESHOLDS](JOB) == []
 
 
 def made(params, wildcards):

@@ -1,6 +1,5 @@
 """What all rules share: the campaign, where files lie, and functions of what rules need."""
 
-import os
 import sys
 import time
 from pathlib import Path
@@ -8,65 +7,38 @@ from pathlib import Path
 from snakemake.exceptions import WorkflowError
 
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.campaign.summary import (
-    campaign_summary,
-    warnings_summary,
-    where_results_lie,
-)
+from burstcast_workflow.campaign.summary import closing_summary
 from burstcast_workflow.figures.jobs import captions
 from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.project import source_revision
 from burstcast_workflow.stages.resources import beyond_memory, resources_of
-from burstcast_workflow.stages.stages import Stages, one_of
+from burstcast_workflow.stages.stages import Stages, any_of_regex
 from burstcast_workflow.start import start, tell_what_is_off
-from burstcast_workflow.tables.declarations import SECTIONS
-from burstcast_workflow.tables.registry import table_of, typeset
 from burstcast_workflow.tracking.cache import seconds_of_rules, tidy
 from burstcast_workflow.tracking.run import begin
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
 
-HERE = Path(str(workflow.current_basedir))
-
-
-def file_of(path):
-    """A file of the workflow, by its path from here; a copy where the workflow is a remote module."""
-    return (
-        (HERE / path).resolve() if HERE.is_dir() else Path(workflow.source_path(path))
-    )
-
-
-def beside(path):
-    """The same as an input: relative, so that another clone plans the same."""
-    return os.path.relpath(file_of(path))
-
-
-started = start(
-    workflow,
-    config,
-    lambda script: file_of(f"../scripts/{script}"),
-    file_of("../../config.yaml"),
-)
+started = start(workflow, config)
 config, sources = started.config, started.sources
 campaign = Campaign(config)
 stages = Stages(campaign, sources)
 # Parameters of rules: the settings that a script declares, and hashes of the code that runs.
 of_script = stages.of_script
 # Inputs: thresholds and units of time that jobs compute; files of a case, or of the campaign.
-unknowns_of, files_in_case = stages.unknowns_of, stages.files_in_case
-of_case, of_cases = stages.of_case, stages.of_cases
-of_forecasters = stages.of_forecasters
+computed_settings, files_in_case = stages.computed_settings, stages.files_in_case
+for_case, case_files = stages.for_case, stages.case_files
+forecaster_files = stages.forecaster_files
 PLANNED = dict(config)
 # The report reads captions from the config, where they are no setting of any job.
 config["captions"] = captions(campaign)
 
 # -- where files lie ---------------------------------------------------------------------------------
 
-RESULTS = config["results"]
-CASE = f"{RESULTS}/{{case}}"
-FORECASTER = f"{CASE}/{{forecaster}}"
-TABLES = f"{RESULTS}/tables"
-TABLES_OF_CASE = f"{CASE}/tables"
-LOGS = f"{RESULTS}/logs"
+
+pathvars:
+    results=config["results"],
+    logs="<results>/logs",
+
 
 CACHE_BYTES = 10**9 * config["cache_gb"]
 # Logs of jobs of a scheduler, as profiles/slurm says it.
@@ -77,15 +49,10 @@ STARTED = time.time()
 NETWORKS = r"[a-z_]+(-[a-z][a-z0-9]*)?-N\d+-[A-Z]+-seed\d+"
 OTHERS = r"(?![a-z_]+(-[a-z][a-z0-9]*)?-N\d)[A-Za-z][A-Za-z0-9_.]*(-[A-Za-z0-9.]+)*"
 # Kinds that give probabilities without a trajectory have one stage for all that.
-CLASSIFIERS = one_of(sorted({one.name.identifier for one in campaign.classifiers}))
-NO_CLASSIFIER = rf"(?!({CLASSIFIERS})(/|$))"
-# Rule that makes the ensemble of a case.
-SIMULATED, MEASURED = one_of(campaign.simulated_cases), one_of(campaign.measured_cases)
-REALISED = one_of(campaign.realised_cases)
-INTEGRATED, IMPORTED = (
-    one_of({*cases} - {*campaign.realised_cases, *campaign.encoded_cases})
-    for cases in (campaign.simulated_cases, campaign.measured_cases)
+CLASSIFIERS = any_of_regex(
+    sorted({one.name.identifier for one in campaign.classifiers})
 )
+NO_CLASSIFIER = rf"(?!({CLASSIFIERS})(/|$))"
 if workflow.is_main_process:
     tell_what_is_off(campaign)
 
@@ -120,37 +87,15 @@ onstart:
 
 onsuccess:
     tidy(CACHE_BYTES)
-    found = [
-        campaign_summary(Path(TABLES)),
-        warnings_summary(Path(TABLES)),
-        where_results_lie(Path(RESULTS)),
-    ]
-    print("\n" + "\n\n".join(filter(None, found)), file=sys.stderr)
+    print(f"\n{closing_summary(Path(started.results))}", file=sys.stderr)
 
 
 onerror:
     if not interrupted():
         print(
             "\nWhat failed, with the ends of the logs:\n\n"
-            + failure_summary(Path(LOGS), SCHEDULER_LOGS, STARTED),
+            + failure_summary(
+                Path(started.results, "logs"), SCHEDULER_LOGS, STARTED
+            ),
             file=sys.stderr,
         )
-
-
-# -- what all rules use ------------------------------------------------------------------------------
-
-
-def in_report(table):
-    """A table that the report has."""
-    return report(
-        f"{TABLES}/{table}.csv",
-        caption="../report/table.rst",
-        category=SECTIONS[table_of(table).section],
-        subcategory="Tables",
-        labels={"table": table},
-    )
-
-
-def caption_of(table):
-    """Caption of a table of the whole campaign, in LaTeX."""
-    return typeset([table])[table]["caption"]

@@ -1,20 +1,18 @@
 """Control of extreme events by all controllers: forecasters, committees, none, and at random."""
 
-CONTROL = f"{CASE}/control/{{controller}}/{{strategy}}"
-
 
 rule control:
     input:
-        **unknowns_of("control"),
-        ensemble=f"{CASE}/ensemble.nc",
-        summary=f"{CASE}/dataset.json",
+        **computed_settings("control"),
+        ensemble="<results>/{case}/ensemble.nc",
+        summary="<results>/{case}/dataset.json",
         forecasters=stages.controlling,
         encoder=stages.encoder_of_observed,
         matched=stages.matched_flows,
     output:
-        flows=f"{CONTROL}/flows.nc",
+        flows="<results>/{case}/control/{controller}/{strategy}/flows.nc",
     log:
-        f"{LOGS}/control/{{case}}/{{controller}}/{{strategy}}.log",
+        "<logs>/control/{case}/{controller}/{strategy}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -27,14 +25,14 @@ rule control:
 
 rule suppressed_event:
     input:
-        **unknowns_of("suppressed_event"),
-        ensemble=f"{CASE}/ensemble.nc",
-        summary=f"{CASE}/dataset.json",
+        **computed_settings("suppressed_event"),
+        ensemble="<results>/{case}/ensemble.nc",
+        summary="<results>/{case}/dataset.json",
         forecasters=stages.controlling,
     output:
-        event=f"{CONTROL}/suppressed_event.nc",
+        event="<results>/{case}/control/{controller}/{strategy}/suppressed_event.nc",
     log:
-        f"{LOGS}/suppressed_event/{{case}}/{{controller}}/{{strategy}}.log",
+        "<logs>/suppressed_event/{case}/{controller}/{strategy}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:

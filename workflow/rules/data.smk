@@ -3,12 +3,12 @@
 
 rule simulate:
     output:
-        ensemble=f"{CASE}/ensemble.nc",
-        summary=f"{CASE}/dataset.json",
+        ensemble="<results>/{case}/ensemble.nc",
+        summary="<results>/{case}/dataset.json",
     log:
-        f"{LOGS}/simulate/{{case}}.log",
+        "<logs>/simulate/{case}.log",
     wildcard_constraints:
-        case=INTEGRATED,
+        case=any_of_regex(campaign.integrated_cases),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -23,12 +23,12 @@ rule import_data:
     input:
         sources=stages.sources_of_data,
     output:
-        ensemble=f"{CASE}/ensemble.nc",
-        summary=f"{CASE}/dataset.json",
+        ensemble="<results>/{case}/ensemble.nc",
+        summary="<results>/{case}/dataset.json",
     log:
-        f"{LOGS}/import_data/{{case}}.log",
+        "<logs>/import_data/{case}.log",
     wildcard_constraints:
-        case=IMPORTED,
+        case=any_of_regex(campaign.imported_cases),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -42,15 +42,15 @@ rule import_data:
 rule encode:
     # what sensors see of another case, or an encoder makes of it
     input:
-        source=of_case(lambda case: f"{RESULTS}/{case.source.name}/ensemble.nc"),
+        source=for_case(lambda case: f"<results>/{case.source.name}/ensemble.nc"),
     output:
-        ensemble=f"{CASE}/ensemble.nc",
-        summary=f"{CASE}/dataset.json",
-        encoder=f"{CASE}/encoder.nc",
+        ensemble="<results>/{case}/ensemble.nc",
+        summary="<results>/{case}/dataset.json",
+        encoder="<results>/{case}/encoder.nc",
     log:
-        f"{LOGS}/encode/{{case}}.log",
+        "<logs>/encode/{case}.log",
     wildcard_constraints:
-        case=one_of(campaign.encoded_cases),
+        case=any_of_regex(campaign.encoded_cases),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -64,15 +64,15 @@ rule encode:
 rule training_realisation:
     # the series of another case with other training series
     input:
-        **unknowns_of("training_realisation"),
+        **computed_settings("training_realisation"),
         source=stages.ensemble_of_source,
     output:
-        ensemble=f"{CASE}/ensemble.nc",
-        summary=f"{CASE}/dataset.json",
+        ensemble="<results>/{case}/ensemble.nc",
+        summary="<results>/{case}/dataset.json",
     log:
-        f"{LOGS}/training_realisation/{{case}}.log",
+        "<logs>/training_realisation/{case}.log",
     wildcard_constraints:
-        case=REALISED,
+        case=any_of_regex(campaign.realised_cases),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -85,11 +85,11 @@ rule training_realisation:
 
 rule event_threshold:
     input:
-        ensemble=f"{CASE}/ensemble.nc",
+        ensemble="<results>/{case}/ensemble.nc",
     output:
-        event_threshold=f"{CASE}/event_threshold.json",
+        event_threshold="<results>/{case}/event_threshold.json",
     log:
-        f"{LOGS}/event_threshold/{{case}}.log",
+        "<logs>/event_threshold/{case}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -103,14 +103,14 @@ rule event_threshold:
 rule scheduled_series:
     # what kinds of forecasters learn from that know the parameters
     input:
-        **unknowns_of("scheduled_series"),
-        ensemble=f"{CASE}/ensemble.nc",
+        **computed_settings("scheduled_series"),
+        ensemble="<results>/{case}/ensemble.nc",
     output:
-        scheduled_series=f"{CASE}/scheduled_series.nc",
+        scheduled_series="<results>/{case}/scheduled_series.nc",
     log:
-        f"{LOGS}/scheduled_series/{{case}}.log",
+        "<logs>/scheduled_series/{case}.log",
     wildcard_constraints:
-        case=one_of(
+        case=any_of_regex(
             [*campaign.simulated_cases, *campaign.where(lambda case: case.known)]
         ),
     conda:
@@ -125,14 +125,14 @@ rule scheduled_series:
 
 rule lyapunov:
     input:
-        ensemble=f"{CASE}/ensemble.nc",
+        ensemble="<results>/{case}/ensemble.nc",
     output:
-        exponents=f"{CASE}/lyapunov.json",
-        spectrum=f"{CASE}/lyapunov_spectrum.nc",
+        exponents="<results>/{case}/lyapunov.json",
+        spectrum="<results>/{case}/lyapunov_spectrum.nc",
     log:
-        f"{LOGS}/lyapunov/{{case}}.log",
+        "<logs>/lyapunov/{case}.log",
     wildcard_constraints:
-        case=SIMULATED,
+        case=any_of_regex(campaign.simulated_cases),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -145,13 +145,13 @@ rule lyapunov:
 
 rule neighbour_divergence:
     input:
-        ensemble=f"{CASE}/ensemble.nc",
+        ensemble="<results>/{case}/ensemble.nc",
     output:
-        exponents=f"{CASE}/lyapunov.json",
+        exponents="<results>/{case}/lyapunov.json",
     log:
-        f"{LOGS}/neighbour_divergence/{{case}}.log",
+        "<logs>/neighbour_divergence/{case}.log",
     wildcard_constraints:
-        case=MEASURED,
+        case=any_of_regex(campaign.measured_cases),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -165,14 +165,14 @@ rule neighbour_divergence:
 rule lengths:
     # what does not fit fails here at once, with one list
     input:
-        **unknowns_of("lengths"),
-        ensemble=f"{CASE}/ensemble.nc",
+        **computed_settings("lengths"),
+        ensemble="<results>/{case}/ensemble.nc",
     output:
-        lengths=f"{CASE}/lengths.json",
+        lengths="<results>/{case}/lengths.json",
     log:
-        f"{LOGS}/lengths/{{case}}.log",
+        "<logs>/lengths/{case}.log",
     wildcard_constraints:
-        case=one_of(campaign.where(lambda case: case.time_unit)),
+        case=any_of_regex(campaign.where(lambda case: case.time_unit)),
     priority: 1
     conda:
         "../envs/burstcast.yaml"
@@ -186,14 +186,14 @@ rule lengths:
 
 rule evaluation_set:
     input:
-        **unknowns_of("evaluation_set"),
-        ensemble=f"{CASE}/ensemble.nc",
+        **computed_settings("evaluation_set"),
+        ensemble="<results>/{case}/ensemble.nc",
     output:
-        evaluation_set=f"{CASE}/evaluation_set.nc",
+        evaluation_set="<results>/{case}/evaluation_set.nc",
     log:
-        f"{LOGS}/evaluation_set/{{case}}.log",
+        "<logs>/evaluation_set/{case}.log",
     wildcard_constraints:
-        case=one_of({*campaign.cases} - {*campaign.switched_cases}),
+        case=any_of_regex({*campaign.cases} - {*campaign.switched_cases}),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -206,14 +206,14 @@ rule evaluation_set:
 
 rule switched_evaluation_set:
     input:
-        **unknowns_of("switched_evaluation_set"),
-        ensemble=f"{CASE}/ensemble.nc",
+        **computed_settings("switched_evaluation_set"),
+        ensemble="<results>/{case}/ensemble.nc",
     output:
-        evaluation_set=f"{CASE}/evaluation_set.nc",
+        evaluation_set="<results>/{case}/evaluation_set.nc",
     log:
-        f"{LOGS}/switched_evaluation_set/{{case}}.log",
+        "<logs>/switched_evaluation_set/{case}.log",
     wildcard_constraints:
-        case=one_of(campaign.switched_cases),
+        case=any_of_regex(campaign.switched_cases),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -226,13 +226,13 @@ rule switched_evaluation_set:
 
 rule events:
     input:
-        **unknowns_of("events"),
-        ensemble=f"{CASE}/ensemble.nc",
+        **computed_settings("events"),
+        ensemble="<results>/{case}/ensemble.nc",
     output:
-        events=f"{CASE}/events.nc",
-        events_summary=f"{CASE}/events.json",
+        events="<results>/{case}/events.nc",
+        events_summary="<results>/{case}/events.json",
     log:
-        f"{LOGS}/events/{{case}}.log",
+        "<logs>/events/{case}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -245,14 +245,14 @@ rule events:
 
 rule reference_statistics:
     input:
-        ensemble=f"{CASE}/ensemble.nc",
-        summary=f"{CASE}/dataset.json",
+        ensemble="<results>/{case}/ensemble.nc",
+        summary="<results>/{case}/dataset.json",
     output:
-        data=f"{CASE}/statistics_data.nc",
-        training=f"{CASE}/statistics_training.nc",
-        floor=f"{CASE}/statistics_floor.nc",
+        data="<results>/{case}/statistics_data.nc",
+        training="<results>/{case}/statistics_training.nc",
+        floor="<results>/{case}/statistics_floor.nc",
     log:
-        f"{LOGS}/reference_statistics/{{case}}.log",
+        "<logs>/reference_statistics/{case}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:

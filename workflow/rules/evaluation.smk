@@ -3,13 +3,13 @@
 
 rule forecast:
     input:
-        **unknowns_of("forecast"),
-        forecaster=f"{FORECASTER}/forecaster.nc",
-        evaluation_set=f"{CASE}/evaluation_set.nc",
+        **computed_settings("forecast"),
+        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
+        evaluation_set="<results>/{case}/evaluation_set.nc",
     output:
-        forecast=f"{FORECASTER}/forecast.nc",
+        forecast="<results>/{case}/{forecaster}/forecast.nc",
     log:
-        f"{LOGS}/forecast/{{case}}/{{forecaster}}.log",
+        "<logs>/forecast/{case}/{forecaster}.log",
     wildcard_constraints:
         forecaster=f"{NO_CLASSIFIER}[^/]+",
     conda:
@@ -24,14 +24,14 @@ rule forecast:
 
 rule horizon:
     input:
-        **unknowns_of("horizon"),
-        forecaster=f"{FORECASTER}/forecaster.nc",
-        events=f"{CASE}/events.nc",
-        summary=f"{CASE}/dataset.json",
+        **computed_settings("horizon"),
+        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
+        events="<results>/{case}/events.nc",
+        summary="<results>/{case}/dataset.json",
     output:
-        horizon=f"{FORECASTER}/horizon.nc",
+        horizon="<results>/{case}/{forecaster}/horizon.nc",
     log:
-        f"{LOGS}/horizon/{{case}}/{{forecaster}}.log",
+        "<logs>/horizon/{case}/{forecaster}.log",
     wildcard_constraints:
         forecaster=f"{NO_CLASSIFIER}[^/]+",
     conda:
@@ -46,13 +46,13 @@ rule horizon:
 
 rule long_term:
     input:
-        **unknowns_of("long_term"),
-        ensemble=f"{CASE}/ensemble.nc",
-        forecaster=f"{FORECASTER}/forecaster.nc",
+        **computed_settings("long_term"),
+        ensemble="<results>/{case}/ensemble.nc",
+        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
     output:
-        long_term=f"{FORECASTER}/long_term.nc",
+        long_term="<results>/{case}/{forecaster}/long_term.nc",
     log:
-        f"{LOGS}/long_term/{{case}}/{{forecaster}}.log",
+        "<logs>/long_term/{case}/{forecaster}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -65,14 +65,14 @@ rule long_term:
 
 rule lyapunov_spectrum:
     input:
-        **unknowns_of("lyapunov_spectrum"),
-        ensemble=f"{CASE}/ensemble.nc",
-        forecaster=f"{FORECASTER}/forecaster.nc",
-        long_term=f"{FORECASTER}/long_term.nc",
+        **computed_settings("lyapunov_spectrum"),
+        ensemble="<results>/{case}/ensemble.nc",
+        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
+        long_term="<results>/{case}/{forecaster}/long_term.nc",
     output:
-        spectrum=f"{FORECASTER}/lyapunov_spectrum.nc",
+        spectrum="<results>/{case}/{forecaster}/lyapunov_spectrum.nc",
     log:
-        f"{LOGS}/lyapunov_spectrum/{{case}}/{{forecaster}}.log",
+        "<logs>/lyapunov_spectrum/{case}/{forecaster}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -85,18 +85,18 @@ rule lyapunov_spectrum:
 
 rule examples:
     input:
-        **unknowns_of("examples"),
-        ensemble=f"{CASE}/ensemble.nc",
-        summary=f"{CASE}/dataset.json",
-        evaluation_set=f"{CASE}/evaluation_set.nc",
-        events=f"{CASE}/events.nc",
-        forecaster=f"{FORECASTER}/forecaster.nc",
-        forecast=f"{FORECASTER}/forecast.nc",
-        horizon=f"{FORECASTER}/horizon.nc",
+        **computed_settings("examples"),
+        ensemble="<results>/{case}/ensemble.nc",
+        summary="<results>/{case}/dataset.json",
+        evaluation_set="<results>/{case}/evaluation_set.nc",
+        events="<results>/{case}/events.nc",
+        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
+        forecast="<results>/{case}/{forecaster}/forecast.nc",
+        horizon="<results>/{case}/{forecaster}/horizon.nc",
     output:
-        examples=f"{FORECASTER}/examples.nc",
+        examples="<results>/{case}/{forecaster}/examples.nc",
     log:
-        f"{LOGS}/examples/{{case}}/{{forecaster}}.log",
+        "<logs>/examples/{case}/{forecaster}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -109,14 +109,14 @@ rule examples:
 
 rule flow_event:
     input:
-        **unknowns_of("flow_event"),
-        ensemble=f"{CASE}/ensemble.nc",
-        summary=f"{CASE}/dataset.json",
-        forecaster=f"{FORECASTER}/forecaster.nc",
+        **computed_settings("flow_event"),
+        ensemble="<results>/{case}/ensemble.nc",
+        summary="<results>/{case}/dataset.json",
+        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
     output:
-        event=f"{FORECASTER}/flow_event.nc",
+        event="<results>/{case}/{forecaster}/flow_event.nc",
     log:
-        f"{LOGS}/flow_event/{{case}}/{{forecaster}}.log",
+        "<logs>/flow_event/{case}/{forecaster}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:

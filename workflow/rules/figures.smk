@@ -3,23 +3,23 @@
 from burstcast_workflow.figures.jobs import FigureJobs
 from burstcast_workflow.figures.registry import FIGURES, figure_names
 
-drawn = FigureJobs(stages, beside("../../resources/published_percentiles.csv"))
+drawn = FigureJobs(stages, started.beside("../../resources/published_percentiles.csv"))
 
 
 rule figure:
     input:
         unpack(drawn.files),
     output:
-        pdf=f"{RESULTS}/figures/{{figure}}{{of_case}}.pdf",
+        pdf="<results>/figures/{figure}{of_case}.pdf",
         png=report(
-            f"{RESULTS}/figures/{{figure}}{{of_case}}.png",
+            "<results>/figures/{figure}{of_case}.png",
             caption="../report/figure.rst",
             category=drawn.category,
             subcategory="Figures",
             labels=drawn.labels,
         ),
     log:
-        f"{LOGS}/figure/{{figure}}{{of_case}}.log",
+        "<logs>/figure/{figure}{of_case}.log",
     wildcard_constraints:
         figure="|".join(FIGURES),
         # nothing for the case that figures show by default
@@ -37,7 +37,7 @@ rule figure:
 rule figures:
     input:
         expand(
-            f"{RESULTS}/figures/{{figure}}.{{suffix}}",
+            "<results>/figures/{figure}.{suffix}",
             figure=figure_names(campaign),
             suffix=["pdf", "png"],
         ),

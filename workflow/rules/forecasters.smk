@@ -1,7 +1,7 @@
 """From the data to forecasters: the search for a network's hyperparameters, training, fitting."""
 
 # In all rules: `of_script` gives a job each setting that the class of the script declares, and each
-# module of its code, as parameters; `resources_of`, memory and time; `unknowns_of`, files of
+# module of its code, as parameters; `resources_of`, memory and time; `computed_settings`, files of
 # thresholds and units of time where jobs compute them. A name that a rule repeats is its own, which
 # `module` may change.
 
@@ -9,14 +9,14 @@
 rule scan:
     # one job for all strategies that share their sums over the training data
     input:
-        **unknowns_of("scan"),
-        ensemble=f"{CASE}/ensemble.nc",
+        **computed_settings("scan"),
+        ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
     output:
-        scan=f"{CASE}/scan/{{reservoir}}-{{strategies}}.csv",
-        scan_errors=f"{CASE}/scan/{{reservoir}}-{{strategies}}.nc",
+        scan="<results>/{case}/scan/{reservoir}-{strategies}.csv",
+        scan_errors="<results>/{case}/scan/{reservoir}-{strategies}.nc",
     log:
-        f"{LOGS}/scan/{{case}}/{{reservoir}}/{{strategies}}.log",
+        "<logs>/scan/{case}/{reservoir}/{strategies}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -29,16 +29,16 @@ rule scan:
 
 rule search:
     input:
-        **unknowns_of("search"),
-        ensemble=f"{CASE}/ensemble.nc",
+        **computed_settings("search"),
+        ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
         scan=stages.scan_of_network("csv"),
         scan_errors=stages.scan_of_network("nc"),
     output:
-        hyperparameters=f"{FORECASTER}/hyperparameters.json",
-        trace=f"{FORECASTER}/search.csv",
+        hyperparameters="<results>/{case}/{forecaster}/hyperparameters.json",
+        trace="<results>/{case}/{forecaster}/search.csv",
     log:
-        f"{LOGS}/search/{{case}}/{{forecaster}}.log",
+        "<logs>/search/{case}/{forecaster}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -51,14 +51,14 @@ rule search:
 
 rule train:
     input:
-        **unknowns_of("train"),
-        ensemble=f"{CASE}/ensemble.nc",
+        **computed_settings("train"),
+        ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
         hyperparameters=stages.hyperparameters,
     output:
-        forecaster=f"{FORECASTER}/forecaster.nc",
+        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
     log:
-        f"{LOGS}/train/{{case}}/{{forecaster}}.log",
+        "<logs>/train/{case}/{forecaster}.log",
     wildcard_constraints:
         forecaster=NETWORKS,
     conda:
@@ -74,13 +74,13 @@ rule train:
 rule fit:
     # kinds that need no search, without classifiers
     input:
-        **unknowns_of("fit"),
-        ensemble=f"{CASE}/ensemble.nc",
+        **computed_settings("fit"),
+        ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
     output:
-        forecaster=f"{FORECASTER}/forecaster.nc",
+        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
     log:
-        f"{LOGS}/fit/{{case}}/{{forecaster}}.log",
+        "<logs>/fit/{case}/{forecaster}.log",
     wildcard_constraints:
         forecaster=NO_CLASSIFIER + OTHERS,
     conda:

@@ -3,12 +3,12 @@
 
 rule calibration_set:
     input:
-        **unknowns_of("calibration_set"),
-        ensemble=f"{CASE}/ensemble.nc",
+        **computed_settings("calibration_set"),
+        ensemble="<results>/{case}/ensemble.nc",
     output:
-        calibration_set=f"{CASE}/calibration_set.nc",
+        calibration_set="<results>/{case}/calibration_set.nc",
     log:
-        f"{LOGS}/calibration_set/{{case}}.log",
+        "<logs>/calibration_set/{case}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -21,15 +21,15 @@ rule calibration_set:
 
 rule calibration_forecast:
     input:
-        **unknowns_of("calibration_forecast"),
-        ensemble=f"{CASE}/ensemble.nc",
-        forecaster=f"{FORECASTER}/forecaster.nc",
-        calibration_set=f"{CASE}/calibration_set.nc",
+        **computed_settings("calibration_forecast"),
+        ensemble="<results>/{case}/ensemble.nc",
+        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
+        calibration_set="<results>/{case}/calibration_set.nc",
         scheduled=stages.scheduled,
     output:
-        calibration_forecast=f"{FORECASTER}/calibration_forecast.nc",
+        calibration_forecast="<results>/{case}/{forecaster}/calibration_forecast.nc",
     log:
-        f"{LOGS}/calibration_forecast/{{case}}/{{forecaster}}.log",
+        "<logs>/calibration_forecast/{case}/{forecaster}.log",
     wildcard_constraints:
         forecaster=f"{NO_CLASSIFIER}[^/]+",
     conda:
@@ -44,12 +44,12 @@ rule calibration_forecast:
 
 rule training_set:
     input:
-        **unknowns_of("training_set"),
-        ensemble=f"{CASE}/ensemble.nc",
+        **computed_settings("training_set"),
+        ensemble="<results>/{case}/ensemble.nc",
     output:
-        training_set=f"{CASE}/training_set.nc",
+        training_set="<results>/{case}/training_set.nc",
     log:
-        f"{LOGS}/training_set/{{case}}.log",
+        "<logs>/training_set/{case}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -62,16 +62,16 @@ rule training_set:
 
 rule event_probabilities:
     input:
-        **unknowns_of("event_probabilities"),
-        training_set=f"{CASE}/training_set.nc",
-        evaluation_set=f"{CASE}/evaluation_set.nc",
-        calibration_set=f"{CASE}/calibration_set.nc",
+        **computed_settings("event_probabilities"),
+        training_set="<results>/{case}/training_set.nc",
+        evaluation_set="<results>/{case}/evaluation_set.nc",
+        calibration_set="<results>/{case}/calibration_set.nc",
     output:
-        forecaster=f"{FORECASTER}/forecaster.nc",
-        forecast=f"{FORECASTER}/forecast.nc",
-        calibration_forecast=f"{FORECASTER}/calibration_forecast.nc",
+        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
+        forecast="<results>/{case}/{forecaster}/forecast.nc",
+        calibration_forecast="<results>/{case}/{forecaster}/calibration_forecast.nc",
     log:
-        f"{LOGS}/event_probabilities/{{case}}/{{forecaster}}.log",
+        "<logs>/event_probabilities/{case}/{forecaster}.log",
     wildcard_constraints:
         forecaster=CLASSIFIERS,
     conda:
@@ -86,13 +86,13 @@ rule event_probabilities:
 
 rule calibrate:
     input:
-        **unknowns_of("calibrate"),
+        **computed_settings("calibrate"),
         calibration_forecasts=files_in_case("calibration_forecast.nc"),
-        calibration_set=f"{CASE}/calibration_set.nc",
+        calibration_set="<results>/{case}/calibration_set.nc",
     output:
-        calibration=f"{CASE}/calibration.json",
+        calibration="<results>/{case}/calibration.json",
     log:
-        f"{LOGS}/calibrate/{{case}}.log",
+        "<logs>/calibrate/{case}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:

@@ -5,15 +5,13 @@ from burstcast_workflow.figures.report import report_of
 
 rule report_page:
     input:
-        figures=expand(
-            f"{RESULTS}/figures/{{figure}}.png", figure=figure_names(campaign)
-        ),
-        tables=expand(f"{TABLES}/{{table}}.csv", table=table_names(campaign)),
-        template=local(beside("../report/page.html")),
+        figures=expand("<results>/figures/{figure}.png", figure=figure_names(campaign)),
+        tables=expand("<results>/tables/{table}.csv", table=table_names(campaign)),
+        template=local(started.beside("../report/page.html")),
     output:
-        page=f"{RESULTS}/report.html",
+        page="<results>/report.html",
     log:
-        f"{LOGS}/report_page.log",
+        "<logs>/report_page.log",
     conda:
         "../envs/burstcast.yaml"
     resources:

@@ -1,6 +1,7 @@
 """Tables: each case's, gathered from the files of many jobs; then of all cases, and LaTeX."""
 
 from burstcast_workflow.campaign.job_settings import settings_of_cases
+from burstcast_workflow.tables.jobs import caption_of, in_report
 from burstcast_workflow.tables.registry import (
     cases_of,
     cases_of_tables,
@@ -17,18 +18,18 @@ from burstcast_workflow.tables.registry import (
 # What tables of probabilities are made from.
 PROBABILITIES = {
     "forecasts": files_in_case("forecast.nc"),
-    "evaluation_set": f"{CASE}/evaluation_set.nc",
-    "calibration": f"{CASE}/calibration.json",
+    "evaluation_set": "<results>/{case}/evaluation_set.nc",
+    "calibration": "<results>/{case}/calibration.json",
 }
 # Inputs of the rules that make tables of a case, by the name of their module in
 # burstcast.tables.makers.
 TABLE_RULES = {
     "dataset_table": {
-        "summary": f"{CASE}/dataset.json",
-        "events_summary": f"{CASE}/events.json",
+        "summary": "<results>/{case}/dataset.json",
+        "events_summary": "<results>/{case}/events.json",
         # a case that is a part of another one has that one's
-        "exponents": of_case(
-            lambda case: f"{RESULTS}/{case.source.name}/lyapunov.json"
+        "exponents": for_case(
+            lambda case: f"<results>/{case.source.name}/lyapunov.json"
         ),
     },
     "hyperparameters_table": {
@@ -38,7 +39,7 @@ TABLE_RULES = {
     },
     "classification_table": {
         "forecasts": files_in_case("forecast.nc"),
-        "evaluation_set": f"{CASE}/evaluation_set.nc",
+        "evaluation_set": "<results>/{case}/evaluation_set.nc",
         # the alarm thresholds of forecasters that give probabilities
         "calibration": stages.file_of_case(
             "calibration.json",
@@ -48,18 +49,18 @@ TABLE_RULES = {
     "probability_scores": PROBABILITIES,
     "reliability_table": PROBABILITIES,
     "ranking_table": PROBABILITIES,
-    "lead_times": {"ensemble": f"{CASE}/ensemble.nc", **PROBABILITIES},
+    "lead_times": {"ensemble": "<results>/{case}/ensemble.nc", **PROBABILITIES},
     "horizon_table": {
         "horizons": files_in_case("horizon.nc", campaign.trajectory_forecasters)
     },
     "statistics_table": {
-        "data": f"{CASE}/statistics_data.nc",
-        "training": f"{CASE}/statistics_training.nc",
-        "floor": f"{CASE}/statistics_floor.nc",
+        "data": "<results>/{case}/statistics_data.nc",
+        "training": "<results>/{case}/statistics_training.nc",
+        "floor": "<results>/{case}/statistics_floor.nc",
         "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
     },
     "survival_table": {
-        "ensemble": f"{CASE}/ensemble.nc",
+        "ensemble": "<results>/{case}/ensemble.nc",
         "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
     },
     "lyapunov_spectrum_table": {
@@ -79,10 +80,10 @@ TABLE_RULES = {
     },
     "control_choice_table": {"flows": files_in_case("flows.nc", campaign.chosen_runs)},
     "warnings_table": {
-        "ensemble": f"{CASE}/ensemble.nc",
-        "data": f"{CASE}/statistics_data.nc",
-        "events_summary": f"{CASE}/events.json",
-        "calibration_set": f"{CASE}/calibration_set.nc",
+        "ensemble": "<results>/{case}/ensemble.nc",
+        "data": "<results>/{case}/statistics_data.nc",
+        "events_summary": "<results>/{case}/events.json",
+        "calibration_set": "<results>/{case}/calibration_set.nc",
         **stages.tables_of_case("dataset classification hyperparameters statistics"),
         # where the unit of time is an estimate that it may contradict
         "lyapunov_spectrum": stages.file_of_case(
@@ -103,11 +104,11 @@ for name, inputs in TABLE_RULES.items():
             name
         input:
             **inputs,
-            **unknowns_of(name),
+            **computed_settings(name),
         output:
-            tables=[f"{TABLES_OF_CASE}/{file}.csv" for file in FILES[name]],
+            tables=[f"<results>/{{case}}/tables/{file}.csv" for file in FILES[name]],
         log:
-            f"{LOGS}/{name}/{{case}}.log",
+            f"<logs>/{name}/{{case}}.log",
         group:
             "tables"
         conda:
@@ -139,13 +140,13 @@ for section, files in tables_by_section(campaign).items():
             of_cases=[
                 path
                 for file in files
-                for path in of_cases(f"tables/{file}.csv", cases_of(campaign, file))
+                for path in case_files(f"tables/{file}.csv", cases_of(campaign, file))
             ],
         output:
             tables=[in_report(file) for file in files],
-            latex=[f"{TABLES}/{paper}.tex" for paper in typeset(files)],
+            latex=[f"<results>/tables/{paper}.tex" for paper in typeset(files)],
         log:
-            f"{LOGS}/joined_{section}.log",
+            f"<logs>/joined_{section}.log",
         group:
             "tables"
         conda:
@@ -168,13 +169,13 @@ for section, files in tables_by_section(campaign).items():
 
 rule data_generation_parameters:
     input:
-        **unknowns_of("data_generation_parameters"),
-        summaries=of_cases("dataset.json", campaign.simulated_cases),
+        **computed_settings("data_generation_parameters"),
+        summaries=case_files("dataset.json", campaign.simulated_cases),
     output:
         table=in_report("data_generation_parameters"),
-        latex=f"{TABLES}/data_generation_parameters.tex",
+        latex="<results>/tables/data_generation_parameters.tex",
     log:
-        f"{LOGS}/data_generation_parameters.log",
+        "<logs>/data_generation_parameters.log",
     group:
         "tables"
     conda:
@@ -198,9 +199,9 @@ rule data_generation_parameters:
 rule network_hyperparameters:
     output:
         table=in_report("network_hyperparameters"),
-        latex=f"{TABLES}/network_hyperparameters.tex",
+        latex="<results>/tables/network_hyperparameters.tex",
     log:
-        f"{LOGS}/network_hyperparameters.log",
+        "<logs>/network_hyperparameters.log",
     group:
         "tables"
     conda:
@@ -230,11 +231,11 @@ SCATTERED = [
 
 rule training_realisations:
     input:
-        scores=[f"{TABLES}/{name}.csv" for name in SCATTERED],
+        scores=[f"<results>/tables/{name}.csv" for name in SCATTERED],
     output:
         tables=[in_report("training_realisations")],
     log:
-        f"{LOGS}/training_realisations.log",
+        "<logs>/training_realisations.log",
     group:
         "tables"
     conda:
@@ -257,26 +258,26 @@ rule training_realisations:
 rule tables:
     input:
         # what they are made from is asked for, too (see the Snakefile)
-        of_cases("calibration.json"),
+        case_files("calibration.json"),
         [
-            f"{RESULTS}/{case}/tables/{table}.csv"
+            f"<results>/{case}/tables/{table}.csv"
             for table, cases in cases_of_tables(campaign).items()
             for case in cases
         ],
-        expand(f"{TABLES}/{{table}}.csv", table=table_names(campaign)),
-        expand(f"{TABLES}/{{table}}.tex", table=latex_names(campaign)),
+        expand("<results>/tables/{table}.csv", table=table_names(campaign)),
+        expand("<results>/tables/{table}.tex", table=latex_names(campaign)),
     localrule: True
 
 
 rule forecasters:
     # all that is computed forecaster by forecaster: the target for planning a large campaign in batches
     input:
-        of_cases("lengths.json", campaign.where(lambda case: case.time_unit)),
-        of_forecasters("forecaster.nc"),
-        of_forecasters("forecast.nc"),
-        of_forecasters("calibration_forecast.nc"),
-        of_forecasters("horizon.nc", campaign.trajectory_forecasters),
-        of_forecasters("long_term.nc", campaign.long_term_forecasters),
-        of_forecasters("lyapunov_spectrum.nc", campaign.spectrum_forecasters),
-        of_forecasters("flows.nc", campaign.strategy_runs),
+        case_files("lengths.json", campaign.where(lambda case: case.time_unit)),
+        forecaster_files("forecaster.nc"),
+        forecaster_files("forecast.nc"),
+        forecaster_files("calibration_forecast.nc"),
+        forecaster_files("horizon.nc", campaign.trajectory_forecasters),
+        forecaster_files("long_term.nc", campaign.long_term_forecasters),
+        forecaster_files("lyapunov_spectrum.nc", campaign.spectrum_forecasters),
+        forecaster_files("flows.nc", campaign.strategy_runs),
     localrule: True

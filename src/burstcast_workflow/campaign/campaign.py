@@ -301,6 +301,16 @@ class Campaign:
         return self.where(lambda case: not case.has_equations)
 
     @property
+    def integrated_cases(self) -> tuple[str, ...]:
+        """Cases whose series are integrated: simulated ones that take none of another case."""
+        return self.where(lambda case: case.has_equations and not _takes_series(case))
+
+    @property
+    def imported_cases(self) -> tuple[str, ...]:
+        """Cases whose series are imported: measured ones that take none of another case."""
+        return self.where(lambda case: not case.has_equations and not _takes_series(case))
+
+    @property
     def encoded_cases(self) -> tuple[str, ...]:
         """Cases whose forecasters receive readings of sensors, or what an encoder makes."""
         return self.where(lambda case: case.is_encoded)
@@ -468,6 +478,11 @@ class Campaign:
         name = parsed(identifier)
         reservoir = replace(name, validation=None).identifier
         return reservoir, "+".join(scanned_with(str(name.validation)))
+
+
+def _takes_series(case: Case) -> bool:
+    """Whether a case has the series of another one: encoded, or other ones to train on."""
+    return bool(case.is_encoded or case.realisation)
 
 
 def nearest(values: Sequence[float], wanted: float) -> float | None:

@@ -25,6 +25,13 @@ _WARNINGS = "warnings"
 _KEYS = ["case", "forecaster", "neurons", "validation"]
 
 
+def closing_summary(results: Path) -> str:
+    """All that the end of a run shows: scores, warnings, and where the results lie."""
+    tables = results / "tables"
+    parts = campaign_summary(tables), warnings_summary(tables), where_results_lie(results)
+    return "\n\n".join(filter(None, parts))
+
+
 def campaign_summary(tables: Path) -> str:
     """`summary_table` as text, as far as it fits on a screen; empty without any score."""
     table = summary_table(tables_in(tables))

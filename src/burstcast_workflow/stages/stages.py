@@ -79,7 +79,7 @@ def _one(texts: OfJob, key: str) -> OfJob:
     return of_job(lambda wildcards: texts(wildcards).get(key, ""))
 
 
-def one_of(names: Iterable[str]) -> str:
+def any_of_regex(names: Iterable[str]) -> str:
     """Regular expression of a wildcard that is one of these names."""
     return "|".join(map(re.escape, names)) or "(?!)"
 
@@ -100,12 +100,12 @@ class Stages:
             return f"{self.results}/{paths}"
         return [f"{self.results}/{path}" for path in paths]
 
-    def of_cases(self, name: str, cases: Iterable[str] | None = None) -> Paths:
+    def case_files(self, name: str, cases: Iterable[str] | None = None) -> Paths:
         """The file called ``name`` of cases; default: all cases of the campaign."""
         cases = self.campaign.case_names if cases is None else cases
         return self.in_results(f"{case}/{name}" for case in cases)
 
-    def of_forecasters(self, name: str, forecasters: Iterable[InCase] | None = None) -> Paths:
+    def forecaster_files(self, name: str, forecasters: Iterable[InCase] | None = None) -> Paths:
         """The file called ``name`` of forecasters or runs of control; default: all forecasters."""
         forecasters = self.campaign.forecasters if forecasters is None else forecasters
         return self.in_results(f"{one.directory}/{name}" for one in forecasters)
@@ -118,8 +118,8 @@ class Stages:
         def found(wildcards: Any) -> Any:
             case = wildcards.case
             if callable(chosen):
-                return self.of_forecasters(name, chosen(self.campaign, case))
-            return self.of_forecasters(name, [one for one in chosen if one.case == case])
+                return self.forecaster_files(name, chosen(self.campaign, case))
+            return self.forecaster_files(name, [one for one in chosen if one.case == case])
 
         return found
 
@@ -138,7 +138,7 @@ class Stages:
             for name in names.split()
         }
 
-    def of_case(self, function: Callable[[Case], Any]) -> OfJob:
+    def for_case(self, function: Callable[[Case], Any]) -> OfJob:
         """``function`` of a job's case."""
         return of_job(lambda wildcards: function(self.campaign.cases[wildcards.case]))
 
@@ -164,7 +164,7 @@ class Stages:
         name = parsed(names.get("forecaster") or names["reservoir"])
         if not kind_class(name.kind).learns_parameters:
             return []
-        return self.of_cases("scheduled_series.nc", self.campaign.sources(names["case"]))
+        return self.case_files("scheduled_series.nc", self.campaign.sources(names["case"]))
 
     def ensemble_of_source(self, wildcards: Any) -> Paths:
         """The ensemble that a case with its own draw of training series draws them from."""
@@ -180,7 +180,7 @@ class Stages:
     def controlling(self, wildcards: Any) -> Paths:
         """Forecasters that the controller of a job asks."""
         asked = self.campaign.controlling(wildcards.case, wildcards.controller, wildcards.strategy)
-        return self.of_forecasters("forecaster.nc", asked)
+        return self.forecaster_files("forecaster.nc", asked)
 
     def matched_flows(self, wildcards: Any) -> Paths:
         """Flows under the forecaster's own control, whose rate of alarms random control matches."""
@@ -203,9 +203,9 @@ class Stages:
 
     def thresholds_of(self, settings: Any) -> Paths:
         """Files of the event thresholds that a job's settings have as quantiles."""
-        return self.of_cases("event_threshold.json", cases_of_thresholds(settings))
+        return self.case_files("event_threshold.json", cases_of_thresholds(settings))
 
-    def unknowns_of(self, stage: str) -> dict[str, OfJob]:
+    def computed_settings(self, stage: str) -> dict[str, OfJob]:
         """Inputs of a stage: files of thresholds and units of time that other jobs determine.
 
         These are functions of each job, which take time: they are left out if no case needs them.
