@@ -217,7 +217,7 @@ def test_outputs_come_from_the_cache_with_their_log(tmp_path):
         assert "computed\n" in log
         assert "settings not read: number" in log
         assert "is done: 0." in log.splitlines()[-1]
-    assert "the outputs are those of this job, which took 0." in second
+    assert "taken from the cache: the outputs are those of this job, which took 0." in second
     assert "the outputs are" not in first
 
 

@@ -33,7 +33,7 @@ from burstcast.forecast.window_forecasts import member_forecasts, window_forecas
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
-from burstcast.forecasters.registry import as_forecaster, kind_name, make_kind, make_kind_of
+from burstcast.forecasters.registry import as_forecaster, class_of, kind_name, make_kind_of
 from burstcast.probability.alarm_rule import AlarmRule
 from burstcast.probability.calibration import UNCALIBRATED
 from burstcast.probability.out_of_sample import out_of_sample_forecasts
@@ -391,18 +391,19 @@ class EventForecaster(Estimator):
         cls,
         path: str | Path,
         observable: Callable[[FloatArray], FloatArray] | DynamicalSystem | None = None,
-        kind: type[ForecasterKind] | None = None,
+        kind: str | ForecasterKind | type[ForecasterKind] | None = None,
     ) -> Self:
         """Read a file of `save`: forecasts are identical, bit for bit.
 
         Nothing in a file is run or imported. ``observable``: The observable, if it is a function or
-        a system of your own, which is not in the file. ``kind``: The class of the forecaster, if it
-        is one of your own; its options are in the file. Raises ValueError if the file holds no such
-        forecaster or is damaged; if its observable is needed and not given, or the given one has
-        other values than the observable of the fit.
+        a system of your own, which is not in the file. ``kind``: The class of the forecaster, its
+        name, or an object of it, if it is one of your own; its options are in the file. Raises
+        ValueError if the file holds no such forecaster or is damaged; if its observable is needed
+        and not given, or the given one has other values than the observable of the fit.
         """
+        own = None if kind is None else class_of(kind)
         with files.as_one_error(path):
-            saved = files.read_saved(path, observable, kind)
+            saved = files.read_saved(path, observable, own)
             self, fitted = cls(**saved.parameters), dict(saved.fitted)
             self.warnings_ = []
             for name in _FITTED:
@@ -441,20 +442,11 @@ class EventForecaster(Estimator):
     @property
     def _kind(self) -> ForecasterKind:
         """The unfitted forecaster with its options."""
-        given, kind = self.kind, None
-        if isinstance(given, str):
-            kind = make_kind(given, self.options or {})
-        elif isinstance(given, type) and issubclass(given, ForecasterKind):
-            kind = make_kind_of(given, self.options or {})
-        elif isinstance(given, ForecasterKind):
-            kind = given
-            if self.options:
-                raise ValueError("options are those of the forecaster that kind is: leave them out")
-        else:
-            raise TypeError(
-                f"kind must be the name of a kind, a class of forecasters or a forecaster, not "
-                f"{given!r}"
-            )
+        kind = self.kind
+        if not isinstance(kind, ForecasterKind):
+            kind = make_kind_of(class_of(kind), self.options or {})
+        elif self.options:
+            raise ValueError("options are those of the forecaster that kind is: leave them out")
         if "backend" in kind.options:
             backend = usable_backend(kind.options["backend"])
             kind = dataclasses.replace(cast(Any, kind), backend=backend)

@@ -234,6 +234,6 @@ def _skill(
 
     of_persistence = error(washout[-1])
     return {
-        "error after 1 LT": f"{error(outputs[-1])} standard deviations ({of_persistence} of "
-        "persistence), Lorenz's flow"
+        "error after 1 LT": f"{error(outputs[-1])} standard deviations on Lorenz's flow "
+        f"(persistence: {of_persistence})"
     }

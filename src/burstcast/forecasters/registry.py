@@ -57,6 +57,19 @@ def kind_class(kind: str) -> type[ForecasterKind]:
     return classes[0]
 
 
+def class_of(kind: str | ForecasterKind | type[ForecasterKind]) -> type[ForecasterKind]:
+    """Find the class of a kind that is given by its name, its class, or an object of it."""
+    if isinstance(kind, str):
+        return kind_class(kind)
+    if isinstance(kind, type) and issubclass(kind, ForecasterKind):
+        return kind
+    if isinstance(kind, ForecasterKind):
+        return type(kind)
+    raise TypeError(
+        f"kind must be the name of a kind, a class of forecasters or a forecaster, not {kind!r}"
+    )
+
+
 def make_kind(kind: str, options: Mapping[str, Any]) -> ForecasterKind:
     """Make an unfitted forecaster, or classifier, of a kind.
 

@@ -160,7 +160,10 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
         forget(path)
     if made := entry.restore():
         print(made.log)
-        logger.info("the outputs are those of this job, which took %.2f s", made.seconds)
+        logger.info(
+            "taken from the cache: the outputs are those of this job, which took %.2f s",
+            made.seconds,
+        )
         _keep(snakemake)
         return
 
