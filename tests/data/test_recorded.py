@@ -270,8 +270,8 @@ def test_tables_and_arrays_are_what_their_files_are(tmp_path):
     ):
         with pytest.raises(error, match=message):
             measured_series(table, **{"time_step": "1 day", **arguments})
+    empty = table.assign(w=math.nan)
     with pytest.raises(ValueError, match="column 'w' has no number at all: leave it out"):
-        empty = table.assign(w=math.nan)
         measured_series(empty, "1 day", ["u", "w"], block=4, cut_gaps=True)
 
 
