@@ -1,5 +1,6 @@
 """Records and measured columns: what is taken, regular times, gaps that cut, and every message."""
 
+import math
 import re
 from pathlib import Path
 
@@ -261,6 +262,17 @@ def test_tables_and_arrays_are_what_their_files_are(tmp_path):
         measured_series(table, "1 day", ["x"])
     with pytest.raises(ValueError, match="cut_gaps needs block"):
         measured_series(table, "1 day", ["u"], cut_gaps=True)
+    for error, message, arguments in (
+        (TypeError, r"components must be a list: \['u'\]", {"components": "u"}),
+        (TypeError, "block must be a number, in time units .* not '4 days'", {"block": "4 days"}),
+        (ValueError, "block must be above 0", {"block": -5}),
+        (ValueError, "the time step must be finite and above 0, not nan", {"time_step": math.nan}),
+    ):
+        with pytest.raises(error, match=message):
+            measured_series(table, **{"time_step": "1 day", **arguments})
+    empty = table.assign(w=math.nan)
+    with pytest.raises(ValueError, match="column 'w' has no number at all: leave it out"):
+        measured_series(empty, "1 day", ["u", "w"], block=4, cut_gaps=True)
 
 
 # -- from columns to series ------------------------------------------------------------------------

@@ -362,6 +362,8 @@ MISTAKES = {
         ({"window": 0.001}, "not a single sample"),
         ({"washout": 17.0}, "of 900 samples leave no room for a washout of 935 steps"),
         ({"event_threshold": 1e3}, "no event to learn from"),
+        ({"grid": 0}, "grid must be 1 at least, not 0"),
+        ({"noise": -0.1}, "noise must be 0 at least, not -0.1"),
         ({"event_threshold": {"quantil": 0.9}}, "a number or {'quantile': q}"),
         ({"event_threshold": {"quantile": 1.5}}, "a quantile lies between 0 and 1, not at 1.5"),
         ({"observable": 3}, "observable is component 3, but the series have 3: 0 to 2"),
@@ -421,6 +423,8 @@ def test_what_cannot_be_done_is_said(training, fitted, test_series):
         fitted.what_if(test_series[:, :200], {"push": {"reynolds": 400.0}})
     with pytest.raises(ValueError, match=r"fitted were the prediction_times 0\.5, 1"):
         fitted.predict(test_series, 2.0)
+    with pytest.raises(ValueError, match=r"time of an observation must be a finite number, in the"):
+        fitted.update(test_series[0, 0], np.datetime64("2020-01-01"))
     with pytest.raises(ValueError, match="have 2 components, the training series had 3"):
         fitted.predict(test_series[..., :2])
 

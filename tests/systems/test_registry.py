@@ -321,6 +321,12 @@ def test_trajectories_begin_as_the_ensemble_of_the_system_does(component, pertur
     np.testing.assert_array_equal(found, expected)
 
 
+def test_an_observable_without_values_is_refused():
+    lost = mistaken(observable=lambda self, x: x[0] * np.nan)
+    with pytest.raises(UnsoundSystemError, match="observable is not finite for 16 of 16 states"):
+        check_system(lost, generator())
+
+
 def test_a_system_that_explodes_is_refused():
     growing = mistaken(right_hand_side=lambda self, x: x * x, jacobian=DynamicalSystem.jacobian)
     with pytest.raises(UnsoundSystemError, match="do not stay finite"):

@@ -103,6 +103,13 @@ def test_settings_are_the_page_and_a_system_is_checked(capsys):
     assert "did you mean 'lorenz63'" in capsys.readouterr().err
 
 
+def test_a_module_that_ends_the_program_is_told(tmp_path, monkeypatch, capsys):
+    (tmp_path / "script_that_ends.py").write_text("raise SystemExit(3)")
+    monkeypatch.chdir(tmp_path)
+    assert main(["check-system", "script_that_ends:Flow"]) == 1
+    assert "script_that_ends:Flow ends the program: SystemExit(3)" in capsys.readouterr().err
+
+
 COMMAND = [sys.executable, "-m", "burstcast_workflow"]
 GIT = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org"]
 TINY = ROOT / "workflow" / "presets" / "tiny.yaml"

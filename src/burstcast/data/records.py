@@ -1,5 +1,7 @@
 """Measured records: checks, cuts at gaps, and conversion to series of states."""
 
+import math
+import numbers
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -80,6 +82,14 @@ def measured_series(
     """
     if cut_gaps and block is None:
         raise ValueError("cut_gaps needs block, the length of the series")
+    if isinstance(components, str):
+        raise TypeError(f"components must be a list: [{components!r}]")
+    for name, length in (("block", block), ("gap", gap)):
+        is_number = isinstance(length, numbers.Real) and not isinstance(length, bool)
+        if length is not None and not (is_number and math.isfinite(length)):
+            raise TypeError(f"{name} must be a number, in time units of the record, not {length!r}")
+    if (block is not None and not block > 0) or gap < 0:
+        raise ValueError(f"block must be above 0, and gap not below it, not {block!r} and {gap!r}")
     listed = sources if isinstance(sources, list | tuple) else [sources]
     declared = components or content_of(listed[0]).names
     data = {
@@ -133,6 +143,8 @@ def recorded_series(
 
 def _check_codes(run: Run) -> None:
     for name, column in run.columns.items():
+        if np.isnan(column).all():
+            raise ValueError(f"{run.name}: column {name!r} has no number at all: leave it out")
         code = None if name == TIME else code_of_gaps(column)
         if code is not None:
             raise ValueError(

@@ -1,5 +1,6 @@
 """Times of the rows of a record: numbers, or dates (ISO 8601) in units of time since 1970."""
 
+import math
 import re
 from collections.abc import Sequence
 from typing import Any
@@ -49,6 +50,8 @@ def time_step_of(given: float | str) -> tuple[float, str | None]:
     ((5.0, 'minute'), (0.02, None))
     """
     if not isinstance(given, str):
+        if not 0 < given < math.inf:
+            raise ValueError(f"the time step must be finite and above 0, not {given!r}")
         return float(given), None
     found = _STEP.fullmatch(given)
     if found is None or not float(found[1]):

@@ -8,6 +8,9 @@ from typing import Any
 
 import numpy as np
 
+_LEAST = {"grid": 1, "neurons": 1, "bayesian_points": 0, "noise": 0.0, "prior_forecasts": 0.0}
+"""Smallest values of parameters; durations are compared with a sample where they are used."""
+
 
 def checked_parameters(estimator: Any) -> dict[str, Any]:
     """Parameters with the types of their fields: 30.0 is a whole number, 1 one prediction time.
@@ -36,6 +39,8 @@ def checked_parameters(estimator: Any) -> dict[str, Any]:
                 "observable must be the number of a component, counted from 0, a function of "
                 f"states, or a system, not {value!r}"
             )
+        if name in _LEAST and value < _LEAST[name]:
+            raise ValueError(f"{name} must be {_LEAST[name]:g} at least, not {value!r}")
         found[name] = value
     return found
 

@@ -1,5 +1,6 @@
 """Observations that come one at a time, as a forecaster's washout takes them."""
 
+import numbers
 import warnings
 from collections.abc import Mapping
 from typing import Any, Self
@@ -59,8 +60,11 @@ class ObservationStream:
         if time is None:
             self.time = None if self.time is None else self.time + self.interval
             return
-        if not np.isfinite(time):
-            raise ValueError(f"the time of an observation must be a finite number, not {time}")
+        if not isinstance(time, numbers.Real) or not np.isfinite(time):
+            raise ValueError(
+                "the time of an observation must be a finite number, in the unit of "
+                f"sampling_interval, not {time!r}"
+            )
         if self.time is not None:
             passed = (time - self.time) / self.interval
             if passed < 1.0 - _TOLERANCE:

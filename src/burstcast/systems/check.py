@@ -41,7 +41,11 @@ def check_system(system: DynamicalSystem, generator: np.random.Generator) -> str
         raise UnsoundSystemError(problems)
     said = type(system).case_defaults.get("ensemble", {})
     time_step = said.get("time_step") or _rough_time_step(system, start)
-    _finite(partial(integrate, system, start, time_step, _STEPS, _STEPS))
+    (reached,) = _finite(partial(integrate, system, start, time_step, _STEPS, _STEPS))[-1:]
+    if lost := int((~np.isfinite(system.observable(reached))).sum()):
+        raise UnsoundSystemError(
+            [f"observable is not finite for {lost} of {_TRAJECTORIES} states on trajectories"]
+        )
     return (
         f"{type(system).__name__}: keeps to the interface\n"
         f"  integrator             {_integrator(system, time_step)}\n"

@@ -24,6 +24,9 @@ def main(system: str, parameters: Sequence[str]) -> int:
         listed = "\n".join(f"  {problem}" for problem in error.problems)
         print(f"{system} has mistakes:\n{listed}", file=sys.stderr)
         return 1
+    except SystemExit as error:  # of a script that is written to be run, not imported
+        print(f"{system} ends the program: SystemExit({error.code!r})", file=sys.stderr)
+        return 1
     except (ValueError, TypeError) as error:
         print(error, file=sys.stderr)
         return 1
