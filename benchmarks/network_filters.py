@@ -252,7 +252,8 @@ def main():
     print("|---" * (2 * len(PREDICTION_TIMES) + 2) + "|")
     alone, voting = {}, {}
     for seed in range(arguments.networks):
-        path = arguments.case / f"esn-N{arguments.neurons}-RV-seed{seed}" / "forecaster.nc"
+        network = f"esn-N{arguments.neurons}-RV-seed{seed}"
+        path = arguments.case / "networks" / network / "forecaster.nc"
         record = ForecasterRecord(read_netcdf(path), read_attributes(path))
         case = ForecastingCase(SYSTEM, 0.25, 4, STEPS_PER_LT)
         network = NetworkForecaster(divergence_bound=None).restore(record, case).network

@@ -132,7 +132,8 @@ def test_the_page_names_networks_that_the_demo_has():
         for name in ("config.yaml", "workflow/presets/quick.yaml")
     )
     update_config(config, preset)
-    demo = {one.directory for one in Campaign(load(config)).forecasters}
+    forecasters = Campaign(load(config)).forecasters
+    demo = {f"{one.case}/{one.name.identifier}" for one in forecasters}
     text = (DOCS / "notebook.md").read_text(encoding="utf-8")
     named = re.findall(r"campaign\.networks\[\"(.*?)\"\]", text)
     assert named

@@ -63,7 +63,7 @@ def test_a_network_is_the_workflows_bit_for_bit(finished, neurons, validation):
     found = EventForecaster(**settings_of(config, neurons, validation)).fit(states[:training])
 
     identifier = f"esn-N{neurons}-{validation}-seed0"
-    path = results / CASE / identifier / "forecaster.nc"
+    path = results / CASE / "networks" / identifier / "forecaster.nc"
     (member,) = found.members_
     record = member.record()
     for name, array in read_netcdf(path).items():
@@ -96,7 +96,7 @@ def test_a_forecaster_without_a_search_is_the_workflows(finished):
     }
     found = EventForecaster(**settings).fit(states[: config["case_defaults"]["training"]["series"]])
     record = found.members_[0].record()
-    stored = read_netcdf(results / CASE / "quadratic_filtered" / "forecaster.nc")
+    stored = read_netcdf(results / CASE / "models" / "quadratic_filtered" / "forecaster.nc")
     assert set(stored) == set(record.arrays)
     for name, array in stored.items():
         assert_array_equal(record.arrays[name], array)
@@ -143,12 +143,12 @@ def test_defaults_are_those_of_the_config():
 
 TRAINING, TEST = 3, 12  # series of the tiny preset
 CHOSEN = (
-    "scan/*",
-    "*/hyperparameters.json",
-    "*/search.csv",
-    "*/forecaster.nc",
+    "scan/*/*",
+    "*/*/hyperparameters.json",
+    "*/*/search.csv",
+    "*/*/forecaster.nc",
     "calibration_set.nc",
-    "*/calibration_forecast.nc",
+    "*/*/calibration_forecast.nc",
     "calibration.json",
 )
 FURTHER = {"probability": {"calibration_series": 2}}
@@ -253,7 +253,7 @@ def tables(tmp_path_factory):
                 .rename_axis("event")
                 .reset_index()
                 .assign(network=path.parent.name)
-                for path in sorted((project.directory / directory).glob("Re400/*/horizon.nc"))
+                for path in sorted((project.directory / directory).glob("Re400/*/*/horizon.nc"))
             ),
         }
     return made

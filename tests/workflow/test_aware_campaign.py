@@ -15,7 +15,7 @@ OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_aware.yaml").read_
 TARGETS = (
     "Re600/tables/control_strategies.csv",
     "Re600/tables/control_choices.csv",
-    "Re600/quadratic_aware/calibration_forecast.nc",
+    "Re600/models/quadratic_aware/calibration_forecast.nc",
     "Re400switched/tables/classification.csv",
     "figures/control_frontier_Re600.png",
     "figures/skill_by_parameter.png",
@@ -50,9 +50,9 @@ def test_the_schedule_is_stored_with_the_series(results):
 
 def test_a_network_of_an_unseen_case_has_the_hyperparameters_of_the_first_it_is_trained_on(results):
     identifier = "esn_aware-N40-RV-seed0"
-    assert (results / "Re400" / identifier / "hyperparameters.json").exists()
-    assert not (results / "Re600" / identifier / "hyperparameters.json").exists()
-    found = read_netcdf(results / "Re600" / identifier / "forecaster.nc")
+    assert (results / "Re400" / "networks" / identifier / "hyperparameters.json").exists()
+    assert not (results / "Re600" / "networks" / identifier / "hyperparameters.json").exists()
+    found = read_netcdf(results / "Re600" / "networks" / identifier / "forecaster.nc")
     assert found["parameter_low"].tolist() == [400]
     assert found["parameter_high"].tolist() == [2000]
 
@@ -104,15 +104,15 @@ def test_equations_that_are_told_of_the_switching_actuator_are_never_wrong(resul
     truth = read_netcdf(results / "Re400switched" / "evaluation_set.nc")
     assert np.unique(truth["parameter"]).tolist() == [400, 2000]
     points, washout, _ = truth["washout"].shape
-    of_equations = read_netcdf(results / "Re400switched" / "equations" / "forecast.nc")
+    of_equations = read_netcdf(results / "Re400switched/models/equations" / "forecast.nc")
     np.testing.assert_array_equal(of_equations["largest"], truth["largest"])
     # forecasts that are told of another actuation are other ones
     told = truth["parameter"][:, washout - 1 :]
     assert told.shape[0] == points
     acting = (told == 2000).any(axis=(1, 2))
     assert acting.any()
-    untold = read_netcdf(results / "Re400switched" / "quadratic_filtered" / "forecast.nc")
-    filtered = read_netcdf(results / "Re400switched" / "equations_filtered" / "forecast.nc")
+    untold = read_netcdf(results / "Re400switched/models/quadratic_filtered" / "forecast.nc")
+    filtered = read_netcdf(results / "Re400switched/models/equations_filtered" / "forecast.nc")
     errors = [
         np.abs(one["largest"][acting, 0] - truth["largest"][acting, 0]).mean()
         for one in (filtered, untold)

@@ -401,8 +401,9 @@ def test_figures_show_the_case_in_their_name():
 
 def test_files_of_figures_are_those_of_the_example():
     computed = campaign({"case_defaults": {"lyapunov": {"time_unit": "computed"}}})
-    network, exponents = "Re400/esn-N2000-RV-seed0", "Re400/lyapunov.json"
-    event = f"{network.replace('/', '/control/')}/prediction_triggered-prediction_time2-window1"
+    network, exponents = "Re400/networks/esn-N2000-RV-seed0", "Re400/lyapunov.json"
+    plan = "prediction_triggered-prediction_time2-window1"
+    event = f"{network.replace('networks', 'control')}/{plan}"
     for of, name, files in (
         (PAPER, "network_schematic", {"hyperparameters": f"{network}/hyperparameters.json"}),
         (PAPER, "prediction_examples", {"examples": f"{network}/examples.nc"}),

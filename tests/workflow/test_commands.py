@@ -269,7 +269,7 @@ def test_a_run_says_its_revision_and_files_do_not(finished):
         claim["revision"],
         claim["linear algebra"],
     )
-    path = results / "Re400" / "esn-N40-RV-seed0" / "forecaster.nc"
+    path = results / "Re400" / "networks" / "esn-N40-RV-seed0" / "forecaster.nc"
     if claim["revision"] != "unknown":
         assert claim["revision"][:40].encode() not in path.read_bytes()
 

@@ -72,7 +72,7 @@ def test_noise_comes_before_the_encoder(results):
 def errors(results, case, forecaster):
     """Errors of the largest dissipation in the first window."""
     truth = read_netcdf(results / case / "evaluation_set.nc", "largest")["largest"]
-    found = read_netcdf(results / case / forecaster / "forecast.nc", "largest")["largest"]
+    found = read_netcdf(results / case / f"models/{forecaster}/forecast.nc", "largest")["largest"]
     return np.abs(found - truth)[:, 0].mean()
 
 
@@ -90,7 +90,7 @@ def test_ranking_by_other_means(results):
     table = read_table(results / "tables" / "ranking.csv")
     assert set(table["case"]) == {"turbulence", "sensors", "invariants", "sensors_pod"}
     points = read_netcdf(results / "turbulence" / "evaluation_set.nc")
-    forecast = read_netcdf(results / "turbulence" / "equations_noisy" / "forecast.nc")
+    forecast = read_netcdf(results / "turbulence" / "models" / "equations_noisy" / "forecast.nc")
     found = json.loads((results / "turbulence" / "event_threshold.json").read_text())
     level = found["event_threshold"]
     here = points["washout_maximum"] < level

@@ -60,7 +60,7 @@ def test_classification_is_counted_from_the_series_themselves(finished):
     case = finished.project.results / "Re400"
     ensemble = read_netcdf(case / "ensemble.nc")
     test_set = read_netcdf(case / "evaluation_set.nc")
-    forecast = read_netcdf(case / "esn-N40-RV-seed0" / "forecast.nc")
+    forecast = read_netcdf(case / "networks" / "esn-N40-RV-seed0" / "forecast.nc")
     rows = table(finished, "classification")
     rows = rows[(rows["neurons"] == 40) & (rows["validation"] == "RV")]
     energy = 0.5 * (ensemble["state"][3:15] ** 2).sum(axis=2)  # after the training series
@@ -116,7 +116,7 @@ def test_noise_is_in_what_is_observed_and_not_in_the_truth(finished):
 def test_the_search_keeps_its_whole_trace_and_the_standard_errors_of_the_intervals(finished):
     case = finished.project.results / "Re400"
     for validation in ("RV", "SSV"):
-        network = case / f"esn-N40-{validation}-seed0"
+        network = case / "networks" / f"esn-N40-{validation}-seed0"
         trace = read_table(network / "search.csv")
         assert trace["source"].tolist() == ["grid"] * 12 + ["bayesian"] * 3
         assert set(trace["validation"]) == {validation}
@@ -129,8 +129,8 @@ def test_the_search_keeps_its_whole_trace_and_the_standard_errors_of_the_interva
         attributes = read_attributes(network / "forecaster.nc")
         for name in ("spectral_radius", "input_scaling", "tikhonov"):
             assert attributes[name] == chosen[name]
-    trace = read_table(case / "esn-N40-RV-seed0" / "search.csv")
-    errors = read_netcdf(case / "scan" / "esn-N40-seed0-RV+SSV.nc")["log_error"]
+    trace = read_table(case / "networks" / "esn-N40-RV-seed0" / "search.csv")
+    errors = read_netcdf(case / "scan" / "esn-N40-seed0" / "RV+SSV.nc")["log_error"]
     of_grid = errors[np.tile(np.repeat([True, False], 3), 4)]  # RV, then SSV, at each point
     assert of_grid.shape[1] > 1
     np.testing.assert_allclose(of_grid.mean(axis=1), trace["objective"][:12], rtol=1e-12)
@@ -199,13 +199,14 @@ def test_a_second_run_does_nothing_and_what_is_left_are_the_figures(finished, tm
 def test_a_deleted_network_rebuilds_its_chain_only(finished, tmp_path):
     project = finished.project.copy(tmp_path / "project")
     before, logs = results(project), project.logs()
-    (project.results / "Re400/esn-N30-SSV-seed0/forecaster.nc").unlink()
+    (project.results / "Re400/networks/esn-N30-SSV-seed0/forecaster.nc").unlink()
     project.made("forecasters", "tables")
     ran = jobs_since(logs, project.logs())
-    network = "Re400/esn-N30-SSV-seed0.log"
+    network = "esn-N30-SSV-seed0.log"
     of_network = {name for name in ran if name.endswith(network)}
-    assert of_network == {
-        f"{rule}/{network}" for rule in ("train", "forecast", "calibration_forecast", "horizon")
+    assert of_network == {f"train/Re400/{network}"} | {
+        f"{rule}/Re400/networks/{network}"
+        for rule in ("forecast", "calibration_forecast", "horizon")
     }
     tables = {
         *("probability_scores", "reliability_table", "lead_times"),
@@ -253,7 +254,7 @@ def test_a_bad_config_stops_before_any_job(finished, tmp_path):
 
 COMPUTED = {"lyapunov": {"published_exponent": None}}
 FEW = {"laminarisation_threshold": 0.25}
-SCAN = "scan", "scan/esn-N30-seed0-RV+SSV.csv"
+SCAN = "scan", "scan/esn-N30-seed0/RV+SSV.csv"
 
 
 @pytest.mark.parametrize(

@@ -144,7 +144,7 @@ def test_forecasts_one_by_one_are_those_of_the_files(results, monkeypatch):
     known = np.column_stack([push, np.sin(2 * np.pi * np.arange(SAMPLES) / 24)])
     campaign = open_campaign("results/plant")
     for kind in ("esn_aware-N40-RV-seed0", "quadratic_aware"):
-        found = read_netcdf(results / f"plant/{kind}/forecast.nc")
+        found = read_netcdf(results / f"plant/models/{kind}/forecast.nc")
         points = read_netcdf(results / "plant/evaluation_set.nc", "series", "step")
         forecaster = campaign.forecasters[f"plant/{kind}"]
         for number in range(3, len(points["series"]), 40):
@@ -162,8 +162,8 @@ def test_forecasts_one_by_one_are_those_of_the_files(results, monkeypatch):
 
 @pytest.mark.long
 def test_no_stage_has_runs_without_known_values(project, results):
-    assert (results / "plant/esn-N40-RV-seed0/long_term.nc").exists()
-    assert not (results / "plant/esn_aware-N40-RV-seed0/long_term.nc").exists()
+    assert (results / "plant/networks/esn-N40-RV-seed0/long_term.nc").exists()
+    assert not (results / "plant/networks/esn_aware-N40-RV-seed0/long_term.nc").exists()
     forecasters = set(read_table(results / "tables/statistics.csv")["forecaster"])
     assert forecasters <= {"esn", "floor", "training"}
     assert project.dry_run(*TARGETS) == {}
@@ -179,7 +179,7 @@ def test_other_values_in_advance_are_other_forecasts(project, results):
     copied.made(*TARGETS)
     other = copied.directory / "results/plant"
     for name, same in (("esn", True), ("esn_aware", False)):
-        places = [place / f"plant/{name}-N40-RV-seed0" for place in (results, other)]
+        places = [place / f"plant/networks/{name}-N40-RV-seed0" for place in (results, other)]
         one, two = (read_netcdf(place / "forecast.nc")["largest"] for place in places)
         assert np.array_equal(one, two) == same
         one, two = (read_netcdf(place / "forecaster.nc")["weights"] for place in places)

@@ -95,9 +95,9 @@ def project(tmp_path_factory, job_server):
 
 
 def test_the_ensemble_and_all_that_learns_from_it_are_the_same(project):
-    network = "esn-N30-RV-seed0"
+    network = "networks/esn-N30-RV-seed0"
     files = [f"{network}/long_term", f"{network}/lyapunov_spectrum", "ensemble"]
-    for forecaster in (network, "quadratic_filtered", "linear_inverse"):
+    for forecaster in (network, "models/quadratic_filtered", "models/linear_inverse"):
         made = ("forecaster", "forecast", "horizon", "calibration_forecast")
         files += [f"{forecaster}/{one}" for one in made]
     for file in files:

@@ -48,7 +48,7 @@ def configure(project, forecasters):
 def test_own_data_with_five_lines_of_config(project):
     configure(project, "esn: {neurons: [30], validation: [RV], seeds: 1}")
     own = "results/own/own"
-    network = f"{own}/esn-N30-RV-seed0"
+    network = f"{own}/networks/esn-N30-RV-seed0"
     project.made(
         f"{network}/forecast.nc",
         f"{network}/search.csv",

@@ -171,6 +171,6 @@ def test_a_campaign_runs_with_them(place):
         assert own.equals(built_in)
         assert not own.equals(table.loc[["NVAR_one"]].reset_index(drop=True))
     assert "BaseRate" in probability.index
-    learnt = read_netcdf(place / "results/mine/Re400/my_models.NVAR/forecaster.nc")
-    built_in = read_netcdf(place / "results/mine/Re400/nvar/forecaster.nc")
+    learnt = read_netcdf(place / "results/mine/Re400/models/my_models.NVAR/forecaster.nc")
+    built_in = read_netcdf(place / "results/mine/Re400/models/nvar/forecaster.nc")
     np.testing.assert_allclose(learnt["weights"], built_in["weights"], rtol=1e-6, atol=1e-9)

@@ -94,13 +94,13 @@ def features_at(seen, points, first):
 def test_probabilities_are_those_of_a_classifier_of_the_series(results, by_hand):
     features, happened, _, seen, _ = by_hand
     points = read_netcdf(results / "Re400" / "evaluation_set.nc")
-    found = read_netcdf(results / "Re400" / "precursor" / "forecast.nc")
+    found = read_netcdf(results / "Re400/classifiers/precursor" / "forecast.nc")
     assert found["prediction_time_lt"].tolist() == list(TIMES)
     tested = features_at(seen, points, TRAINING)
     for window in range(len(TIMES)):
         oracle = classifier(features, happened[:, window]).predict_proba(tested)[:, 1]
         np.testing.assert_allclose(found["probability"][:, window], oracle, rtol=1e-12)
-    stored = read_netcdf(results / "Re400" / "precursor" / "forecaster.nc")
+    stored = read_netcdf(results / "Re400/classifiers/precursor" / "forecaster.nc")
     np.testing.assert_allclose(stored["features"], features, rtol=1e-12)
     np.testing.assert_array_equal(stored["happened"], happened)
 
@@ -108,7 +108,9 @@ def test_probabilities_are_those_of_a_classifier_of_the_series(results, by_hand)
 def test_calibration_has_not_learnt_from_what_it_forecasts(results, by_hand):
     features, happened, rows, seen, _ = by_hand
     points = read_netcdf(results / "Re400" / "calibration_set.nc")
-    found = read_netcdf(results / "Re400" / "precursor" / "calibration_forecast.nc")["probability"]
+    found = read_netcdf(results / "Re400/classifiers/precursor/calibration_forecast.nc")[
+        "probability"
+    ]
     asked = features_at(seen, points, 0)
     for fold in range(3):
         here, others = points["series"] % 3 == fold, rows % 3 != fold
@@ -126,7 +128,7 @@ def test_its_alarms_are_scored_like_those_of_others(results, by_hand):
     _, _, _, seen, truth = by_hand
     energy = 0.5 * (seen**2).sum(axis=2)
     points = read_netcdf(results / "Re400" / "evaluation_set.nc")
-    raw = read_netcdf(results / "Re400" / "precursor" / "forecast.nc")["probability"]
+    raw = read_netcdf(results / "Re400/classifiers/precursor" / "forecast.nc")["probability"]
     chosen = json.loads((results / "Re400" / "calibration.json").read_text())
     rules = chosen["alarms"]["precursor"]
     assert list(rules) == [f"{time}" for time in TIMES]
@@ -179,18 +181,18 @@ def test_every_table_of_probabilities_has_it_and_none_of_trajectories(results):
 
 
 def test_a_part_of_the_state_is_learnt_from_what_is_seen_of_it(results):
-    stored = read_netcdf(results / "modes_4" / "precursor" / "forecaster.nc")
+    stored = read_netcdf(results / "modes_4" / "classifiers" / "precursor" / "forecaster.nc")
     # its four components, and the observable, which is none of them
     assert stored["features"].shape[1] == 5 * len(LAGS)
-    of_whole = read_netcdf(results / "Re400" / "precursor" / "forecaster.nc")
+    of_whole = read_netcdf(results / "Re400/classifiers/precursor" / "forecaster.nc")
     # the same events, scored where what is seen of them says that none is under way
     assert abs(len(stored["happened"]) - len(of_whole["happened"])) < 5
 
 
 def test_a_reservoir_is_read_out_as_the_library_does_it(results, by_hand):
     _, happened, rows, _, _ = by_hand
-    stored = read_netcdf(results / "Re400" / "esn_direct" / "forecaster.nc")
-    attributes = read_attributes(results / "Re400" / "esn_direct" / "forecaster.nc")
+    stored = read_netcdf(results / "Re400/classifiers/esn_direct" / "forecaster.nc")
+    attributes = read_attributes(results / "Re400/classifiers/esn_direct" / "forecaster.nc")
     assert stored["weights"].shape == (31, 3)
     assert (attributes["random_seed"], attributes["seed"], attributes["penalty"]) == (2022, 0, 1)
     assert attributes["input_scaling"] in (1, 10)
@@ -201,7 +203,7 @@ def test_a_reservoir_is_read_out_as_the_library_does_it(results, by_hand):
     points = LabelledPoints(training["washout"][kept], happened, rows)
     fitted = make_classifier("esn_direct", options).fit(points, case)
     tested = read_netcdf(results / "Re400" / "evaluation_set.nc", "washout")["washout"]
-    found = read_netcdf(results / "Re400" / "esn_direct" / "forecast.nc")["probability"]
+    found = read_netcdf(results / "Re400/classifiers/esn_direct" / "forecast.nc")["probability"]
     np.testing.assert_allclose(found, fitted.probabilities(tested), rtol=1e-9)
 
 
@@ -235,7 +237,7 @@ def test_what_runs_again_after_an_edit(project, change, first):
 def test_a_window_without_an_event_is_told_by_the_first_job_that_knows(project):
     overlay = copy.deepcopy(OVERLAY)
     update_config(overlay, {"case_defaults": {"event_threshold": 0.28}})
-    target = f"{OVERLAY['results']}/Re400/precursor/forecast.nc"
+    target = f"{OVERLAY['results']}/Re400/classifiers/precursor/forecast.nc"
     outcome = project.snakemake(target, overlay=overlay)
     assert outcome.status != 0
     assert "case Re400: an event follows 0 of the" in outcome.text

@@ -18,6 +18,7 @@ from snakemake.utils import update_config
 
 from burstcast.declared_settings import paths_by_argument
 from burstcast.figures.registry import figure_module
+from burstcast.forecasters._names import MODEL, NETWORK
 from burstcast.forecasters.registry import all_kinds, available_kinds, kind_class
 from burstcast.tables.makers import registry
 from burstcast.tables.makers._probabilities import SETTINGS as SCORED
@@ -93,7 +94,7 @@ def script_of(rule):
 
 def wildcards_of(rule):
     found = {
-        **{"case": "Re400", "forecaster": "esn-N2000-RV-seed0"},
+        **{"case": "Re400", "family": "networks", "forecaster": "esn-N2000-RV-seed0"},
         **{"reservoir": "esn-N2000-seed0", "strategies": "RV+SSV"},
         "controller": "esn-N2000-RV-seed0",
         "strategy": "prediction_triggered-prediction_time1-window1",
@@ -324,28 +325,49 @@ def test_kinds_of_the_config_are_those_of_the_library():
     assert all(kind_class(kind).aware for kind in others)
 
 
-def constraint(name):
-    text = (ROOT / "workflow" / "rules" / "common.smk").read_text()
-    (pattern,) = re.findall(rf'^(?:    )?{name} ?= ?r"(.*)",?$', text, re.M)
-    return re.compile(pattern)
-
-
 def test_every_forecaster_is_made_by_one_rule_and_every_scan_named_as_its_rule_expects():
-    networks, others, forecaster = map(constraint, ("NETWORKS", "OTHERS", "forecaster"))
     campaign = workflow().campaign
     for one in campaign.forecasters:
-        name = one.name.identifier
-        assert forecaster.fullmatch(name)
-        assert bool(networks.fullmatch(name)) == (one.name.kind == "esn")
-        assert bool(others.fullmatch(name)) == (one.name.kind != "esn")
-        if one in campaign.networks:
-            for wildcard, found in zip(
-                ("reservoir", "strategies"), campaign.scan_of(name), strict=True
-            ):
-                assert constraint(wildcard).fullmatch(found)
-    assert networks.fullmatch("esn_aware-N40-RV-seed0")
-    for kind in [*available_kinds(), "quadratic_aware", "quadratic_aware_filtered"]:
-        assert bool(others.fullmatch(kind)) or kind == "esn"
+        patterns = {"networks": NETWORK, "models": MODEL, "classifiers": MODEL}
+        for family, pattern in patterns.items():
+            fits = re.fullmatch(pattern, one.name.identifier) is not None
+            assert fits == ((family == "networks") == (one.family == "networks"))
+        path = f"{campaign.config.results}/{one.directory}/forecaster.nc"
+        made_by = {"networks": "train", "models": "fit", "classifiers": "event_probabilities"}
+        assert makers_of(path) == {made_by[one.family]}
+    assert {one.family for one in campaign.forecasters} == {"networks", "models"}
+    for one in campaign.networks:
+        reservoir, strategies = campaign.scan_of(one.name.identifier)
+        path = f"{campaign.config.results}/{one.case}/scan/{reservoir}/{strategies}.csv"
+        assert makers_of(path) == {"scan"}
+
+
+@pytest.mark.parametrize(
+    ("directory", "rule"),
+    [
+        ("networks/esn-N30-RV-seed0", "train"),
+        ("networks/esn_aware-squares-N30-RV-seed0", "train"),
+        ("networks/equations", None),
+        ("networks/my_models.NVAR-one", None),
+        ("networks/esn-N30-RV-committee", None),
+        ("models/esn-N30-RV-seed0", None),
+        ("models/equations", "fit"),
+        ("models/my_models.NVAR-one", "fit"),
+        ("classifiers/precursor", "event_probabilities"),
+        ("classifiers/models.base_rate.BaseRate", "event_probabilities"),
+        ("classifiers/esn-N30-RV-seed0", None),
+        ("others/equations", None),
+    ],
+)
+def test_the_directory_of_a_forecaster_says_which_rule_makes_it(directory, rule):
+    """A mistyped one is made by no rule, and not by the rule for others."""
+    found = makers_of(f"{workflow().campaign.config.results}/Re400/{directory}/forecaster.nc")
+    assert found == ({rule} if rule else set())
+
+
+def makers_of(path):
+    """Names of the rules that make a file."""
+    return {name for name, rule in workflow().rules.items() if rule.is_producer(path)}
 
 
 # -- what rules ask for each job -------------------------------------------------------------------
@@ -389,7 +411,7 @@ def test_files_of_cases_forecasters_and_tables(paper):
     assert all(path.startswith("results/paper/Re600/") for path in found)
     assert paper.files_in_case("x.nc", lambda campaign, case: [])(JOB) == []
     scan = paper.scan_of_network("csv")(JOB)
-    assert scan == "results/paper/Re600/scan/esn-N2000-seed3-RV+SSV.csv"
+    assert scan == "results/paper/Re600/scan/esn-N2000-seed3/RV+SSV.csv"
     tables = paper.tables_of_case("dataset training_realisations")
     assert tables["dataset"](JOB) == "results/paper/Re600/tables/dataset.csv"
     assert tables["training_realisations"](JOB) == []

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
+from burstcast.forecasters._names import MODEL, NETWORK
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.summary import closing_summary
 from burstcast_workflow.figures.jobs import captions
@@ -45,25 +46,19 @@ CACHE_BYTES = 10**9 * config["cache_gb"]
 SCHEDULER_LOGS = Path("results/slurm-logs")
 STARTED = time.time()
 
-# Networks have a search before they are trained; forecasters of other kinds are fitted at once.
-NETWORKS = r"[a-z_]+(-[a-z][a-z0-9]*)?-N\d+-[A-Z]+-seed\d+"
-OTHERS = r"(?![a-z_]+(-[a-z][a-z0-9]*)?-N\d)[A-Za-z][A-Za-z0-9_.]*(-[A-Za-z0-9.]+)*"
-# Kinds that give probabilities without a trajectory have one stage for all that.
-CLASSIFIERS = any_of_regex(
-    sorted({one.name.identifier for one in campaign.classifiers})
-)
-NO_CLASSIFIER = rf"(?!({CLASSIFIERS})(/|$))"
 if workflow.is_main_process:
     tell_what_is_off(campaign)
 
 
+# The directory of a file says which rule makes it: names of cases, forecasters, plans have no slash.
 wildcard_constraints:
-    case=r"[A-Za-z][A-Za-z0-9_.-]*",
-    forecaster=r"[A-Za-z][A-Za-z0-9_.]*(-[A-Za-z0-9.]+)*",
-    controller=r"[A-Za-z][A-Za-z0-9_.]*(-[A-Za-z0-9.]+)*",
-    reservoir=r"[a-z_]+(-[a-z][a-z0-9]*)?-N\d+-seed\d+",
-    strategies=r"[A-Z]+(\+[A-Z]+)*",
-    strategy=r"[a-z][A-Za-z0-9_.+-]*",
+    case="[^/]+",
+    family="networks|models",
+    forecaster="[^/]+",
+    controller="[^/]+",
+    reservoir="[^/]+",
+    strategies="[^/]+",
+    strategy="[^/]+",
 
 
 # -- before and after --------------------------------------------------------------------------------

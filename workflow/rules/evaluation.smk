@@ -4,14 +4,12 @@
 rule forecast:
     input:
         **computed_settings("forecast"),
-        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
+        forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
         evaluation_set="<results>/{case}/evaluation_set.nc",
     output:
-        forecast="<results>/{case}/{forecaster}/forecast.nc",
+        forecast="<results>/{case}/{family}/{forecaster}/forecast.nc",
     log:
-        "<logs>/forecast/{case}/{forecaster}.log",
-    wildcard_constraints:
-        forecaster=f"{NO_CLASSIFIER}[^/]+",
+        "<logs>/forecast/{case}/{family}/{forecaster}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -25,15 +23,13 @@ rule forecast:
 rule horizon:
     input:
         **computed_settings("horizon"),
-        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
+        forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
         events="<results>/{case}/events.nc",
         summary="<results>/{case}/dataset.json",
     output:
-        horizon="<results>/{case}/{forecaster}/horizon.nc",
+        horizon="<results>/{case}/{family}/{forecaster}/horizon.nc",
     log:
-        "<logs>/horizon/{case}/{forecaster}.log",
-    wildcard_constraints:
-        forecaster=f"{NO_CLASSIFIER}[^/]+",
+        "<logs>/horizon/{case}/{family}/{forecaster}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -48,11 +44,11 @@ rule long_term:
     input:
         **computed_settings("long_term"),
         ensemble="<results>/{case}/ensemble.nc",
-        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
+        forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
     output:
-        long_term="<results>/{case}/{forecaster}/long_term.nc",
+        long_term="<results>/{case}/{family}/{forecaster}/long_term.nc",
     log:
-        "<logs>/long_term/{case}/{forecaster}.log",
+        "<logs>/long_term/{case}/{family}/{forecaster}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -67,12 +63,12 @@ rule lyapunov_spectrum:
     input:
         **computed_settings("lyapunov_spectrum"),
         ensemble="<results>/{case}/ensemble.nc",
-        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
-        long_term="<results>/{case}/{forecaster}/long_term.nc",
+        forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
+        long_term="<results>/{case}/{family}/{forecaster}/long_term.nc",
     output:
-        spectrum="<results>/{case}/{forecaster}/lyapunov_spectrum.nc",
+        spectrum="<results>/{case}/{family}/{forecaster}/lyapunov_spectrum.nc",
     log:
-        "<logs>/lyapunov_spectrum/{case}/{forecaster}.log",
+        "<logs>/lyapunov_spectrum/{case}/{family}/{forecaster}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -90,13 +86,13 @@ rule examples:
         summary="<results>/{case}/dataset.json",
         evaluation_set="<results>/{case}/evaluation_set.nc",
         events="<results>/{case}/events.nc",
-        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
-        forecast="<results>/{case}/{forecaster}/forecast.nc",
-        horizon="<results>/{case}/{forecaster}/horizon.nc",
+        forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
+        forecast="<results>/{case}/{family}/{forecaster}/forecast.nc",
+        horizon="<results>/{case}/{family}/{forecaster}/horizon.nc",
     output:
-        examples="<results>/{case}/{forecaster}/examples.nc",
+        examples="<results>/{case}/{family}/{forecaster}/examples.nc",
     log:
-        "<logs>/examples/{case}/{forecaster}.log",
+        "<logs>/examples/{case}/{family}/{forecaster}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -112,11 +108,11 @@ rule flow_event:
         **computed_settings("flow_event"),
         ensemble="<results>/{case}/ensemble.nc",
         summary="<results>/{case}/dataset.json",
-        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
+        forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
     output:
-        event="<results>/{case}/{forecaster}/flow_event.nc",
+        event="<results>/{case}/{family}/{forecaster}/flow_event.nc",
     log:
-        "<logs>/flow_event/{case}/{forecaster}.log",
+        "<logs>/flow_event/{case}/{family}/{forecaster}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:

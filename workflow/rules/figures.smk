@@ -21,9 +21,9 @@ rule figure:
     log:
         "<logs>/figure/{figure}{of_case}.log",
     wildcard_constraints:
-        figure="|".join(FIGURES),
+        figure=any_of_regex(FIGURES),
         # nothing for the case that figures show by default
-        of_case=r"(_[A-Za-z][A-Za-z0-9_.-]*)?",
+        of_case="(_[^/]+)?",
     conda:
         "../envs/burstcast.yaml"
     resources:

@@ -13,8 +13,8 @@ rule scan:
         ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
     output:
-        scan="<results>/{case}/scan/{reservoir}-{strategies}.csv",
-        scan_errors="<results>/{case}/scan/{reservoir}-{strategies}.nc",
+        scan="<results>/{case}/scan/{reservoir}/{strategies}.csv",
+        scan_errors="<results>/{case}/scan/{reservoir}/{strategies}.nc",
     log:
         "<logs>/scan/{case}/{reservoir}/{strategies}.log",
     conda:
@@ -35,10 +35,12 @@ rule search:
         scan=stages.scan_of_network("csv"),
         scan_errors=stages.scan_of_network("nc"),
     output:
-        hyperparameters="<results>/{case}/{forecaster}/hyperparameters.json",
-        trace="<results>/{case}/{forecaster}/search.csv",
+        hyperparameters="<results>/{case}/networks/{forecaster}/hyperparameters.json",
+        trace="<results>/{case}/networks/{forecaster}/search.csv",
     log:
         "<logs>/search/{case}/{forecaster}.log",
+    wildcard_constraints:
+        forecaster=NETWORK,
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -56,11 +58,11 @@ rule train:
         scheduled=stages.scheduled,
         hyperparameters=stages.hyperparameters,
     output:
-        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
+        forecaster="<results>/{case}/networks/{forecaster}/forecaster.nc",
     log:
         "<logs>/train/{case}/{forecaster}.log",
     wildcard_constraints:
-        forecaster=NETWORKS,
+        forecaster=NETWORK,
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -72,17 +74,16 @@ rule train:
 
 
 rule fit:
-    # kinds that need no search, without classifiers
     input:
         **computed_settings("fit"),
         ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
     output:
-        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
+        forecaster="<results>/{case}/models/{forecaster}/forecaster.nc",
     log:
         "<logs>/fit/{case}/{forecaster}.log",
     wildcard_constraints:
-        forecaster=NO_CLASSIFIER + OTHERS,
+        forecaster=MODEL,
     conda:
         "../envs/burstcast.yaml"
     resources:

@@ -23,15 +23,13 @@ rule calibration_forecast:
     input:
         **computed_settings("calibration_forecast"),
         ensemble="<results>/{case}/ensemble.nc",
-        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
+        forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
         calibration_set="<results>/{case}/calibration_set.nc",
         scheduled=stages.scheduled,
     output:
-        calibration_forecast="<results>/{case}/{forecaster}/calibration_forecast.nc",
+        calibration_forecast="<results>/{case}/{family}/{forecaster}/calibration_forecast.nc",
     log:
-        "<logs>/calibration_forecast/{case}/{forecaster}.log",
-    wildcard_constraints:
-        forecaster=f"{NO_CLASSIFIER}[^/]+",
+        "<logs>/calibration_forecast/{case}/{family}/{forecaster}.log",
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -67,13 +65,13 @@ rule event_probabilities:
         evaluation_set="<results>/{case}/evaluation_set.nc",
         calibration_set="<results>/{case}/calibration_set.nc",
     output:
-        forecaster="<results>/{case}/{forecaster}/forecaster.nc",
-        forecast="<results>/{case}/{forecaster}/forecast.nc",
-        calibration_forecast="<results>/{case}/{forecaster}/calibration_forecast.nc",
+        forecaster="<results>/{case}/classifiers/{forecaster}/forecaster.nc",
+        forecast="<results>/{case}/classifiers/{forecaster}/forecast.nc",
+        calibration_forecast="<results>/{case}/classifiers/{forecaster}/calibration_forecast.nc",
     log:
         "<logs>/event_probabilities/{case}/{forecaster}.log",
     wildcard_constraints:
-        forecaster=CLASSIFIERS,
+        forecaster=MODEL,
     conda:
         "../envs/burstcast.yaml"
     resources:

@@ -9,6 +9,7 @@ committee (``esn-N2000-RV-committee``).
 
 import re
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 KEYS = ("case", "reynolds", "forecaster", "neurons", "validation", "seed")
@@ -17,10 +18,17 @@ KEYS = ("case", "reynolds", "forecaster", "neurons", "validation", "seed")
 PERMANENT_ALARM = "permanent_alarm"
 """What tables call an alarm at every time, in the place of a forecaster."""
 
-_PATTERN = re.compile(
-    r"(?P<kind>[a-z][a-z0-9_]*|[A-Za-z_]\w*(\.[A-Za-z_]\w*)+)(-(?!(committee|random|seed\d+)(-|$))(?P<label>[a-z][a-z0-9]*))?(-N(?P<neurons>\d+))?(-(?P<validation>[A-Z]+))?(-seed(?P<seed>\d+))?"
-    r"(-(?P<role>committee|random))?"
-)
+KIND = r"(?:[a-z][a-z0-9_]*|[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)+)"
+LABEL, NEURONS, VALIDATION, SEED = "[a-z][a-z0-9]*", r"N\d+", "[A-Z]+", r"seed\d+"
+ROLE = "committee|random"
+"""Parts of identifiers, as regular expressions: the only place where they are spelt."""
+
+MODEL = f"{KIND}(?:-{LABEL})?"
+NETWORK = f"{MODEL}-{NEURONS}-{VALIDATION}-{SEED}"
+"""Identifiers of forecasters that are fitted at once, and of networks."""
+
+# what is a role or a seed is no label
+_PARTS = {"neurons": NEURONS, "validation": VALIDATION, "seed": SEED, "role": ROLE, "label": LABEL}
 
 
 @dataclass(frozen=True)
@@ -87,16 +95,19 @@ def described(kind: Any, neurons: Any = None, validation: Any = None) -> str:
     )
 
 
+@cache
 def parsed(identifier: str) -> ForecasterName:
     """Read an identifier."""
-    match = _PATTERN.fullmatch(identifier)
-    if match is None:
-        raise ValueError(f"{identifier!r} is no forecaster; one is esn-N2000-RV-seed3")
-    neurons, seed = (
-        None if match[name] is None else int(match[name]) for name in ("neurons", "seed")
-    )
-    kind = match["kind"]
-    if "." in kind:
-        kind = ":".join(kind.rsplit(".", 1))
-    names = kind, neurons, match["validation"], seed, match["role"], match["label"]
-    return ForecasterName(*names)
+    module_and_class, *parts = identifier.split("-")
+    fields: dict[str, Any] = {}
+    for part in parts:
+        names = (name for name, pattern in _PARTS.items() if re.fullmatch(pattern, part))
+        fields[next(names, "")] = part
+    for name, prefix in (("neurons", "N"), ("seed", "seed")):
+        if name in fields:
+            fields[name] = int(fields[name].removeprefix(prefix))
+    if re.fullmatch(KIND, module_and_class) and "" not in fields:
+        forecaster = ForecasterName(":".join(module_and_class.rsplit(".", 1)), **fields)
+        if forecaster.identifier == identifier:  # each part once, in their order
+            return forecaster
+    raise ValueError(f"{identifier!r} is no forecaster; one is esn-N2000-RV-seed3")

@@ -30,9 +30,20 @@ class CaseForecaster:
     name: ForecasterName
 
     @property
+    def family(self) -> str:
+        """Directory of its like in its case, which says what rules make its files.
+
+        Networks have a search before they are trained; other kinds are fitted at once, and those
+        that give probabilities without a trajectory have one rule for all that.
+        """
+        if self.name.neurons is not None:
+            return "networks"
+        return "models" if self.kind.has_trajectories else "classifiers"
+
+    @property
     def directory(self) -> str:
         """Directory below the results directory."""
-        return f"{self.case}/{self.name.identifier}"
+        return f"{self.case}/{self.family}/{self.name.identifier}"
 
     @property
     def kind(self) -> type[ForecasterKind]:

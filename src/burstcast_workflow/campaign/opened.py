@@ -149,7 +149,7 @@ class OpenedCampaign:
 
     def _shelf(self, what: str, forecasters: Iterable[CaseForecaster]) -> Shelf[Forecaster]:
         there = {
-            one.directory: one
+            f"{one.case}/{one.name.identifier}": one
             for one in forecasters
             if (self.results / one.directory / "forecaster.nc").exists()
         }

@@ -23,6 +23,7 @@ from pydantic_core import PydanticCustomError
 from burstcast.control.strategies.registry import available_strategies as control_strategies
 from burstcast.data.times import time_step_of
 from burstcast.encoders.registry import available_encoders
+from burstcast.forecasters._names import LABEL, NEURONS, ROLE, SEED, VALIDATION
 from burstcast.tuning.strategies.registry import available_strategies
 from burstcast_workflow.harness.canonical import canonical
 
@@ -152,7 +153,7 @@ ControlStrategyName = Annotated[
     Words(f"a strategy of control: {', '.join(control_strategies())}"),
 ]
 NetworkOrNull = Annotated[
-    Annotated[str, Field(pattern=r"^esn-N\d+-[A-Z]+-seed\d+\Z")] | None,
+    Annotated[str, Field(pattern=rf"^esn-{NEURONS}-{VALIDATION}-{SEED}\Z")] | None,
     Words("the name of a network of kind esn, no variant, such as esn-N2000-RV-seed0, or null"),
 ]
 StrategyValue = Annotated[
@@ -169,7 +170,7 @@ CaseName = Annotated[
 ]
 Label = Annotated[
     str,
-    Field(pattern=r"^(?!(?:committee|random|seed\d+)\Z)[a-z][a-z0-9]*\Z"),
+    Field(pattern=rf"^(?!(?:{ROLE}|{SEED})\Z){LABEL}\Z"),
     Words("a lower-case letter, then lower-case letters and digits (not committee, random, seed1)"),
 ]
 ParameterName = Annotated[

@@ -259,7 +259,12 @@ def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Prov
 
 def job_identity(rule: str, wildcards: Mapping[str, str]) -> dict[str, Any]:
     """Rule and wildcards of a job, numbers as numbers."""
-    return {"rule": rule, **{name: _value(text) for name, text in wildcards.items()}}
+    return {"rule": rule, **{name: _value(text) for name, text in _telling(wildcards).items()}}
+
+
+def _telling(wildcards: Mapping[str, str]) -> dict[str, str]:
+    """Wildcards without the family of a forecaster, which follows from its name."""
+    return {name: text for name, text in wildcards.items() if name != "family"}
 
 
 def _known(settings: Any, thresholds: list[str]) -> Any:
@@ -292,7 +297,8 @@ def _value(text: str) -> str | int | float:
 
 def _label(snakemake: Any) -> str:
     """Rule and wildcards as a person reads them: train (case=Re400, seed=3)."""
-    wildcards = ", ".join(f"{name}={value}" for name, value in snakemake.wildcards.items())
+    names = _telling(snakemake.wildcards).items()
+    wildcards = ", ".join(f"{name}={value}" for name, value in names)
     return f"{snakemake.rule} ({wildcards})" if wildcards else str(snakemake.rule)
 
 

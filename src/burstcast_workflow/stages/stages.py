@@ -148,7 +148,7 @@ class Stages:
         @of_job
         def path(wildcards: Any) -> Paths:
             reservoir, strategies = self.campaign.scan_of(wildcards.forecaster)
-            return self.in_results(f"{wildcards.case}/scan/{reservoir}-{strategies}.{suffix}")
+            return self.in_results(f"{wildcards.case}/scan/{reservoir}/{strategies}.{suffix}")
 
         return path
 

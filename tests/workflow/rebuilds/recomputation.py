@@ -22,7 +22,7 @@ from burstcast import random_streams
 
 KEYS = ["case", "reynolds", "forecaster", "neurons", "validation", "seed"]
 _FORECASTER = re.compile(
-    r"(?P<case>[^/]+)/(?P<kind>[a-z_]+)"
+    r"(?P<case>[^/]+)/(networks|models)/(?P<kind>[a-z_]+)"
     r"(-N(?P<neurons>\d+)-(?P<validation>[A-Z]+)-seed(?P<seed>\d+))?"
 )
 _AVERAGES = {"mean_horizon_lt": np.mean, "median_horizon_lt": np.median}
@@ -73,7 +73,7 @@ class Recomputation:
 
     def files(self, name: str) -> Iterator[tuple[dict[str, Any], Path]]:
         """Files of that name of all forecasters, with their keys."""
-        for path in sorted(self.results.glob(f"*/*/{name}")):
+        for path in sorted(self.results.glob(f"*/[nm]*/*/{name}")):
             yield self.keys(path), path
 
     def drawn(self, count: int, *words: str) -> np.ndarray:
@@ -390,7 +390,8 @@ class Recomputation:
             if not name:  # beyond the paper's control
                 continue
             case, _, controller = path.relative_to(self.results).parts[:3]
-            keys = self.keys(self.results / case / controller.removesuffix("-random") / path.name)
+            forecaster = controller.removesuffix("-random")
+            keys = self.keys(self.results / case / "models" / forecaster / path.name)
             if controller.endswith("-random"):
                 keys["forecaster"] = "random"
             flows = variables(path)

@@ -150,7 +150,10 @@ def test_the_disk_is_full(project, undisturbed):
 KILLS = int(os.environ.get("BURSTCAST_KILLS", "20"))
 SEED = int(os.environ.get("BURSTCAST_SEED", "2026"))
 
-AT_RANDOM = ["lyapunov.json", "events.json", "equations/horizon.nc", "esn-N30-RV-seed0/horizon.nc"]
+AT_RANDOM = [
+    *("lyapunov.json", "events.json"),
+    *("models/equations/horizon.nc", "networks/esn-N30-RV-seed0/horizon.nc"),
+]
 FILES = [f"{RESULTS}/Re400/{name}" for name in AT_RANDOM]
 LONGEST = 20.0  # seconds after which a run is killed; most of it is planning and the first jobs
 EDITS = ({}, {"random_seed": 7}, {"case_defaults": {"ensemble": {"series": 50}}})

@@ -78,7 +78,7 @@ def test_an_edit_without_effect_stops_where_results_are_equal(project, tmp_path)
 def test_deleted_intermediate_files_come_from_the_cache(project, tmp_path):
     work = project.copy(tmp_path / "project")
     first, before = bits(work), work.logs()
-    for name in ("esn-N40-RV-seed0/forecaster.nc", "ensemble.nc", "events.nc"):
+    for name in ("networks/esn-N40-RV-seed0/forecaster.nc", "ensemble.nc", "events.nc"):
         (work.results / "Re400" / name).unlink()
     work.made()
     ran, anew = computed(work, before)
@@ -348,8 +348,8 @@ def test_one_more_seed_in_a_block_of_its_own(project):
     networks = {"neurons": [40], "validation": ["RV"], "seeds": 2}
     block = {"reynolds": [400], "forecasters": {"esn": networks}}
     planned = project.planned(overlay={"campaign": [*tiny_with()["campaign"], block]})
-    assert "Re400/esn-N40-RV-seed1/forecaster.nc" in planned
-    new = "Re400/*esn-N40-RV-seed1* Re400/scan/esn-N40-seed1-* control/*/esn-N40-RV-committee/*"
+    assert "Re400/networks/esn-N40-RV-seed1/forecaster.nc" in planned
+    new = "Re400/*esn-N40-RV-seed1* Re400/scan/esn-N40-seed1/* control/*/esn-N40-RV-committee/*"
     assert beyond(planned, f"{new} ALL_OF_NETWORKS") == set()
 
 
