@@ -330,8 +330,7 @@ class Configuration(Section):
 
     results: Directory = setting("directory of everything that the workflow writes")
     cache_gb: float = setting(
-        "size of the cache of earlier results beyond which those unused for longest go; files that "
-        "present results share count nothing",
+        "size of the cache, above which the entries that were unused for longest are removed",
         "GB",
         ge=0,
         default=20.0,
