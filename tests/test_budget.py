@@ -14,10 +14,10 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BUDGET = {
-    "product, all lines": 46_700,
-    "product, code": 27_900,
-    "product, docstrings": 8_000,
-    "tests, all lines": 34_600,
+    "product, all lines": 43_200,
+    "product, code": 25_600,
+    "product, docstrings": 7_600,
+    "tests, all lines": 32_100,
 }
 ROOM = 0.02
 SUFFIXES = {".py", ".smk", ".jinja", ".css", ".js", ".html"}
