@@ -1,8 +1,10 @@
 """Stages as a whole: rules, their scripts and the registries agree with one another."""
 
 import ast
+import importlib
 import inspect
 import re
+import sys
 import textwrap
 from functools import cache
 from pathlib import Path
@@ -154,6 +156,24 @@ def test_a_rule_runs_the_script_of_its_name_and_has_its_code(rule):
         assert made["maker"] == rule
     else:
         assert script.stem == ("joined" if rule.startswith("joined_") else rule)
+
+
+def test_the_page_of_the_architecture_shows_the_rules_and_what_each_is_made_from(tmp_path):
+    sys.path.append(str(ROOT / "docs" / "site"))
+    graph = importlib.import_module("rule_graph")
+    rules = ["all", "simulate", "train", "horizon", "horizon_table", "joined_horizon", "control"]
+    edges = ["1 -> 2", "1 -> 3", "2 -> 3", "3 -> 4", "4 -> 5", "6 -> 6", "2 -> 6", "5 -> 0"]
+    labels = [f'{number}[label = "{rule}", color]' for number, rule in enumerate(rules)]
+    found = graph.sources("\n".join([*labels, *edges]))
+    assert found == {
+        **{"simulate": set(), "train": {"simulate"}, "horizon": {"train"}, "control": {"train"}},
+        **{"tables of a case": {"horizon"}, "tables of all cases": {"tables of a case"}},
+    }
+    text = (ROOT / "docs" / "images" / "rule_graph.svg").read_text()
+    drawn = {name for name in re.findall(r">(\w+)</text>", text) if name in WRITTEN}
+    of_others = {"import_data", "neighbour_divergence", "encode", "training_realisation"}
+    assert drawn < {*WRITTEN} - of_others
+    assert drawn > {"simulate", "scan", "search", "train", "fit", "forecast", "report_page"}
 
 
 # -- scripts ---------------------------------------------------------------------------------------
