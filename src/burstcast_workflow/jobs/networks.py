@@ -9,8 +9,6 @@ from burstcast.data.parameter_factors import ParameterFactors
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
 from burstcast.forecasters._names import parsed
-from burstcast.forecasters.esn import NetworkForecaster
-from burstcast.forecasters.registry import make_kind
 from burstcast.systems.parameters import Parameters
 from burstcast.tuning.hyperparameters import SearchSpace
 from burstcast.tuning.strategies.base import ValidationPlan
@@ -41,21 +39,6 @@ class Networks(Washed, Observed):
         return ReservoirSeed(
             self.random_seed, name.neurons, name.seed, self.connectivity, self.input_bias
         )
-
-    def unfitted(self, identifier: str) -> NetworkForecaster:
-        """A network with its options alone."""
-        options = {
-            "connectivity": self.connectivity,
-            "input_bias": self.input_bias,
-            "input_range": self.input_range,
-            "input_offset": self.input_offset,
-            "readout": self.readout,
-            "backend": self.backend,
-            "divergence_bound": None,
-        }
-        kind = make_kind(parsed(identifier).kind, options)
-        assert isinstance(kind, NetworkForecaster)
-        return kind
 
     def knowledge(self, scheduled: Sequence[str]) -> dict[str, Any]:
         """Parameter inputs of a network that knows the parameters; empty for others."""

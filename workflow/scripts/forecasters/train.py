@@ -1,10 +1,33 @@
 """Train a network on all training series with the hyperparameters that the search found."""
 
 from burstcast.esn.dynamics import Dynamics
+from burstcast.forecasters._names import parsed
+from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.forecasters.registry import make_kind
 from burstcast.tuning.scan import leak_rate_of
 from burstcast_workflow.harness.job import job, read_json
 from burstcast_workflow.jobs.forecasters import write_forecaster
 from burstcast_workflow.jobs.networks import Networks
+
+
+class Training(Networks):
+    """A network that is trained."""
+
+    @property
+    def unfitted(self) -> NetworkForecaster:
+        """The network with its options alone."""
+        options = {
+            "connectivity": self.connectivity,
+            "input_bias": self.input_bias,
+            "input_range": self.input_range,
+            "input_offset": self.input_offset,
+            "readout": self.readout,
+            "backend": self.backend,
+            "divergence_bound": None,
+        }
+        kind = make_kind(parsed(self.forecaster).kind, options)
+        assert isinstance(kind, NetworkForecaster)
+        return kind
 
 
 @job
@@ -14,12 +37,12 @@ def train(
     scheduled: list[str],
     hyperparameters: str,
     forecaster: str,
-    settings: Networks,
+    settings: Training,
 ) -> None:
     """Write the trained network."""
     chosen, seed = read_json(hyperparameters), settings.reservoir_seed(settings.forecaster)
     series = settings.learnt(ensemble, scheduled)
-    unfitted = settings.unfitted(settings.forecaster)
+    unfitted = settings.unfitted
     dynamics = Dynamics(
         seed.reservoir(series.dimension),
         chosen["spectral_radius"],
