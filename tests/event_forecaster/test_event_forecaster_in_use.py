@@ -224,8 +224,12 @@ def test_the_observations_are_saved_and_restored(forecaster, tmp_path):
         (np.zeros((1, 3)), None, r"this one has \(1, 3\)"),
         (np.zeros(3), 0.98, "at time 0.98 cannot follow one at time 1"),
         (np.zeros(3), 1.01, "the sampling interval is 0.02"),
-        (np.zeros(3), math.nan, "the time of an observation must be a finite number, not nan"),
-        (np.zeros(3), math.inf, "must be a finite number, not inf"),
+        (
+            np.zeros(3),
+            math.nan,
+            "the time of an observation must be a finite number, in the unit of",
+        ),
+        (np.zeros(3), math.inf, "in the unit of sampling_interval, not inf"),
     ],
 )
 def test_what_does_not_follow_is_refused(forecaster, observation, when, message):

@@ -1,6 +1,5 @@
 """The tiny preset from the equations to the figures, as Snakemake runs it."""
 
-import hashlib
 import json
 import math
 import re
@@ -14,7 +13,6 @@ from helpers_rebuilds import ROOT, TINY, Project, digests, jobs_since, rules_of
 from burstcast.files import units
 from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.files.tables import read_table
-from burstcast_workflow.project import code_of
 
 
 def table(run, name):
@@ -34,11 +32,11 @@ def results(project):
 
 
 def test_the_claim_of_the_run_has_all_code(finished):
-    directory = finished.project.directory
-    files = [*code_of(directory).files(), *directory.glob("workflow/scripts/**/*.py")]
-    contents = {hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
     claim = json.loads((finished.project.results / ".run.json").read_text())
-    assert {*claim["code"].values()} == contents
+    names = {entry.partition(" @")[0] for entry in claim["code"]}
+    scripts = {"forecasters/train.py", "evaluation/horizon.py", "tables/joined.py"}
+    assert scripts | {"burstcast.esn.readout", "burstcast.systems.mfe"} <= names
+    assert "burstcast.systems.lorenz63" not in names
 
 
 def test_a_perfect_forecaster_is_perfect_and_a_noisy_one_nearly(finished):

@@ -71,7 +71,7 @@ def test_it_runs_to_its_end_and_makes_all_that_the_paper_has(miniature, results)
     for name in ("observable_and_density", "classification_scores", "long_term_density"):
         assert {f"{name}{case}" for case in cases} <= figures
     assert {"by_reynolds", "horizon_by_size", "control_density", "suppressed_event"} <= figures
-    assert {path.name for path in (results / "figures").iterdir()} == {
+    assert {path.name for path in (results / "figures").glob("[!.]*")} == {
         f"{stem}.{suffix}" for stem in figures for suffix in ("pdf", "png")
     }
     assert "Nothing to be done" in miniature.project.snakemake().text
