@@ -24,7 +24,7 @@ class PySINDy(Forecaster):
     #: degree of the polynomial, with delays in samples after a space: "2 2,4"
     terms: tuple[str, ...] = ("1 1", "2", "3", "2 1", "2 2,4")
     threshold: tuple[float, ...] = (0.0, 1e-3, 1e-2)  #: smaller coefficients are left out
-    bound: float = 6.0  #: of forecasts, in standard deviations: those that diverge stay there
+    bound: float = 6.0  #: of forecasts, in standard deviations: diverging ones stay there
 
     mean: np.ndarray = fitted()
     scale: np.ndarray = fitted()

@@ -78,7 +78,7 @@ def make_kind(kind: str, options: Mapping[str, Any]) -> ForecasterKind:
     kind
         As for `kind_class`.
     options
-        Values of its options; those that are left out have their default.
+        Values of its options; options without a value have their default.
 
     Raises
     ------

@@ -33,7 +33,7 @@ class CaseForecaster:
     def family(self) -> str:
         """Directory of its like in its case, which says what rules make its files.
 
-        Networks have a search before they are trained; other kinds are fitted at once, and those
+        Networks have a search before they are trained; other kinds are fitted at once, and kinds
         that give probabilities without a trajectory have one rule for all that.
         """
         if self.name.neurons is not None:

@@ -137,7 +137,7 @@ def _link_or_copy(source: str, target: Path) -> None:
 
 
 def _remove(entry: Path) -> None:
-    """Remove an entry: nobody finds half of it."""
+    """Remove an entry: half of it is never found."""
     rubbish = entry.with_name(f"{entry.name}.{secrets.token_hex(4)}")
     with suppress(OSError):
         entry.rename(rubbish)

@@ -1,7 +1,7 @@
 """The run that a results directory belongs to: what was planned, whether it still is the newest.
 
 ``.run.json`` in the results has the config, so that results can be opened, and jobs of a cluster
-have the settings of their plan. Jobs know their run by an environment variable: those that a killed
+have the settings of their plan. Jobs know their run by an environment variable: jobs that a killed
 run has left behind write nothing once another run has begun.
 """
 
