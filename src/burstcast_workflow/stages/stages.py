@@ -244,7 +244,7 @@ class Stages:
     ) -> list[Any]:
         """Parameters of a script's jobs: each setting, and each module of the code that runs.
 
-        Each is a text, ``path = value`` or ``module @hash``: reasons of Snakemake name the ones that
+        Each is a text, ``path = value`` or ``module @hash``: the reasons name the ones that
         have changed. Settings are those of the class that the script's function takes.
 
         ``stage``: Name of the rule, if it is not the script's. ``maker``: Module of
