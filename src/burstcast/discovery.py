@@ -133,6 +133,22 @@ def suggestion(name: str, candidates: Iterable[str]) -> str:
     return f" (did you mean {closest[0]!r}?)" if closest else ""
 
 
+def made(noun: str, name: str, part: str, owner: type[Base], values: Mapping[str, Any]) -> Base:
+    """Make an object of a class from checked values of its fields (`checked_values`).
+
+    ``noun``, ``name``, ``part``: What it is called in messages, and what its fields are called:
+    "system", "lorenz63", "parameter".
+    """
+    checked = checked_values(f"{noun} {name!r}", part, owner, values)
+    try:
+        return owner(**checked)
+    except (ValueError, ArithmeticError):
+        raise
+    except Exception as error:  # a mistake in the class
+        text = f"the {noun} {name} cannot be made: {type(error).__name__}: {error}"
+        raise ValueError(text) from error
+
+
 def checked_values(what: str, part: str, owner: type, values: Mapping[str, Any]) -> dict[str, Any]:
     """Check the values of the fields of a dataclass.
 
@@ -175,7 +191,7 @@ def _checked(value: Any, expected: Any, what: str) -> Any:
     if get_origin(expected) in (UnionType, Union):
         if value is None and NoneType in get_args(expected):
             return None
-        (expected,) = [kind for kind in get_args(expected) if kind is not NoneType][:1]
+        expected = next(kind for kind in get_args(expected) if kind is not NoneType)
     if get_origin(expected) is Literal:
         if value not in get_args(expected):
             allowed = " or ".join(map(str, get_args(expected)))

@@ -12,8 +12,8 @@ from typing import Any
 
 import burstcast.forecasters
 from burstcast.discovery import (
-    checked_values,
     concrete_classes,
+    made,
     module_names,
     module_of,
     own_class,
@@ -95,15 +95,7 @@ def make_kind(kind: str, options: Mapping[str, Any]) -> ForecasterKind:
 
 def make_kind_of(kind: type[ForecasterKind], options: Mapping[str, Any]) -> ForecasterKind:
     """Make an unfitted forecaster of a class (`make_kind`)."""
-    name = kind_name(kind)
-    values = checked_values(f"forecaster {name!r}", "option", kind, options)
-    try:
-        return kind(**values)
-    except (ValueError, ArithmeticError):
-        raise
-    except Exception as error:  # a mistake in the class
-        text = f"the forecaster {name} cannot be made: {type(error).__name__}: {error}"
-        raise ValueError(text) from error
+    return made("forecaster", kind_name(kind), "option", kind, options)
 
 
 def make_forecaster(kind: str, options: Mapping[str, Any]) -> Forecaster:

@@ -11,10 +11,10 @@ from typing import Any
 
 import burstcast.systems
 from burstcast.discovery import (
-    checked_values,
     classes_in,
     concrete_classes,
     imported,
+    made,
     module_names,
     module_of,
     own_class,
@@ -39,16 +39,7 @@ def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
     of one's own, "my_flows.kuramoto:KuramotoSivashinsky". ``parameters``: Values of the fields of
     the system's class; those with a default may be left out.
     """
-    found = system_class(name)
-    values = checked_values(f"system {name!r}", "parameter", found, parameters)
-    try:
-        return found(**values)
-    except (ValueError, ArithmeticError):
-        raise
-    except Exception as error:  # a mistake in the class
-        raise ValueError(
-            f"the system {name} cannot be made: {type(error).__name__}: {error}"
-        ) from error
+    return made("system", name, "parameter", system_class(name), parameters)
 
 
 def make_space(name: str, parameters: Mapping[str, Any]) -> StateSpace:
