@@ -59,6 +59,14 @@ def _classes_in(module: ModuleType, base: type) -> tuple[Any, ...]:
     )
 
 
+class UnsoundError(ValueError):
+    """A class that does not keep to its interface; ``problems`` has one message for each."""
+
+    def __init__(self, problems: list[str]) -> None:
+        self.problems = problems
+        super().__init__("; ".join(problems))
+
+
 def own_class(name: str, base: type[Base], noun: str) -> type[Base]:
     """Find a class in a module of one's own.
 

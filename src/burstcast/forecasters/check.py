@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.discovery import UnsoundError
 from burstcast.forecasters._event_classifier import EventClassifier, LabelledPoints
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
 from burstcast.systems.integration import integrate
@@ -21,14 +22,6 @@ _SERIES, _SAMPLES, _WASHOUT = 8, 600, 28
 _BATCH, _STEPS = 6, 12
 _TOLERANCE = 1e-9
 """Relative difference between a forecast in a batch and the same forecast alone: rounding."""
-
-
-class UnsoundForecasterError(ValueError):
-    """A forecaster that does not keep to the interface; ``problems`` has a message for each."""
-
-    def __init__(self, problems: list[str]) -> None:
-        self.problems = problems
-        super().__init__("; ".join(problems))
 
 
 def check_forecaster(unfitted: ForecasterKind, generator: np.random.Generator) -> str:
@@ -43,7 +36,7 @@ def check_forecaster(unfitted: ForecasterKind, generator: np.random.Generator) -
 
     Raises
     ------
-    UnsoundForecasterError
+    UnsoundError
         With all violations of the interface that were noticed.
 
     Examples
@@ -78,9 +71,9 @@ def check_forecaster(unfitted: ForecasterKind, generator: np.random.Generator) -
             report |= _skill(fitted, batch, np.stack(truth, axis=2), seen.std(axis=0))
     else:
         kind = type(unfitted).__name__
-        raise UnsoundForecasterError([f"{kind} has a search of its own, which is not tried here"])
+        raise UnsoundError([f"{kind} has a search of its own, which is not tried here"])
     if problems:
-        raise UnsoundForecasterError(problems)
+        raise UnsoundError(problems)
     assert fitted is not None
     arrays = {name: array.shape for name, array in fitted.record().arrays.items()}
     report["saved arrays"] = (

@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.discovery import UnsoundError
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.compiled import compiled_steps, hindrance
 from burstcast.systems.differentiation import derivative_method
@@ -22,28 +23,20 @@ _TRAJECTORIES = 16
 _STEPS = 400
 
 
-class UnsoundSystemError(ValueError):
-    """A system that does not keep to the interface; ``problems`` has one message for each."""
-
-    def __init__(self, problems: list[str]) -> None:
-        self.problems = problems
-        super().__init__("; ".join(problems))
-
-
 def check_system(system: DynamicalSystem, generator: np.random.Generator) -> str:
     """Report on a system's integrator and derivatives, after some steps of 16 trajectories.
 
-    Raises `UnsoundSystemError` with all violations of the interface, or where states do not stay
+    Raises `UnsoundError` with all violations of the interface, or where states do not stay
     finite.
     """
     start = _initial_states(system, generator)
     if problems := list(interface_problems(system, start)):
-        raise UnsoundSystemError(problems)
+        raise UnsoundError(problems)
     said = type(system).case_defaults.get("ensemble", {})
     time_step = said.get("time_step") or _rough_time_step(system, start)
     (reached,) = _finite(partial(integrate, system, start, time_step, _STEPS, _STEPS))[-1:]
     if lost := int((~np.isfinite(system.observable(reached))).sum()):
-        raise UnsoundSystemError(
+        raise UnsoundError(
             [f"observable is not finite for {lost} of {_TRAJECTORIES} states on trajectories"]
         )
     return (
@@ -139,7 +132,7 @@ def _initial_states(system: DynamicalSystem, generator: np.random.Generator) -> 
         try:
             return sampled_initial_states(system, _TRAJECTORIES, generator)
         except Exception as error:
-            raise UnsoundSystemError([f"sample_initial_states: {error}"]) from error
+            raise UnsoundError([f"sample_initial_states: {error}"]) from error
     return generator.standard_normal((system.dimension, _TRAJECTORIES))
 
 
@@ -167,7 +160,7 @@ def _finite(run: Callable[[], FloatArray]) -> FloatArray:
     try:
         return run()
     except FloatingPointError as error:
-        raise UnsoundSystemError(
+        raise UnsoundError(
             [
                 f"trajectories do not stay finite: {error}; say where they begin "
                 "(sample_initial_states, or initial_state in case_defaults), or take a shorter "
