@@ -8,7 +8,7 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from held_out import with_chosen_options
+from held_out import with_chosen_options, with_options
 from pysindy import STLSQ, DiscreteSINDy, PolynomialLibrary
 from sklearn.preprocessing import PolynomialFeatures
 
@@ -57,12 +57,9 @@ class PySINDy(Forecaster):
             chosen_threshold=threshold,
         )
 
-    def leave_one_out(self, training, case, washout, schedules=None):
-        """Learn again without each series, with the terms and threshold that were chosen."""
-        values = {"terms": (self.chosen_terms,), "threshold": (self.chosen_threshold,)}
-        unfitted = type(self)(**{**self.options, **values})
-        for row in range(len(training)):
-            yield unfitted.fit(np.delete(training, row, axis=0), case)
+    def tuned(self):
+        """Map that is learnt with the terms and the threshold that were chosen."""
+        return with_options(self, CHOSEN, (self.chosen_terms, self.chosen_threshold))
 
     def start(self, washout):
         """The last samples, the oldest first, ``(samples * dimension, batch)``."""

@@ -8,7 +8,7 @@ the network's own matrices, since ReservoirPy runs them one after another.
 from dataclasses import dataclass
 
 import numpy as np
-from held_out import with_chosen_options
+from held_out import with_chosen_options, with_options
 from reservoirpy.nodes import Reservoir, Ridge
 
 from burstcast.forecasters.base import Forecaster, fitted
@@ -69,12 +69,9 @@ class ReservoirPy(Forecaster):
             chosen=np.array([radius, scaling, ridge]),
         )
 
-    def leave_one_out(self, training, case, washout, schedules=None):
-        """Train again without each series, with the hyperparameters that were chosen."""
-        values = {name: (float(value),) for name, value in zip(CHOSEN, self.chosen, strict=True)}
-        unfitted = type(self)(**{**self.options, **values})
-        for row in range(len(training)):
-            yield unfitted.fit(np.delete(training, row, axis=0), case)
+    def tuned(self):
+        """Network that is trained with the hyperparameters that were chosen."""
+        return with_options(self, CHOSEN, self.chosen.tolist())
 
     def start(self, washout):
         """Reservoir states after the washout, ``(neurons, batch)``."""

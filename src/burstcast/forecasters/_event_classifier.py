@@ -65,14 +65,6 @@ class EventClassifier(ClassifierOptions, ForecasterKind, abc.ABC):
         without one. ``case``: What may be known beside them.
         """
 
-    def tuned(self) -> Self:
-        """Classifier whose `fit` takes the chosen hyperparameters instead of choosing some.
-
-        Probabilities are calibrated with classifiers of the same hyperparameters, which have learnt
-        from fewer series.
-        """
-        return self
-
     @abc.abstractmethod
     def probabilities(self, washouts: FloatArray, known: FloatArray | None = None) -> FloatArray:
         """Probability of an event in each window: ``(points, windows)``.

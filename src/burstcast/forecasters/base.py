@@ -162,6 +162,14 @@ class ForecasterKind:
         """Return a forecaster with the same options and these fitted fields."""
         return dataclasses.replace(self, **values)  # type: ignore[type-var]
 
+    def tuned(self) -> Self:
+        """Return a forecaster whose `fit` takes the hyperparameters that this one has chosen.
+
+        Probabilities are calibrated with forecasters of the same hyperparameters, which have learnt
+        from fewer series.
+        """
+        return self
+
     @classmethod
     def _fitted_names(cls) -> set[str]:
         assert dataclasses.is_dataclass(cls)
@@ -222,9 +230,10 @@ class Forecaster(ForecasterKind, abc.ABC):
         """
         if len(training) < 2:
             raise ValueError("leaving one series out takes two training series at least")
+        tuned = self.tuned()
         for row in range(len(training)):
             others = None if schedules is None else np.delete(schedules, row, axis=0)
-            yield self.fit_under(np.delete(training, row, axis=0), case, others)
+            yield tuned.fit_under(np.delete(training, row, axis=0), case, others)
 
     @abc.abstractmethod
     def start(self, washout: FloatArray) -> FloatArray:

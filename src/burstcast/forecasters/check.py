@@ -162,7 +162,7 @@ def _forecaster_problems(
         )
     elif not np.array_equal(fitted.combined(ensemble), memory, equal_nan=True):
         yield "combined(ensemble(washout)) differs from start(washout)"
-    yield from _record_problems(unfitted, fitted, case, lambda one: forecast(one))
+    yield from _record_problems(unfitted, fitted, case, forecast)
 
 
 def _memory_problems(fitted: Forecaster, memory: FloatArray, outputs: FloatArray) -> Iterator[str]:
