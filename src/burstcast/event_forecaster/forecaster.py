@@ -484,7 +484,7 @@ class EventForecaster(Estimator):
 
     @property
     def _words(self) -> str:
-        return self.kind if isinstance(self.kind, str) else kind_name(type(self._kind))
+        return self.kind if isinstance(self.kind, str) else kind_name(class_of(self.kind))
 
     @property
     def _parameter_names(self) -> tuple[str, ...]:
@@ -492,7 +492,7 @@ class EventForecaster(Estimator):
 
     def _told(self, given: Any, series: int, steps: int, where: str) -> FloatArray | None:
         """Schedules of a kind that knows the parameters; None of others."""
-        if not self._kind.learns_parameters:
+        if not class_of(self.kind).learns_parameters:
             if given is not None:
                 raise ValueError(
                     f"forecasters of the kind {self._words} do not know the parameters: leave them "
@@ -509,7 +509,7 @@ class EventForecaster(Estimator):
     def _schedules(self, washouts: FloatArray, parameters: Any, planned: Any) -> FloatArray | None:
         """Schedules over washouts and forecasts; None without parameters."""
         series, steps = washouts.shape[:2]
-        learns = self._kind.learns_parameters
+        learns = class_of(self.kind).learns_parameters
         if parameters is None and planned is None and not learns:
             return None
         known = self.own_parameters_ if learns else planned  # refused

@@ -457,8 +457,7 @@ class Campaign:
 
     def all_modules(self) -> dict[str, list[str]]:
         """Modules that any job reaches by a name (`modules`)."""
-        runs = [*self.control_runs, *self.strategy_runs]
-        strategies = {self.plan(run.identity["strategy"]).strategy for run in runs}
+        strategies = {run.plan.strategy for run in self.strategy_runs}
         return {**self.modules({}), "burstcast.control.strategies": sorted(strategies)}
 
     def asked_of_series(self, case: str) -> dict[str, Any]:

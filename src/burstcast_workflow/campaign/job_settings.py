@@ -101,10 +101,17 @@ def _is_told_parameters(job: JobFacts) -> bool:
     return bool(told) or switched or kind_class(job.name.kind).learns_parameters
 
 
+def _decodes(job: JobFacts) -> bool:
+    """Whether the forecaster goes on with equations from decoded states of another case."""
+    seen = job.campaign.cases.get(job.observed or job.case)
+    solves = job.name.asks_forecasters and kind_class(job.name.kind).needs_equations
+    return solves and seen is not None and seen.is_encoded
+
+
 _CONCERNS: Mapping[str, Callable[[JobFacts], bool]] = {
     "case.training.noise": lambda job: not job.sees_truth,
     "forecasters.aware": _is_told_parameters,
-    "forecaster.source": lambda job: _decodes(job),
+    "forecaster.source": _decodes,
     # controllers may ask no forecaster
     "forecaster.options": lambda job: (
         "controller" not in job.wildcards or job.name.asks_forecasters
@@ -125,13 +132,6 @@ def _options(job: JobFacts) -> dict[str, Any]:
     options = _all_options(job)
     options.pop("divergence_bound", None)
     return options
-
-
-def _decodes(job: JobFacts) -> bool:
-    """Whether the forecaster goes on with equations from decoded states of another case."""
-    seen = job.campaign.cases.get(job.observed or job.case)
-    solves = job.name.asks_forecasters and kind_class(job.name.kind).needs_equations
-    return solves and seen is not None and seen.is_encoded
 
 
 def _all_options(job: JobFacts) -> dict[str, Any]:

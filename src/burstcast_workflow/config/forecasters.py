@@ -13,6 +13,7 @@ from burstcast_workflow.config.kinds import (
     Count,
     Distinct,
     Label,
+    OwnClass,
     ParameterName,
     Positive,
     Section,
@@ -53,13 +54,6 @@ class OwnForecaster(Section):
         return dict(self.model_extra or {})
 
 
-OwnKind = Annotated[
-    str,
-    Field(pattern=r"^[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*:[A-Za-z_]\w*\Z"),
-    Words("<module>:<class> of your own"),
-]
-
-
 class Chosen(Section):
     """Kinds of forecasters, with the axes of each kind."""
 
@@ -68,7 +62,7 @@ class Chosen(Section):
         json_schema_extra={"patternProperties": {"^[^:]+:[^:]+$": {"type": ["object", "null"]}}}
     )
 
-    own: dict[OwnKind, OwnForecaster] = setting(
+    own: dict[OwnClass, OwnForecaster] = setting(
         "classes of your own, `<module>:<class>`, with their options; they may stand beside the "
         "kinds of this list",
         default={},

@@ -176,6 +176,7 @@ Label = Annotated[
 ParameterName = Annotated[
     str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*\Z"), Words("the name of a parameter of the system")
 ]
+OwnClass = Annotated[str, Field(pattern=rf"^{_OWN_CLASS}\Z"), Words("<module>:<class> of your own")]
 SystemName = Annotated[
     str,
     Field(pattern=rf"^(?:[a-z][a-z0-9_]*|{_OWN_CLASS})\Z"),
