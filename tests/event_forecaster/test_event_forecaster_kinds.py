@@ -156,6 +156,8 @@ def test_a_class_of_ones_own_is_saved_without_its_code(own, training, tested, tm
     assert_array_equal(loaded.predict_proba(seen), fitted.predict_proba(seen))
     loaded.save(tmp_path / "again.nc")
     assert (tmp_path / "again.nc").read_bytes() == path.read_bytes()
+    for same in ("own_extrapolation:Extrapolated", kind):
+        assert EventForecaster.load(path, kind=same)._kind == kind
     # the module is not imported on the word of a file
     message = r"own_extrapolation:Extrapolated, which the file has not: give it as load\(path, kind"
     with pytest.raises(ValueError, match=message):

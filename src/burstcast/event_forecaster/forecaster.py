@@ -401,7 +401,7 @@ class EventForecaster(Estimator):
         ValueError if the file holds no such forecaster or is damaged; if its observable is needed
         and not given, or the given one has other values than the observable of the fit.
         """
-        own = None if kind is None else class_of(kind)
+        own = kind if kind is None or isinstance(kind, type) else class_of(kind)
         with files.as_one_error(path):
             saved = files.read_saved(path, observable, own)
             self, fitted = cls(**saved.parameters), dict(saved.fitted)
