@@ -16,8 +16,8 @@ import pytest
 from helpers_configs import ROOT
 from snakemake.iocontainers import Namedlist
 
-from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.harness.job import JobSettings, at, run_job
+from burstcast_workflow.harness.logs import cache_summary, failure_summary
 from burstcast_workflow.harness.storage import atomic, write_json
 from burstcast_workflow.tracking.code import Sources
 from burstcast_workflow.tracking.results import DamagedResultError, checked, damaged
@@ -219,6 +219,8 @@ def test_outputs_come_from_the_cache_with_their_log(tmp_path):
         assert "is done: 0." in log.splitlines()[-1]
     assert "taken from the cache: the outputs are those of this job, which took 0." in second
     assert "the outputs are" not in first
+    assert cache_summary(tmp_path, 0.0) == "1 of 1 jobs took their results from the cache."
+    assert cache_summary(tmp_path, time.time() + 60) == ""
 
 
 @pytest.mark.parametrize(

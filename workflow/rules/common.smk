@@ -10,7 +10,7 @@ from burstcast.forecasters._names import MODEL, NETWORK
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.summary import closing_summary
 from burstcast_workflow.figures.jobs import captions
-from burstcast_workflow.harness.failures import failure_summary
+from burstcast_workflow.harness.logs import cache_summary, failure_summary
 from burstcast_workflow.project import source_revision
 from burstcast_workflow.stages.resources import beyond_memory, resources_of
 from burstcast_workflow.stages.stages import Stages, any_of_regex
@@ -82,7 +82,12 @@ onstart:
 
 onsuccess:
     tidy(CACHE_BYTES)
-    print(f"\n{closing_summary(Path(started.results))}", file=sys.stderr)
+    print(
+        cache_summary(Path(started.results, "logs"), STARTED),
+        closing_summary(Path(started.results)),
+        sep="\n",
+        file=sys.stderr,
+    )
 
 
 onerror:

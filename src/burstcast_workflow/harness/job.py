@@ -31,6 +31,7 @@ from typing import Any, NoReturn
 
 from burstcast.files.atomic_files import remove_partial
 from burstcast_workflow.harness.canonical import canonical_json
+from burstcast_workflow.harness.logs import FROM_CACHE
 from burstcast_workflow.harness.settings import (
     THRESHOLDS,
     TIME_UNIT,
@@ -161,8 +162,7 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     if made := entry.restore():
         print(made.log)
         logger.info(
-            "taken from the cache: the outputs are those of this job, which took %.2f s",
-            made.seconds,
+            "%sthe outputs are those of this job, which took %.2f s", FROM_CACHE, made.seconds
         )
         _keep(snakemake)
         return

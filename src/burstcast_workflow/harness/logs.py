@@ -1,4 +1,4 @@
-"""Failures of a run: the last lines of the logs of failed jobs, in one place."""
+"""What the logs of a run tell: the failed jobs, and how many took their results from the cache."""
 
 from pathlib import Path
 
@@ -6,6 +6,15 @@ _MOST_JOBS = 10
 _LAST_LINES = 12
 _LAST_BYTES = 20_000
 _DONE = " is done: "  # what `burstcast_workflow.harness.job.run_job` ends a log with
+FROM_CACHE = "taken from the cache: "
+"""How the line before that begins if the job has computed nothing."""
+
+
+def cache_summary(rule_logs: Path, since: float) -> str:
+    """How many of the jobs since a time have taken their results from the cache; empty if none."""
+    logs = _written(rule_logs, since)
+    taken = sum(FROM_CACHE in _end(path, 2) for path in logs)
+    return f"{taken} of {len(logs)} jobs took their results from the cache." if taken else ""
 
 
 def failure_summary(rule_logs: Path, scheduler_logs: Path, since: float) -> str:
