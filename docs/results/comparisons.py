@@ -1,5 +1,6 @@
 """Comparisons on docs/results.md that take more than one row of a table."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -130,15 +131,18 @@ def networks_of(tables: Tables) -> list[dict[str, Any]]:
     return [{str(key): value for key, value in row.items()} for row in found.to_dict("records")]
 
 
-def inside_counts(authors: Tables, paper: Tables) -> dict[str, int]:
+def inside_counts(authors: Tables, paper: Tables, neurons: int | None = None) -> dict[str, int]:
     """Published values inside intervals around the paper's campaign, and the authors' choices.
+
+    ``neurons``: Size of the networks; default: all.
 
     Both by one rule. ``narrow``: 1.96 standard errors of one network over the test series.
     ``wide``: what a further training set and two choices of the test series give, ours and the
     authors'. Degrees of freedom of the sum of both variances are Welch and Satterthwaite's.
     """
     counts = dict.fromkeys(("values", "narrow", "narrow_authors", "wide", "wide_authors"), 0)
-    for network in networks_of(authors):
+    networks = networks_of(authors)
+    for network in (one for one in networks if neurons in (None, one["neurons"])):
         for score in all_published(**network):
             values = score.networks(authors, **network).mean(axis=1)
             median = score.median(paper, case=CASE, **network)
@@ -320,6 +324,21 @@ def onsets(tables: Tables, source: str = "turbulence") -> pd.DataFrame:
     common = rows["alarm"].isin(SAME_EVERYWHERE)
     name = rows["name"].mask(common, rows["forecaster"].str.replace("_", " "))
     return rows.assign(name=name, case=rows["case"].mask(common, "any"))
+
+
+# -- control ---------------------------------------------------------------------------------------
+
+_MEASURED = re.compile(
+    "(left|acting|effort|power|condition|means|name|scored_flows|.*_(low|high)"
+    "|(exceedance|events_per|switchings|input|relative|dissipation|laminarisation|laminarised).*)"
+)
+
+
+def over_all_flows(tables: Tables) -> pd.DataFrame:
+    """Chosen runs of control on all flows: those that choose settings, and those that score."""
+    everything, chosen = (tables.runs(f"control_{name}") for name in ("strategies", "choices"))
+    keys = [key for key in chosen if key in everything and not _MEASURED.fullmatch(str(key))]
+    return everything.merge(chosen[keys], on=keys)
 
 
 # -- costs -----------------------------------------------------------------------------------------
