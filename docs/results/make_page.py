@@ -110,6 +110,7 @@ def page() -> str:
         trusted=trusted,
         compared=compared(),
         claims_table=claims.claims_table,
+        margins_table=claims.margins_table,
         not_kept=claims.NOT_KEPT,
         concat=partial(pd.concat, ignore_index=True),
     )
