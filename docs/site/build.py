@@ -49,7 +49,7 @@ NAVIGATION = {
         "sensors",
     ],
     "Results and method": [
-        *("results", "studies", "method", "solver", "performance"),
+        *("results", "related_work", "references", "method", "solver", "performance"),
     ],
     "How it is built": [
         *("architecture", "extending", "selective_rebuilds", "decisions"),
