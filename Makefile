@@ -45,6 +45,7 @@ pages: $(VENV)/installed ## pages and the schema of settings, from the model and
 	$(BIN)/burstcast settings > docs/settings.md
 	$(BIN)/python -m burstcast_workflow.config.schema > workflow/schemas/config.schema.json
 	$(BIN)/python -m burstcast_workflow.tables.page > docs/tables.md
+	$(BIN)/python docs/site/references.py > docs/references.md
 	$(SNAKEMAKE) --rulegraph | $(BIN)/python docs/site/rule_graph.py docs/images/rule_graph.svg
 
 # make results ARGS="collect results/paper" takes a campaign's tables first

@@ -8,8 +8,7 @@ The state that is filtered is the reservoir's, and an observation is compared wi
 next prediction. The model error is either multiplicative (inflation) or additive (normal errors of
 each prediction, whose variance makes the innovations on the training series consistent: mean square
 innovation = spread of the members + model error + noise). `choose` scores filters on series that
-are neither for training nor for the test, `test` the chosen ones on the first test series. The
-results that we rely on are in docs/studies.md.
+are neither for training nor for the test, `test` the chosen ones on the first test series.
 """
 
 import argparse

@@ -9,8 +9,7 @@ series are common to all. A variant has its own input bias, may replace the targ
 series, and may bring the inputs nearer to them. Series are smoothed with the equations that are
 learnt from them, by an ensemble filter whose estimates are updated by later observations, too.
 `train` writes one file a network, and skips those that are there; `report` prints F-scores and
-their differences from the paper's choices, paired by networks and test series. The results that we
-rely on are in docs/studies.md.
+their differences from the paper's choices, paired by networks and test series.
 """
 
 import argparse

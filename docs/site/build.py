@@ -49,7 +49,7 @@ NAVIGATION = {
         "sensors",
     ],
     "Results and method": [
-        *("results", "studies", "method", "solver", "performance"),
+        *("results", "related_work", "references", "method", "solver", "performance"),
     ],
     "How it is built": [
         *("architecture", "extending", "selective_rebuilds", "decisions"),
@@ -338,6 +338,7 @@ def assemble(source: Path) -> None:
         front = "---\norphan: true\n---\n\n" if orphan else ""
         path.write_text(front + text, encoding="utf-8")
     shutil.copytree(DOCS / "images", source / "images")
+    shutil.copy(DOCS / "references.bib", source)
     for name, (_, picture) in drawn.items():
         (source / "images" / f"{name}.png").write_bytes(picture)
     for path in _linked_files():

@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 from helpers_configs import FLOW
@@ -143,6 +144,59 @@ def test_the_readme_is_short_and_every_page_in_the_index():
     index = (ROOT / "docs" / "README.md").read_text()
     pages = {page.name for page in (ROOT / "docs").glob("*.md")} - {"README.md"}
     assert pages == set(re.findall(r"\]\((\S+\.md)\)", index))
+
+
+# -- references and kept numbers -------------------------------------------------------------------
+
+
+def test_the_page_of_references_is_made_from_the_bibliography():
+    script = ROOT / "docs" / "site" / "references.py"
+    made = subprocess.run([sys.executable, script], capture_output=True, check=True)
+    assert (ROOT / "docs" / "references.md").read_bytes() == made.stdout
+
+
+def test_each_citation_leads_to_a_work_and_each_work_is_cited():
+    works = re.findall(r"^@\w+\{(\w+),$", (ROOT / "docs" / "references.bib").read_text(), re.M)
+    headings = re.findall(r"^## (\w+)$", (ROOT / "docs" / "references.md").read_text(), re.M)
+    assert headings == sorted(set(works))
+    assert len(works) == len(headings)
+    cited = {
+        key
+        for page in PAGES
+        for key in re.findall(r"\]\((?:docs/)?references\.md#(\w+)\)", page.read_text())
+    }
+    assert cited == set(works)
+
+
+def test_costs_on_the_page_of_performance_are_those_of_the_kept_tables():
+    page = " ".join((ROOT / "docs" / "performance.md").read_text().split())
+    costs = pd.read_csv(ROOT / "docs" / "results" / "paper" / "rule_costs.csv").set_index("rule")
+    minutes, networks = costs["minutes"], ["scan", "search", "train"]
+    assert (
+        f"took {minutes.sum():.0f} minutes of its {costs['jobs'].sum():,} jobs, "
+        f"{minutes[networks].sum():.0f} of them for the scans, searches and training" in page
+    )
+    assert f"no job used more than {costs['memory_mib'].max() / 1024:.1f} GiB" in page
+    rows = [
+        [cell.strip() for cell in line.strip("|").split("|")]
+        for line in (ROOT / "benchmarks" / "measured.md").read_text().splitlines()
+        if line.startswith("|")
+    ]
+
+    def span(values):
+        return f"{min(values):g} to {max(values):g}"
+
+    loops = [row for row in rows if row[0] == "closed loop"]
+    share, textbook, scipy = ([float(row[at].rstrip(" %")) for row in loops] for at in (6, 7, 8))
+    assert f"{span(share)} % of the rate of dgemm" in page
+    assert f"{span(scipy)} times faster than SciPy" in page
+    assert f"{round(min(textbook))} to {round(max(textbook))} times faster than a textbook" in page
+    training, forecasts = ([float(row[at]) for row in rows[-4:]] for at in (2, 4))
+    assert f"{min(training):.1f} to {max(training):.1f} times as long to train" in page
+    assert f"{min(forecasts):.0f} to {max(forecasts):.0f} times as long to forecast" in page
+    slower = {row[0]: row[8] for row in rows if row[0] in ("integration", "Lyapunov exponents")}
+    faster = "{integration} times faster, and {Lyapunov exponents} times for Lyapunov exponents"
+    assert faster.format_map(slower) in page
 
 
 # -- the site --------------------------------------------------------------------------------------

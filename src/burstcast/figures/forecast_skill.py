@@ -21,7 +21,7 @@ FIGURE = Declaration(
 
 _LABELS = {"f_score": medians.LABELS["f_score"], "brier_skill": "Brier skill score"}
 _LOWEST = -0.1
-"""Skills below are cut off: they are no use to anybody, and would squeeze the others."""
+"""Lower end of the axis of skill: values below it would compress the others."""
 
 
 @style.styled

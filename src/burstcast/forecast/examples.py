@@ -120,7 +120,7 @@ def forecast_outcomes(
 
 @dataclass(frozen=True)
 class HorizonExample:
-    """An event and the starts from which it was last forecast in vain, then with success."""
+    """An event, the last starting point that failed to forecast it, and the first that did."""
 
     event: int
     #: tau_e of the last evaluations, the successful one at the end

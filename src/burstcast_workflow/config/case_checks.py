@@ -160,7 +160,7 @@ class CaseChecks:
             )
 
     def _left_out(self, case: Case, others: str) -> Iterator[str]:
-        """Whether something is left to learn from without a training series."""
+        """Checks that leave-one-out calibration has at least two training series."""
         if not self.config.probability.calibration_series and case.training.series < 2:
             yield (
                 "training.series is 1, but probabilities are calibrated on series that are left "
@@ -309,7 +309,7 @@ class CaseChecks:
                 continue
             try:
                 strategy = plan.make()
-            except ValueError:  # told with the block
+            except ValueError:  # reported for the block
                 continue
             with listing(problems, f"control.strategies[{index}]"):
                 schedule = Schedule(
@@ -330,7 +330,7 @@ class CaseChecks:
     def _lags(self, case: Case) -> Iterator[str]:
         """Whether lags of a precursor, or starting points of classifiers, do not fit the steps."""
         sections, steps = {name for kind in self.kinds for name in sections_of_kind(kind)}, FINE
-        with suppress(ValueError):  # told with the case
+        with suppress(ValueError):  # reported for the case
             steps = case.steps_per_lyapunov_time or FINE
         said = self.config.forecasters
         try:
@@ -377,7 +377,7 @@ class CaseChecks:
             ]
             factors = _factors(config, cases)
         except ValidationError:
-            return  # told with the case
+            return  # reported for the case
         except ValueError as error:
             yield f"forecasters.aware: {error}"
             return

@@ -134,7 +134,7 @@ def said_by_class(system: str) -> Config:
     """Defaults of cases from the class of a system; empty if there is no such class."""
     try:
         said = system_class(system).case_defaults
-    except (ValueError, TypeError):  # told with the case
+    except (ValueError, TypeError):  # reported for the case
         return {}
     result: Config = canonical(dict(said), f"case_defaults of the system {system}")
     return result
@@ -146,7 +146,7 @@ _INITIAL = ("initial_state", "perturbed_component", "perturbation")
 def _draws_initial_states(system: str) -> bool:
     try:
         return has_own(system_class(system), "sample_initial_states")
-    except (ValueError, TypeError):  # told with the case
+    except (ValueError, TypeError):  # reported for the case
         return False
 
 

@@ -269,7 +269,7 @@ def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
     if not votes(strategy_class(block.strategy)):
         yield f"{place}.committee: {block.strategy} has no votes; leave it out"
     for share in shares:
-        if not isinstance(share, float):  # told with the settings
+        if not isinstance(share, float):  # reported for the settings
             continue
         if not 0 < share <= 1:
             yield (

@@ -231,7 +231,7 @@ class Part(Section):
     """A part of a section."""
 
     def dump(self) -> dict[str, Any]:
-        """Settings that were said, in canonical form."""
+        """Explicitly given settings, in canonical form."""
         plain: dict[str, Any] = canonical(self.model_dump(exclude_unset=True))
         return plain
 

@@ -75,7 +75,7 @@ def load(
 
 
 def misread(paths: Iterable[str | Path]) -> list[str]:
-    """Find what YAML reads otherwise than it looks: keys that are there twice, 0400, 6:40, dates.
+    """Find pitfalls of YAML: duplicate keys, octal (0400) and sexagesimal (6:40) numbers, dates.
 
     ``list of str``: A message for each, with file, line, setting, and what to write.
     """

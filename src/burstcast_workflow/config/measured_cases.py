@@ -167,7 +167,7 @@ def space_named(record: Mapping[str, Any]) -> StateSpace | None:
     try:
         space = make_space(record["system"], record.get("parameters", {}))
         return space if space.dimension else None  # it is known once the observable is understood
-    except (ValueError, TypeError):  # told with the case
+    except (ValueError, TypeError):  # reported for the case
         return None
 
 

@@ -1,4 +1,4 @@
-"""Settings that scripts declare, read off their text: their imports would take seconds to load."""
+"""Finds the settings of a script in its source: importing the script would take seconds."""
 
 import ast
 from collections.abc import Iterator

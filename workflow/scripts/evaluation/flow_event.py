@@ -1,4 +1,4 @@
-"""Find an event of the test series whose flow is worth seeing, and forecast it."""
+"""Select the event of the test series for the figures of the flow, and forecast it."""
 
 import numpy as np
 
@@ -19,7 +19,7 @@ LEAD_LT, LONGEST_LT = 0.25, 6.0
 
 
 class FlowEvent(Forecasting, Washed, Observed, Tested):
-    """An event whose flow is worth seeing."""
+    """Settings of the selection of an event for the figures of the flow."""
 
     event_threshold: float = at("case.event_threshold")
     quiet_lt: float = at("figures.flow_event", "quiet_lt")
