@@ -101,6 +101,14 @@ def claims_table(tables: Tables) -> str:
     return table("claim", cells)
 
 
+def verdicts_of(tables: Tables) -> dict[str, int]:
+    """How many claims agree, nearly or undecidedly, in part, or not."""
+    verdicts = [one.find(tables).agrees for one in CLAIMS]
+    counts = {one: verdicts.count(one) for one in ("yes", "no")}
+    counts["nearly"] = sum(one in ("nearly", "undecided") for one in verdicts)
+    return {**counts, "claims": len(CLAIMS), "mixed": len(CLAIMS) - sum(counts.values())}
+
+
 def verdict(kind: str, paper: float, low: float, high: float, digit: float = 0.0) -> str:
     """Whether our interval is equivalent to the paper's number, by the margin of its kind.
 

@@ -1,9 +1,8 @@
-"""Comparisons on docs/results.md that take more than one row of a table."""
+"""Comparisons on pages of results that take more than one row of a table."""
 
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,6 @@ import pandas as pd
 from kept_tables import PUBLISHED, Part, Tables, part, published_rows, published_value
 from scipy.stats import t as student
 
-from burstcast.arrays import FloatArray
 from burstcast.data.training_realisations import realisation_of
 from burstcast.files.tables import read_table
 from burstcast.statistics.analysis_of_variance import mean_and_margin
@@ -288,29 +286,6 @@ def extremes(rows: pd.DataFrame, column: str) -> pd.DataFrame:
     """Least and largest value of the networks of each kind."""
     of_kind = rows.groupby("forecaster", sort=False)[column]
     return of_kind.agg(least="min", largest="max").reset_index()
-
-
-def draw_readouts(tables: Tables, path: Path) -> None:
-    """Draw F-score and PH_ee against the size, one curve for each readout."""
-    from matplotlib.figure import Figure  # the page itself is made without it
-
-    figure = Figure(figsize=(7.0, 3.0), layout="constrained")
-    for axes, score in zip(figure.subplots(1, 2), (f_score(3.0), HORIZON), strict=True):
-        found = over_sets(tables, score)
-        for number, (name, curve) in enumerate(found.groupby("readout", sort=False)):
-            sizes: FloatArray = curve["neurons"].to_numpy() * 1.02 ** (number - 2)
-            axes.errorbar(
-                *(sizes, curve["mean"], curve["high"] - curve["mean"]),
-                **{"label": name, "marker": "osD^v"[number], "markersize": 4},
-                **{"linewidth": 1, "capsize": 2},
-            )
-        axes.set_xscale("log", base=2)
-        ticks = sorted(found["neurons"].unique())
-        axes.set_xticks(ticks, [f"{size:g}" for size in ticks])
-        axes.set_xlabel("neurons")
-        axes.set_ylabel(score.title)
-    axes.legend(fontsize=7, frameon=False, loc="lower right")
-    figure.savefig(path, dpi=150)
 
 
 # -- bursts of turbulence --------------------------------------------------------------------------

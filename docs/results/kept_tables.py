@@ -1,4 +1,4 @@
-"""The kept tables of finished campaigns, and how their numbers stand on docs/results.md.
+"""The kept tables of finished campaigns, and how their numbers stand on pages.
 
 A cell is a template over the columns of a row, such as ``{p50:.3f} ({low:.3f}–{high:.3f})``. Of
 several, separated by ``||``, the first is taken whose numbers are all known.

@@ -1,23 +1,29 @@
-"""docs/results.md, made of the tables of campaigns that were run: ``make results``.
+"""docs/results.md and a page for each campaign, from tables that were kept: ``make results``.
 
-The page is page.md.jinja rendered with tables and numbers; no number is typed. Beside it are the
-figure of the readouts and published_values.csv.
+Pages are the templates in ``pages``, rendered with tables and numbers; no number is typed. Beside
+them are two figures and published_values.csv.
 """
 
 import re
 from collections.abc import Callable
 from functools import cache, partial
+from pathlib import Path
 from textwrap import TextWrapper
 
 import claims
 import comparisons
+import drawings
 import jinja2
 import kept_tables
 import pandas as pd
 from kept_tables import KEPT, Part, Tables, text
 
-PAGE = KEPT.parent / "results.md"
-TEMPLATE = "page.md.jinja"
+from burstcast.figures.parts.style import render
+
+DOCS = KEPT.parent
+TEMPLATES = KEPT / "pages"
+FINDINGS = "results"
+"""The page that opens docs/results.md; all others lie in docs/results."""
 PUBLISHED_VALUES = KEPT / "published_values.csv"
 
 
@@ -89,10 +95,10 @@ def compared() -> pd.DataFrame:
     return comparisons.beside_published(Tables(KEPT / "paper"))
 
 
-def page() -> str:
-    """The text of docs/results.md."""
+def pages() -> dict[Path, str]:
+    """Texts of docs/results.md and of the pages of campaigns, by file."""
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(KEPT),
+        loader=jinja2.FileSystemLoader(TEMPLATES),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
@@ -100,21 +106,29 @@ def page() -> str:
     )
     environment.filters["share"] = lambda value: text("{value:share}", {"value": value})
     environment.filters["signed"] = lambda value: f"{value:+.3f}"
-    text_of_page = environment.get_template(TEMPLATE).render(
-        {**vars(kept_tables), **vars(comparisons)},
-        kept=cache(lambda name: Tables(KEPT / name)),
-        said=said,
-        trio=trio,
-        in_units=in_units,
-        readout_of=readout_of,
-        trusted=trusted,
-        compared=compared(),
-        claims_table=claims.claims_table,
-        margins_table=claims.margins_table,
-        not_kept=claims.NOT_KEPT,
-        concat=partial(pd.concat, ignore_index=True),
-    )
-    return wrapped(text_of_page)
+    environment.globals |= {
+        **vars(kept_tables),
+        **vars(comparisons),
+        "kept": cache(lambda name: Tables(KEPT / name)),
+        "said": said,
+        "trio": trio,
+        "in_units": in_units,
+        "readout_of": readout_of,
+        "trusted": trusted,
+        "compared": compared(),
+        "verdicts_of": claims.verdicts_of,
+        "claims_table": claims.claims_table,
+        "margins_table": claims.margins_table,
+        "not_kept": claims.NOT_KEPT,
+        "concat": partial(pd.concat, ignore_index=True),
+    }
+    names = (TEMPLATES / "names.jinja").read_text(encoding="utf-8")
+    found = {}
+    for template in sorted(TEMPLATES.glob("*.md.jinja")):
+        name = template.name.removesuffix(".jinja")
+        body = environment.from_string(names + template.read_text(encoding="utf-8"))
+        found[(DOCS if name == f"{FINDINGS}.md" else KEPT) / name] = wrapped(body.render())
+    return found
 
 
 def published_values() -> str:
@@ -123,6 +137,11 @@ def published_values() -> str:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")
+    for path, page in pages().items():
+        path.write_text(page, encoding="utf-8")
     PUBLISHED_VALUES.write_text(published_values(), encoding="utf-8")
-    comparisons.draw_readouts(Tables(KEPT / "readout"), KEPT.parent / "images" / "readout.png")
+    for name, figure in (
+        ("readout", drawings.draw_readouts(Tables(KEPT / "readout"))),
+        ("published_scores", drawings.draw_published_scores(Tables(KEPT / "paper"))),
+    ):
+        (DOCS / "images" / f"{name}.png").write_bytes(render(figure, "png"))

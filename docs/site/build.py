@@ -51,6 +51,10 @@ NAVIGATION = {
     "Results and method": [
         *("results", "related_work", "references", "method", "solver", "performance"),
     ],
+    "Campaigns": [
+        *("results/paper", "results/beyond_the_paper", "results/readout", "results/authors"),
+        *("results/noise_sweep", "results/aware", "results/learnt_precursor", "results/kolmogorov"),
+    ],
     "How it is built": [
         *("architecture", "extending", "selective_rebuilds", "decisions"),
         "repository/CONTRIBUTING",
@@ -88,10 +92,15 @@ def _relinked(text: str, source: Path, page: str) -> str:
     return _LINK.sub(link, text)
 
 
+def _pages_of_docs() -> list[Path]:
+    """Pages in docs, with those of the results of campaigns."""
+    return [*DOCS.glob("*.md"), *DOCS.glob("results/*.md")]
+
+
 def _linked_files() -> set[Path]:
     """Files outside of docs that pages link to, directly or through one another."""
     found = {ROOT / "CONTRIBUTING.md"}
-    waiting = [*DOCS.glob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+    waiting = [*_pages_of_docs(), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
     seen = set(waiting)
     while waiting:
         page = waiting.pop()
@@ -310,7 +319,7 @@ def breakable(text: str) -> str:
 def pages(drawn: Mapping[str, str]) -> dict[str, str]:
     """Text of all pages by their address in the site."""
     found = api_pages()
-    for path in [*DOCS.glob("*.md"), *(one for one in _linked_files() if one.suffix == ".md")]:
+    for path in [*_pages_of_docs(), *(one for one in _linked_files() if one.suffix == ".md")]:
         name = _in_site(path)
         found[name] = _relinked(path.read_text(encoding="utf-8"), path, name)
     found |= {f"{name}.md": notebook_page(name, one) for name, one in _notebooks().items()}

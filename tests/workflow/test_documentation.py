@@ -19,7 +19,8 @@ from helpers_rebuilds import Project
 from PIL import Image
 
 ROOT = Path(__file__).parents[2]
-PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+PAGES = sorted(ROOT.glob("README.md")) + sorted((ROOT / "docs").glob("*.md"))
+PAGES += sorted((ROOT / "docs" / "results").glob("*.md"))
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
 # programs of the reader's system, which no test can run
 OF_OTHERS = ("squeue", "scancel", "sacct", "tail", "ls", "find", "export", "git", "cd")
