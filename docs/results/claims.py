@@ -26,7 +26,7 @@ AN_ORDER = 10.0
 MARGINS = {
     "a share of series": ("relative", 0.05),
     "Lyapunov exponent": ("relative", 0.03),
-    "how often events follow": ("relative", 0.1),
+    "how often events follow": ("relative", 0.15),
     "precision, recall, F-score": ("absolute", 0.05),
     "the same where they are largest": ("absolute", 0.01),
     "PH_ee": ("LT", 0.5),
