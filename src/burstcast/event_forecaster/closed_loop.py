@@ -212,11 +212,11 @@ def _result(flows: ControlledFlows, forecaster: EventForecaster) -> ControlledSy
     generator = random_streams.stream(forecaster.random_seed, "control", forecaster.case)
     scores = flow_intervals(score_flows(sample, _RESAMPLES, generator), sample, _CONFIDENCE)
     from_now = slice(flows.timing.first_look, None)
+    samples = flows.timing.length - flows.timing.first_look
     assert flows.uncontrolled_states is not None
     assert flows.controlled_states is not None
     return ControlledSystem(
-        time=np.arange(flows.timing.length - flows.timing.first_look)
-        * forecaster.sampling_interval,
+        time=forecaster.sampling_interval * np.arange(samples, dtype=np.float64),
         free_states=flows.uncontrolled_states[:, from_now],
         states=flows.controlled_states[:, from_now],
         free_observable=flows.uncontrolled[:, from_now],
