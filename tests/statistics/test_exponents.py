@@ -348,10 +348,11 @@ def test_noise_has_no_exponent(series, monkeypatch):
     assert estimate(series, 1.0).low > 0  # the growth alone does not tell
 
 
-def test_a_surrogate_is_noise_with_the_spectra_and_values_of_the_series():
+@pytest.mark.parametrize("normal", [False, True])
+def test_a_surrogate_is_noise_with_the_spectra_and_values_of_the_series(normal):
     one = autoregressive(0.9, (12, 4000, 1))
     series = np.concatenate([one, np.roll(one, 5, axis=1)], axis=2)  # five steps later
-    found = surrogate(series, np.random.default_rng(1))
+    found = surrogate(series, np.random.default_rng(1), normal=normal)
     np.testing.assert_array_equal(*(np.sort(a.reshape(-1, 2), axis=0) for a in (found, series)))
     for lag in (0, 1, 5, 20):
         before, after = slice(0, 4000 - lag), slice(lag, 4000)
@@ -360,9 +361,8 @@ def test_a_surrogate_is_noise_with_the_spectra_and_values_of_the_series():
     assert abs(np.corrcoef(found[..., 0].ravel(), series[..., 0].ravel())[0, 1]) < 0.1
     # the odd moments in time of a deterministic series are gone
     lorenz = lorenz_series(4, 2000)
-    rise = [
-        np.diff(a[..., 2], axis=1) for a in (lorenz, surrogate(lorenz, np.random.default_rng(1)))
-    ]
+    noise = surrogate(lorenz, np.random.default_rng(1), normal=normal)
+    rise = [np.diff(series[..., 2], axis=1) for series in (lorenz, noise)]
     skewness = [(one**3).mean() / one.std() ** 3 for one in rise]
     assert abs(skewness[0]) > 5 * abs(skewness[1])
 
