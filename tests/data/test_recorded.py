@@ -339,7 +339,12 @@ def test_runs_are_cut_into_blocks_of_a_duration():
         ({}, ["u", "vv"], "u", "no column 'vv' .did you mean 'v'"),
         ({}, ["u"], "u + w", "run_1.csv: there is no column 'w'"),
         ({}, ["u", "w = a b"], "u", "no column 'a b', and 'a b' is no arithmetic expression$"),
-        ({}, ["u", "w = log(flow rate)"], "u", "'flow rate' can stand alone.*: rename the column"),
+        (
+            {},
+            ["u", "w = log(flow rate [l/s])"],
+            "u",
+            r"'flow rate \[l/s\]' can stand alone.*: rename the column",
+        ),
         (
             {"u": np.array([0.0, 1, np.nan, 2, np.nan])},
             ["u"],
