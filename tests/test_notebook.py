@@ -86,6 +86,14 @@ def test_control_by_what_if(run):
         np.testing.assert_array_equal(control.states[flow, :stop], control.free_states[flow, :stop])
 
 
+def test_forecast_and_control_of_lorenz_96(run):
+    names, said, shown = run("lorenz96")
+    np.testing.assert_allclose(said, shown, rtol=0.2, atol=0.02)
+    scores = names["run"].scores
+    assert scores["exceedance_controlled"].high < 0.1 * scores["exceedance_uncontrolled"].low
+    assert scores["control_fraction"].value < 0.1
+
+
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_it_was_executed_from_top_to_bottom(path):
     cells = code_cells(path)
