@@ -77,13 +77,21 @@ def test_a_record_with_gaps(run):
 def test_control_by_what_if(run):
     names, said, shown = run("what_if")
     np.testing.assert_allclose(said, shown, rtol=0.2, atol=0.02)
-    free, controlled = names["free"], names["controlled"]
-    assert free.shape == controlled.shape
-    assert (controlled >= 41).mean() < 0.2 * (free >= 41).mean()
+    control = names["run"]
+    above = [(values >= 41).mean() for values in (control.free_observable, control.observable)]
+    assert above[1] < 0.2 * above[0]
     # before its first actuation a flow is the free one
-    first = np.argmax(names["actuated"], axis=1)
+    first = np.argmax(control.actuated, axis=1)
     for flow, stop in enumerate(first):
-        np.testing.assert_allclose(controlled[flow, :stop], free[flow, :stop], rtol=1e-6)
+        np.testing.assert_array_equal(control.states[flow, :stop], control.free_states[flow, :stop])
+
+
+def test_forecast_and_control_of_lorenz_96(run):
+    names, said, shown = run("lorenz96")
+    np.testing.assert_allclose(said, shown, rtol=0.2, atol=0.02)
+    scores = names["run"].scores
+    assert scores["exceedance_controlled"].high < 0.1 * scores["exceedance_uncontrolled"].low
+    assert scores["control_fraction"].value < 0.1
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)

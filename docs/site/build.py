@@ -44,7 +44,7 @@ LIBRARY = ROOT / "src" / "burstcast"
 NAVIGATION = {
     "Run and change": ["installing", "settings", "figures", "tables", "errors", "cluster"],
     "Your data, system, model": [
-        *("notebook", "event_forecast", "own_data", "what_if", "campaign"),
+        *("notebook", "event_forecast", "own_data", "lorenz96", "what_if", "campaign"),
         *("tutorial_data", "data_recipes", "real_records", "tutorial", "fitzhugh_nagumo", "aware"),
         "sensors",
     ],

@@ -2,11 +2,15 @@
 
 
 def __getattr__(name: str) -> object:
-    """Load the estimator on first access: ``import burstcast`` loads nothing."""
+    """Load what is exported on first access: ``import burstcast`` loads nothing."""
     if name == "EventForecaster":
         from burstcast.event_forecaster.forecaster import EventForecaster
 
         return EventForecaster
+    if name == "control_system":
+        from burstcast.event_forecaster.closed_loop import control_system
+
+        return control_system
     if name == "__version__":
         from importlib.metadata import version
 
@@ -15,4 +19,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), "EventForecaster", "__version__"])
+    return sorted([*globals(), "EventForecaster", "__version__", "control_system"])

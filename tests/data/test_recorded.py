@@ -338,7 +338,13 @@ def test_runs_are_cut_into_blocks_of_a_duration():
         ({}, ["w"], "u", "run_1.csv: there is no column 'w'.*the columns are u, v, flow rate"),
         ({}, ["u", "vv"], "u", "no column 'vv' .did you mean 'v'"),
         ({}, ["u"], "u + w", "run_1.csv: there is no column 'w'"),
-        ({}, ["u", "w = a b"], "u", "no column 'a b', and 'a b' is no arithmetic expression"),
+        ({}, ["u", "w = a b"], "u", "no column 'a b', and 'a b' is no arithmetic expression$"),
+        (
+            {},
+            ["u", "w = log(flow rate [l/s])"],
+            "u",
+            r"'flow rate \[l/s\]' can stand alone.*: rename the column",
+        ),
         (
             {"u": np.array([0.0, 1, np.nan, 2, np.nan])},
             ["u"],
@@ -545,3 +551,18 @@ def test_in_a_notebook(tmp_path, monkeypatch):
 
 def test_every_recipe_is_run():
     assert len(RECIPES) == len(CASES) + 1
+
+
+@pytest.mark.parametrize("missing", [[], [2], [3], [2, 3], [25]])
+def test_a_local_clock_in_autumn_with_hours_that_the_record_lacks(missing, tmp_path, monkeypatch):
+    hours = pd.date_range("2021-10-30T22:00", periods=30, freq="h", tz="UTC")
+    there = np.setdiff1d(np.arange(30), missing)  # 2 and 3 are both shown as two o'clock
+    local = hours.tz_convert("Europe/Berlin").tz_localize(None)
+    table = pd.DataFrame({"time": local, "u": range(30)}).iloc[there]
+    table.to_csv(tmp_path / "raw.csv", index=False)
+    monkeypatch.chdir(tmp_path)
+    exec(recipe("raw.csv: times of a clock"), {})
+    found = pd.read_csv("lab.csv", parse_dates=["time"])
+    assert (hours[found["u"]] == found["time"]).all()
+    lost = {2, 3} if len({2, 3} & set(missing)) == 1 else set()
+    assert set(there) - set(found["u"]) <= lost

@@ -23,6 +23,7 @@ from burstcast.statistics.neighbour_divergence import (
     NoExponentError,
     correlation_steps,
     neighbour_divergence,
+    surrogate,
 )
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
@@ -314,15 +315,56 @@ def test_what_does_not_part_or_is_too_coarse_has_no_exponent(series, message):
 
 
 def test_an_exponent_that_cannot_be_told_from_zero_is_none():
-    walks = [np.random.default_rng(n).normal(size=(3, 90, 2)).cumsum(axis=1) for n in range(8)]
-    refused = []
-    for walk in walks:
-        try:
-            found = estimate(walk, 1.0)
-            assert 0 < found.low < found.high
-        except NoExponentError as error:
-            refused.append(str(error))
-    assert any(re.search(r"\(-.* to .*\), cannot be told from 0", one) for one in refused)
+    messages = []
+    for seed in range(8):
+        walk = np.random.default_rng(seed).normal(size=(3, 90, 2)).cumsum(axis=1)
+        with pytest.raises(NoExponentError) as refused:
+            estimate(walk, 1.0)
+        messages.append(str(refused.value))
+    assert any(re.search(r"\(-.* to .*\), cannot be told from 0", one) for one in messages)
+
+
+def autoregressive(factor, shape):
+    noise = np.random.default_rng(8).normal(size=shape)
+    for step in range(1, shape[1]):
+        noise[:, step] += factor * noise[:, step - 1]
+    return noise
+
+
+@pytest.mark.parametrize(
+    "series",
+    [
+        autoregressive(0.0, (4, 1000, 1)),
+        autoregressive(0.99, (4, 1000, 3)),
+        autoregressive(1.0, (4, 1000, 2)),
+        np.exp(0.5 * autoregressive(0.9, (8, 1500, 1))),
+    ],
+    ids=["white noise", "autoregressive", "random walk", "exponentials"],
+)
+def test_noise_has_no_exponent(series, monkeypatch):
+    with pytest.raises(NoExponentError, match="as fast as those of noise"):
+        estimate(series, 1.0)
+    monkeypatch.setattr(neighbours, "LEAST_DEPARTURE", -np.inf)
+    assert estimate(series, 1.0).low > 0  # the growth alone does not tell
+
+
+@pytest.mark.parametrize("normal", [False, True])
+def test_a_surrogate_is_noise_with_the_spectra_and_values_of_the_series(normal):
+    one = autoregressive(0.9, (12, 4000, 1))
+    series = np.concatenate([one, np.roll(one, 5, axis=1)], axis=2)  # five steps later
+    found = surrogate(series, np.random.default_rng(1), normal=normal)
+    np.testing.assert_array_equal(*(np.sort(a.reshape(-1, 2), axis=0) for a in (found, series)))
+    for lag in (0, 1, 5, 20):
+        before, after = slice(0, 4000 - lag), slice(lag, 4000)
+        products = [np.einsum("nti,ntj->ij", a[:, after], a[:, before]) for a in (found, series)]
+        np.testing.assert_allclose(*(one / 48000 for one in products), atol=0.5)
+    assert abs(np.corrcoef(found[..., 0].ravel(), series[..., 0].ravel())[0, 1]) < 0.1
+    # the odd moments in time of a deterministic series are gone
+    lorenz = lorenz_series(4, 2000)
+    noise = surrogate(lorenz, np.random.default_rng(1), normal=normal)
+    rise = [np.diff(series[..., 2], axis=1) for series in (lorenz, noise)]
+    skewness = [(one**3).mean() / one.std() ** 3 for one in rise]
+    assert abs(skewness[0]) > 5 * abs(skewness[1])
 
 
 def test_shear_flow():

@@ -22,6 +22,7 @@ from burstcast.systems.compiled import hindrance
 from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.lorenz96 import Lorenz96
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.registry import available_systems, make_system, system_module
 from burstcast_workflow.commands.command_line import main
@@ -29,7 +30,7 @@ from kolmogorov_flow import KolmogorovFlow
 
 
 def test_systems_are_made_by_name_with_defaults_and_integers():
-    assert available_systems() == ["fitzhugh_nagumo", "lorenz63", "mfe"]
+    assert available_systems() == ["fitzhugh_nagumo", "lorenz63", "lorenz96", "mfe"]
     assert make_system("mfe", {"reynolds": 400}) == MoehlisFaisstEckhardt(400.0)
     assert make_system("lorenz63", {}) == Lorenz63()
     system = make_system("mfe", {"reynolds": 600.0, "length_x": 5.0})
@@ -160,9 +161,9 @@ def test_one_broken_module_spoils_no_other(monkeypatch, tmp_path):
     (tmp_path / "unfinished.py").write_text(OWN.replace("def observable", "def observed"))
     monkeypatch.setattr(burstcast.systems, "__path__", [*burstcast.systems.__path__, str(tmp_path)])
     assert make_system("lorenz63", {}) == Lorenz63()
-    assert available_systems() == ["fitzhugh_nagumo", "lorenz63", "mfe", "several"]
+    assert available_systems() == ["fitzhugh_nagumo", "lorenz63", "lorenz96", "mfe", "several"]
     for name, error, message in (
-        ("lorenz36", ValueError, r"did you mean 'lorenz63'\?\); the available systems are f"),
+        ("lorentz63", ValueError, r"did you mean 'lorenz63'\?\); the available systems are f"),
         ("broken", ValueError, r"broken\.py, line 1: SyntaxError"),
         ("unfinished", ValueError, r"class Circle of .*unfinished lacks observable"),
         ("several", TypeError, "must define one system, not several: Circle, Square"),
@@ -177,6 +178,7 @@ EVERY = {
     "lorenz": Lorenz63(),
     "other lorenz": Lorenz63(9.0, 20.0, 2.5),
     "pair": FitzHughNagumoPair(),
+    "lorenz 96": Lorenz96(variables=9),
     "shear flow": MoehlisFaisstEckhardt(400.0),
     "narrow shear flow": MoehlisFaisstEckhardt(250.0, 3.0, 7.0),
     "polynomials": PolynomialSystem(TERMS, 3, Lorenz63()),

@@ -171,6 +171,15 @@ ENSEMBLE = {
 }
 
 
+def test_a_case_of_lorenz_96_has_any_number_of_variables(config):
+    entry = {"parameters": {"variables": 10}, "actuation": {"parameters": {"forcing": 6}}}
+    few = {"ensemble": {"series": 60}, "lyapunov": {"series": 20}, "test_series": 30}
+    record = lorenz(config, system="lorenz96", **entry, **few)
+    assert record["event_threshold"]["quantile"] == 0.95
+    assert record["ensemble"]["initial_state"] is None  # the system draws them
+    assert record["parameters"] == {"variables": 10}
+
+
 def test_a_case_of_another_system_starts_from_what_its_class_says(config):
     """Independent of the code: all that a Lorenz case has, written down by hand."""
     cooled = {"parameters": {"rho": 20}}

@@ -13,7 +13,7 @@ import numpy as np
 from burstcast.arrays import BoolArray, ByteArray, FloatArray
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.forced import forced_system
-from burstcast.systems.parameters import SHARE, Parameters
+from burstcast.systems.parameters import SHARE, Parameters, SystemParameters
 
 REVERSED = 2
 """Number of the reversed actuation: 0 is none, 1 the actuation."""
@@ -82,6 +82,20 @@ class ActuationValues:
     off: tuple[float, ...]
     on: tuple[float, ...]
     reversed: tuple[float, ...] = ()  #: likewise; empty: the actuation cannot be reversed
+
+    @classmethod
+    def of(
+        cls,
+        names: Sequence[str],
+        system: DynamicalSystem,
+        actuated: DynamicalSystem,
+        strength: float,
+    ) -> "ActuationValues":
+        """Values of parameters by name: of the equations, or the share of the actuator alone."""
+        if list(names) == [SHARE]:
+            return cls((0.0,), (strength,), (-strength,))
+        off, on = (SystemParameters.of(one, names).own for one in (system, actuated))
+        return cls(off, on)
 
     def schedule(self, acting: ByteArray | BoolArray) -> FloatArray:
         """Schedule ``(steps, parameters, batch)`` of an actuator.

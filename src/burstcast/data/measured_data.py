@@ -99,7 +99,14 @@ class Quantity:
             if self.source.isidentifier():
                 names = (self.source,)
             else:
-                raise ValueError(f"there is no column {self.source!r}, and {error}") from None
+                inside = [one for one in known if one in self.source and not one.isidentifier()]
+                hint = (
+                    f": {max(inside, key=len)!r} can stand alone, but in an expression names have "
+                    "letters, digits and _ only: rename the column in the record"
+                    if inside
+                    else ""
+                )
+                raise ValueError(f"there is no column {self.source!r}, and {error}{hint}") from None
         for name in names:
             if name not in known:
                 alike = [one for one in known if normalize("NFKC", one) == normalize("NFKC", name)]

@@ -19,7 +19,6 @@ from burstcast.encoders.channels import IDENTITY, EncodedFlow, StateChannels, en
 from burstcast.files.netcdf import read_netcdf, read_record, read_rows
 from burstcast.observation.part import ObservedPart
 from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.parameters import SHARE, SystemParameters
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import MEASURED
 from burstcast_workflow.harness.settings import at
@@ -74,7 +73,10 @@ class Controlled(Forecasting, Washed, Training):
         experiment = replace(self.experiment(ensemble, summary), sensor=sensor)
         if strategy.told:
             assert aware is not None
-            experiment = replace(experiment, values=self._values(experiment, aware["parameters"]))
+            values = ActuationValues.of(
+                aware["parameters"], experiment.system, experiment.actuated_system, self.strength
+            )
+            experiment = replace(experiment, values=values)
         asked: list[Any] = []
         if forecasters:  # the options of none concern no job
             case = self.forecasting_case(aware=aware, actuation=self.actuation)
@@ -135,13 +137,6 @@ class Controlled(Forecasting, Washed, Training):
             root_seed=self.random_seed,
             case=self.case,
         )
-
-    def _values(self, experiment: ControlExperiment, names: Sequence[str]) -> ActuationValues:
-        """Parameter values for forecasters, with the actuator off and on."""
-        off = self.known(names, self.actuation)
-        if list(names) == [SHARE]:
-            return ActuationValues(off.own, (self.strength,), (-self.strength,))
-        return ActuationValues(off.own, SystemParameters.of(experiment.actuated_system, names).own)
 
 
 def sensor_of(

@@ -1,0 +1,261 @@
+"""Control of a system by an event forecaster: the closed loop of campaigns, for a user's system."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from burstcast import random_streams
+from burstcast.arrays import BoolArray, FloatArray
+from burstcast.control.actuation import ActuationValues, actuated_system, reversed_actuation
+from burstcast.control.controllers import controlling_policy, votes
+from burstcast.control.experiment import ControlExperiment, noise_of_flows
+from burstcast.control.loop import ControlledFlows
+from burstcast.control.records import (
+    COSTS,
+    FlowSample,
+    Interval,
+    Span,
+    flow_intervals,
+    record_flows,
+    score_flows,
+)
+from burstcast.control.strategies.base import ControlStrategy
+from burstcast.control.timing import Schedule
+from burstcast.data.dataset import component_scales
+from burstcast.event_forecaster.forecaster import EventForecaster
+from burstcast.forecasters._event_classifier import EventClassifier
+from burstcast.forecasters.registry import class_of
+from burstcast.systems.base import DynamicalSystem
+
+SCORES = (
+    "exceedance_uncontrolled",
+    "exceedance_controlled",
+    "relative_exceedance",
+    "events_per_lyapunov_time_uncontrolled",
+    "events_per_lyapunov_time_controlled",
+    "control_fraction",
+    "switchings_per_lyapunov_time",
+    *COSTS,
+)
+"""Scores of `ControlledSystem`: those of `burstcast.control.records` that every system has."""
+
+_RESAMPLES, _CONFIDENCE = 1000, 0.95
+
+
+@dataclass(frozen=True)
+class ControlledSystem:
+    """Trajectories of a system with and without control, from the same states.
+
+    Sample 0 is the last observation before control; all samples after the settling time of the
+    strategy count in the scores.
+    """
+
+    time: FloatArray  #: time of each sample in the unit of the sampling interval, ``(samples,)``
+    #: free_states, states: without and with control, ``(flow, time, component)``
+    free_states: FloatArray
+    states: FloatArray
+    #: free_observable, observable: without and with control, ``(flow, time)``
+    free_observable: FloatArray
+    observable: FloatArray
+    actuated: BoolArray  #: whether the flow came to each sample under actuation, ``(flow, time)``
+    #: by name, with 95 % intervals over flows (`SCORES`): shares of the time at or above the event
+    #: threshold without and with control, and their quotient; events per unit of durations; share
+    #: of the time under actuation; how often it is switched on per unit of durations; mean length
+    #: of the force that acts as the actuation (effort), and its mean power
+    scores: Mapping[str, Interval]
+
+
+def control_system(
+    system: DynamicalSystem,
+    forecaster: EventForecaster,
+    strategy: ControlStrategy,
+    series: Any,
+    *,
+    duration: float,
+    actuation: Mapping[str, float] | None = None,
+    force: Sequence[float] | None = None,
+    strength: float = 1.0,
+    delay: float = 0.0,
+    pulse: tuple[float, float] = (-1.0, 1.5),
+    noise: float = 0.0,
+    sampling_stride: int | None = None,
+) -> ControlledSystem:
+    """Control a system by the forecasts of a fitted event forecaster.
+
+    Durations are those of the forecaster: in Lyapunov times, or in samples where it has no Lyapunov
+    time; so are the settings of strategies whose names end in ``_lt``.
+
+    Parameters
+    ----------
+    system
+        The equations. Their states are the components of the forecaster's series, and their
+        observable is the forecaster's.
+    forecaster
+        A fitted forecaster: it forecasts for the strategy, and it sets the event threshold, the
+        washout and the unit of durations. Members of a committee or an ensemble vote.
+    strategy
+        A strategy of `burstcast.control.strategies`, such as ``RecedingHorizon(0.1, 1.0)``. One
+        that gives forecasters the actuation needs a kind that learns parameters, and the actuation
+        must change the parameters that it has learnt.
+    series
+        Observed states of the flows up to the present, ``(series, time, component)``. The last
+        washout counts, and the last state is the one that control begins from.
+    duration
+        Length of the controlled and of the free trajectories.
+    actuation
+        Parameters of the equations under actuation, by name.
+    force
+        Constant force that is added under actuation, one number per component.
+    strength
+        Share of the change of the parameters, and of the force.
+    delay
+        Time from a decision to its effect.
+    pulse
+        Actuation that an alarm for a prediction window sets off (`PredictionTriggered`): its start,
+        from the beginning of the window, and its length.
+    noise
+        Observation noise of the controlled flows, in standard deviations of each component.
+    sampling_stride
+        Integration steps of the system in a sample; None: the forecaster's.
+
+    Raises
+    ------
+    ValueError
+        If the system, the strategy or the actuation does not fit the forecaster.
+    FloatingPointError
+        If a flow leaves the range of floating-point numbers.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import burstcast
+    >>> from burstcast.control.strategies.receding_horizon import RecedingHorizon
+    >>> from burstcast.systems.integration import integrate
+    >>> from burstcast.systems.lorenz63 import Lorenz63
+    >>> start = np.array([[1.0], [1.0], [20.0]]) + np.random.default_rng(0).normal(size=(3, 20))
+    >>> series = integrate(Lorenz63(), start, 0.01, 3000, stride=2)[500:].transpose(2, 0, 1)
+    >>> forecaster = burstcast.EventForecaster(
+    ...     Lorenz63(), 40.0, kind="nvar", lyapunov_time=1.1, sampling_interval=0.02,
+    ...     sampling_stride=2, calibrate=False,
+    ... )
+    >>> forecaster = forecaster.fit(series[:10])
+    >>> run = burstcast.control_system(
+    ...     Lorenz63(), forecaster, RecedingHorizon(0.1, 0.7), series[10:, :100],
+    ...     actuation={"rho": 24.0}, duration=10,
+    ... )
+    >>> run.states.shape, run.actuated.shape
+    ((10, 551, 3), (10, 551))
+    >>> bool(run.scores["relative_exceedance"].value < 0.5)
+    True
+    """
+    states = forecaster._washouts(series)
+    _check_fit(system, forecaster, strategy)
+    stride = forecaster.sampling_stride if sampling_stride is None else sampling_stride
+    actuated = actuated_system(system, actuation or {}, force, strength)
+    values = None
+    if strategy.told:
+        names = forecaster._parameter_names
+        values = ActuationValues.of(names, system, actuated, strength)
+    reverses = bool(getattr(strategy, "push", "") or getattr(strategy, "reversible", False))
+    schedule = Schedule(
+        washout=states.shape[1],
+        quiet_lt=0.0,
+        span_lt=duration,
+        delay_lt=delay,
+        actuation_start_lt=pulse[0],
+        actuation_duration_lt=pulse[1],
+        steps_per_lyapunov_time=forecaster._timing.unit,
+        sampling_stride=stride,
+        time_step=forecaster.sampling_interval / stride,
+    )
+    strategy.check(schedule)
+    experiment = ControlExperiment(
+        system=system,
+        actuated_system=actuated,
+        reversed_system=(
+            reversed_actuation(system, force, strength) if reverses and force is not None else None
+        ),
+        threshold=forecaster.event_threshold_,
+        series=range(len(states)),
+        washouts=states,
+        quiet_starts=False,
+        schedule=schedule,
+        root_seed=forecaster.random_seed,
+        case=forecaster.case,
+        values=values,
+    )
+    members = forecaster.members_ if strategy.forecasts else []
+    alone = len(members) < 2 and (strategy.by_probability or not votes(type(strategy)))
+    policy = controlling_policy(
+        "forecaster" if alone else "committee", strategy, experiment, members
+    )
+    observed_noise = None
+    if noise:
+        length = strategy.timing(schedule).length
+        scales = component_scales(forecaster._like_training(series))
+        observed_noise = noise_of_flows(
+            experiment.series, length, noise, scales, forecaster.random_seed, forecaster.case
+        )
+    with threadpool_limits(limits=1):
+        flows = strategy.simulate(
+            experiment, policy, noise=observed_noise, keep_states=True, costs=True
+        )
+    return _result(flows, forecaster)
+
+
+def _result(flows: ControlledFlows, forecaster: EventForecaster) -> ControlledSystem:
+    costs = {} if flows.cost is None else {name: getattr(flows.cost, name) for name in COSTS}
+    sample = FlowSample(record_flows(flows, None), Span.of(flows.timing), costs)
+    generator = random_streams.stream(forecaster.random_seed, "control", forecaster.case)
+    scores = flow_intervals(score_flows(sample, _RESAMPLES, generator), sample, _CONFIDENCE)
+    from_now = slice(flows.timing.first_look, None)
+    samples = flows.timing.length - flows.timing.first_look
+    assert flows.uncontrolled_states is not None
+    assert flows.controlled_states is not None
+    return ControlledSystem(
+        time=forecaster.sampling_interval * np.arange(samples, dtype=np.float64),
+        free_states=flows.uncontrolled_states[:, from_now],
+        states=flows.controlled_states[:, from_now],
+        free_observable=flows.uncontrolled[:, from_now],
+        observable=flows.controlled[:, from_now],
+        actuated=flows.actuated[:, from_now],
+        scores={name: scores[name] for name in SCORES if name in scores},
+    )
+
+
+def _check_fit(
+    system: DynamicalSystem, forecaster: EventForecaster, strategy: ControlStrategy
+) -> None:
+    """Check that a forecaster is one of this system, and of a kind that the strategy asks."""
+    name = type(strategy).__name__
+    if system.dimension != forecaster.components_:
+        raise ValueError(
+            f"states of the system have {system.dimension} components, the series of the "
+            f"forecaster had {forecaster.components_}"
+        )
+    observable = system.observable(forecaster.reference_states_.T)
+    if not np.allclose(observable, forecaster.reference_observable_, rtol=1e-9, atol=0):
+        raise ValueError(
+            "the observable of the system differs from the forecaster's: fit the forecaster with "
+            "observable=system"
+        )
+    if strategy.told and not class_of(forecaster.kind).learns_parameters:
+        raise ValueError(
+            f"{name} gives forecasters the actuation: take a kind that learns parameters, such as "
+            "quadratic_aware"
+        )
+    if strategy.forecasts:
+        classifies = isinstance(forecaster.members_[0], EventClassifier)
+        if strategy.by_probability and not classifies:
+            raise ValueError(
+                f"{name} acts on the probabilities of a classifier: take the kind precursor or "
+                "esn_direct"
+            )
+        if classifies and not strategy.by_probability:
+            raise ValueError(
+                f"{name} needs forecasts of trajectories, which classifiers do not have: take "
+                "another kind, or ProbabilityTriggered"
+            )
