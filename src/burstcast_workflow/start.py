@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from snakemake.exceptions import WorkflowError
 
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.case_checks import extrapolations, few_points
+from burstcast_workflow.campaign.caveats import extrapolations, few_points
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF
@@ -108,7 +108,7 @@ def tell_what_is_off(campaign: Campaign) -> None:
     measured = [case for case in campaign.measured_cases if case not in campaign.encoded_cases]
     if measured:
         print(f"{', '.join(measured)}: measured series; off: {OFF}", file=sys.stderr)
-    for text in filter(None, [few_points(campaign.config), *extrapolations(campaign.config)]):
+    for text in filter(None, [few_points(campaign), *extrapolations(campaign)]):
         print(text, file=sys.stderr)
 
 

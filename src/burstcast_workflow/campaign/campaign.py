@@ -88,11 +88,14 @@ class Campaign:
     then forecasters by kind, size, strategy and seed.
 
     ``config``: The whole configuration (`burstcast_workflow.config.loading.load`).
+    ``skip_invalid``: Leave out cases with invalid settings, and their forecasters.
     """
 
-    def __init__(self, config: Mapping[str, Any]) -> None:
+    def __init__(
+        self, config: Mapping[str, Any] | Configuration, *, skip_invalid: bool = False
+    ) -> None:
         self.config = Configuration.model_validate(config)
-        self.cases = cases_of(self.config)
+        self.cases = cases_of(self.config, skip_invalid=skip_invalid)
 
     # -- members -----------------------------------------------------------------------------------
 
@@ -104,9 +107,8 @@ class Campaign:
     def _expand(self) -> Iterator[CaseForecaster]:
         for block in self.config.campaign:
             for case in block.case_names:
-                for kind, axes in block.forecasters.kinds.items():
-                    for name in _names(kind, axes):
-                        yield CaseForecaster(case, name)
+                for kind, axes in block.forecasters.kinds.items() if case in self.cases else ():
+                    yield from (CaseForecaster(case, name) for name in _names(kind, axes))
 
     @cached_property
     def networks(self) -> tuple[CaseForecaster, ...]:
@@ -436,7 +438,7 @@ class Campaign:
             forecasters = [name for name in [name_of(names)] if name.asks_forecasters]
         else:
             forecasters = [one.name for one in self.forecasters]
-        strategy = [self.plan(names["strategy"]).strategy] if "strategy" in names else []
+        strategy = [self.plan(names["strategy"]).kind] if "strategy" in names else []
         strategies = names.get("strategies")
         validations = (
             strategies.split("+") if strategies else {one.validation for one in forecasters}
@@ -457,7 +459,7 @@ class Campaign:
 
     def all_modules(self) -> dict[str, list[str]]:
         """Modules that any job reaches by a name (`modules`)."""
-        strategies = {run.plan.strategy for run in self.strategy_runs}
+        strategies = {run.plan.kind for run in self.strategy_runs}
         return {**self.modules({}), "burstcast.control.strategies": sorted(strategies)}
 
     def asked_of_series(self, case: str) -> dict[str, Any]:

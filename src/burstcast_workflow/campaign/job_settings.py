@@ -96,7 +96,7 @@ def _is_told_parameters(job: JobFacts) -> bool:
     if not job.name.asks_forecasters:
         return False
     plan = job.plan
-    told = plan and plan.make().told
+    told = plan and plan.strategy.told
     switched = job.case in job.campaign.switched_cases
     return bool(told) or switched or kind_class(job.name.kind).learns_parameters
 
