@@ -17,7 +17,7 @@ from burstcast_workflow.config.case import Encoded, Simulated
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.loading import load
 from burstcast_workflow.config.model import Choice, Configuration
-from burstcast_workflow.config.places import Place
+from burstcast_workflow.config.reference import schema_of
 from burstcast_workflow.figures.registry import (
     FIGURES,
     cases_of,
@@ -497,8 +497,8 @@ def test_keys_of_tables():
 
 
 def test_the_example_of_the_config_is_an_identifier():
-    places = {place.name: place for place in Place(Configuration).settings()}
-    (example,) = re.findall(r"esn-[\w-]+", places["figures.example_forecaster"].allowed())
+    figures = schema_of(Configuration)["$defs"]["Figures"]["properties"]
+    (example,) = re.findall(r"esn-[\w-]+", figures["example_forecaster"]["allowed"])
     assert parsed(example).identifier == example
 
 

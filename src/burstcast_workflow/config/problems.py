@@ -11,6 +11,7 @@ from burstcast_workflow.config.kinds import Section
 from burstcast_workflow.config.reference import below, schema_of, section_of, settings
 
 _LONGEST = 80
+_MOST_PLACES = 5
 _MAPPING = ("model_type", "dict_type")
 _WITHOUT_VALUE = ("missing", "extra_forbidden", "invalid_key")
 
@@ -81,5 +82,5 @@ def _meant(path: Sequence[str | int], model: type[Section]) -> str:
     known = section_of(whole, _node(path[:-1], model)).get("properties", {})
     if elsewhere := [one for one, _ in settings(whole) if one.split(".")[-1] == name]:
         near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
-        return f"did you mean {' or '.join([*near, *elsewhere])}?"
+        return f"did you mean {' or '.join([*near, *elsewhere[:_MOST_PLACES]])}?"
     return suggestion(name, known)

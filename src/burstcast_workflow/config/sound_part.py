@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from burstcast_workflow.config.case import WHOLE
 from burstcast_workflow.config.model import Configuration
 
 _ROUNDS = 10
@@ -39,7 +40,8 @@ def sound_part(
                 path = path[:-1]
             tried.add(path)
             _set_aside(repaired, path, shipped)
-            if mistake["type"] != "extra_forbidden" or path != mistake["loc"]:
+            # nothing follows from a setting that is unknown, but in what says what a case is
+            if mistake["type"] != "extra_forbidden" or path != mistake["loc"] or _is_whole(path):
                 names[_name_of(path)] = None
     return None, []
 
@@ -48,7 +50,7 @@ def _set_aside(config: Any, path: Path, shipped: Any) -> None:
     """Put the shipped value at a path, or delete the setting, or the nearest thing around it."""
     for part in path[:-1]:
         inside = config.get(part) if isinstance(config, dict) else None
-        if isinstance(config, list) and isinstance(part, int):
+        if isinstance(config, list) and isinstance(part, int) and part < len(config):
             inside = config[part]
         shipped = shipped.get(part) if isinstance(shipped, Mapping) else None
         if not isinstance(inside, dict | list):
@@ -64,6 +66,13 @@ def _name_of(path: Path) -> str:
     """Name of a setting in messages of relations: in a case, from the root of the case."""
     if path[:1] == ("campaign",):
         return "campaign"  # whatever is said of its members
+    if _is_whole(path):
+        return str(path[1])  # whatever is said of the case
     parts = path[1:] if path[:1] == ("case_defaults",) else path[2:] or path[1:]
     names = parts if path[:1] in (("case_defaults",), ("cases",)) else path
     return ".".join(str(part) for part in names if not isinstance(part, int))
+
+
+def _is_whole(path: Path) -> bool:
+    """Whether a setting is in a section that says what a case is."""
+    return path[:1] == ("cases",) and path[2:3] != () and path[2] in WHOLE

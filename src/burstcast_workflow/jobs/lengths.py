@@ -87,7 +87,8 @@ class Lengths(Washed):
                 steps_before_events(samples, counts[Lengths.longest_lead_time_lt], washout)
             judged, run = durations.steps(self.fixed_point_interval_lt, steps), self.duration
             closed_loop = samples - 1 if run is None else round(run / self.sampling_interval)
-            advice = f"{LONG_RUNS} or ensemble.duration" if run is None else LONG_RUNS
+            as_series = closed_loop == samples - 1
+            advice = f"{LONG_RUNS} or ensemble.duration" if as_series else LONG_RUNS
             with listing(problems, advice):
                 rest = FixedPointCriterion(variation=0.0, above=0.0, interval=judged)
                 if long_runs:
