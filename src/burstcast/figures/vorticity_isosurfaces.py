@@ -16,8 +16,6 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
     Line3DCollection,
     Poly3DCollection,
 )
-from scipy.ndimage import map_coordinates
-from skimage.measure import marching_cubes
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.declared import at, read
@@ -235,6 +233,10 @@ def _closed_surface(
 
     Returns corners of the triangles, ``(triangles, 3, 3)``, and their normals, ``(triangles, 3)``.
     """
+    # Planning reads what figures declare, and need not load these.
+    from scipy.ndimage import map_coordinates
+    from skimage.measure import marching_cubes
+
     # So low beyond the box that the surface closes right at its ends.
     outside = level - 1e6 * (float(scalar.max()) - level)
     vertices, faces, _, _ = marching_cubes(  # type: ignore[no-untyped-call]

@@ -35,13 +35,16 @@ InCase: TypeAlias = CaseForecaster | ControlRun
 Chosen: TypeAlias = Sequence[InCase] | Callable[[Campaign, str], Iterable[InCase]]
 
 
+_SIGNATURE = inspect.signature(lambda wildcards: None)
+
+
 def of_job(function: OfJob) -> OfJob:
     """Store the signature of a function of wildcards in the function.
 
     Snakemake inspects it several times for each job, which would take longer than calling the
     function: a tenth of the time of planning.
     """
-    function.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
+    function.__signature__ = _SIGNATURE  # type: ignore[attr-defined]
     return function
 
 
