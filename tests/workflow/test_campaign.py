@@ -12,7 +12,7 @@ from burstcast.forecasters._names import NETWORK as NETWORKS
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters.registry import available_kinds
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
-from burstcast_workflow.campaign.job_settings import settings_of_cases, settings_of_job
+from burstcast_workflow.campaign.job_settings import Job, settings_of_cases, settings_of_job
 from burstcast_workflow.config.case import Encoded, Simulated
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.loading import load
@@ -232,7 +232,7 @@ def test_settings_are_those_that_concern_a_job_and_no_other_name_is_taken(kind):
     # who sees the truth is given no noise
     assert ("case.training.noise" in found) == (kind != "equations")
     for path in ("horizon.evnts", "no_such_section", "case.trainig"):
-        with pytest.raises(KeyError):
+        with pytest.raises(LookupError, match=f"there is no setting {path}"):
             settings_of_job(PAPER, [path], job)
 
 
@@ -386,10 +386,10 @@ def test_drawn_training_sets_stand_in_the_place_of_the_cases_own():
     found = campaign(blocks=[own, {"reynolds": [400], **drawn}])
     assert found.case_names == ("Re400", "Re400-training1", "Re400-training2")
     assert {one.case for one in found.networks} == set(found.realised_cases)
-    first, both = map(found.drawn_shares, found.realised_cases)
+    first, both = (Job(found, {"case": case}).drawn_shares for case in found.realised_cases)
     assert first == {"shares": [0.17], "threshold": 0.1}
     assert both == {"shares": [0.17, "all"], "threshold": 0.1}
-    assert PAPER.drawn_shares("Re400") is None
+    assert Job(PAPER, {"case": "Re400"}).drawn_shares is None
 
 
 def test_networks_with_true_washouts_share_the_search_of_the_others():

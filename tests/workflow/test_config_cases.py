@@ -374,14 +374,15 @@ def test_past_values_are_components(measured):
     assert part["ensemble"] == {"time_step": 0.25, "sampling_stride": 4, "duration": 3980}
     # the noise is there before the past values are taken, and not added again
     assert part["training"]["noise"] == 0.01
-    assert found.noise_of_data("part") == {"level": 0.01, "random_seed": 2022}
-    assert found.noise_of_data("lab") is found.noise_of_data("Re400") is None
+    path = "job.noise_of_data"
+    noises = [settings_of_job(found, [path], {"case": case}) for case in ("part", "lab", "Re400")]
+    assert noises == [{path: {"level": 0.01, "random_seed": 2022}}, {path: None}, {path: None}]
     for case, noise in (("part", 0), ("Re400", 0.01)):
         settings = settings_of_job(found, ["case.training.noise"], {"case": case})
         assert settings == {"case.training.noise": noise}
     # measured series have their own
     put(measured, "cases.lab.data.delays", [3])
-    assert Campaign(load(measured)).noise_of_data("lab") is None
+    assert settings_of_job(Campaign(load(measured)), [path], {"case": "lab"}) == {path: None}
 
 
 def test_whose_unit_of_time_is_an_estimate(measured):

@@ -3,6 +3,7 @@
 from burstcast_workflow.campaign.job_settings import settings_of_cases
 from burstcast_workflow.tables.jobs import caption_of, in_report
 from burstcast_workflow.tables.registry import (
+    MAKERS,
     cases_of,
     cases_of_tables,
     joined,
@@ -15,98 +16,22 @@ from burstcast_workflow.tables.registry import (
     written,
 )
 
-# What tables of probabilities are made from.
-PROBABILITIES = {
-    "forecasts": files_in_case("forecast.nc"),
-    "evaluation_set": "<results>/{case}/evaluation_set.nc",
-    "calibration": "<results>/{case}/calibration.json",
-}
-# Inputs of the rules that make tables of a case, by the name of their module in
-# burstcast.tables.makers.
-TABLE_RULES = {
-    "dataset_table": {
-        "summary": "<results>/{case}/dataset.json",
-        "events_summary": "<results>/{case}/events.json",
-        # a case that is a part of another one has that one's
-        "exponents": for_case(
-            lambda case: f"<results>/{case.source.name}/lyapunov.json"
-        ),
-    },
-    "hyperparameters_table": {
-        "hyperparameters": files_in_case(
-            "hyperparameters.json", campaign.searched_networks
-        )
-    },
-    "classification_table": {
-        "forecasts": files_in_case("forecast.nc"),
-        "evaluation_set": "<results>/{case}/evaluation_set.nc",
-        # the alarm thresholds of forecasters that give probabilities
-        "calibration": stages.file_of_case(
-            "calibration.json",
-            {one.case for one in campaign.forecasters if not one.kind.has_trajectories},
-        ),
-    },
-    "probability_scores": PROBABILITIES,
-    "reliability_table": PROBABILITIES,
-    "ranking_table": PROBABILITIES,
-    "lead_times": {"ensemble": "<results>/{case}/ensemble.nc", **PROBABILITIES},
-    "horizon_table": {
-        "horizons": files_in_case("horizon.nc", campaign.trajectory_forecasters)
-    },
-    "statistics_table": {
-        "data": "<results>/{case}/statistics_data.nc",
-        "training": "<results>/{case}/statistics_training.nc",
-        "floor": "<results>/{case}/statistics_floor.nc",
-        "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
-    },
-    "survival_table": {
-        "ensemble": "<results>/{case}/ensemble.nc",
-        "long_term": files_in_case("long_term.nc", campaign.long_term_forecasters),
-    },
-    "lyapunov_spectrum_table": {
-        "spectrum": stages.file_of_case(
-            "lyapunov_spectrum.nc", campaign.simulated_cases
-        ),
-        "forecasters": files_in_case(
-            "lyapunov_spectrum.nc", campaign.spectrum_forecasters
-        ),
-    },
-    "control_table": {"flows": files_in_case("flows.nc", campaign.control_runs)},
-    "control_density_table": {
-        "flows": files_in_case("flows.nc", campaign.control_runs)
-    },
-    "control_strategies_table": {
-        "flows": files_in_case("flows.nc", campaign.strategy_runs)
-    },
-    "control_choice_table": {"flows": files_in_case("flows.nc", campaign.chosen_runs)},
-    "warnings_table": {
-        "ensemble": "<results>/{case}/ensemble.nc",
-        "data": "<results>/{case}/statistics_data.nc",
-        "events_summary": "<results>/{case}/events.json",
-        "calibration_set": "<results>/{case}/calibration_set.nc",
-        **stages.tables_of_case("dataset classification hyperparameters statistics"),
-        # where the unit of time is an estimate that it may contradict
-        "lyapunov_spectrum": stages.file_of_case(
-            "tables/lyapunov_spectrum.csv",
-            set(cases_of(campaign, "lyapunov_spectrum"))
-            & set(campaign.where(lambda case: case.estimates_time_unit)),
-        ),
-    },
-}
-# Tables that each rule makes (workflow/tables.yaml declares them), percentiles beside them.
-FILES = {name: with_percentiles(made_by(name)) for name in TABLE_RULES}
+
 # -- tables of a case --------------------------------------------------------------------------------
 
-for name, inputs in TABLE_RULES.items():
+for name in MAKERS:
 
     rule:
         name:
             name
         input:
-            **inputs,
+            **stages.inputs_of_tables(name),
             **computed_settings(name),
         output:
-            tables=[f"<results>/{{case}}/tables/{file}.csv" for file in FILES[name]],
+            tables=[
+                f"<results>/{{case}}/tables/{file}.csv"
+                for file in with_percentiles(made_by(name))
+            ],
         log:
             f"<logs>/{name}/{{case}}.log",
         group:
@@ -120,7 +45,6 @@ for name, inputs in TABLE_RULES.items():
                 "tables/table.py",
                 name,
                 maker=name,
-                by_name={"burstcast.tables.makers": [name]},
                 tables=written(made_by(name), campaign.unused_columns),
             ),
             maker=name,

@@ -8,7 +8,6 @@ from typing import Any
 
 from burstcast.control.setting_names import is_option
 from burstcast.control.strategies.registry import strategy_class
-from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters.base import Forecaster, ForecasterKind
 from burstcast.forecasters.registry import kind_class, options_of_kind
@@ -461,29 +460,6 @@ class Campaign:
         """Modules that any job reaches by a name (`modules`)."""
         strategies = {run.plan.kind for run in self.strategy_runs}
         return {**self.modules({}), "burstcast.control.strategies": sorted(strategies)}
-
-    def asked_of_series(self, case: str) -> dict[str, Any]:
-        """Kinds, validation strategies and long runs of a case, for which series must be long."""
-        names = [one.name for one in self.forecasters if one.case == case]
-        return {
-            "kinds": sorted({name.kind for name in names}),
-            "validations": sorted({name.validation for name in names if name.validation}),
-            "long_runs": any(one.case == case for one in self.long_term_forecasters),
-        }
-
-    def noise_of_data(self, case: str) -> dict[str, Any] | None:
-        """Observation noise that series of a case get when they are imported; None if none."""
-        level = self.cases[case].imported_noise
-        return {"level": level, "random_seed": self.config.random_seed} if level else None
-
-    def drawn_shares(self, case: str) -> dict[str, Any] | None:
-        """Shares of events that the choices up to a case's are drawn for; None: blocks of series.
-
-        Each choice leaves the later ones other series.
-        """
-        one = self.cases[case]
-        shares = self.config.event_shares_of(realisation_of(case)[0])[: one.realisation]
-        return {"shares": shares, "threshold": one.event_threshold} if shares else None
 
     def scan_of(self, identifier: str) -> tuple[str, str]:
         """Reservoir and strategies of the scan that a network's search goes on from."""

@@ -11,7 +11,7 @@ from contextlib import suppress
 from burstcast import durations
 from burstcast.control.timing import Schedule
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.campaign.job_settings import settings_of_job
+from burstcast_workflow.campaign.job_settings import Job, settings_of_job
 from burstcast_workflow.config.case import Case, Simulated
 from burstcast_workflow.config.control_plans import ControlPlan, plan_values
 from burstcast_workflow.config.measured_cases import space_of
@@ -46,9 +46,9 @@ def _misfits(campaign: Campaign, case: Case) -> list[str]:
     if problems:
         return problems
     if steps is not None and samples is not None:
-        settings = settings_of_job(campaign, Lengths.paths(), {"case": case.name})
-        asked = campaign.asked_of_series(case.name)
-        lengths = Lengths(settings, {"case": case.name})
+        wildcards = {"case": case.name}
+        lengths = Lengths(settings_of_job(campaign, Lengths.paths(), wildcards), wildcards)
+        asked = Job(campaign, wildcards).asked_of_series
         problems += lengths.misfits(steps, samples, **asked)
         if not isinstance(case, Simulated):
             advice = "data.blocks.duration" if case.data and case.data.blocks else "data.delays"

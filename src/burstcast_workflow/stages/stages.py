@@ -3,7 +3,7 @@
 import inspect
 import json
 import re
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -11,14 +11,16 @@ from typing import Any, TypeAlias
 from snakemake.io import local
 
 from burstcast.data.training_realisations import realisation_of
+from burstcast.declared import File, files_of, paths_of
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import kind_class
-from burstcast.tables.makers.registry import settings_of
+from burstcast.tables.makers.registry import maker as maker_of
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
 from burstcast_workflow.campaign.job_settings import settings_of_job
+from burstcast_workflow.campaign.shown import Shown
 from burstcast_workflow.config.case import Case
+from burstcast_workflow.harness.job import function_of, settings_taken
 from burstcast_workflow.harness.settings import THRESHOLDS, TIME_UNIT, cases_of_thresholds
-from burstcast_workflow.stages.declared import declared_settings
 from burstcast_workflow.tables.registry import cases_of
 from burstcast_workflow.tracking.code import Sources
 
@@ -33,13 +35,16 @@ InCase: TypeAlias = CaseForecaster | ControlRun
 Chosen: TypeAlias = Sequence[InCase] | Callable[[Campaign, str], Iterable[InCase]]
 
 
+_SIGNATURE = inspect.signature(lambda wildcards: None)
+
+
 def of_job(function: OfJob) -> OfJob:
     """Store the signature of a function of wildcards in the function.
 
     Snakemake inspects it several times for each job, which would take longer than calling the
     function: a tenth of the time of planning.
     """
-    function.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
+    function.__signature__ = _SIGNATURE  # type: ignore[attr-defined]
     return function
 
 
@@ -123,20 +128,21 @@ class Stages:
 
         return found
 
-    def file_of_case(self, name: str, cases: Container[str]) -> OfJob:
-        """The file called ``name`` of a job's case; nothing if the case is not in ``cases``."""
-        return of_job(
-            lambda wildcards: (
-                self.in_results(f"{wildcards.case}/{name}") if wildcards.case in cases else []
-            )
-        )
+    def inputs_of_tables(self, maker: str) -> dict[str, OfJob]:
+        """Files that a maker of tables declares, by name; empty for tables that a case lacks."""
 
-    def tables_of_case(self, names: str) -> dict[str, OfJob]:
-        """Tables of a job's case, by their names; empty for tables that it does not have."""
-        return {
-            name: self.file_of_case(f"tables/{name}.csv", cases_of(self.campaign, name))
-            for name in names.split()
-        }
+        def of_file(file: File) -> OfJob:
+            table = Path(file.path).stem if "/tables/" in file.path else ""
+
+            @of_job
+            def paths(wildcards: Any) -> Paths:
+                if table and wildcards.case not in cases_of(self.campaign, table):
+                    return []
+                return self.in_results(Shown(self.campaign, wildcards.case).paths(file))
+
+            return paths
+
+        return {name: of_file(file) for name, file in files_of(maker_of(maker)).items()}
 
     def for_case(self, function: Callable[[Case], Any]) -> OfJob:
         """``function`` of a job's case."""
@@ -231,7 +237,9 @@ class Stages:
 
     def declared(self, script: str, name: str = "") -> list[str]:
         """Paths of the settings that a script declares, or one of its classes."""
-        return declared_settings(self._sources.script(script), self._sources.packages, name)
+        function = function_of(self._sources.script(script))
+        settings = function.__globals__[name] if name else settings_taken(function)
+        return list(settings.paths())
 
     def of_script(
         self,
@@ -239,7 +247,6 @@ class Stages:
         stage: str = "",
         *,
         maker: str = "",
-        by_name: Mapping[str, Sequence[str]] | None = None,
         **values: Any,
     ) -> list[Any]:
         """Parameters of a script's jobs: each setting, and each module of the code that runs.
@@ -248,11 +255,14 @@ class Stages:
         have changed. Settings are those of the class that the script's function takes.
 
         ``stage``: Name of the rule, if it is not the script's. ``maker``: Module of
-        `burstcast.tables.makers` that declares further settings. ``by_name``: Modules that all jobs
-        find by name, beside `Campaign.modules`. ``values``: Given as they are, or by functions of
-        the job's wildcards, without sizes and seeds.
+        `burstcast.tables.makers` whose function declares further settings. ``values``: Given as
+        they are, or by functions of the job's wildcards, without sizes and seeds.
         """
-        declared = [*self.declared(script), *(settings_of(maker) if maker else [])]
+        declared, by_name = self.declared(script), {}
+        if maker:
+            by_name = {"burstcast.tables.makers": [maker]}
+            of_maker = paths_of(maker_of(maker))
+            declared += [path for path in of_maker if path != "case"]  # a wildcard
 
         def settings(wildcards: Any) -> Any:
             found = {
@@ -264,9 +274,9 @@ class Stages:
             return settings_of_job(self.campaign, asked, dict(wildcards.items()), found)
 
         def modules(wildcards: Any) -> Mapping[str, Sequence[str]]:
-            return {**self.campaign.modules(wildcards), **(by_name or {})}
+            return {**self.campaign.modules(wildcards), **by_name}
 
-        everything = {**self.campaign.all_modules(), **(by_name or {})}
+        everything = {**self.campaign.all_modules(), **by_name}
         stage = stage or Path(script).stem
         self._settings[stage] = _once(settings)
         return self.parameters(

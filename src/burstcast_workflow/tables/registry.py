@@ -91,6 +91,9 @@ def latex_names(campaign: Campaign) -> list[str]:
 
 # -- settings of jobs ------------------------------------------------------------------------------
 
+MAKERS = [*dict.fromkeys(table.script for table in TABLES.values() if table.of_cases)]
+"""Modules that make tables of cases, in the order of the report."""
+
 
 def made_by(script: str) -> list[str]:
     """Names of the tables that a script writes."""
