@@ -34,7 +34,7 @@ from burstcast.figures.parts.style import render
 from burstcast.figures.registry import Drawn, caption
 from burstcast.files.tables import read_table
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import load
+from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.registry import FIGURES, cases_of, files_of, settings_of
 from burstcast_workflow.tables.declarations import SECTIONS
 from burstcast_workflow.tables.registry import OPTIONAL, table_of

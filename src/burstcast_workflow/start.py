@@ -12,8 +12,8 @@ from snakemake.exceptions import WorkflowError
 
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.caveats import extrapolations, few_points
+from burstcast_workflow.campaign.loading import ConfigError, load
 from burstcast_workflow.config.cases import own_modules
-from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF
 from burstcast_workflow.project import packages_of, project_root
 from burstcast_workflow.tracking.code import Sources, make_importable, search_directories

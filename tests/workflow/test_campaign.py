@@ -13,9 +13,9 @@ from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters.registry import available_kinds
 from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
 from burstcast_workflow.campaign.job_settings import Job, settings_of_cases, settings_of_job
+from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.config.case import Encoded, Simulated
 from burstcast_workflow.config.cases import own_modules
-from burstcast_workflow.config.loading import load
 from burstcast_workflow.config.model import Choice, Configuration
 from burstcast_workflow.config.reference import schema_of
 from burstcast_workflow.figures.registry import (

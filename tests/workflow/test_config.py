@@ -10,7 +10,7 @@ import pytest
 from helpers_configs import PRESETS, ROOT, paper_with, put, read, records_of
 
 from burstcast.forecasters._options import SECTIONS
-from burstcast_workflow.config.loading import ConfigError, load, misread
+from burstcast_workflow.campaign.loading import ConfigError, load, misread
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.reference import schema_of, section_of, settings, text
 from burstcast_workflow.harness.canonical import canonical_json

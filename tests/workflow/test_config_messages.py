@@ -10,7 +10,7 @@ import pytest
 import yaml
 from helpers_configs import MEASURED, NETWORKS, paper_with, put, tiny_campaign
 
-from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.campaign.loading import ConfigError, load
 
 # -- how the tables are read -----------------------------------------------------------------------
 

@@ -17,7 +17,7 @@ from helpers_rebuilds import ROOT, Project
 
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_cases, settings_of_job
-from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.campaign.loading import ConfigError, load
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.figures import registry
 from burstcast_workflow.figures.registry import FIGURES, figure_names

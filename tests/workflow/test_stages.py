@@ -23,7 +23,7 @@ from burstcast.forecasters._names import MODEL, NETWORK
 from burstcast.forecasters.registry import all_kinds, available_kinds, kind_class
 from burstcast.tables.makers.registry import maker
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import load
+from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.jobs import FigureJobs, captions
 from burstcast_workflow.figures.registry import FIGURES, settings_of
 from burstcast_workflow.harness.job import parameters as parameters_of

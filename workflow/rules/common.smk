@@ -8,7 +8,7 @@ from snakemake.exceptions import WorkflowError
 
 from burstcast.forecasters._names import MODEL, NETWORK
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.campaign.summary import closing_summary
+from burstcast_workflow.summary import closing_summary
 from burstcast_workflow.figures.jobs import captions
 from burstcast_workflow.harness.failures import failure_summary
 from burstcast_workflow.project import source_revision

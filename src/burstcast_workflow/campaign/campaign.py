@@ -86,7 +86,7 @@ class Campaign:
     Everything is in one order, whatever the order in the config: cases as people sort their names,
     then forecasters by kind, size, strategy and seed.
 
-    ``config``: The whole configuration (`burstcast_workflow.config.loading.load`).
+    ``config``: The whole configuration (`burstcast_workflow.campaign.loading.load`).
     ``skip_invalid``: Leave out cases with invalid settings, and their forecasters.
     """
 

@@ -427,9 +427,8 @@ class Case(Section):
         plain = self.dump()
         if self.imported_noise:
             plain["training"]["noise"] = 0  # what is imported has it already
-        if self.event_quantile is not None:
-            # a job finds it out (`burstcast_workflow.harness.settings`)
-            plain["event_threshold"]["case"] = self.name
+        if isinstance(self.event_threshold, Quantile):
+            plain["event_threshold"] = vars(self.event_threshold.of(self.name))
         return plain
 
 

@@ -21,6 +21,7 @@ from burstcast.encoders.registry import available_encoders
 from burstcast.forecasters._names import LABEL, NEURONS, ROLE, SEED, VALIDATION
 from burstcast.tuning.strategies.registry import available_strategies
 from burstcast_workflow.harness.canonical import canonical
+from burstcast_workflow.harness.settings import CaseQuantile
 
 T = TypeVar("T")
 S = TypeVar("S", bound="Section")
@@ -207,6 +208,10 @@ class Quantile(Section):
     """An event threshold as the share of the training series' values that are below it."""
 
     quantile: Annotated[float, Field(gt=0, lt=1)]
+
+    def of(self, case: str) -> CaseQuantile:
+        """The event threshold of a case, as its jobs are given it."""
+        return CaseQuantile(self.quantile, case)
 
 
 Threshold = Annotated[

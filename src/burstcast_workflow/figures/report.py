@@ -7,7 +7,7 @@ from typing import Any
 
 from burstcast.figures.registry import caption
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import load
+from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.registry import FIGURES, figure_names
 from burstcast_workflow.harness.settings import leaves
 from burstcast_workflow.project import project_root
