@@ -278,6 +278,15 @@ cases.lab.data.observable: sin(u) | sin(u) is not understood
 cases.lab.data.observable: u(t-2) | u(t - 2) is not understood
 cases.lab.data.blocks: {gap: 1} | cases.lab.data.blocks.duration: missing: length of
 cases.lab.data.delays: [2, 2] | cases.lab.data.delays: has 2 twice
+cases.lab.data.blocks: {duration: 20}, cases.lab.lyapunov.published_exponent: 0.5,
+  campaign.1.forecasters: {persistence: {}} |
+  case lab: horizon.longest_lead_time_lt, washout_lt or data.blocks.duration: series of 41 samples
+& cases.lab.data.blocks: {duration: 5}, cases.lab.lyapunov.published_exponent: 0.5,
+  campaign.1.forecasters: {persistence: {}} | case lab: classification.longest_prediction_time_lt, |
+  washout_lt or data.blocks.duration: series of 11 samples leave no room for a washout of 2 steps
+cases.lab.lyapunov.published_exponent: 0.5, probability.start_spacing_lt: 0.1,
+  campaign.1.forecasters: {persistence: {}} |
+  case lab: probability.start_spacing_lt is 0.1 Lyapunov times, which is shorter than one step
 cases.part.data.delays: [4000] | case part: data.delays reach back by 4000 steps
 cases.lab.system: mfe | case lab: system means nothing for measured series
 cases.lab.actuation: {parameters: {}} | case lab: actuation means nothing

@@ -8,7 +8,7 @@ from burstcast import durations
 from burstcast.data.starting_points import starting_points
 from burstcast.statistics.warning_signs import FEW_POSITIVES
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.campaign.lengths import plans_of, samples_of
+from burstcast_workflow.campaign.lengths import plans_of
 from burstcast_workflow.config.case import Simulated
 from burstcast_workflow.config.case_checks import factors_of
 
@@ -41,7 +41,7 @@ def few_points(campaign: Campaign) -> str:
     """
     config, found = campaign.config, []
     for name, case in campaign.cases.items():
-        steps, samples = case.steps_per_lyapunov_time, samples_of(case)
+        steps, samples = case.steps_per_lyapunov_time, case.samples
         if not isinstance(case, Simulated) or steps is None or samples is None:
             continue
         room = [

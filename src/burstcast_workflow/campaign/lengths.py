@@ -4,7 +4,6 @@ The checks are those of the job ``lengths``, with the settings of that job. It m
 where the config does not know a Lyapunov time or the length of the series.
 """
 
-import math
 from collections.abc import Iterator
 from contextlib import suppress
 
@@ -29,27 +28,19 @@ def misfits(config: Configuration) -> list[str]:
     return of_cases((name, _misfits(campaign, case)) for name, case in campaign.cases.items())
 
 
-def samples_of(case: Case) -> int | None:
-    """Samples of a series of a case, with both of its ends; None where the config cannot know."""
-    duration: float | None = getattr(case.ensemble, "duration", None)
-    if duration is None:
-        return None
-    return math.floor(duration / case.ensemble.sampling_interval + 1e-9) + 1
-
-
 def _misfits(campaign: Campaign, case: Case) -> list[str]:
     """Durations that do not fit into the series of a case."""
     problems: list[str] = []
-    steps, samples = None, samples_of(case)
+    steps: int | None = None
     with listing(problems, "lyapunov.published_exponent"):
         steps = case.steps_per_lyapunov_time
     if problems:
         return problems
-    if steps is not None and samples is not None:
+    if steps is not None:
         wildcards = {"case": case.name}
         lengths = Lengths(settings_of_job(campaign, Lengths.paths(), wildcards), wildcards)
         asked = Job(campaign, wildcards).asked_of_series
-        problems += lengths.misfits(steps, samples, **asked)
+        problems += lengths.misfits(steps, case.samples, **asked)
         if not isinstance(case, Simulated):
             advice = "data.blocks.duration" if case.data and case.data.blocks else "data.delays"
             problems = [text.replace("ensemble.duration", advice) for text in problems]

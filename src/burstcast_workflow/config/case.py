@@ -5,6 +5,7 @@ these has a class, and all answer the same questions (`Case`).
 """
 
 import glob
+import math
 import os
 from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar, Literal
@@ -369,6 +370,18 @@ class Case(Section):
         if exponent is None:
             return None
         return durations.steps_per_lyapunov_time(exponent, self.ensemble.sampling_interval)
+
+    @property
+    def samples(self) -> int | None:
+        """Samples of a series, with both of its ends; None where the config does not know them."""
+        duration: float | None = getattr(self.ensemble, "duration", None)
+        interval = self.ensemble.sampling_interval
+        return None if duration is None else math.floor(duration / interval + 1e-9) + 1
+
+    @property
+    def has_known_lengths(self) -> bool:
+        """Whether the config knows how long a Lyapunov time and a series are."""
+        return None not in (self.steps_per_lyapunov_time, self.samples)
 
     @property
     def time_unit(self) -> str | list[str]:

@@ -51,14 +51,15 @@ class Lengths(Washed):
     def misfits(
         self,
         steps: int,
-        samples: int,
+        samples: int | None,
         kinds: Collection[str],
         validations: Collection[str],
         long_runs: bool = True,
     ) -> list[str]:
         """Durations that do not fit into series of so many samples, with their settings.
 
-        ``steps``: Of a Lyapunov time. The case has forecasters of these ``kinds``, and networks of
+        ``steps``: Of a Lyapunov time. ``samples``: None if unknown; durations are then compared
+        with a step alone. The case has forecasters of these ``kinds``, and networks of
         these ``validations``.
         """
         problems: list[str] = []
@@ -72,6 +73,8 @@ class Lengths(Washed):
             with listing(problems):
                 lasts = field.__get__(self, Lengths)
                 counts[field] = durations.positive_steps(lasts, steps, str(field))
+        if samples is None:
+            return problems
         if not problems:
             washout, interval = counts[Lengths.washout_lt], counts[Lengths.interval_lt]
             training, lead = self.training_series, self.single_shot_lead_steps
