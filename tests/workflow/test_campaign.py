@@ -26,7 +26,9 @@ from burstcast_workflow.figures.registry import (
     settings_of,
 )
 from burstcast_workflow.harness.canonical import canonical, canonical_json
+from burstcast_workflow.jobs import data
 from burstcast_workflow.jobs.networks import Networks
+from burstcast_workflow.jobs.systems import System
 from burstcast_workflow.tables.registry import cases_of_tables, table_names
 from kolmogorov_flow import KolmogorovFlow
 
@@ -319,8 +321,8 @@ def test_noise_of_a_plan_is_said_also_where_the_truth_is_seen():
 
 
 def test_settings_of_cases_are_those_of_the_jobs_of_each():
-    paths = ["case.event_threshold", "case.test_series"]
-    found = settings_of_cases(PAPER, paths)
+    found = settings_of_cases(PAPER, data.Tested)
+    paths = ["case.training.series", "case.test_series"]
     assert found == {case: settings_of_job(PAPER, paths, {"case": case}) for case in found}
     assert list(found) == list(PAPER.case_names)
     assert [one["case.test_series"] for one in found.values()] == [150, 300, 300, 300]
@@ -362,8 +364,8 @@ def test_settings_do_not_depend_on_the_order_of_the_config(generator):
             assert settings_of(other, figure, case) == settings_of(plain, figure, case), name
     sections = ("classification", "control", "search", "bootstrap")
     assert settings_of_job(other, sections, {}) == settings_of_job(plain, sections, {})
-    found = settings_of_cases(other, ["case.parameters"])
-    assert found == settings_of_cases(plain, ["case.parameters"])
+    found = settings_of_cases(other, System)
+    assert found == settings_of_cases(plain, System)
 
 
 def test_realisations_are_cases_that_differ_by_their_training_series_only():

@@ -1,21 +1,21 @@
 """Tables: each case's, gathered from the files of many jobs; then of all cases, and LaTeX."""
 
 from burstcast_workflow.campaign.job_settings import settings_of_cases
+from burstcast_workflow.jobs.noise import CaseNoise
+from burstcast_workflow.jobs.parameters import CaseData
 from burstcast_workflow.tables.jobs import caption_of, in_report
 from burstcast_workflow.tables.registry import (
     MAKERS,
-    cases_of,
     cases_of_tables,
+    files_by,
     joined,
+    kinds_of,
     latex_names,
-    made_by,
     table_names,
     tables_by_section,
     typeset,
-    with_percentiles,
     written,
 )
-
 
 # -- tables of a case --------------------------------------------------------------------------------
 
@@ -28,10 +28,7 @@ for name in MAKERS:
             **stages.inputs_of_tables(name),
             **computed_settings(name),
         output:
-            tables=[
-                f"<results>/{{case}}/tables/{file}.csv"
-                for file in with_percentiles(made_by(name))
-            ],
+            tables=[f"<results>/{{case}}/tables/{file}.csv" for file in files_by(name)],
         log:
             f"<logs>/{name}/{{case}}.log",
         group:
@@ -41,12 +38,7 @@ for name in MAKERS:
         resources:
             **resources_of("short"),
         params:
-            *of_script(
-                "tables/table.py",
-                name,
-                maker=name,
-                tables=written(made_by(name), campaign.unused_columns),
-            ),
+            *of_script("tables/table.py", name, maker=name),
             maker=name,
         script:
             "../scripts/tables/table.py"
@@ -61,11 +53,7 @@ for section, files in tables_by_section(campaign).items():
         name:
             f"joined_{section}"
         input:
-            of_cases=[
-                path
-                for file in files
-                for path in case_files(f"tables/{file}.csv", cases_of(campaign, file))
-            ],
+            of_cases=[path for file in files for path in stages.table_files(file)],
         output:
             tables=[in_report(file) for file in files],
             latex=[f"<results>/tables/{paper}.tex" for paper in typeset(files)],
@@ -79,10 +67,7 @@ for section, files in tables_by_section(campaign).items():
             **resources_of("short"),
         params:
             *of_script(
-                "tables/joined.py",
-                f"joined_{section}",
-                columns=joined(files, campaign.unused_columns),
-                latex=typeset(files),
+                "tables/joined.py", f"joined_{section}", **joined(campaign, files)
             ),
         script:
             "../scripts/tables/joined.py"
@@ -110,11 +95,7 @@ rule data_generation_parameters:
         *of_script(
             "tables/data_generation_parameters.py",
             caption=caption_of("data_generation_parameters"),
-            cases=settings_of_cases(
-                campaign,
-                stages.declared("tables/data_generation_parameters.py", "CaseData"),
-                campaign.simulated_cases,
-            ),
+            cases=settings_of_cases(campaign, CaseData, campaign.simulated_cases),
         ),
     script:
         "../scripts/tables/data_generation_parameters.py"
@@ -136,10 +117,7 @@ rule network_hyperparameters:
         *of_script(
             "tables/network_hyperparameters.py",
             caption=caption_of("network_hyperparameters"),
-            cases=settings_of_cases(
-                campaign,
-                stages.declared("tables/network_hyperparameters.py", "CaseNoise"),
-            ),
+            cases=settings_of_cases(campaign, CaseNoise),
         ),
     script:
         "../scripts/tables/network_hyperparameters.py"
@@ -171,9 +149,7 @@ rule training_realisations:
             "tables/training_realisations.py",
             tables=written(["training_realisations"]),
             scattered=written(SCATTERED),
-            kinds=sorted(
-                {one.name.keys["forecaster"] for one in campaign.forecasters}
-            ),
+            kinds=kinds_of(campaign),
         ),
     script:
         "../scripts/tables/training_realisations.py"

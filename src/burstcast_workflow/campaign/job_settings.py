@@ -1,6 +1,6 @@
 """Settings of a job by their paths: their values, and which do not concern it."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from typing import Any
 
@@ -12,6 +12,7 @@ from burstcast_workflow.campaign.shown import Shown
 from burstcast_workflow.config.case import Case
 from burstcast_workflow.config.control_plans import ControlPlan
 from burstcast_workflow.harness.canonical import canonical
+from burstcast_workflow.harness.settings import JobSettings
 
 LEFT_OUT = object()
 """Value of a setting that does not concern a job."""
@@ -231,8 +232,8 @@ def settings_of_job(
 
 
 def settings_of_cases(
-    campaign: Campaign, paths: Sequence[str], cases: Iterable[str] | None = None
+    campaign: Campaign, settings: type[JobSettings], cases: Iterable[str] | None = None
 ) -> dict[str, dict[str, Any]]:
-    """Settings of all cases, or of some, by the name of the case."""
+    """Settings of all cases, or of some, by the name of the case: those of a class."""
     cases = campaign.case_names if cases is None else cases
-    return {case: settings_of_job(campaign, paths, {"case": case}) for case in cases}
+    return {case: settings_of_job(campaign, settings.paths(), {"case": case}) for case in cases}

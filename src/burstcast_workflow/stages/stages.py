@@ -21,7 +21,7 @@ from burstcast_workflow.campaign.shown import Shown
 from burstcast_workflow.config.case import Case
 from burstcast_workflow.harness.job import function_of, settings_taken
 from burstcast_workflow.harness.settings import THRESHOLDS, TIME_UNIT, cases_of_thresholds
-from burstcast_workflow.tables.registry import cases_of
+from burstcast_workflow.tables.registry import cases_of, made_by, written
 from burstcast_workflow.tracking.code import Sources
 
 Paths: TypeAlias = str | list[str]
@@ -144,6 +144,10 @@ class Stages:
 
         return {name: of_file(file) for name, file in files_of(maker_of(maker)).items()}
 
+    def table_files(self, table: str) -> Paths:
+        """A table of each case that has it."""
+        return self.case_files(f"tables/{table}.csv", cases_of(self.campaign, table))
+
     def for_case(self, function: Callable[[Case], Any]) -> OfJob:
         """``function`` of a job's case."""
         return of_job(lambda wildcards: function(self.campaign.cases[wildcards.case]))
@@ -235,12 +239,6 @@ class Stages:
 
     # -- settings and code ------------------------------------------------------------------------
 
-    def declared(self, script: str, name: str = "") -> list[str]:
-        """Paths of the settings that a script declares, or one of its classes."""
-        function = function_of(self._sources.script(script))
-        settings = function.__globals__[name] if name else settings_taken(function)
-        return list(settings.paths())
-
     def of_script(
         self,
         script: str,
@@ -255,14 +253,17 @@ class Stages:
         have changed. Settings are those of the class that the script's function takes.
 
         ``stage``: Name of the rule, if it is not the script's. ``maker``: Module of
-        `burstcast.tables.makers` whose function declares further settings. ``values``: Given as
+        `burstcast.tables.makers`, whose function declares further settings, and whose tables are
+        declared with their columns. ``values``: Given as
         they are, or by functions of the job's wildcards, without sizes and seeds.
         """
-        declared, by_name = self.declared(script), {}
+        declared = settings_taken(function_of(self._sources.script(script))).paths()
+        by_name: dict[str, list[str]] = {}
         if maker:
             by_name = {"burstcast.tables.makers": [maker]}
             of_maker = paths_of(maker_of(maker))
             declared += [path for path in of_maker if path != "case"]  # a wildcard
+            values["tables"] = written(made_by(maker), self.campaign.unused_columns)
 
         def settings(wildcards: Any) -> Any:
             found = {
