@@ -172,7 +172,7 @@ rule lengths:
     log:
         "<logs>/lengths/{case}.log",
     wildcard_constraints:
-        case=any_of_regex(campaign.where(lambda case: case.time_unit)),
+        case=any_of_regex(campaign.where(lambda case: not case.has_known_lengths)),
     priority: 1
     conda:
         "../envs/burstcast.yaml"
