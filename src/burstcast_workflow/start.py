@@ -105,7 +105,7 @@ def tell_what_is_off(campaign: Campaign) -> None:
     """Print what the campaign lacks, has little of, and extrapolates."""
     if not campaign.networks:
         print(f"no networks in the campaign; off: {OFF_WITHOUT_NETWORKS}", file=sys.stderr)
-    measured = [case for case in campaign.measured_cases if case not in campaign.encoded_cases]
+    measured = campaign.where(has_equations=False, is_encoded=False)
     if measured:
         print(f"{', '.join(measured)}: measured series; off: {OFF}", file=sys.stderr)
     for text in filter(None, [few_points(campaign), *extrapolations(campaign)]):

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from burstcast.forecasters._names import NETWORK as NETWORKS
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters.registry import available_kinds
-from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import Job, settings_of_cases, settings_of_job
 from burstcast_workflow.campaign.loading import load
+from burstcast_workflow.campaign.members import CaseForecaster
 from burstcast_workflow.config.case import Encoded, Simulated
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.model import Choice, Configuration
@@ -78,7 +79,7 @@ def test_blocks_that_overlap_share_their_forecasters():
 
 def test_choices_name_kinds_and_may_restrict_their_axes():
     def run_freely(choice):
-        chosen = PAPER._chosen(Choice.model_validate(choice))
+        chosen = PAPER.chosen(Choice.model_validate(choice))
         return {one.name for one in chosen}
 
     every = {one.name for one in PAPER.networks}
@@ -537,7 +538,10 @@ def test_channels_are_known_beforehand():
     components = campaign.cases["invariants"].parameters["components"]
     assert components == list(flow.invariant_names)
     kinds = {name: type(case) for name, case in campaign.cases.items()}
-    assert kinds == {"turbulence": Simulated, **dict.fromkeys(campaign.encoded_cases, Encoded)}
+    assert kinds == {
+        "turbulence": Simulated,
+        **dict.fromkeys(campaign.where(is_encoded=True), Encoded),
+    }
     assert campaign.cases["sensors"].source is campaign.cases["turbulence"]
 
 

@@ -8,7 +8,7 @@ rule simulate:
     log:
         "<logs>/simulate/{case}.log",
     wildcard_constraints:
-        case=any_of_regex(campaign.integrated_cases),
+        case=any_of_regex(campaign.where(has_equations=True, takes_series=False)),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -28,7 +28,7 @@ rule import_data:
     log:
         "<logs>/import_data/{case}.log",
     wildcard_constraints:
-        case=any_of_regex(campaign.imported_cases),
+        case=any_of_regex(campaign.where(has_equations=False, takes_series=False)),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -50,7 +50,7 @@ rule encode:
     log:
         "<logs>/encode/{case}.log",
     wildcard_constraints:
-        case=any_of_regex(campaign.encoded_cases),
+        case=any_of_regex(campaign.where(is_encoded=True)),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -111,7 +111,7 @@ rule scheduled_series:
         "<logs>/scheduled_series/{case}.log",
     wildcard_constraints:
         case=any_of_regex(
-            [*campaign.simulated_cases, *campaign.where(lambda case: case.known)]
+            [*campaign.simulated_cases, *campaign.where(known=True)]
         ),
     conda:
         "../envs/burstcast.yaml"
@@ -151,7 +151,7 @@ rule neighbour_divergence:
     log:
         "<logs>/neighbour_divergence/{case}.log",
     wildcard_constraints:
-        case=any_of_regex(campaign.measured_cases),
+        case=any_of_regex(campaign.where(has_equations=False)),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -172,7 +172,7 @@ rule lengths:
     log:
         "<logs>/lengths/{case}.log",
     wildcard_constraints:
-        case=any_of_regex(campaign.where(lambda case: not case.has_known_lengths)),
+        case=any_of_regex(campaign.where(has_known_lengths=False)),
     priority: 1
     conda:
         "../envs/burstcast.yaml"
@@ -193,7 +193,7 @@ rule evaluation_set:
     log:
         "<logs>/evaluation_set/{case}.log",
     wildcard_constraints:
-        case=any_of_regex({*campaign.cases} - {*campaign.switched_cases}),
+        case=any_of_regex({*campaign.cases} - {*campaign.where(is_switched=True)}),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -213,7 +213,7 @@ rule switched_evaluation_set:
     log:
         "<logs>/switched_evaluation_set/{case}.log",
     wildcard_constraints:
-        case=any_of_regex(campaign.switched_cases),
+        case=any_of_regex(campaign.where(is_switched=True)),
     conda:
         "../envs/burstcast.yaml"
     resources:

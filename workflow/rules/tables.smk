@@ -172,7 +172,7 @@ rule tables:
 rule forecasters:
     # all that is computed forecaster by forecaster: the target for planning a large campaign in batches
     input:
-        case_files("lengths.json", campaign.where(lambda case: not case.has_known_lengths)),
+        case_files("lengths.json", campaign.where(has_known_lengths=False)),
         forecaster_files("forecaster.nc"),
         forecaster_files("forecast.nc"),
         forecaster_files("calibration_forecast.nc"),

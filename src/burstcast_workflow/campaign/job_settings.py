@@ -133,7 +133,7 @@ class Job:
         if not self.name.asks_forecasters:
             return LEFT_OUT
         given = self.plan and self.plan.strategy.told
-        switched = self.case_name in self.campaign.switched_cases
+        switched = self.case_name in self.campaign.where(is_switched=True)
         if not (given or switched or kind_class(self.name.kind).learns_parameters):
             return LEFT_OUT
         aware = self.campaign.sections(self.case_name)["aware"]

@@ -10,7 +10,9 @@ from typing import Any
 
 from burstcast.declared import File
 from burstcast.observation.velocity_sensors import PlaneFlow
-from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun, nearest
+from burstcast_workflow.campaign.campaign import Campaign, nearest
+from burstcast_workflow.campaign.control_runs import ControlRun
+from burstcast_workflow.campaign.members import CaseForecaster
 
 
 class Choices:
@@ -62,8 +64,8 @@ class Choices:
         """Cases of the example's system with forecasters that know parameters, tested freely."""
         campaign = self.campaign
         system = campaign.cases[campaign.example.case].system
-        free = [case for case in campaign.aware_cases if case not in campaign.switched_cases]
-        return [case for case in free if campaign.cases[case].system == system]
+        cases = [campaign.cases[name] for name in campaign.aware_cases]
+        return [case.name for case in cases if not case.is_switched and case.system == system]
 
     @property
     def several_parameters(self) -> list[str]:
@@ -74,8 +76,8 @@ class Choices:
     @property
     def encoded(self) -> list[str]:
         """Cases that others are encoded from."""
-        cases = self.campaign.cases
-        return list(dict.fromkeys(cases[case].source.name for case in self.campaign.encoded_cases))
+        cases, encoded = self.campaign.cases, self.campaign.where(is_encoded=True)
+        return list(dict.fromkeys(cases[case].source.name for case in encoded))
 
     @property
     def plane_flows(self) -> list[str]:
@@ -88,7 +90,7 @@ class Choices:
     @property
     def decoded_planes(self) -> list[str]:
         """Encoded cases of flows in a plane, with a forecaster whose channels can be decoded."""
-        encoded = self.campaign.encoded_cases
+        encoded = self.campaign.where(is_encoded=True)
         return [case for case in encoded if Shown(self.campaign, case).decoded]
 
     @property

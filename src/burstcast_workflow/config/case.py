@@ -354,6 +354,16 @@ class Case(Section):
         return realisation_of(self._name)[1]
 
     @property
+    def takes_series(self) -> bool:
+        """Whether it has the series of another case: encoded, or other ones to train on."""
+        return bool(self.is_encoded or self.realisation)
+
+    @property
+    def is_switched(self) -> bool:
+        """Whether its test series are under an actuator that switches at random."""
+        return self.training.actuation is not None and self.training.actuation.tested
+
+    @property
     def space(self) -> StateSpace:
         """State space; a ValueError or TypeError if the system or its parameters are invalid."""
         return make_space(self.system, self.parameters)

@@ -15,8 +15,10 @@ from burstcast.declared import File, files_of, paths_of
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import kind_class
 from burstcast.tables.makers.registry import maker as maker_of
-from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.control_runs import ControlRun
 from burstcast_workflow.campaign.job_settings import settings_of_job
+from burstcast_workflow.campaign.members import CaseForecaster
 from burstcast_workflow.campaign.shown import Shown
 from burstcast_workflow.config.case import Case
 from burstcast_workflow.harness.job import function_of, settings_taken
@@ -201,7 +203,7 @@ class Stages:
     def encoder_of_observed(self, wildcards: Any) -> Paths:
         """Encoder of the case through which a run of control observes; nothing without one."""
         part = self.campaign.plan(wildcards.strategy).observed
-        encoded = part in self.campaign.encoded_cases
+        encoded = part in self.campaign.where(is_encoded=True)
         return self.in_results(f"{part}/encoder.nc" if encoded else [])
 
     # -- what settings leave to other jobs ---------------------------------------------------------
