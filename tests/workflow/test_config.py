@@ -182,6 +182,7 @@ def test_all_mistakes_are_reported_at_once(config):
         {"campaign.0.forecasters": {"esn": {"neurons": 500}}},
         {"campaign.0": "Re400"},
         {"control.strategies": [{"strategy": "reactive", "settings": {"level": []}}]},
+        {"control.strategies": [{"strategy": "receding_horizon", "forecasters": {3: {}}}]},
         {"case_defaults.ensemble": 3},
         {"cases": [], "search": None, "campaign": {}},
     ],

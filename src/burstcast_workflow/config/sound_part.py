@@ -66,6 +66,8 @@ def _name_of(path: Path) -> str:
     """Name of a setting in messages of relations: in a case, from the root of the case."""
     if path[:1] == ("campaign",):
         return "campaign"  # whatever is said of its members
+    if path[:2] == ("control", "strategies") and path[2:]:
+        return f"control.strategies[{path[2]}]"  # whatever is said of the block
     if _is_whole(path):
         return str(path[1])  # whatever is said of the case
     parts = path[1:] if path[:1] == ("case_defaults",) else path[2:] or path[1:]
