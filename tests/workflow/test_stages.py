@@ -18,7 +18,7 @@ from snakemake.api import SnakemakeApi
 from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 from snakemake.utils import update_config
 
-from burstcast.declared import files_of, paths_of
+from burstcast.declared import files_of, gathered, paths_of
 from burstcast.forecasters._names import MODEL, NETWORK
 from burstcast.forecasters.registry import all_kinds, available_kinds, kind_class
 from burstcast.tables.makers.registry import maker
@@ -415,10 +415,10 @@ def test_files_of_cases_forecasters_and_tables(paper):
     assert paper.case_files("dataset.json", ["Re600"]) == ["results/paper/Re600/dataset.json"]
     assert len(paper.case_files("dataset.json")) == 4
     assert len(paper.forecaster_files("forecast.nc")) == 180 + 2 * 4
-    found = paper.files_in_case("horizon.nc")(JOB)
+    found = paper.declared(gathered("forecasters/horizon.nc"))(JOB)
     assert len(found) == 2 * 10 + 2
     assert all(path.startswith("results/paper/Re600/") for path in found)
-    assert paper.files_in_case("x.nc", lambda campaign, case: [])(JOB) == []
+    assert paper.declared(gathered("classifiers/forecast.nc"))(JOB) == []
     scan = paper.scan_of_network("csv")(JOB)
     assert scan == "results/paper/Re600/scan/esn-N2000-seed3/RV+SSV.csv"
     tables = paper.inputs_of_tables("warnings_table")

@@ -1,5 +1,7 @@
 """Data of a case: the ensemble, its exponents and statistics, what forecasters are judged on."""
 
+from burstcast.declared import read
+
 
 rule simulate:
     output:
@@ -42,7 +44,7 @@ rule import_data:
 rule encode:
     # what sensors see of another case, or an encoder makes of it
     input:
-        source=for_case(lambda case: f"<results>/{case.source.name}/ensemble.nc"),
+        source=stages.declared(read("source/ensemble.nc")),
     output:
         ensemble="<results>/{case}/ensemble.nc",
         summary="<results>/{case}/dataset.json",

@@ -20,7 +20,6 @@ from burstcast_workflow.campaign.control_runs import ControlRun
 from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.campaign.members import CaseForecaster
 from burstcast_workflow.campaign.shown import Shown
-from burstcast_workflow.config.case import Case
 from burstcast_workflow.harness.job import function_of, settings_taken
 from burstcast_workflow.harness.settings import THRESHOLDS, TIME_UNIT, cases_of_thresholds
 from burstcast_workflow.tables.registry import cases_of, made_by, written
@@ -29,12 +28,6 @@ from burstcast_workflow.tracking.code import Sources
 Paths: TypeAlias = str | list[str]
 OfJob: TypeAlias = Callable[..., Any]
 """A function of a job's wildcards."""
-
-
-InCase: TypeAlias = CaseForecaster | ControlRun
-"""A forecaster or a run of control: an entry of a case with a directory of its own."""
-
-Chosen: TypeAlias = Sequence[InCase] | Callable[[Campaign, str], Iterable[InCase]]
 
 
 _SIGNATURE = inspect.signature(lambda wildcards: None)
@@ -112,47 +105,32 @@ class Stages:
         cases = self.campaign.case_names if cases is None else cases
         return self.in_results(f"{case}/{name}" for case in cases)
 
-    def forecaster_files(self, name: str, forecasters: Iterable[InCase] | None = None) -> Paths:
+    def forecaster_files(
+        self, name: str, forecasters: Iterable[CaseForecaster | ControlRun] | None = None
+    ) -> Paths:
         """The file called ``name`` of forecasters or runs of control; default: all forecasters."""
         forecasters = self.campaign.forecasters if forecasters is None else forecasters
         return self.in_results(f"{one.directory}/{name}" for one in forecasters)
 
-    def files_in_case(self, name: str, chosen: Chosen | None = None) -> OfJob:
-        """The file called ``name`` of forecasters, or runs of control, of a job's case."""
-        chosen = self.campaign.forecasters if chosen is None else chosen
+    def declared(self, file: File) -> OfJob:
+        """A declared file of a job's case; nothing where it is a table that the case lacks."""
+        table = Path(file.path).stem if "/tables/" in file.path else ""
 
         @of_job
-        def found(wildcards: Any) -> Any:
-            case = wildcards.case
-            if callable(chosen):
-                return self.forecaster_files(name, chosen(self.campaign, case))
-            return self.forecaster_files(name, [one for one in chosen if one.case == case])
+        def paths(wildcards: Any) -> Paths:
+            if table and wildcards.case not in cases_of(self.campaign, table):
+                return []
+            return self.in_results(Shown(self.campaign, wildcards.case).paths(file))
 
-        return found
+        return paths
 
     def inputs_of_tables(self, maker: str) -> dict[str, OfJob]:
-        """Files that a maker of tables declares, by name; empty for tables that a case lacks."""
-
-        def of_file(file: File) -> OfJob:
-            table = Path(file.path).stem if "/tables/" in file.path else ""
-
-            @of_job
-            def paths(wildcards: Any) -> Paths:
-                if table and wildcards.case not in cases_of(self.campaign, table):
-                    return []
-                return self.in_results(Shown(self.campaign, wildcards.case).paths(file))
-
-            return paths
-
-        return {name: of_file(file) for name, file in files_of(maker_of(maker)).items()}
+        """Files that a maker of tables declares, by name."""
+        return {name: self.declared(file) for name, file in files_of(maker_of(maker)).items()}
 
     def table_files(self, table: str) -> Paths:
         """A table of each case that has it."""
         return self.case_files(f"tables/{table}.csv", cases_of(self.campaign, table))
-
-    def for_case(self, function: Callable[[Case], Any]) -> OfJob:
-        """``function`` of a job's case."""
-        return of_job(lambda wildcards: function(self.campaign.cases[wildcards.case]))
 
     def scan_of_network(self, suffix: str) -> OfJob:
         """A file of the scan that a network's search continues."""
