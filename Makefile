@@ -43,7 +43,7 @@ archive: $(VENV)/installed ## tables, figures, report, config, versions in one z
 
 pages: $(VENV)/installed ## pages and the schema of settings, from the model and the declarations
 	$(BIN)/burstcast settings > docs/settings.md
-	$(BIN)/python -m burstcast_workflow.config.schema > workflow/schemas/config.schema.json
+	$(BIN)/python -m burstcast_workflow.config.reference > workflow/schemas/config.schema.json
 	$(BIN)/python -m burstcast_workflow.tables.page > docs/tables.md
 	$(BIN)/python docs/site/references.py > docs/references.md
 	$(SNAKEMAKE) --rulegraph | $(BIN)/python docs/site/rule_graph.py docs/images/rule_graph.svg

@@ -65,7 +65,7 @@ from burstcast.tuning.strategies.recycle import RecycleValidation
 from burstcast.tuning.strategies.single_shot import SingleShotValidation
 from burstcast.tuning.validation import validate
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import load
+from burstcast_workflow.campaign.loading import load
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "benchmarks" / "measured.md"

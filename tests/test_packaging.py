@@ -22,7 +22,7 @@ from packaging.version import Version
 
 import burstcast
 from burstcast.compiled.backends import usable_backend
-from burstcast_workflow.config.loading import load
+from burstcast_workflow.campaign.loading import load
 
 ROOT = Path(__file__).parents[1]
 PROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
@@ -308,7 +308,7 @@ def test_with_a_compiler_nothing_is_said():
     [
         (
             "import yaml\n"
-            "from burstcast_workflow.config.loading import load\n"
+            "from burstcast_workflow.campaign.loading import load\n"
             "from burstcast_workflow.tracking.environment import LIBRARIES, library_version\n"
             "config = load(yaml.safe_load(open('config.yaml')), defaults='config.yaml')\n"
             "print(config['forecasters']['esn']['backend'])\n"

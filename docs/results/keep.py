@@ -20,8 +20,8 @@ import pandas as pd
 from kept_tables import KEPT
 
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.campaign.opened import open_campaign
 from burstcast_workflow.commands.archive import versions
+from burstcast_workflow.opened import open_campaign
 from burstcast_workflow.tables.registry import table_names
 from burstcast_workflow.tracking.results import DamagedResultError, checked
 from burstcast_workflow.tracking.run import CLAIM

@@ -25,14 +25,16 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from matplotlib.figure import Figure
 from snakemake.utils import update_config
 from sphinx.cmd.build import main as sphinx
 
+from burstcast.declared import called
 from burstcast.figures.parts.style import render
-from burstcast.figures.registry import caption, declaration, figure_module
+from burstcast.figures.registry import Drawn, caption
 from burstcast.files.tables import read_table
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import load
+from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.registry import FIGURES, cases_of, files_of, settings_of
 from burstcast_workflow.tables.declarations import SECTIONS
 from burstcast_workflow.tables.registry import OPTIONAL, table_of
@@ -208,11 +210,16 @@ def pictures() -> dict[str, tuple[str, bytes]]:
             if not inputs or any(content is None for content in inputs.values()):
                 continue
             values = settings_of(campaign, figure, cases[0])
-            arguments = {key: values[path] for key, path in figure.paths.items()}
-            if figure.published:
-                inputs["published"] = read_table(ROOT / "resources" / "published_percentiles.csv")
-            found[name] = preset, render(figure_module(name).draw(**inputs, **arguments), "png")
+            found[name] = preset, render(_drawn(figure, values, inputs), "png")
     return found
+
+
+def _drawn(figure: Drawn, values: Mapping[str, Any], inputs: Mapping[str, Any]) -> Figure:
+    """Draw a figure of values of its settings by path, and of its inputs by name."""
+    published = {}
+    if figure.published:
+        published["published"] = read_table(ROOT / "resources" / "published_percentiles.csv")
+    return called(figure.draw, values.__getitem__, lambda name, _: inputs[name], **published)
 
 
 def _campaign(preset: str) -> Campaign:
@@ -244,7 +251,7 @@ def gallery(drawn: Mapping[str, str]) -> str:
     campaigns = {preset: _campaign(preset) for preset in PRESETS}
     lines, section = ["\n## Gallery\n"], ""
     for name in FIGURES:
-        if section != (section := declaration(name).section):
+        if section != (section := FIGURES[name].section):
             lines.append(f"### {SECTIONS[section].partition(' ')[2]}\n")
         lines += [f"#### {name}\n", f"{caption(name).replace('``', '`')}\n"]
         if name in drawn or _is_kept(name):

@@ -7,6 +7,7 @@ wherever the code that a result depends on is listed.
 import dataclasses
 import difflib
 import importlib
+import importlib.util
 import inspect
 import math
 import numbers
@@ -15,6 +16,7 @@ import pkgutil
 import traceback
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
+from pathlib import Path
 from types import ModuleType, NoneType, UnionType
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -118,6 +120,16 @@ def imported(name: str) -> ModuleType:
             f"the module {name} cannot be imported: {_place(error)}{type(error).__name__}: "
             f"{getattr(error, 'msg', error)}"
         ) from error
+
+
+def imported_file(file: Path) -> ModuleType:
+    """Import a file that lies in no package."""
+    spec = importlib.util.spec_from_file_location(f"burstcast_file_{file.stem}", file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def _place(error: Exception) -> str:

@@ -4,7 +4,7 @@
 def __getattr__(name: str) -> object:
     """Load ``open_campaign`` on first access: ``import burstcast_workflow`` loads nothing."""
     if name == "open_campaign":
-        from burstcast_workflow.campaign.opened import open_campaign
+        from burstcast_workflow.opened import open_campaign
 
         return open_campaign
     raise AttributeError(f"module 'burstcast_workflow' has no attribute {name!r}")

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 from snakemake.exceptions import WorkflowError
 
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.case_checks import extrapolations, few_points
+from burstcast_workflow.campaign.caveats import extrapolations, few_points
+from burstcast_workflow.campaign.loading import ConfigError, load
 from burstcast_workflow.config.cases import own_modules
-from burstcast_workflow.config.loading import ConfigError, load
 from burstcast_workflow.config.measured_cases import OFF
 from burstcast_workflow.project import packages_of, project_root
 from burstcast_workflow.tracking.code import Sources, make_importable, search_directories
@@ -105,10 +105,10 @@ def tell_what_is_off(campaign: Campaign) -> None:
     """Print what the campaign lacks, has little of, and extrapolates."""
     if not campaign.networks:
         print(f"no networks in the campaign; off: {OFF_WITHOUT_NETWORKS}", file=sys.stderr)
-    measured = [case for case in campaign.measured_cases if case not in campaign.encoded_cases]
+    measured = campaign.where(has_equations=False, is_encoded=False)
     if measured:
         print(f"{', '.join(measured)}: measured series; off: {OFF}", file=sys.stderr)
-    for text in filter(None, [few_points(campaign.config), *extrapolations(campaign.config)]):
+    for text in filter(None, [few_points(campaign), *extrapolations(campaign)]):
         print(text, file=sys.stderr)
 
 

@@ -125,7 +125,7 @@ def test_the_page_names_networks_that_the_demo_has():
     from snakemake.utils import update_config
 
     from burstcast_workflow.campaign.campaign import Campaign
-    from burstcast_workflow.config.loading import load
+    from burstcast_workflow.campaign.loading import load
 
     config, preset = (
         yaml.safe_load((DOCS.parent / name).read_text(encoding="utf-8"))

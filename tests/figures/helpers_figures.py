@@ -15,7 +15,7 @@ from matplotlib.transforms import Bbox
 
 from burstcast.arrays import FloatArray
 from burstcast.figures.parts.style import nothing_to_show
-from burstcast.figures.registry import figure_module
+from burstcast.figures.registry import figure_of
 from burstcast.statistics.densities import bin_edges, histogram
 from kolmogorov_flow import KolmogorovFlow
 
@@ -642,7 +642,7 @@ ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
 
 def drawn(name: str, **changes: Any) -> Figure:
     """Draw a figure from its arguments, some of them replaced."""
-    figure: Figure = figure_module(name).draw(**{**ARGUMENTS[name](), **changes})
+    figure: Figure = figure_of(name)(**{**ARGUMENTS[name](), **changes})
     return figure
 
 

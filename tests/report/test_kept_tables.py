@@ -12,7 +12,7 @@ import yaml
 from kept_tables import Tables, best, name_of, part, table, text
 
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import load
+from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.tables.registry import table_names
 from burstcast_workflow.tracking.results import digest, note
 from burstcast_workflow.tracking.run import VARIABLE, begin

@@ -11,13 +11,14 @@ from hypothesis import strategies as st
 from burstcast.forecasters._names import NETWORK as NETWORKS
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters.registry import available_kinds
-from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
-from burstcast_workflow.campaign.job_settings import settings_of_cases, settings_of_job
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.job_settings import Job, settings_of_cases, settings_of_job
+from burstcast_workflow.campaign.loading import load
+from burstcast_workflow.campaign.members import CaseForecaster
 from burstcast_workflow.config.case import Encoded, Simulated
 from burstcast_workflow.config.cases import own_modules
-from burstcast_workflow.config.loading import load
 from burstcast_workflow.config.model import Choice, Configuration
-from burstcast_workflow.config.places import Place
+from burstcast_workflow.config.reference import schema_of
 from burstcast_workflow.figures.registry import (
     FIGURES,
     cases_of,
@@ -26,7 +27,9 @@ from burstcast_workflow.figures.registry import (
     settings_of,
 )
 from burstcast_workflow.harness.canonical import canonical, canonical_json
+from burstcast_workflow.jobs import data
 from burstcast_workflow.jobs.networks import Networks
+from burstcast_workflow.jobs.systems import System
 from burstcast_workflow.tables.registry import cases_of_tables, table_names
 from kolmogorov_flow import KolmogorovFlow
 
@@ -76,7 +79,7 @@ def test_blocks_that_overlap_share_their_forecasters():
 
 def test_choices_name_kinds_and_may_restrict_their_axes():
     def run_freely(choice):
-        chosen = PAPER._chosen(Choice.model_validate(choice))
+        chosen = PAPER.chosen(Choice.model_validate(choice))
         return {one.name for one in chosen}
 
     every = {one.name for one in PAPER.networks}
@@ -232,7 +235,7 @@ def test_settings_are_those_that_concern_a_job_and_no_other_name_is_taken(kind):
     # who sees the truth is given no noise
     assert ("case.training.noise" in found) == (kind != "equations")
     for path in ("horizon.evnts", "no_such_section", "case.trainig"):
-        with pytest.raises(KeyError):
+        with pytest.raises(LookupError, match=f"there is no setting {path}"):
             settings_of_job(PAPER, [path], job)
 
 
@@ -319,8 +322,8 @@ def test_noise_of_a_plan_is_said_also_where_the_truth_is_seen():
 
 
 def test_settings_of_cases_are_those_of_the_jobs_of_each():
-    paths = ["case.event_threshold", "case.test_series"]
-    found = settings_of_cases(PAPER, paths)
+    found = settings_of_cases(PAPER, data.Tested)
+    paths = ["case.training.series", "case.test_series"]
     assert found == {case: settings_of_job(PAPER, paths, {"case": case}) for case in found}
     assert list(found) == list(PAPER.case_names)
     assert [one["case.test_series"] for one in found.values()] == [150, 300, 300, 300]
@@ -362,8 +365,8 @@ def test_settings_do_not_depend_on_the_order_of_the_config(generator):
             assert settings_of(other, figure, case) == settings_of(plain, figure, case), name
     sections = ("classification", "control", "search", "bootstrap")
     assert settings_of_job(other, sections, {}) == settings_of_job(plain, sections, {})
-    found = settings_of_cases(other, ["case.parameters"])
-    assert found == settings_of_cases(plain, ["case.parameters"])
+    found = settings_of_cases(other, System)
+    assert found == settings_of_cases(plain, System)
 
 
 def test_realisations_are_cases_that_differ_by_their_training_series_only():
@@ -386,10 +389,10 @@ def test_drawn_training_sets_stand_in_the_place_of_the_cases_own():
     found = campaign(blocks=[own, {"reynolds": [400], **drawn}])
     assert found.case_names == ("Re400", "Re400-training1", "Re400-training2")
     assert {one.case for one in found.networks} == set(found.realised_cases)
-    first, both = map(found.drawn_shares, found.realised_cases)
+    first, both = (Job(found, {"case": case}).drawn_shares for case in found.realised_cases)
     assert first == {"shares": [0.17], "threshold": 0.1}
     assert both == {"shares": [0.17, "all"], "threshold": 0.1}
-    assert PAPER.drawn_shares("Re400") is None
+    assert Job(PAPER, {"case": "Re400"}).drawn_shares is None
 
 
 def test_networks_with_true_washouts_share_the_search_of_the_others():
@@ -497,8 +500,8 @@ def test_keys_of_tables():
 
 
 def test_the_example_of_the_config_is_an_identifier():
-    places = {place.name: place for place in Place(Configuration).settings()}
-    (example,) = re.findall(r"esn-[\w-]+", places["figures.example_forecaster"].allowed())
+    figures = schema_of(Configuration)["$defs"]["Figures"]["properties"]
+    (example,) = re.findall(r"esn-[\w-]+", figures["example_forecaster"]["allowed"])
     assert parsed(example).identifier == example
 
 
@@ -535,7 +538,10 @@ def test_channels_are_known_beforehand():
     components = campaign.cases["invariants"].parameters["components"]
     assert components == list(flow.invariant_names)
     kinds = {name: type(case) for name, case in campaign.cases.items()}
-    assert kinds == {"turbulence": Simulated, **dict.fromkeys(campaign.encoded_cases, Encoded)}
+    assert kinds == {
+        "turbulence": Simulated,
+        **dict.fromkeys(campaign.where(is_encoded=True), Encoded),
+    }
     assert campaign.cases["sensors"].source is campaign.cases["turbulence"]
 
 

@@ -1,5 +1,6 @@
 """Figures of a campaign: which there are, what they show, and the script that draws them."""
 
+import inspect
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,9 @@ import pytest
 from helpers_configs import PRESETS, ROOT, TINY, campaign, read
 from helpers_rebuilds import loaded_script
 
-from burstcast.figures.registry import Declaration, available_figures, caption, declaration
+from burstcast.declared import File, at
+from burstcast.declared import read as read_file
+from burstcast.figures.registry import caption, figure, figure_of
 from burstcast.files.netcdf import Variable, write_netcdf
 from burstcast.statistics.densities import Histogram
 from burstcast.statistics.measures import best_network
@@ -15,6 +18,7 @@ from burstcast.statistics.moments import StateMoments
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.systems.registry import make_system, parameters_of
 from burstcast.tables.parameters import described_parameters
+from burstcast_workflow.campaign.shown import Choices, Shown
 from burstcast_workflow.figures import registry
 from burstcast_workflow.figures.registry import (
     FIGURES,
@@ -25,6 +29,7 @@ from burstcast_workflow.figures.registry import (
 )
 from burstcast_workflow.harness.settings import JobSettings
 from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.jobs.inputs import content_of
 from burstcast_workflow.tables.declarations import TABLES
 from burstcast_workflow.tables.registry import cases_of_tables, latex_names, table_names, typeset
 
@@ -36,14 +41,14 @@ def script():
     return loaded_script("figures/figure.py")
 
 
-def drawn(script, directory, symbol="k", **files):
+def drawn(script, directory, symbol="k"):
     """Files of the schematic of the horizon."""
     figures = {"pdf": str(directory / "figure.pdf"), "png": str(directory / "figure.png")}
     names = ("longest_lead_time_lt", "lead_time_step_lt", "tolerance")
     said = {f"horizon.{name}": value for name, value in zip(names, (10, 0.5, 0.2), strict=True)}
     identity = {"rule": "figure", "figure": "horizon_schematic"}
-    settings = JobSettings({**said, "shown.symbol": symbol}, identity)
-    script.figure(**figures, settings=settings, **files)
+    settings = JobSettings({**said, "case.space.observable_symbol": symbol}, identity)
+    script.figure(**figures, settings=settings)
     assert settings.unread() == []
     return {path.name: path.read_bytes() for path in sorted(directory.glob("figure.*"))}
 
@@ -58,67 +63,76 @@ def test_a_figure_is_written_as_pdf_and_png(script, tmp_path):
 def test_nothing_is_written_of_a_figure_that_cannot_be_drawn(script, tmp_path):
     with pytest.raises(ValueError, match="nosuchcommand"):
         drawn(script, tmp_path, r"\nosuchcommand")
-    with pytest.raises(TypeError, match="unexpected keyword argument 'more'"):
-        drawn(script, tmp_path, more=[])
     assert list(tmp_path.iterdir()) == []
 
 
-def test_inputs_are_the_contents_of_files(script, tmp_path):
+def test_inputs_are_the_contents_of_files(tmp_path):
     table, record, arrays = (str(tmp_path / f"x.{end}") for end in ("csv", "json", "nc"))
     Path(table).write_text("case,value\nRe400,1.5\n")
     write_json(record, {"tikhonov": 1e-9})
     identity = {"identity": '{"rule": "train", "forecaster": "esn-N40-RV-seed0"}'}
     write_netcdf(arrays, {"time": Variable(("time",), np.arange(3.0), "1", "")}, identity)
     rows = [{"case": "Re400", "value": 1.5}]
-    assert script._content(table, "").to_dict("records") == rows
-    assert [one.to_dict("records") for one in script._content([table, table], "")] == [rows, rows]
-    assert script._content(record, "") == {"tikhonov": 1e-9}
-    found = script._content(arrays, "")
-    assert found["forecaster"] == "esn-N40-RV-seed0"
-    assert found["time"].tolist() == script._content(arrays, "time").tolist() == [0, 1, 2]
-    assert script._content([], "") is None
+
+    def content(path, place="case/x", variables=""):
+        return content_of(path, File(place, variables))
+
+    assert content(table).to_dict("records") == rows
+    assert [one.to_dict("records") for one in content([table, table])] == [rows, rows]
+    assert content(record) == {"tikhonov": 1e-9}
+    found = content(arrays)
+    assert (found["forecaster"], found["neurons"], found["seed"]) == ("esn-N40-RV-seed0", 40, 0)
+    assert found["time"].tolist() == content(arrays, "case/x.nc:time").tolist() == [0, 1, 2]
+    assert content(arrays, "case/x.nc:path") == arrays
+    assert content([]) is None
 
 
 # -- declarations ----------------------------------------------------------------------------------
 
 
-def test_declarations_and_captions_are_read_from_the_text():
-    with pytest.raises(ValueError, match=r"FIGURE = Declaration\(\.\.\.\) in burstcast/figures"):
-        declaration("registry")
-    said = "Measurement of the prediction horizon of an extreme event."
-    assert caption("horizon_schematic") == said
-    places = [(one.section, one.position) for one in map(declaration, available_figures())]
-    assert len(set(places)) == len(places)
+def test_captions_are_docstrings_and_no_two_figures_have_one_place():
+    text = "Measurement of the prediction horizon of an extreme event."
+    assert caption("horizon_schematic") == text
+    places = {(one.section, one.position) for one in FIGURES.values()}
+    assert len(places) == len(FIGURES)
+    with pytest.raises(TypeError, match=r"registry.py has no function draw with the decorator"):
+        figure_of("registry")
 
 
-def test_an_unknown_section_names_those_that_there_are(monkeypatch):
-    new = {"new": Declaration("contrl", 10)}
-    monkeypatch.setattr(registry, "available_figures", lambda: [*new])
-    monkeypatch.setattr(registry, "declaration", new.__getitem__)
-    with pytest.raises(ValueError, match=r"the section 'contrl'.*did you mean 'control'"):
-        registry._declared()
+def drawing(*, section="control", cases="example_case", **defaults):
+    """A figure with arguments of these defaults."""
 
+    def draw(**_):
+        raise AssertionError
 
-def asked(of, figure):
-    return (
-        registry.cases_of(of, figure),
-        files_of(of, figure, "Re400"),
-        settings_of(of, figure, "Re400"),
-    )
+    parameters = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default)
+        for name, default in defaults.items()
+    ]
+    draw.__signature__ = inspect.Signature(parameters)
+    return figure(section=section, position=10, cases=cases)(draw)
 
 
 @pytest.mark.parametrize(
-    ("said", "message"),
+    ("given", "message"),
     [
-        ({"inputs": {"x": "exampel/x.nc"}}, "place 'exampel' .did you mean 'example'"),
-        ({"settings": "x=shown.symbols"}, "setting to show 'symbols' .did you mean 'symbol'"),
-        ({"cases": "all"}, "choice of cases 'all'.*known are example, every"),
+        ({"section": "contrl"}, r"figure new .*the section 'contrl' .did you mean 'control'"),
+        ({"cases": "evry"}, r"figure new .*the choice of cases 'evry' .did you mean 'every'"),
     ],
 )
-def test_an_unknown_name_in_a_declaration_is_told(said, message):
-    figure = Declaration("control", 10, **said)
+def test_an_unknown_section_or_choice_of_cases_names_the_nearest(monkeypatch, given, message):
+    monkeypatch.setattr(registry, "available_figures", lambda: ["new"])
+    monkeypatch.setattr(registry, "figure_of", lambda _: drawing(**given))
     with pytest.raises(ValueError, match=message):
-        asked(PAPER, figure)
+        registry._declared()
+
+
+def test_an_unknown_place_or_setting_is_named():
+    with pytest.raises(AttributeError, match="no attribute 'exampel'"):
+        files_of(PAPER, drawing(x=read_file("exampel/x.nc")), "Re400")
+    for path in ("shown.symbols", "case.space.dimensions", "case.lyapunov.x", "figurs.x", "job.x"):
+        with pytest.raises(LookupError, match=f"there is no setting {path}"):
+            settings_of(PAPER, drawing(x=at(path)), "Re400")
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -223,7 +237,7 @@ def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
         *("long_term_density", "own_flow", "control_schematic", "control_density"),
         "control_tradeoff",
     }
-    assert shown(found, "long_term_density", "lorenz")["shown.symbol"] == "z"
+    assert shown(found, "long_term_density", "lorenz")["case.space.observable_symbol"] == "z"
 
 
 def test_densities_of_different_systems_are_not_in_one_figure():
@@ -259,18 +273,17 @@ def test_a_case_without_networks_of_the_fixed_size_shows_those_that_it_has():
 def test_the_suppressed_event_is_the_example_networks_if_it_controls():
     seeds = [block([500, 2000], validation=("SSV", "RV"), reynolds=[600, 400], seeds=3)]
     own = of_blocks(seeds, figures={"example_forecaster": "esn-N2000-RV-seed2"})
-    assert registry.control_example(own).controller == own.example.name
+    assert Choices(own).example_run.controller == own.example.name
     other = of_blocks(
         seeds,
         figures={"example_forecaster": "esn-N500-RV-seed2"},
         control={"forecasters": {"esn": {"neurons": [2000]}}},
     )
-    run = registry.control_example(other)
+    run = Choices(other).example_run
     assert (run.case, run.controller.identifier) == ("Re400", "esn-N2000-RV-seed0")
     assert run.prediction_time_lt == 2
-    assert (
-        registry.control_example(of_blocks(seeds, control={"forecasters": {"esn": None}})) is None
-    )
+    without = of_blocks(seeds, control={"forecasters": {"esn": None}})
+    assert Choices(without).example_run is None
 
 
 def test_the_best_network_is_of_the_examples_strategy():
@@ -279,7 +292,7 @@ def test_the_best_network_is_of_the_examples_strategy():
     blocks = [block([500, 2000], validation=("SSV", "RV"), reynolds=[400])]
     expectations = ((both, "RV"), ({**both, **ssv}, "SSV"), ({"statistics": SSV}, "SSV"))
     for overlay, expected in expectations:
-        candidates = registry.long_term_candidates(of_blocks(blocks, **overlay), "Re400")
+        candidates = Shown(of_blocks(blocks, **overlay), "Re400").long_term_networks
         assert {(one.name.neurons, one.name.validation) for one in candidates} == {(2000, expected)}
         assert len(candidates) == 2
 

@@ -15,7 +15,7 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecast.windows import window_boundaries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast_workflow.campaign.summary import (
+from burstcast_workflow.summary import (
     MOST_ROWS,
     MOST_WARNINGS,
     campaign_summary,

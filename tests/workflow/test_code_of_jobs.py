@@ -201,7 +201,7 @@ NEEDED_BY = {
     "llvmlite": [],
     "skopt": ["forecasters/search.py"],
     "sklearn": [],  # by scikit-optimize only
-    "skimage": ["figures/vorticity_isosurfaces.py"],
+    "skimage": [],  # by a function of a figure
     "matplotlib": ["figures/*.py"],
     "pydantic": [],
     "snakemake": [],
@@ -249,6 +249,25 @@ def test_a_script_loads_what_it_needs_and_no_other_library_that_takes_long(scrip
     assert found & {*NEEDED_BY} == may
     if allowed(script, WITHOUT_NETWORKS):
         assert NETWORK not in modules(script)
+
+
+def test_planning_loads_no_library_for_what_scripts_figures_and_tables_declare():
+    code = """
+import sys
+from pathlib import Path
+from burstcast.tables.makers.registry import maker
+from burstcast_workflow.figures.registry import FIGURES
+from burstcast_workflow.harness.job import function_of
+from burstcast_workflow.tables.registry import MAKERS
+found = [*map(function_of, Path(sys.argv[1]).glob("*/*.py")), *map(maker, MAKERS), *FIGURES]
+print(len(found), *sys.modules)
+"""
+    command = [sys.executable, "-c", code, str(ROOT / "workflow" / "scripts")]
+    output = subprocess.run(command, capture_output=True, text=True, check=True)
+    count, *names = output.stdout.split()
+    assert int(count) > 60
+    heavy = {"skimage", "sklearn", "skopt", "scipy.ndimage", "scipy.optimize", "scipy.stats"}
+    assert not heavy & {*names}
 
 
 def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_with():

@@ -8,17 +8,18 @@ import re
 import jsonschema
 import pytest
 from helpers_configs import PRESETS, ROOT, paper_with, put, read, records_of
-from pydantic_core import PydanticUndefined
 
 from burstcast.forecasters._options import SECTIONS
-from burstcast_workflow.config import reference
-from burstcast_workflow.config.loading import ConfigError, load, misread
+from burstcast_workflow.campaign.loading import ConfigError, load, misread
 from burstcast_workflow.config.model import Configuration
-from burstcast_workflow.config.places import Place
-from burstcast_workflow.config.schema import schema
+from burstcast_workflow.config.reference import schema_of, section_of, settings, text
 from burstcast_workflow.harness.canonical import canonical_json
 
 CHOICE = re.compile(r"(statistics|control)\.forecasters\.")
+SCHEMA = schema_of(Configuration)
+PLACES = dict(settings(SCHEMA))
+# sections themselves have no default
+HEADS = {name for name in PLACES if any(one.startswith(f"{name}.") for one in PLACES)}
 
 
 @pytest.fixture
@@ -36,20 +37,20 @@ def problems(config):
 
 
 def test_every_setting_is_described():
-    places = list(Place(Configuration).settings())
-    assert len(places) > 90
-    assert [place.name for place in places if not place.meaning] == []
-    undescribed = [place.name for place in places if place.name.endswith("_lt") and not place.unit]
-    assert undescribed == []
+    assert len(PLACES) > 90
+    described = lambda node: "description" in {**section_of(SCHEMA, node), **node}  # noqa: E731
+    assert [name for name, node in PLACES.items() if not described(node)] == []
+    assert [name for name in PLACES if name.endswith("_lt") and "unit" not in PLACES[name]] == []
 
 
 def test_bounds_that_are_other_settings_exist():
-    names = {place.name.replace("[]", "") for place in Place(Configuration).settings()}
-    for place in Place(Configuration).settings():
-        in_case = place.name.startswith("case_defaults.") and place.relations
-        root = "case_defaults." if in_case else ""
-        for others in place.relations.values():
-            assert {f"{root}{other}" for other in others.split(" * ")} <= names
+    names = {name.replace("[]", "") for name in PLACES}
+    relations = {name: node["relations"] for name, node in PLACES.items() if "relations" in node}
+    assert len(relations) > 15
+    for name, others in relations.items():
+        root = "case_defaults." if name.startswith("case_defaults.") else ""
+        for other in others.values():
+            assert {f"{root}{factor}" for factor in other.split(" * ")} <= names
 
 
 def value_at(config, name):
@@ -64,23 +65,23 @@ def value_at(config, name):
 def test_every_setting_has_its_default_in_one_place(config):
     """What the model has no default for stands in config.yaml, which repeats no other."""
     of_the_paper = {"forecasters.esn.connectivity"}
-    for place in Place(Configuration).settings():
-        if "[" in place.name or CHOICE.match(place.name) or place.fields:
+    for name, node in PLACES.items():
+        if "[" in name or CHOICE.match(name) or name in HEADS:
             continue
-        value, said = value_at(config, place.name)
+        value, said = value_at(config, name)
         unsaid = tuple(
             f"case_defaults.{one}." for one in ("data", "training.actuation", "sensors", "encoder")
         )
-        if place.name.startswith(unsaid):  # sections that nothing is said in
+        if name.startswith(unsaid):  # sections that nothing is said in
             assert not said
-        elif place.default is PydanticUndefined:
-            assert said, f"config.yaml lacks {place.name}"
+        elif "default" not in node:
+            assert said, f"config.yaml lacks {name}"
             changed = copy.deepcopy(config)
-            parent, last = place.name.rpartition(".")[::2]
+            parent, last = name.rpartition(".")[::2]
             del (value_at(changed, parent)[0] if parent else changed)[last]
-            assert f"{place.name} is missing" in problems(changed)[0]
-        elif said and place.name not in of_the_paper:
-            assert value != place.default, f"{place.name} has a default"
+            assert f"{name}: missing" in problems(changed)[0]
+        elif said and name not in of_the_paper:
+            assert value != node["default"], f"{name} has a default"
     for name in of_the_paper:
         section, key = name.split(".")[1:]
         assert value_at(config, name)[0] == getattr(SECTIONS[section](), key)
@@ -100,8 +101,8 @@ def test_kinds_are_a_list_or_a_mapping(config):
 
 def test_the_reference_of_all_settings_is_up_to_date_and_tells_what_holds(config):
     """Made by: burstcast settings > docs/settings.md."""
-    text = reference.text(config)
-    assert (ROOT / "docs" / "settings.md").read_text(encoding="utf-8") == text
+    page = text(config)
+    assert (ROOT / "docs" / "settings.md").read_text(encoding="utf-8") == page
     # defaults also where config.yaml says nothing; code as it is
     defaults = {
         "statistics.forecasters.esn.neurons": "`[]`",
@@ -111,10 +112,10 @@ def test_the_reference_of_all_settings_is_up_to_date_and_tells_what_holds(config
         "random_seed": "`2022`",
     }
     for name, default in defaults.items():
-        (line,) = (line for line in text.splitlines() if line.startswith(f"| `{name}` |"))
+        (line,) = (line for line in page.splitlines() if line.startswith(f"| `{name}` |"))
         assert line.split(" | ")[3] == default
     for code in ("`<case>-training<k>`", "the case Re&lt;value> of"):
-        assert code in text
+        assert code in page
 
 
 # -- canonical form --------------------------------------------------------------------------------
@@ -140,13 +141,57 @@ def test_the_given_config_is_left_alone_and_blocks_may_overlap(config):
     assert config == before
 
 
-def test_all_mistakes_are_told_at_once(config):
-    del config["horizon"]["events"]
-    put(config, "searsh", {})
-    put(config, "random_seed", -1)
-    assert len(problems(config)) == 3
-    with pytest.raises(ConfigError, match=r"has 3 mistakes:\n  1\. .*\n  2\. .*\n  3\. "):
+MISTAKES = {
+    # of types, and unknown and missing settings
+    "horizon.events": "...",
+    "searsh": {},
+    "random_seed": -1,
+    "cases.Re400.event_threshold": "high",
+    "campaign.0.forecasters.esn.sedes": 3,
+    # between settings of a section, and of several
+    "search.input_scaling": [2, 1],
+    "horizon.lead_time_step_lt": 11,
+    "control.sweep.cases": ["Re40"],
+    "cases.Re600.recycle_validation": {"series": 11},
+    # of lengths: a Lyapunov time of Re = 1000 has 82 steps, a series 4001 samples
+    "cases.Re1000.recycle_validation": {"intervals_per_series": 30},
+}
+
+
+def test_all_mistakes_are_reported_at_once(config):
+    """Of types, between settings and of lengths; none is of what replaces an invalid setting."""
+    for name, value in MISTAKES.items():
+        put(config, name, value)
+    found = problems(config)
+    assert len(found) == len(MISTAKES), found
+    names = [name.removeprefix("cases.").replace("campaign.0", "campaign[0]") for name in MISTAKES]
+    for name in names:
+        case, _, setting = name.partition(".")
+        told = [
+            text for text in found if name in text or (f"case {case}" in text and setting in text)
+        ]
+        assert len(told) == 1, (name, found)
+    with pytest.raises(ConfigError, match=r"has 10 mistakes:\n  1\. .*\n  2\. .*\n  3\. "):
         load(config)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"cases.Re400.data": {"file": "x"}},
+        {"campaign.0.forecasters": {"esn": {"neurons": 500}}},
+        {"campaign.0": "Re400"},
+        {"control.strategies": [{"strategy": "reactive", "settings": {"level": []}}]},
+        {"control.strategies": [{"strategy": "receding_horizon", "forecasters": {3: {}}}]},
+        {"case_defaults.ensemble": 3},
+        {"cases": [], "search": None, "campaign": {}},
+    ],
+)
+def test_invalid_sections_are_the_only_mistakes_reported(config, values):
+    for name, value in values.items():
+        put(config, name, value)
+    found = problems(config)
+    assert all(any(text.startswith(name[:8]) for name in values) for text in found), found
 
 
 # -- keys that are there twice ---------------------------------------------------------------------
@@ -206,15 +251,15 @@ def test_what_yaml_reads_otherwise_than_it_looks(config, tmp_path, text, found):
 
 # -- the JSON Schema of configs --------------------------------------------------------------------
 
-VALIDATOR = jsonschema.Draft202012Validator(schema())
+VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
 KINDS = {"esn": {"neurons": [500], "validation": ["RV"], "seeds": 3}}
 
 
 def test_the_kept_schema_is_that_of_the_model():
-    VALIDATOR.check_schema(schema())
+    VALIDATOR.check_schema(SCHEMA)
     kept = ROOT / "workflow" / "schemas" / "config.schema.json"
-    assert json.loads(kept.read_text()) == schema(), "run make pages"
-    search = schema()["$defs"]["Search"]["properties"]
+    assert json.loads(kept.read_text()) == SCHEMA, "run make pages"
+    search = SCHEMA["$defs"]["Search"]["properties"]
     assert search["interval_lt"]["description"].endswith("[Lyapunov times]")
     assert "title" not in search["interval_lt"]
 

@@ -21,11 +21,11 @@ from snakemake.utils import update_config
 
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.caveats import extrapolations, few_points
 from burstcast_workflow.campaign.job_settings import settings_of_job
+from burstcast_workflow.campaign.loading import ConfigError, load
 from burstcast_workflow.config.case import Data, Measured, PartOfCase, Simulated
-from burstcast_workflow.config.case_checks import extrapolations, few_points
-from burstcast_workflow.config.loading import ConfigError, load
-from burstcast_workflow.config.model import Block, Configuration, case_name
+from burstcast_workflow.config.model import Block, case_name
 from burstcast_workflow.figures.registry import figure_names
 from burstcast_workflow.harness.canonical import canonical
 from burstcast_workflow.jobs.data import check_kept_series
@@ -262,8 +262,8 @@ def test_mistakes_in_what_a_class_says(config, monkeypatch):
     config["campaign"].append({"cases": ["lorenz"], "forecasters": networks([100])})
     problem = only_problem(config)
     assert problem.startswith("case_defaults of the class Lorenz63 (system lorenz63): ")
-    assert "unknown setting event_treshold; did you mean event_threshold?" in problem
-    assert "density.range is [5, 1]; the first number must be below the second" in problem
+    assert "event_treshold: unknown setting; did you mean event_threshold?" in problem
+    assert "density.range: the first number must be below the second (got [5, 1])" in problem
     silent_lorenz(monkeypatch, event_threshold=np.float64(40))
     assert "event_threshold is np.float64(40.0) of type numpy.float64" in only_problem(config)
 
@@ -273,7 +273,7 @@ def test_an_actuation_that_the_case_has_to_complete(config):
     put(config, "cases.Re400.actuation", {"parameters": {"reynolds": 2000}, "force": None})
     with pytest.raises(ConfigError) as caught:
         load(config)
-    missing = [problem.partition(" is missing")[0] for problem in caught.value.problems]
+    missing = [problem.partition(": missing")[0] for problem in caught.value.problems]
     assert missing == [f"case Re400: actuation.{name}_lt" for name in ("start", "duration")]
 
 
@@ -315,7 +315,7 @@ def test_series_are_counted_together():
 
 def test_too_few_starting_points_are_told_of_cases_that_the_campaign_uses(config):
     def told():
-        return few_points(Configuration.model_validate(load(config)))
+        return few_points(Campaign(load(config)))
 
     assert told() == ""
     put(config, "campaign", [{"reynolds": [400, 600], "forecasters": networks([2000])}])
@@ -383,14 +383,15 @@ def test_past_values_are_components(measured):
     assert part["ensemble"] == {"time_step": 0.25, "sampling_stride": 4, "duration": 3980}
     # the noise is there before the past values are taken, and not added again
     assert part["training"]["noise"] == 0.01
-    assert found.noise_of_data("part") == {"level": 0.01, "random_seed": 2022}
-    assert found.noise_of_data("lab") is found.noise_of_data("Re400") is None
+    path = "job.noise_of_data"
+    noises = [settings_of_job(found, [path], {"case": case}) for case in ("part", "lab", "Re400")]
+    assert noises == [{path: {"level": 0.01, "random_seed": 2022}}, {path: None}, {path: None}]
     for case, noise in (("part", 0), ("Re400", 0.01)):
         settings = settings_of_job(found, ["case.training.noise"], {"case": case})
         assert settings == {"case.training.noise": noise}
     # measured series have their own
     put(measured, "cases.lab.data.delays", [3])
-    assert Campaign(load(measured)).noise_of_data("lab") is None
+    assert settings_of_job(Campaign(load(measured)), [path], {"case": "lab"}) == {path: None}
 
 
 def test_whose_unit_of_time_is_an_estimate(measured):
@@ -404,7 +405,7 @@ def test_whose_unit_of_time_is_an_estimate(measured):
 def test_what_a_campaign_makes_of_measured_cases(measured):
     found = Campaign(load(measured))
     assert found.simulated_cases == ("Re400",)
-    assert found.measured_cases == ("lab", "part")
+    assert found.where(has_equations=False) == ("lab", "part")
     kinds = {"Re400": Simulated, "lab": Measured, "part": PartOfCase}
     assert {name: type(case) for name, case in found.cases.items()} == kinds
     assert found.cases["Re400"].is_flow
@@ -494,14 +495,14 @@ def test_what_is_left_out_of_a_case_follows_from_the_data(measured):
 
 
 def test_what_is_extrapolated_is_told_with_the_range():
-    found = list(extrapolations(Campaign(load(tiny_campaign("aware"))).config))
+    found = list(extrapolations(Campaign(load(tiny_campaign("aware")))))
     assert found == []  # Re = 2000 is in the actuated series of Re800
     free = {"cases": {"Re800": {"training": {"actuation": None}}}}
-    told = list(extrapolations(Campaign(load(tiny_campaign("aware", free))).config))
+    told = list(extrapolations(Campaign(load(tiny_campaign("aware", free)))))
     said = "lies outside of the values in training, 400 to 800: forecasts are extrapolated"
     assert [one.removesuffix(said) for one in told] == [
-        "Re400switched: reynolds = 2000 ",
         "Re400: reynolds = 2000 ",
+        "Re400switched: reynolds = 2000 ",
         "Re600: reynolds = 950 ",  # the actuator at a quarter of its strength
         "Re600: reynolds = 2000 ",
         "Re800: reynolds = 2000 ",

@@ -10,7 +10,7 @@ import pytest
 import yaml
 from helpers_configs import MEASURED, NETWORKS, paper_with, put, tiny_campaign
 
-from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.campaign.loading import ConfigError, load
 
 # -- how the tables are read -----------------------------------------------------------------------
 
@@ -75,86 +75,65 @@ def lines_of(tables):
 
 TABLES = {}
 TABLES["paper"] = """
-horizon.evnts: 3 | unknown setting horizon.evnts | did you mean events?
-seeds: 1 | unknown setting seeds | campaign[].forecasters.esn.seeds or |
+horizon.evnts: 3 | horizon.evnts: unknown setting | did you mean events?
+seeds: 1 | seeds: unknown setting | campaign[].forecasters.esn.seeds or |
   campaign[].forecasters.esn_true_washout.seeds or | campaign[].forecasters.esn_aware.seeds or |
   control.sweep.seeds or | control.strategies[].seeds?
-search.washout_lt: 1 | unknown setting search.washout_lt | did you mean washout_lt?
-network: {} | unknown setting network
+search.washout_lt: 1 | search.washout_lt: unknown setting | did you mean washout_lt?
+network: {} | network: unknown setting
 cases.Re400.lyapunov.xyz: 1 | cases.Re400.lyapunov.xyz | known are time_unit
-search.5: null | search.5: the key 5 must be text; in braces a comma ends a value
-horizon.events: 0 | horizon.events is 0 | whole number not below 1 | (number of
-horizon.events: 1.5 | horizon.events is 1.5 | a whole number
-horizon.events: true | horizon.events is true | a whole number
-horizon.events: null | horizon.events is empty | a whole number
-search.grid: '4' | search.grid is the text '4' | write 4 without quotes
-search.tikhonov: [1e-6] | search.tikhonov[0] | write 1.0e-6
-horizon.tolerance: 2.5e3 | horizon.tolerance | write 2.5e+3
-horizon.tolerance: none | horizon.tolerance is the text 'none' | above 0
-forecasters.esn.backend: fortran | forecasters.esn.backend | compiled or scipy
-washout_lt: -1 | washout_lt is -1 | [Lyapunov times]
-search.input_scaling: [1] | search.input_scaling is [1] | [low, high]
-campaign.0.forecasters.esn.neurons: [500, 500] | esn.neurons has 500 twice
-campaign.0.forecasters.esn.neurons: [] | [0].forecasters.esn.neurons is [] | least 1
+search.5: null | search: the key 5 must be text; in braces a comma ends a value
+search.input_scaling: [1] | search.input_scaling: must be [low, high], two rising
+campaign.0.forecasters.esn.neurons: [500, 500] | esn.neurons: has 500 twice
 campaign.0.forecasters.esn.validation: [XV] | esn.validation[0] | RV | SSV
-campaign.0.forecasters.esn.seeds: 0 | campaign[0].forecasters.esn.seeds is 0
-campaign.0.forecasters.esn.seeds: 100000000 | seeds is 100000000 | not above 10000
 campaign.0.forecasters.ens: {} | campaign[0].forecasters.ens | did you mean esn?
 campaign.0.forecasters.equations: {seeds: 2} | forecasters.equations.seeds
-campaign.0.forecasters: [equations, equatoins] | campaign[0].forecasters.equatoins; did you mean
-& campaign.0.forecasters: [equations, equations: {}] | campaign[0].forecasters has equations twice
-& campaign.0.forecasters: [[equations]] | campaign[0].forecasters has ['equations']; each kind is
-& campaign.0.forecasters: [esn] | campaign[0].forecasters.esn.neurons is missing
-campaign.0.forecasters: esn | .forecasters is the text 'esn'; it must be a list of kinds, or a map
-control.forecasters.network: {} | unknown setting control.forecasters.network
-statistics.forecasters: null | statistics.forecasters is empty | a mapping
-control.random_alarms: 1 | control.random_alarms is 1 | true or false
+campaign.0.forecasters: [equations, equatoins] | forecasters.equatoins: unknown | did you mean
+& campaign.0.forecasters: [equations, equations: {}] | campaign[0].forecasters: has equations twice
+& campaign.0.forecasters: [[equations]] | campaign[0].forecasters: has ['equations']; each kind
+& campaign.0.forecasters: [esn] | campaign[0].forecasters.esn.neurons: missing: sizes
+campaign.0.forecasters: esn | .forecasters: must be a list of kinds, or a mapping of kinds
+control.forecasters.network: {} | control.forecasters.network: unknown setting
+statistics.forecasters: null | statistics.forecasters: must be a list of kinds, or a mapping
 figures.example_forecaster: RV-seed0 | example_forecaster | esn-N2000-RV-seed0
 figures.example_forecaster: equations | example_forecaster | name of a network
 figures.example_forecaster: esn_aware-N1000-RV-seed0 | network of kind esn, no variant
-figures.published_overlay: 'no' | figures.published_overlay | true or false
-case_defaults.parameters: {reynolds: x} | case_defaults.parameters.reynolds
-case_defaults.ensemble: [] | case_defaults.ensemble is [] | a mapping
-case_defaults.ensemble.series: 10000000000 | series is 10000000000 | not above 1000000
-forecasters.esn: null | forecasters.esn is empty | a mapping of settings
-results: '' | results is the text '' | path of a directory
-results: README.md | results is README.md, which is a file
-results: 'a{b}' | results is the text 'a{b}' | without braces
+case_defaults.ensemble: [] | case_defaults.ensemble: must be a mapping of settings
+forecasters.esn: null | forecasters.esn: must be a mapping of settings (got null)
+results: '' | results: must be the path of a directory
+results: README.md | results: this is a file
+results: 'a{b}' | results: must be the path of a directory, without braces
 results: . | of their own
 results: .. | of their own
 results: / | of their own
 results: a/.. | of their own
 results: ./ | of their own
 results: ../../ | of their own
-results: false | results is false | YAML reads yes, no, on and off as
-results: ~/x | results is the text '~/x' | a leading ~
+results: false | results: must be the path | YAML reads yes, no, on and off as
+results: ~/x | results: must be the path | a leading ~
 cases.tables: {} | cases.tables: the name must be
 cases.nan: {} | cases.nan: the name must be
 cases.1a: {} | cases.1a: the name must be
 cases.Re400-training1: {parameters: {reynolds: 400}} |
   names that end so belong to other training series of Re400
-random_seed: 18446744073709551616 | random_seed is 184467440 | below 18446744073709551616
-random_seed: .nan | random_seed is nan | finite
-search.tikhonov: [.inf] | search.tikhonov[0] is inf | finite
 cases.Re400.event_threshold: high |
-  cases.Re400.event_threshold is the text 'high'; it must be a number, or {quantile:
-cases.Re400.event_threshold: {quantile: 1} | is the quantile 1; a quantile lies between 0 and 1
-cases.Re400.event_threshold: {quantil: 0.9} | it must be a number, or {quantile:
-cases.Re400.event_threshold: {quantile: 0.9, of: 1} | it must be a number, or {quantile:
-cases.Re400.event_threshold: null | it must be a number, or {quantile:
-cases.Re400.event_threshold: true | it must be a number, or {quantile:
-cases.Re400.event_threshold: .inf | cases.Re400.event_threshold is | must be a finite number
-search.spectral_radius: [1, 0.1] | search.spectral_radius is [1, 0.1] | below
+  cases.Re400.event_threshold: must be a finite number, or {quantile:
+cases.Re400.event_threshold: {quantile: 1} | {quantile: <a number between 0 and 1>}
+cases.Re400.event_threshold: {quantil: 0.9} | must be a finite number, or {quantile:
+cases.Re400.event_threshold: {quantile: 0.9, of: 1} | must be a finite number, or {quantile:
+cases.Re400.event_threshold: null | must be a finite number, or {quantile:
+cases.Re400.event_threshold: true | must be a finite number, or {quantile:
+cases.Re400.event_threshold: .inf | cases.Re400.event_threshold: must be a finite number
+search.spectral_radius: [1, 0.1] | search.spectral_radius: the first number must be below
 search.input_scaling: [1, 1] | search.input_scaling | below
 search.surrogate.length_scale: [0.01, 0.1] | search.surrogate.first_length_scale
-case_defaults.density.range: [1, 0] | density.range is [1, 0] | below
-classification.window_lt: 0.7 | classification.window_lt is 0.7 | multiple
-classification.longest_prediction_time_lt: 5.2 | is 5.2 | multiple
-classification.prediction_times_lt: [2, 2.2, 3] | prediction_times_lt has 2.2 | multiple
-classification.prediction_times_lt: [2, 3, 6] | prediction_times_lt has 6 | beyond |
+case_defaults.density.range: [1, 0] | density.range: the first number must be below
+classification.window_lt: 0.7 | classification.window_lt: must be a multiple of
+classification.longest_prediction_time_lt: 5.2 | must be a multiple of | got 5.2
+classification.prediction_times_lt: [2, 2.2, 3] | prediction_times_lt: must be a multiple | 2.2
+classification.prediction_times_lt: [2, 3, 6] | prediction_times_lt: must not be beyond |
   longest_prediction_time_lt, 5
-forecasters.filter.members: 41 | is 41; it must be an even number above 0
-horizon.lead_time_step_lt: 11 | horizon.lead_time_step_lt is 11 | at most
+horizon.lead_time_step_lt: 11 | horizon.lead_time_step_lt: must be at most
 & horizon.longest_lead_time_lt: 66 | case Re400: | 4026 steps | ensemble.duration
 & search.interval_lt: 0.001 | case Re400: | search.interval_lt is 0.001
 figures.example_forecaster: esn-N100-RV-seed0 | (Re400, esn-N100-RV-seed0) | not part
@@ -163,7 +142,7 @@ figures.example_forecaster: esn-N2000-RV-seed10 | RV-seed10 | not part of the ca
   (Re400 has esn-N500-SSV-seed0)
 figures.fixed_neurons: 500, figures.example_case: Re800 | example_case is Re800 |
   figures.fixed_neurons
-& figures.fixed_neurons: 700 | figures.fixed_neurons is 700 | 500, 1000, 1500
+& figures.fixed_neurons: 700 | figures.fixed_neurons: must be one of | 500, 1000, 1500
 figures.flow_event.peak: 0.05 | figures.flow_event.peak is 0.05 | of Re400, 0.1
 campaign.1.cases: [Re40O] | campaign[1].cases | did you mean Re400?
 campaign.1.reynolds: ... | campaign[1] names no case
@@ -177,33 +156,31 @@ forecasters.variants: {committee: {readout: quadratic}} | forecasters.variants |
 forecasters.variants: {Mine: {readout: quadratic}} | forecasters.variants | Mine
 forecasters.variants: {my_net: {readout: quadratic}} | forecasters.variants | my_net
 forecasters.variants: {seed1: {readout: quadratic}} | forecasters.variants | seed1
-forecasters.esn.readout: cubic | forecasters.esn.readout | linear or quadratic
-forecasters.esn.leak_rate: [0] | forecasters.esn.leak_rate | above 0
 campaign.1.forecasters: {} | campaign[1].forecasters names no kind
 campaign.1.forecasters: {esn: null} | campaign[1].forecasters names no kind
 case_defaults.system: mfee | unknown system 'mfee' | did you mean 'mfe'
 case_defaults.parameters.length: 1 | no parameter 'length' | length_x
 case_defaults.ensemble.initial_state: [1, 2] | initial_state has 2 | needs 9
 case_defaults.ensemble.perturbed_component: 10 | perturbed_component is 10 | 1 to 9
-case_defaults.ensemble.duration: 4000.5 | ensemble.duration is 4000.5 | multiple
-case_defaults.ensemble.transient: 200.1 | ensemble.transient is 200.1 | multiple
+case_defaults.ensemble.duration: 4000.5 | ensemble.duration: must be a multiple
+case_defaults.ensemble.transient: 200.1 | ensemble.transient: must be a multiple
 & case_defaults.ensemble.series: 200 | ensemble.series, 200 | together
 case_defaults.event_threshold: 0.6 | below laminarisation_threshold
 probability.calibration_series: 1695 | probability.calibration_series is 1695 | together |
   ensemble.series, 2000
-case_defaults.training.series: 3 | recycle_validation.series is 4 | training.series
+case_defaults.training.series: 3 | recycle_validation.series: must be at most training.series
 case_defaults.training.series: 1, case_defaults.recycle_validation.series: 1,
   cases.Re400.recycle_validation.series: 1 |
   left out of the training one by one: take 2 at least
 case_defaults.lyapunov.saturation: 1.0e-08 | lyapunov.perturbation | below
-case_defaults.lyapunov.orthonormalisation_interval: 0.3 | is 0.3 | multiple
-case_defaults.laminarisation_threshold: 0.1 | event_threshold is 0.1 | below
+case_defaults.lyapunov.orthonormalisation_interval: 0.3 | multiple | got 0.3
+case_defaults.laminarisation_threshold: 0.1 | event_threshold: must be below
 case_defaults.controlled_density.range: [1, 1] | controlled_density.range | below
 case_defaults.actuation.force: [0, 1] | actuation: a force needs 9 | [0.0, 1.0]
 case_defaults.actuation.parameters: {rho: 1} | actuation: | no parameter 'rho'
 case_defaults.actuation.start_lt: -1.5 | control.prediction_times_lt has 1 | alarm
-control.forecasters.esn.neurons: [2000, 7] | control.forecasters.esn.neurons has 7 | 500, 1000 |
-  must be one of
+control.forecasters.esn.neurons: [2000, 7] | control.forecasters.esn.neurons: must be one of |
+  500, 1000
 statistics.forecasters.esn.validation: [SV] | statistics.forecasters.esn.validation | RV, SSV
 control.sweep.cases: [Re40] | control.sweep.cases | did you mean Re400
 cases.Re400.parameters: {reynolds: 300} | Re400 | contradicts the name
@@ -249,7 +226,7 @@ cases.lorenz.files: [table.csv] |
   case lorenz: files belong to a system or encoder of your own (<module>:<class>): leave them out
 """
 TABLES["paper reactive"] = """
-control.strategies: [strategy: receding_horizn] | strategies[0].strategy is receding_horizn |
+control.strategies: [strategy: receding_horizn] | strategies[0].strategy: must be a strategy |
   reactive, receding_horizon
 plan.settings: {} | control.strategies[0].settings | needs the setting 'decision_interval_lt'
 plan.settings.level: [high] | strategies[0].settings: setting 'level' of strategy |
@@ -259,8 +236,6 @@ plan.settings.decision_interval_lt: [0.001] | case | control.strategies[0]: the 
 plan.cases: [Re40] | control.strategies[0].cases | did you mean Re400
 plan.forecasters: {equations: {}} | control.strategies[0].forecasters | reactive uses no forecaster
 plan.committee: true | control.strategies[0].committee: reactive has no votes
-plan.strength: [0] | strength[0] is 0 | above 0
-plan.starts: loud | starts | quiet or unselected
 plan.strategy: planned, plan.settings: {decision_interval_lt: [0.25], horizon_lt: [3]},
   plan.forecasters: {esn: {}} | which esn cannot use |
   control.strategies[0]: planned passes the parameters in force to forecasters
@@ -268,7 +243,7 @@ plan.strategy: prediction_triggered, plan.settings: {prediction_time_lt: [1], wi
   control.strategies[0].forecasters names no kind | asks forecasters
 plan.strategy: prediction_triggered, plan.settings: {prediction_time_lt: [1], window_lt: [1]},
   plan.forecasters: {esn: {neurons: [7]}} | must be one of |
-  control.strategies[].forecasters.esn.neurons has 7
+  control.strategies.forecasters.esn.neurons:
 plan.strategy: prediction_triggered, plan.settings: {prediction_time_lt: [0.5], window_lt: [1]},
   plan.forecasters: {equations: {}} | control.strategies[0]: control is not defined |
   before the alarm
@@ -282,15 +257,14 @@ plan.committee: true, plan.forecasters: {equations: {}} | provides no ensemble |
   control.strategies[0].forecasters names equations
 """
 TABLES["measured"] = """
-cases.lab.event_threshold: ... | case lab: event_threshold is missing
+cases.lab.event_threshold: ... | case lab: event_threshold: missing: value of
 cases.lab.data.observable: ... | case lab: data.observable is missing
 cases.lab.data.time_step: ... | case lab: data.time_step is missing: the time between
-cases.lab.data.time_step: 0 | data.time_step is 0; it must be a number above 0
-cases.lab.data.time_step: 5 months | time_step is the text '5 months'; it must be a number
-cases.lab.data.gaps: fill | data.gaps is the text 'fill'; it must be cut
+cases.lab.data.time_step: 0 | data.time_step: must be a number above 0
+cases.lab.data.time_step: 5 months | time_step: must be a number above 0, or
 cases.lab.data.gaps: cut | case lab: data.gaps needs data.blocks beside it
-cases.lab.data.time: t | unknown setting cases.lab.data.time
-cases.lab.data.step: 1 | unknown setting cases.lab.data.step
+cases.lab.data.time: t | cases.lab.data.time: unknown setting
+cases.lab.data.step: 1 | cases.lab.data.step: unknown setting
 cases.lab.data.files: [lab/run_2.csv] | data.files: lab/run_2.csv: there is no such file
 cases.lab.data.files: [lab/run_1.mat] | lab/run_1.mat: files of series end in .csv
 cases.lab.data.files: [] | case lab: data needs files
@@ -302,9 +276,17 @@ cases.lab.data.known: [w] | data.known: there is no column 'w'
 cases.lab.data.observable: u + | 'u +' is no arithmetic expression
 cases.lab.data.observable: sin(u) | sin(u) is not understood
 cases.lab.data.observable: u(t-2) | u(t - 2) is not understood
-cases.lab.data.blocks: {gap: 1} | case lab: data.blocks.duration is missing
-cases.lab.data.delays: [2, 0] | cases.lab.data.delays[1] is 0; it must be a whole number
-cases.lab.data.delays: [2, 2] | cases.lab.data.delays has 2 twice
+cases.lab.data.blocks: {gap: 1} | cases.lab.data.blocks.duration: missing: length of
+cases.lab.data.delays: [2, 2] | cases.lab.data.delays: has 2 twice
+cases.lab.data.blocks: {duration: 20}, cases.lab.lyapunov.published_exponent: 0.5,
+  campaign.1.forecasters: {persistence: {}} |
+  case lab: horizon.longest_lead_time_lt, washout_lt or data.blocks.duration: series of 41 samples
+& cases.lab.data.blocks: {duration: 5}, cases.lab.lyapunov.published_exponent: 0.5,
+  campaign.1.forecasters: {persistence: {}} | case lab: classification.longest_prediction_time_lt, |
+  washout_lt or data.blocks.duration: series of 11 samples leave no room for a washout of 2 steps
+cases.lab.lyapunov.published_exponent: 0.5, probability.start_spacing_lt: 0.1,
+  campaign.1.forecasters: {persistence: {}} |
+  case lab: probability.start_spacing_lt is 0.1 Lyapunov times, which is shorter than one step
 cases.part.data.delays: [4000] | case part: data.delays reach back by 4000 steps
 cases.lab.system: mfe | case lab: system means nothing for measured series
 cases.lab.actuation: {parameters: {}} | case lab: actuation means nothing
@@ -316,7 +298,7 @@ cases.part.data.case: lab | that is simulated: Re400
 cases.part.data.components: [a1, b] | there is no column 'b'
 cases.part.data.components: [a1, a10] | no column 'a10' (did you mean 'a1'?)
 cases.part.data.time_step: 1 | data.time_step means nothing where the series come from
-& cases.part.data.observable: a1 | case part: event_threshold is missing
+& cases.part.data.observable: a1 | case part: event_threshold: missing
 campaign.1.forecasters.equations: {}, campaign.1.forecasters.equations_filtered: {} |
   cases lab, part: there are no equations of measured series to forecast with |
   (equations, equations_filtered)
@@ -361,8 +343,8 @@ plan.strategy: reactive, plan.forecasters: null,
 """
 TABLES["encoded"] = """
 cases.sensors_pod.encoder.modes: 81 | case sensors_pod | from 1 to 80
-cases.invariants.encoder.kind: invariant | encoder.kind is invariant; the encoders are |
-  pod, state_estimate; <module>:<class> of your own
+cases.invariants.encoder.kind: invariant | encoder.kind: must be an encoder |
+  pod, state_estimate, or <module>:<class> of your own
 cases.invariants.encoder.kind: "shift_invariants:Invariant" | case invariants: encoder.kind: |
   has no class Invariant (did you mean 'Invariants'?); its encoders are Invariants
 cases.invariants.encoder.kind: "no_such_module:Encoder" |
@@ -378,8 +360,7 @@ campaign.2.forecasters.equations_filtered: {} |
 cases.sensors_pod.data.delays: [2] | data.delays means nothing beside sensors or an encoder
 cases.turbulence.sensors: {} | sensors and encoder are for cases of another case's
 cases.sensors_pod.training.noise: 0 | training.noise is 0
-cases.turbulence.lyapunov.series: 7 | lyapunov.series is 7; it must be at most
-cases.sensors.sensors.points: [8, 21] | points[1] is 21 | not above 20
+cases.turbulence.lyapunov.series: 7 | lyapunov.series: must be at most
 cases.invariants.encoder.modes: 5 | encoder.modes is no option of the encoder |
   shift_invariants:Invariants: leave it out
 cases.turbulence.parameters.largest_wavenumber: 10, cases.sensors_pod.encoder.modes: 364 |
@@ -389,7 +370,6 @@ cases.turbulence.parameters.largest_wavenumber: 3.5 |
   case turbulence: system or parameters: largest_wavenumber must be a positive whole
 cases.turbulence.actuation.parameters.largest_wavenumber: 5 | 80, not make it 120 |
   actuation: an actuation must leave the number of components
-forecasters.filter.members: 5 | is 5; it must be an even number above 0
 cases.sensors.ensemble.series: 10 | case sensors: ensemble means nothing for
 cases.sensors.actuation.parameters.reynolds: 20 |
   case sensors: actuation means nothing for measured series
@@ -427,11 +407,8 @@ forecasters.precursor.lags_lt: [0.2, 0.5] |
 case_defaults.lyapunov.time_unit: computed, forecasters.precursor.lags_lt: [0.6] |
   washout_lt holds
 forecasters.precursor.lags_lt: [0.001] | shorter than one step
-forecasters.precursor.classifier: trees | boosting or logistic
 forecasters.classifiers.start_spacing_lt: 0.001 |
   forecasters.classifiers.start_spacing_lt is 0.001 Lyapunov times, which is shorter than one step
-forecasters.classifiers.folds: 1 | folds is 1; it must be a whole number
-forecasters.esn_direct.penalty: [] | forecasters.esn_direct.penalty
 forecasters.esn_direct.neurons: 20 |
   forecasters.esn.connectivity is 20, but a reservoir of 20 neurons (forecasters.esn_direct.neurons)
 """
@@ -442,6 +419,9 @@ plan.forecasters: {precursor: {}} | control.strategies[0].forecasters names prec
 
 SOUND = {}
 SOUND["paper"] = """
+search.grid: '4'
+search.tikhonov: [1e-6]
+horizon.tolerance: 2.5e3
 statistics.forecasters: {}, control.forecasters: {}
 statistics.forecasters: {esn: {}}, control.forecasters: {esn: {}}
 case_defaults.laminarisation_threshold: null

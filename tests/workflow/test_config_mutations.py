@@ -17,11 +17,12 @@ from helpers_rebuilds import ROOT, Project
 
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_cases, settings_of_job
-from burstcast_workflow.config.loading import ConfigError, load
+from burstcast_workflow.campaign.loading import ConfigError, load
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.figures import registry
 from burstcast_workflow.figures.registry import FIGURES, figure_names
 from burstcast_workflow.harness.canonical import canonical_json
+from burstcast_workflow.jobs.noise import CaseNoise
 from burstcast_workflow.tables.registry import latex_names, table_names
 
 NUMBER = int(os.environ.get("BURSTCAST_MUTATIONS", "500"))
@@ -96,7 +97,7 @@ def planned(config: dict) -> int:
             settings_of_job(campaign, ["control.run"], run.identity)
             for run in (*campaign.control_runs, *campaign.strategy_runs)
         ),
-        settings_of_cases(campaign, ["case.ensemble", "case.event_threshold"]),
+        settings_of_cases(campaign, CaseNoise),
         table_names(campaign),
         latex_names(campaign),
     ]

@@ -17,7 +17,7 @@ from burstcast import random_streams
 from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.files.tables import read_table
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import load
+from burstcast_workflow.campaign.loading import load
 from kolmogorov_flow import KolmogorovFlow
 
 ROOT = Path(__file__).parents[2]

@@ -15,8 +15,8 @@ from burstcast.files.netcdf import read_netcdf
 from burstcast.files.tables import read_table
 from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.commands import check_forecaster
-from burstcast_workflow.config.loading import load
 
 PAGE = (ROOT / "docs/extending.md").read_text()
 (MODULE,) = (

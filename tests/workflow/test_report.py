@@ -5,7 +5,7 @@ import copy
 import pandas as pd
 from helpers_configs import campaign, paper_with
 
-from burstcast_workflow.config.loading import load
+from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.registry import figure_names
 from burstcast_workflow.figures.report import other_settings, report_of
 from burstcast_workflow.jobs.report import rows_of

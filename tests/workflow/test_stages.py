@@ -18,20 +18,16 @@ from snakemake.api import SnakemakeApi
 from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 from snakemake.utils import update_config
 
-from burstcast.declared_settings import paths_by_argument
-from burstcast.figures.registry import figure_module
+from burstcast.declared import files_of, gathered, paths_of
 from burstcast.forecasters._names import MODEL, NETWORK
 from burstcast.forecasters.registry import all_kinds, available_kinds, kind_class
-from burstcast.tables.makers import registry
-from burstcast.tables.makers._probabilities import SETTINGS as SCORED
 from burstcast.tables.makers.registry import maker
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import load
+from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.jobs import FigureJobs, captions
 from burstcast_workflow.figures.registry import FIGURES, settings_of
 from burstcast_workflow.harness.job import parameters as parameters_of
 from burstcast_workflow.harness.settings import THRESHOLDS, Setting
-from burstcast_workflow.stages.declared import declared_settings
 from burstcast_workflow.stages.stages import Stages, any_of_regex
 from burstcast_workflow.tables.declarations import TABLES as DECLARED
 from burstcast_workflow.tracking.code import Sources
@@ -142,7 +138,7 @@ def test_a_rule_says_its_name_wherever_it_is_asked_for(rule):
 @pytest.mark.parametrize("rule", WRITTEN)
 def test_what_other_jobs_find_out_is_an_input_of_the_rules_that_read_it(rule):
     # of drawn training series, which the paper's campaign has not, the threshold
-    read = re.search("event_threshold|lyapunov.time_unit|'drawn'", str(settings(rule)))
+    read = re.search("event_threshold|lyapunov.time_unit|drawn_shares", str(settings(rule)))
     assert ("computed_settings" in WRITTEN[rule]) == bool(read)
 
 
@@ -211,26 +207,35 @@ def test_a_script_takes_the_files_of_its_rule(rule):
     files = {*made.input.keys(), *made.output.keys()}
     assert len(files) == len(list(made.input.keys())) + len(list(made.output.keys()))
     if script_of(rule) == TABLES:
-        declared = maker(rule).TABLES
-        assert {*declared.inputs, *declared.gathered, "tables"} == files
+        assert {*files_of(maker(rule)), "tables"} == files
         return
     names, optional = parameters(main_of(script_of(rule)))
     assert names - {"settings"} == files
     assert not optional
 
 
-@pytest.mark.parametrize("name", MAKERS)
-def test_tables_are_made_of_all_that_they_declare_and_of_nothing_else(name):
-    declared = maker(name).TABLES
-    what = [*declared.inputs, *declared.gathered, *declared.paths]
-    assert len(what) == len(set(what))
-    assert registry.settings_of(name) == [one for one in declared.paths.values() if one != "case"]
-    taken = inspect.signature(maker(name).make).parameters
-    # what all tables of probabilities are scored with is handed on
-    shared = paths_by_argument(SCORED) if "scored" in taken else {}
-    if "searched" in taken:
-        shared = {"spectral_radius", "input_scaling", "tikhonov"}
-    assert {*taken} - {"scored", "searched"} == {*what} - ({*shared} - {*taken})
+DECLARING = {
+    **{name: maker(name) for name in MAKERS},
+    **{name: one.draw for name, one in FIGURES.items()},
+}
+
+
+@pytest.mark.parametrize("name", DECLARING)
+def test_tables_and_figures_are_made_of_all_that_they_declare_and_of_nothing_else(name):
+    function = DECLARING[name]
+    arguments = inspect.signature(function).parameters
+    optional = {name for name, argument in arguments.items() if argument.default is None}
+    assert optional <= {"published"}  # an input only where it is wanted
+    for missing in {*arguments} - optional:
+        with pytest.raises(TypeError, match=f"{name} is called without {missing}$"):
+            function(**dict.fromkeys({*arguments} - {missing}))
+    read = {
+        node.id
+        for part in ast.parse(inspect.getsource(function)).body[0].body
+        for node in ast.walk(part)
+        if isinstance(node, ast.Name)
+    }
+    assert {*arguments} <= read
 
 
 def test_every_script_belongs_to_a_rule():
@@ -240,22 +245,9 @@ def test_every_script_belongs_to_a_rule():
 
 
 @pytest.mark.parametrize("name", FIGURES)
-def test_a_figure_is_drawn_of_all_that_it_declares_and_of_nothing_else(name):
-    figure, module = FIGURES[name], figure_module(name)
-    assert figure == module.FIGURE  # as it was read from the text
-    arguments = inspect.signature(module.draw).parameters
-    published = {"published"} if figure.published else set()
-    assert set(arguments) == {*figure.inputs, *figure.paths, *published}
-    assert len(arguments) == len(figure.inputs) + len(figure.paths) + len(published)
-    # published values are an input only where they are wanted
-    assert all(arguments[name].default is None for name in published)
-    function = functions(Path(module.__file__))["draw"]
-    read = {
-        node.id for part in function.body for node in ast.walk(part) if isinstance(node, ast.Name)
-    }
-    assert set(arguments) <= read
-    settings = settings_of(workflow().campaign, figure, "Re400")
-    assert set(settings) == set(figure.paths.values())
+def test_a_figure_is_given_all_settings_that_it_declares(name):
+    found = settings_of(workflow().campaign, FIGURES[name], "Re400")
+    assert {*found} == {*FIGURES[name].paths}
 
 
 @pytest.mark.parametrize("name", FIGURES)
@@ -320,14 +312,11 @@ def test_a_script_reads_every_setting_that_it_declares(rule):
     assert found == fields_of(cls)
 
 
-@pytest.mark.parametrize("rule", [*STAGES, "figure"])
+@pytest.mark.parametrize("rule", STAGES)
 def test_a_job_is_given_the_settings_that_its_script_declares(rule):
-    """Those that do not concern the job are left out; what is read off the text is the class."""
+    """Those that do not concern the job are left out."""
     path, cls = script_of(rule), class_of(rule)
-    assert {*declared_settings(path, SOURCE)} == {*cls.paths()}
-    if rule == "figure":
-        return
-    of_maker = {*maker(rule).TABLES.paths.values()} if path == TABLES else set()
+    of_maker = {*paths_of(maker(rule))} if path == TABLES else set()
     left = {path for path in declared(rule) - {*cls.paths()} if not covered(path, of_maker)}
     assert left == set()
 
@@ -426,15 +415,20 @@ def test_files_of_cases_forecasters_and_tables(paper):
     assert paper.case_files("dataset.json", ["Re600"]) == ["results/paper/Re600/dataset.json"]
     assert len(paper.case_files("dataset.json")) == 4
     assert len(paper.forecaster_files("forecast.nc")) == 180 + 2 * 4
-    found = paper.files_in_case("horizon.nc")(JOB)
+    found = paper.declared(gathered("forecasters/horizon.nc"))(JOB)
     assert len(found) == 2 * 10 + 2
     assert all(path.startswith("results/paper/Re600/") for path in found)
-    assert paper.files_in_case("x.nc", lambda campaign, case: [])(JOB) == []
+    assert paper.declared(gathered("classifiers/forecast.nc"))(JOB) == []
     scan = paper.scan_of_network("csv")(JOB)
     assert scan == "results/paper/Re600/scan/esn-N2000-seed3/RV+SSV.csv"
-    tables = paper.tables_of_case("dataset training_realisations")
+    tables = paper.inputs_of_tables("warnings_table")
     assert tables["dataset"](JOB) == "results/paper/Re600/tables/dataset.csv"
-    assert tables["training_realisations"](JOB) == []
+    assert tables["lyapunov_spectrum"](JOB) == []  # no unit of time is an estimate
+    without = stages({"statistics": {"forecasters": {"esn": None, "equations": None}}})
+    assert without.inputs_of_tables("warnings_table")["statistics"](JOB) == []
+    (spectrum, networks) = paper.inputs_of_tables("lyapunov_spectrum_table").values()
+    assert spectrum(JOB) == "results/paper/Re600/lyapunov_spectrum.nc"
+    assert all("/Re600/networks/esn-N2000" in path for path in networks(JOB))
 
 
 def test_thresholds_are_inputs_where_they_are_quantiles(paper):

@@ -8,7 +8,7 @@ from snakemake.exceptions import WorkflowError
 
 from burstcast.forecasters._names import MODEL, NETWORK
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.campaign.summary import closing_summary
+from burstcast_workflow.summary import closing_summary
 from burstcast_workflow.figures.jobs import captions
 from burstcast_workflow.harness.logs import cache_summary, failure_summary
 from burstcast_workflow.project import source_revision
@@ -25,10 +25,9 @@ campaign = Campaign(config)
 stages = Stages(campaign, sources)
 # Parameters of rules: the settings that a script declares, and hashes of the code that runs.
 of_script = stages.of_script
-# Inputs: thresholds and units of time that jobs compute; files of a case, or of the campaign.
-computed_settings, files_in_case = stages.computed_settings, stages.files_in_case
-for_case, case_files = stages.for_case, stages.case_files
-forecaster_files = stages.forecaster_files
+# Inputs: thresholds and units of time that jobs compute; files of all cases or forecasters.
+computed_settings = stages.computed_settings
+case_files, forecaster_files = stages.case_files, stages.forecaster_files
 PLANNED = dict(config)
 # The report reads captions from the config, where they are no setting of any job.
 config["captions"] = captions(campaign)

@@ -1,5 +1,7 @@
 """Data of a case: the ensemble, its exponents and statistics, what forecasters are judged on."""
 
+from burstcast.declared import read
+
 
 rule simulate:
     output:
@@ -8,7 +10,7 @@ rule simulate:
     log:
         "<logs>/simulate/{case}.log",
     wildcard_constraints:
-        case=any_of_regex(campaign.integrated_cases),
+        case=any_of_regex(campaign.where(has_equations=True, takes_series=False)),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -28,7 +30,7 @@ rule import_data:
     log:
         "<logs>/import_data/{case}.log",
     wildcard_constraints:
-        case=any_of_regex(campaign.imported_cases),
+        case=any_of_regex(campaign.where(has_equations=False, takes_series=False)),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -42,7 +44,7 @@ rule import_data:
 rule encode:
     # what sensors see of another case, or an encoder makes of it
     input:
-        source=for_case(lambda case: f"<results>/{case.source.name}/ensemble.nc"),
+        source=stages.declared(read("source/ensemble.nc")),
     output:
         ensemble="<results>/{case}/ensemble.nc",
         summary="<results>/{case}/dataset.json",
@@ -50,7 +52,7 @@ rule encode:
     log:
         "<logs>/encode/{case}.log",
     wildcard_constraints:
-        case=any_of_regex(campaign.encoded_cases),
+        case=any_of_regex(campaign.where(is_encoded=True)),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -111,7 +113,7 @@ rule scheduled_series:
         "<logs>/scheduled_series/{case}.log",
     wildcard_constraints:
         case=any_of_regex(
-            [*campaign.simulated_cases, *campaign.where(lambda case: case.known)]
+            [*campaign.simulated_cases, *campaign.where(known=True)]
         ),
     conda:
         "../envs/burstcast.yaml"
@@ -151,7 +153,7 @@ rule neighbour_divergence:
     log:
         "<logs>/neighbour_divergence/{case}.log",
     wildcard_constraints:
-        case=any_of_regex(campaign.measured_cases),
+        case=any_of_regex(campaign.where(has_equations=False)),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -172,7 +174,7 @@ rule lengths:
     log:
         "<logs>/lengths/{case}.log",
     wildcard_constraints:
-        case=any_of_regex(campaign.where(lambda case: case.time_unit)),
+        case=any_of_regex(campaign.where(has_known_lengths=False)),
     priority: 1
     conda:
         "../envs/burstcast.yaml"
@@ -193,7 +195,7 @@ rule evaluation_set:
     log:
         "<logs>/evaluation_set/{case}.log",
     wildcard_constraints:
-        case=any_of_regex({*campaign.cases} - {*campaign.switched_cases}),
+        case=any_of_regex({*campaign.cases} - {*campaign.where(is_switched=True)}),
     conda:
         "../envs/burstcast.yaml"
     resources:
@@ -213,7 +215,7 @@ rule switched_evaluation_set:
     log:
         "<logs>/switched_evaluation_set/{case}.log",
     wildcard_constraints:
-        case=any_of_regex(campaign.switched_cases),
+        case=any_of_regex(campaign.where(is_switched=True)),
     conda:
         "../envs/burstcast.yaml"
     resources:

@@ -1,5 +1,7 @@
 """Probabilities of events: calibrated and scored, with alarms chosen without the test series."""
 
+from burstcast.declared import gathered
+
 
 rule calibration_set:
     input:
@@ -85,7 +87,9 @@ rule event_probabilities:
 rule calibrate:
     input:
         **computed_settings("calibrate"),
-        calibration_forecasts=files_in_case("calibration_forecast.nc"),
+        calibration_forecasts=stages.declared(
+            gathered("forecasters/calibration_forecast.nc")
+        ),
         calibration_set="<results>/{case}/calibration_set.nc",
     output:
         calibration="<results>/{case}/calibration.json",

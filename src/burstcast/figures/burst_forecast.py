@@ -12,38 +12,25 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.declared import at, read
 from burstcast.figures.parts import frame, looks, planes, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
 from burstcast.systems.registry import make_system
 
-FIGURE = Declaration(
-    section="forecasts",
-    position=61,
-    inputs={
-        "event": "decoded_forecaster/flow_event.nc",
-        "gain": "case/ensemble.nc:gain",
-        "constant": "case/ensemble.nc:constant",
-        "states": "source/ensemble.nc:state",
-    },
-    settings="shown.source forecaster=shown.decoded_kind threshold=case.event_threshold "
-    "shown.symbol shown.observable_name",
-    cases="decoded_planes",
-)
 
-
-@style.styled
+@figure(section="forecasts", position=61, cases="decoded_planes")
 def draw(
     *,
-    event: Mapping[str, Any],
-    gain: FloatArray,
-    constant: FloatArray,
-    states: FloatArray,
-    source: Mapping[str, Any],
-    forecaster: str,
-    threshold: float,
-    symbol: str,
-    observable_name: str,
+    event: Mapping[str, Any] = read("decoded_forecaster/flow_event.nc"),
+    gain: FloatArray = read("case/ensemble.nc:gain"),
+    constant: FloatArray = read("case/ensemble.nc:constant"),
+    states: FloatArray = read("source/ensemble.nc:state"),
+    source: Mapping[str, Any] = at("case.source_system"),
+    forecaster: str = at("shown.decoded_forecaster.name.kind"),
+    threshold: float = at("case.event_threshold"),
+    symbol: str = at("case.space.observable_symbol"),
+    observable_name: str = at("case.space.observable_name"),
 ) -> Figure:
     """Draw the observable over an event, above the true and the forecast fields.
 

@@ -10,43 +10,30 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.declared import at, read
 from burstcast.figures.parts import frame, looks, planes, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.systems.registry import make_system
-
-FIGURE = Declaration(
-    section="data",
-    position=20,
-    inputs={
-        "states": "case/ensemble.nc:state",
-        "observable": "case/ensemble.nc:observable",
-        "exponents": "time_unit",
-    },
-    settings="case.system case.parameters training_series=case.training.series "
-    "case.ensemble.time_step case.ensemble.sampling_stride case.lyapunov.published_exponent "
-    "threshold=case.event_threshold shown.symbol shown.observable_name",
-    cases="plane_flows",
-)
 
 _TIMES_LT = (-2.0, -1.0, -0.5, 0.0, 1.0)
 _SHOWN_LT = 4.0
 
 
-@style.styled
+@figure(section="data", position=20, cases="plane_flows")
 def draw(
     *,
-    states: FloatArray,
-    observable: FloatArray,
-    exponents: Mapping[str, Any] | None,
-    system: str,
-    parameters: Mapping[str, float],
-    training_series: int,
-    time_step: float,
-    sampling_stride: int,
-    published_exponent: float,
-    threshold: float,
-    symbol: str,
-    observable_name: str,
+    states: FloatArray = read("case/ensemble.nc:state"),
+    observable: FloatArray = read("case/ensemble.nc:observable"),
+    exponents: Mapping[str, Any] | None = read("time_unit"),
+    system: str = at("case.system"),
+    parameters: Mapping[str, float] = at("case.parameters"),
+    training_series: int = at("case.training.series"),
+    time_step: float = at("case.ensemble.time_step"),
+    sampling_stride: int = at("case.ensemble.sampling_stride"),
+    published_exponent: float = at("case.lyapunov.published_exponent"),
+    threshold: float = at("case.event_threshold"),
+    symbol: str = at("case.space.observable_symbol"),
+    observable_name: str = at("case.space.observable_name"),
 ) -> Figure:
     """Draw the largest peak of the test series that has all of its times within its series.
 

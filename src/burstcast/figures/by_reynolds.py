@@ -11,30 +11,19 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import looks, medians, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.tables.published import published_beside
 
-FIGURE = Declaration(
-    section="horizon",
-    position=40,
-    inputs={
-        "horizons": "reynolds_cases/tables/horizon_percentiles.csv",
-        "scores": "reynolds_cases/tables/classification_percentiles.csv",
-    },
-    settings="neurons=figures.fixed_neurons shown.prediction_times_lt",
-    cases="several_reynolds",
-    published=True,
-)
 
-
-@style.styled
+@figure(section="horizon", position=40, cases="several_reynolds")
 def draw(
     *,
-    horizons: Sequence[pd.DataFrame],
-    scores: Sequence[pd.DataFrame],
-    neurons: float,
-    prediction_times_lt: Sequence[float],
+    horizons: Sequence[pd.DataFrame] = read("reynolds_cases/tables/horizon_percentiles.csv"),
+    scores: Sequence[pd.DataFrame] = read("reynolds_cases/tables/classification_percentiles.csv"),
+    neurons: float = at("figures.fixed_neurons"),
+    prediction_times_lt: Sequence[float] = at("shown.prediction_times_lt"),
     published: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw scores of networks of one size, from the percentile tables of each case.

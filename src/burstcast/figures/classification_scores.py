@@ -9,30 +9,21 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import looks, medians, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.tables.published import published_beside
-
-FIGURE = Declaration(
-    section="forecasts",
-    position=30,
-    inputs={"percentiles": "case/tables/classification_percentiles.csv"},
-    settings="figures.fixed_neurons shown.fixed_prediction_time_lt "
-    "sizes_validation=shown.validation",
-    cases="networks",
-    published=True,
-)
 
 _METRICS = ("precision", "recall", "f_score")
 
 
-@style.styled
+@figure(section="forecasts", position=30, cases="networks")
 def draw(
     *,
-    percentiles: pd.DataFrame,
-    fixed_neurons: float,
-    fixed_prediction_time_lt: float,
-    sizes_validation: str,
+    percentiles: pd.DataFrame = read("case/tables/classification_percentiles.csv"),
+    fixed_neurons: float = at("figures.fixed_neurons"),
+    fixed_prediction_time_lt: float = at("shown.fixed_prediction_time_lt"),
+    sizes_validation: str = at("shown.example.name.validation"),
     published: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw three rows of panels (precision, recall, F-score) in up to three columns.

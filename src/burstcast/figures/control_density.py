@@ -11,26 +11,19 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import frame, looks, style
-from burstcast.figures.registry import Declaration
-
-FIGURE = Declaration(
-    section="control",
-    position=40,
-    inputs={"densities": "controlled_cases/tables/control_density.csv"},
-    settings="shown.panels control.prediction_times_lt shown.symbol shown.observable_name",
-    cases="controlled_systems",
-)
+from burstcast.figures.registry import figure
 
 
-@style.styled
+@figure(section="control", position=40, cases="controlled_systems")
 def draw(
     *,
-    densities: Sequence[pd.DataFrame],
-    panels: Sequence[Mapping[str, Any]],
-    prediction_times_lt: Sequence[float],
-    symbol: str,
-    observable_name: str,
+    densities: Sequence[pd.DataFrame] = read("controlled_cases/tables/control_density.csv"),
+    panels: Sequence[Mapping[str, Any]] = at("shown.panels"),
+    prediction_times_lt: Sequence[float] = at("control.prediction_times_lt"),
+    symbol: str = at("case.space.observable_symbol"),
+    observable_name: str = at("case.space.observable_name"),
 ) -> Figure:
     """Draw a panel for each case, two beside each other, on logarithmic scale.
 

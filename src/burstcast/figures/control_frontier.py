@@ -21,28 +21,21 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import control_runs, looks, medians, style
 from burstcast.figures.parts.control_runs import ACTING, CONDITIONS, LEFT
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
 
-FIGURE = Declaration(
-    section="control",
-    position=50,
-    inputs={"scores": "case/tables/control_strategies.csv"},
-    settings="network=shown.frontier_network control.span_lt case.training.noise shown.symbol",
-    cases="other_control",
-)
 
-
-@style.styled
+@figure(section="control", position=50, cases="other_control")
 def draw(
     *,
-    scores: pd.DataFrame,
-    network: Mapping[str, Any] | None,
-    span_lt: float,
-    noise: float,
-    symbol: str,
+    scores: pd.DataFrame = read("case/tables/control_strategies.csv"),
+    network: Mapping[str, Any] | None = at("shown.frontier_network"),
+    span_lt: float = at("control.span_lt"),
+    noise: float = at("case.training.noise"),
+    symbol: str = at("case.space.observable_symbol"),
 ) -> Figure:
     """Draw all strategies with one network at most, and the forecasters to compare it with.
 

@@ -9,29 +9,21 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import frame, looks, style
-from burstcast.figures.registry import Declaration
-
-FIGURE = Declaration(
-    section="control",
-    position=10,
-    inputs={"event": "suppressed_event"},
-    settings="threshold=case.event_threshold prediction_time_lt=shown.control_prediction_time_lt "
-    "control.window_lt case.actuation.parameters case.actuation.force shown.symbol",
-    cases="control_example",
-)
+from burstcast.figures.registry import figure
 
 
-@style.styled
+@figure(section="control", position=10, cases="control_example")
 def draw(
     *,
-    event: Mapping[str, Any],
-    threshold: float,
-    prediction_time_lt: float,
-    window_lt: float,
-    parameters: Mapping[str, float],
-    force: Any,
-    symbol: str,
+    event: Mapping[str, Any] = read("suppressed_event"),
+    threshold: float = at("case.event_threshold"),
+    prediction_time_lt: float = at("shown.example_run.prediction_time_lt"),
+    window_lt: float = at("control.window_lt"),
+    parameters: Mapping[str, float] = at("case.actuation.parameters"),
+    force: Any = at("case.actuation.force"),
+    symbol: str = at("case.space.observable_symbol"),
 ) -> Figure:
     """Draw one event with and without control, the forecast and the parts of the strategy.
 

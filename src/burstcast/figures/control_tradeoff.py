@@ -13,22 +13,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import looks, medians, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
 from burstcast.tables.published import published_beside, published_reductions
-
-FIGURE = Declaration(
-    section="control",
-    position=30,
-    inputs={
-        "percentiles": "case/tables/control_percentiles.csv",
-        "strategies": "case/tables/control_strategies.csv",
-    },
-    settings="networks=shown.control_networks shown.symbol",
-    cases="controlled",
-    published=True,
-)
 
 _LABELS = {"esn": "echo state networks", "equations": "equations", "random": "random alarms"}
 _ENDS = {"reduction": "relative_exceedance", "control_fraction": "control_fraction"}
@@ -40,13 +29,13 @@ _PAPERS = {"strategy": "prediction_triggered", "starts": "quiet"} | {
 """What the paper's control is among all strategies."""
 
 
-@style.styled
+@figure(section="control", position=30, cases="controlled")
 def draw(
     *,
-    percentiles: pd.DataFrame,
-    strategies: pd.DataFrame,
-    networks: Mapping[str, Any],
-    symbol: str,
+    percentiles: pd.DataFrame = read("case/tables/control_percentiles.csv"),
+    strategies: pd.DataFrame = read("case/tables/control_strategies.csv"),
+    networks: Mapping[str, Any] = at("shown.control_networks"),
+    symbol: str = at("case.space.observable_symbol"),
     published: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw networks of one kind (``neurons`` and ``validation``) beside other forecasters."""

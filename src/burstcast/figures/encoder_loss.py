@@ -13,34 +13,27 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.declared import at, read
 from burstcast.encoders.base import EncodingCase
 from burstcast.encoders.pod import PodEncoder
 from burstcast.figures.parts import looks, planes, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system
-
-FIGURE = Declaration(
-    section="data",
-    position=21,
-    inputs={"states": "case/ensemble.nc:state"},
-    settings="case.system case.parameters training_series=case.training.series shown.symbol",
-    cases="plane_flows",
-)
 
 _SNAPSHOTS = 2000
 """Training states, at equal distances, from which modes are made and which are decoded."""
 _SHOWN = (0, 2, 4, 6)
 
 
-@style.styled
+@figure(section="data", position=21, cases="plane_flows")
 def draw(
     *,
-    states: FloatArray,
-    system: str,
-    parameters: Mapping[str, float],
-    training_series: int,
-    symbol: str,
+    states: FloatArray = read("case/ensemble.nc:state"),
+    system: str = at("case.system"),
+    parameters: Mapping[str, float] = at("case.parameters"),
+    training_series: int = at("case.training.series"),
+    symbol: str = at("case.space.observable_symbol"),
 ) -> Figure:
     """Draw what the leading modes of a flow hold, and some of the modes.
 

@@ -8,24 +8,22 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import alarm_scores, medians, style
-from burstcast.figures.registry import Declaration
-
-FIGURE = Declaration(
-    section="probabilities",
-    position=10,
-    inputs={"scores": "case/tables/probability_scores.csv"},
-    settings="neurons=figures.fixed_neurons shown.validation",
-    cases="every",
-)
+from burstcast.figures.registry import figure
 
 _LABELS = {"f_score": medians.LABELS["f_score"], "brier_skill": "Brier skill score"}
 _LOWEST = -0.1
 """Lower end of the axis of skill: values below it would compress the others."""
 
 
-@style.styled
-def draw(*, scores: pd.DataFrame, neurons: float, validation: str) -> Figure:
+@figure(section="probabilities", position=10, cases="every")
+def draw(
+    *,
+    scores: pd.DataFrame = read("case/tables/probability_scores.csv"),
+    neurons: float = at("figures.fixed_neurons"),
+    validation: str = at("shown.example.name.validation"),
+) -> Figure:
     """Draw F-score and Brier skill of calibrated probabilities against prediction time."""
     scores = alarm_scores.alarms_shown(alarm_scores.calibrated(scores), neurons, validation)
     figure = style.new_figure(style.DOUBLE_COLUMN, 3.6)

@@ -8,27 +8,17 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from burstcast.declared import read
 from burstcast.figures.parts import medians, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.tables.published import published_beside
 
-FIGURE = Declaration(
-    section="horizon",
-    position=30,
-    inputs={
-        "percentiles": "case/tables/horizon_percentiles.csv",
-        "intervals": "case/tables/horizon_intervals.csv",
-    },
-    cases="several_sizes",
-    published=True,
-)
 
-
-@style.styled
+@figure(section="horizon", position=30, cases="several_sizes")
 def draw(
     *,
-    percentiles: pd.DataFrame,
-    intervals: pd.DataFrame,
+    percentiles: pd.DataFrame = read("case/tables/horizon_percentiles.csv"),
+    intervals: pd.DataFrame = read("case/tables/horizon_intervals.csv"),
     published: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw the mean PH_ee, one curve for each validation strategy, at the sizes of the table."""

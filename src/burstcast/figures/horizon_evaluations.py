@@ -7,20 +7,18 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import frame, looks, style
-from burstcast.figures.registry import Declaration
-
-FIGURE = Declaration(
-    section="horizon",
-    position=20,
-    inputs={"examples": "example/examples.nc"},
-    settings="threshold=case.event_threshold washout_lt shown.symbol",
-)
+from burstcast.figures.registry import figure
 
 
-@style.styled
+@figure(section="horizon", position=20)
 def draw(
-    *, examples: Mapping[str, Any], threshold: float, washout_lt: float, symbol: str
+    *,
+    examples: Mapping[str, Any] = read("example/examples.nc"),
+    threshold: float = at("case.event_threshold"),
+    washout_lt: float = at("washout_lt"),
+    symbol: str = at("case.space.observable_symbol"),
 ) -> Figure:
     """Draw one panel for each forecast of the event, two by two, with the band of the tolerance.
 

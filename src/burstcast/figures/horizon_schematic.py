@@ -4,20 +4,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
+from burstcast.declared import at
 from burstcast.figures.parts import board, style
-from burstcast.figures.registry import Declaration
-
-FIGURE = Declaration(
-    section="horizon",
-    position=10,
-    settings="horizon.longest_lead_time_lt horizon.lead_time_step_lt horizon.tolerance "
-    "shown.symbol",
-)
+from burstcast.figures.registry import figure
 
 
-@style.styled
+@figure(section="horizon", position=10)
 def draw(
-    *, longest_lead_time_lt: float, lead_time_step_lt: float, tolerance: float, symbol: str
+    *,
+    longest_lead_time_lt: float = at("horizon.longest_lead_time_lt"),
+    lead_time_step_lt: float = at("horizon.lead_time_step_lt"),
+    tolerance: float = at("horizon.tolerance"),
+    symbol: str = at("case.space.observable_symbol"),
 ) -> Figure:
     """Draw the procedure that yields PH_ee of one event, with the values in use."""
     figure = style.new_figure(style.DOUBLE_COLUMN, 2.6, layout=None)

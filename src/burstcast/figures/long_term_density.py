@@ -13,38 +13,24 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import errors, frame, looks, medians, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.tables.published import published_beside
 
-FIGURE = Declaration(
-    section="long_term",
-    position=10,
-    inputs={
-        "data": "case/statistics_data.nc",
-        "training": "case/statistics_training.nc",
-        "long_term": "long_term_networks/long_term.nc",
-        "percentiles": "case/tables/statistics_percentiles.csv",
-        "intervals": "case/tables/statistics_intervals.csv",
-    },
-    settings="threshold=case.event_threshold shown.symbol shown.observable_name",
-    cases="long_term",
-    published=True,
-)
 
-
-@style.styled
+@figure(section="long_term", position=10, cases="long_term")
 def draw(
     *,
-    data: Mapping[str, Any],
-    training: Mapping[str, Any],
-    long_term: Sequence[Mapping[str, Any]],
-    percentiles: pd.DataFrame,
-    intervals: pd.DataFrame,
-    threshold: float,
-    symbol: str,
-    observable_name: str,
+    data: Mapping[str, Any] = read("case/statistics_data.nc"),
+    training: Mapping[str, Any] = read("case/statistics_training.nc"),
+    long_term: Sequence[Mapping[str, Any]] = read("long_term_networks/long_term.nc"),
+    percentiles: pd.DataFrame = read("case/tables/statistics_percentiles.csv"),
+    intervals: pd.DataFrame = read("case/tables/statistics_intervals.csv"),
+    threshold: float = at("case.event_threshold"),
+    symbol: str = at("case.space.observable_symbol"),
+    observable_name: str = at("case.space.observable_name"),
     published: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw the data, the training set and the best network, and the measures of all networks."""

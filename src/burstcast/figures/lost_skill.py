@@ -14,27 +14,24 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from burstcast.declared import read
 from burstcast.figures.parts import looks, medians, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
 from burstcast.forecasters._names import described
 from burstcast.probability.ranking import ONSET
 from burstcast.tables.ranked import SAME_EVERYWHERE, shown_once
-
-FIGURE = Declaration(
-    section="forecasts",
-    position=80,
-    inputs={"tables": "encoded_cases/tables/ranking.csv"},
-    cases="encoded",
-)
 
 _METRIC = "average_precision"
 _FORECASTER = ["forecaster", "neurons", "seed"]
 _LEFT_OUT = ("climatology", "persistence")
 
 
-@style.styled
-def draw(*, tables: Sequence[pd.DataFrame]) -> Figure:
+@figure(section="forecasts", position=80, cases="encoded")
+def draw(
+    *,
+    tables: Sequence[pd.DataFrame] = read("encoded_cases/tables/ranking.csv"),
+) -> Figure:
     """Draw all forecasters of a flow and of the cases made from it."""
     ranking = pd.concat(list(tables), ignore_index=True)
     onsets = ranking[ranking["event"] == ONSET]

@@ -13,36 +13,24 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import errors, planes, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.statistics import profiles
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.registry import make_system
 
-FIGURE = Declaration(
-    section="long_term",
-    position=30,
-    inputs={
-        "data": "case/statistics_data.nc",
-        "training": "case/statistics_training.nc",
-        "long_term": "long_term_networks/long_term.nc",
-    },
-    settings="case.system case.parameters figures.flow_points",
-    cases="long_term",
-    only_flows=True,
-)
 
-
-@style.styled
+@figure(section="long_term", position=30, cases="long_term", only_flows=True)
 def draw(
     *,
-    data: Mapping[str, Any],
-    training: Mapping[str, Any],
-    long_term: Sequence[Mapping[str, Any]],
-    system: str,
-    parameters: Mapping[str, float],
-    flow_points: Sequence[int],
+    data: Mapping[str, Any] = read("case/statistics_data.nc"),
+    training: Mapping[str, Any] = read("case/statistics_training.nc"),
+    long_term: Sequence[Mapping[str, Any]] = read("long_term_networks/long_term.nc"),
+    system: str = at("case.system"),
+    parameters: Mapping[str, float] = at("case.parameters"),
+    flow_points: Sequence[int] = at("figures.flow_points"),
 ) -> Figure:
     """Draw u^2 in the data, and the errors of the best network and of the training set."""
     grid = make_flow_grid(make_system(system, parameters), flow_points)

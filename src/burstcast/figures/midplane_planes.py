@@ -12,28 +12,21 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import frame, looks, planes, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.registry import make_system
 
-FIGURE = Declaration(
-    section="forecasts",
-    position=50,
-    inputs={"event": "example/flow_event.nc"},
-    settings="case.system case.parameters figures.flow_points threshold=case.event_threshold",
-    only_flows=True,
-)
 
-
-@style.styled
+@figure(section="forecasts", position=50, only_flows=True)
 def draw(
     *,
-    event: Mapping[str, Any],
-    system: str,
-    parameters: Mapping[str, float],
-    flow_points: Sequence[int],
-    threshold: float,
+    event: Mapping[str, Any] = read("example/flow_event.nc"),
+    system: str = at("case.system"),
+    parameters: Mapping[str, float] = at("case.parameters"),
+    flow_points: Sequence[int] = at("figures.flow_points"),
+    threshold: float = at("case.event_threshold"),
 ) -> Figure:
     """Draw the observable over the event, and below it the planes at the times marked."""
     if not event["mark"].size:

@@ -10,26 +10,19 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import board, style
-from burstcast.figures.registry import Declaration
-
-FIGURE = Declaration(
-    section="networks",
-    position=10,
-    inputs={"hyperparameters": "example/hyperparameters.json"},
-    settings="inputs=shown.dimension shown.neurons forecasters.esn.connectivity "
-    "forecasters.esn.input_bias",
-)
+from burstcast.figures.registry import figure
 
 
-@style.styled
+@figure(section="networks", position=10)
 def draw(
     *,
-    inputs: int,
-    neurons: int,
-    connectivity: float,
-    input_bias: float,
-    hyperparameters: Mapping[str, float],
+    inputs: int = at("case.space.dimension"),
+    neurons: int = at("shown.example.name.neurons"),
+    connectivity: float = at("forecasters.esn.connectivity"),
+    input_bias: float = at("forecasters.esn.input_bias"),
+    hyperparameters: Mapping[str, float] = read("example/hyperparameters.json"),
 ) -> Figure:
     """Draw (a) the network with its real sizes, (b) the open loop and (c) the closed loop."""
     figure = style.new_figure(style.DOUBLE_COLUMN, 4.1)

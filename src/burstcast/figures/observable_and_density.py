@@ -9,33 +9,24 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.arrays import FloatArray
+from burstcast.declared import at, read
 from burstcast.figures.parts import frame, looks, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.statistics.densities import bin_edges, edges_over, histogram
 
-FIGURE = Declaration(
-    section="data",
-    position=10,
-    inputs={"observable": "case/ensemble.nc:observable", "exponents": "time_unit"},
-    settings="case.ensemble.time_step case.ensemble.sampling_stride "
-    "case.lyapunov.published_exponent threshold=case.event_threshold case.density shown.symbol "
-    "shown.observable_name",
-    cases="every",
-)
 
-
-@style.styled
+@figure(section="data", position=10, cases="every")
 def draw(
     *,
-    observable: FloatArray,
-    exponents: Mapping[str, Any] | None,
-    time_step: float,
-    sampling_stride: int,
-    published_exponent: float,
-    threshold: float,
-    density: Mapping[str, Any],
-    symbol: str,
-    observable_name: str,
+    observable: FloatArray = read("case/ensemble.nc:observable"),
+    exponents: Mapping[str, Any] | None = read("time_unit"),
+    time_step: float = at("case.ensemble.time_step"),
+    sampling_stride: int = at("case.ensemble.sampling_stride"),
+    published_exponent: float = at("case.lyapunov.published_exponent"),
+    threshold: float = at("case.event_threshold"),
+    density: Mapping[str, Any] = at("case.density"),
+    symbol: str = at("case.space.observable_symbol"),
+    observable_name: str = at("case.space.observable_name"),
 ) -> Figure:
     """Draw the first kept series with an event, and the histogram of all kept series.
 

@@ -17,42 +17,30 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullFormatter, StrMethodFormatter
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import looks, medians, style
-from burstcast.figures.registry import Declaration
-
-FIGURE = Declaration(
-    section="long_term",
-    position=40,
-    inputs={
-        "curves": "case/tables/survival_curve.csv",
-        "curve_percentiles": "case/tables/survival_curve_percentiles.csv",
-        "rates": "case/tables/survival.csv",
-        "rate_percentiles": "case/tables/survival_percentiles.csv",
-        "exponents": "spectrum_case/tables/lyapunov_spectrum.csv",
-        "exponent_percentiles": "spectrum_case/tables/lyapunov_spectrum_percentiles.csv",
-        "dimensions": "spectrum_case/tables/kaplan_yorke.csv",
-        "dimension_percentiles": "spectrum_case/tables/kaplan_yorke_percentiles.csv",
-    },
-    settings="neurons=figures.fixed_neurons",
-    cases="long_term",
-)
+from burstcast.figures.registry import figure
 
 _APART = 0.16
 """Distance of the markers of one exponent, so that they do not hide each other."""
 
 
-@style.styled
+@figure(section="long_term", position=40, cases="long_term")
 def draw(
     *,
-    curves: pd.DataFrame,
-    curve_percentiles: pd.DataFrame,
-    rates: pd.DataFrame,
-    rate_percentiles: pd.DataFrame,
-    exponents: Sequence[pd.DataFrame] | None,
-    exponent_percentiles: Sequence[pd.DataFrame] | None,
-    dimensions: Sequence[pd.DataFrame] | None,
-    dimension_percentiles: Sequence[pd.DataFrame] | None,
-    neurons: int,
+    curves: pd.DataFrame = read("case/tables/survival_curve.csv"),
+    curve_percentiles: pd.DataFrame = read("case/tables/survival_curve_percentiles.csv"),
+    rates: pd.DataFrame = read("case/tables/survival.csv"),
+    rate_percentiles: pd.DataFrame = read("case/tables/survival_percentiles.csv"),
+    exponents: Sequence[pd.DataFrame] | None = read("spectrum_case/tables/lyapunov_spectrum.csv"),
+    exponent_percentiles: Sequence[pd.DataFrame] | None = read(
+        "spectrum_case/tables/lyapunov_spectrum_percentiles.csv"
+    ),
+    dimensions: Sequence[pd.DataFrame] | None = read("spectrum_case/tables/kaplan_yorke.csv"),
+    dimension_percentiles: Sequence[pd.DataFrame] | None = read(
+        "spectrum_case/tables/kaplan_yorke_percentiles.csv"
+    ),
+    neurons: int = at("figures.fixed_neurons"),
 ) -> Figure:
     """Draw survival curves and escape rates, below them the spectrum where it was computed.
 

@@ -9,27 +9,20 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import frame, looks, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.forecast.examples import OUTCOMES
 
-FIGURE = Declaration(
-    section="forecasts",
-    position=20,
-    inputs={"examples": "example/examples.nc"},
-    settings="threshold=case.event_threshold prediction_time_lt=shown.example_prediction_time_lt "
-    "classification.window_lt shown.symbol",
-)
 
-
-@style.styled
+@figure(section="forecasts", position=20)
 def draw(
     *,
-    examples: Mapping[str, Any],
-    threshold: float,
-    prediction_time_lt: float,
-    window_lt: float,
-    symbol: str,
+    examples: Mapping[str, Any] = read("example/examples.nc"),
+    threshold: float = at("case.event_threshold"),
+    prediction_time_lt: float = at("shown.example_prediction_time_lt"),
+    window_lt: float = at("classification.window_lt"),
+    symbol: str = at("case.space.observable_symbol"),
 ) -> Figure:
     """Draw one panel for each outcome that occurred, with the window that is classified.
 

@@ -8,27 +8,20 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import frame, looks, style
-from burstcast.figures.registry import Declaration
-
-FIGURE = Declaration(
-    section="forecasts",
-    position=10,
-    inputs={"examples": "example/examples.nc"},
-    settings="threshold=case.event_threshold prediction_time_lt=shown.example_prediction_time_lt "
-    "washout_lt classification.window_lt shown.symbol",
-)
+from burstcast.figures.registry import figure
 
 
-@style.styled
+@figure(section="forecasts", position=10)
 def draw(
     *,
-    examples: Mapping[str, Any],
-    threshold: float,
-    prediction_time_lt: float,
-    washout_lt: float,
-    window_lt: float,
-    symbol: str,
+    examples: Mapping[str, Any] = read("example/examples.nc"),
+    threshold: float = at("case.event_threshold"),
+    prediction_time_lt: float = at("shown.example_prediction_time_lt"),
+    washout_lt: float = at("washout_lt"),
+    window_lt: float = at("classification.window_lt"),
+    symbol: str = at("case.space.observable_symbol"),
 ) -> Figure:
     """Draw the first example, a true positive if there was one, with the names of its parts."""
     if not len(examples["outcome"]):

@@ -15,29 +15,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import errors, looks, medians, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.statistics.profiles import velocity_profiles
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.registry import make_system
 from burstcast.tables.published import published_beside
-
-FIGURE = Declaration(
-    section="long_term",
-    position=20,
-    inputs={
-        "data": "case/statistics_data.nc",
-        "training": "case/statistics_training.nc",
-        "long_term": "long_term_networks/long_term.nc",
-        "percentiles": "case/tables/statistics_percentiles.csv",
-        "intervals": "case/tables/statistics_intervals.csv",
-    },
-    settings="points=statistics.profile_points case.system case.parameters",
-    cases="long_term",
-    only_flows=True,
-    published=True,
-)
 
 _LABELS = {
     "nrmse_u": r"$\langle \overline{u} \rangle$ [$U_0$]",
@@ -46,17 +31,17 @@ _LABELS = {
 }
 
 
-@style.styled
+@figure(section="long_term", position=20, cases="long_term", only_flows=True)
 def draw(
     *,
-    data: Mapping[str, Any],
-    training: Mapping[str, Any],
-    long_term: Sequence[Mapping[str, Any]],
-    percentiles: pd.DataFrame,
-    intervals: pd.DataFrame,
-    points: int,
-    system: str,
-    parameters: Mapping[str, float],
+    data: Mapping[str, Any] = read("case/statistics_data.nc"),
+    training: Mapping[str, Any] = read("case/statistics_training.nc"),
+    long_term: Sequence[Mapping[str, Any]] = read("long_term_networks/long_term.nc"),
+    percentiles: pd.DataFrame = read("case/tables/statistics_percentiles.csv"),
+    intervals: pd.DataFrame = read("case/tables/statistics_intervals.csv"),
+    points: int = at("statistics.profile_points"),
+    system: str = at("case.system"),
+    parameters: Mapping[str, float] = at("case.parameters"),
     published: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw the data, the training set and the best network, and the errors of all networks."""

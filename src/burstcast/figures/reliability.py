@@ -14,24 +14,22 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import alarm_scores, looks, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
-
-FIGURE = Declaration(
-    section="probabilities",
-    position=20,
-    inputs={"bins": "case/tables/reliability.csv"},
-    settings="shown.prediction_times_lt neurons=figures.fixed_neurons shown.validation",
-)
 
 FEW_FORECASTS = 10
 """Bins with fewer are open markers without a line: their frequencies are mostly chance."""
 
 
-@style.styled
+@figure(section="probabilities", position=20)
 def draw(
-    *, bins: pd.DataFrame, prediction_times_lt: Sequence[float], neurons: float, validation: str
+    *,
+    bins: pd.DataFrame = read("case/tables/reliability.csv"),
+    prediction_times_lt: Sequence[float] = at("shown.prediction_times_lt"),
+    neurons: float = at("figures.fixed_neurons"),
+    validation: str = at("shown.example.name.validation"),
 ) -> Figure:
     """Draw diagrams, and below them how many forecasts lie in each bin.
 

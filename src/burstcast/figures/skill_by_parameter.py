@@ -14,20 +14,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import looks, medians, style
-from burstcast.figures.registry import Declaration
-
-FIGURE = Declaration(
-    section="forecasts",
-    position=70,
-    inputs={
-        "scores": "aware_cases/tables/classification.csv",
-        "intervals": "aware_cases/tables/classification_intervals.csv",
-        "survivals": "aware_cases/tables/survival.csv",
-    },
-    settings="shown.parameter shown.prediction_times_lt neurons=figures.fixed_neurons",
-    cases="several_parameters",
-)
+from burstcast.figures.registry import figure
 
 _RATE_UNIT = 1e-4
 _TRAINED: dict[str, Any] = {
@@ -38,15 +27,15 @@ _TRAINED: dict[str, Any] = {
 }
 
 
-@style.styled
+@figure(section="forecasts", position=70, cases="several_parameters")
 def draw(
     *,
-    scores: Sequence[pd.DataFrame],
-    intervals: Sequence[pd.DataFrame],
-    survivals: Sequence[pd.DataFrame],
-    parameter: Mapping[str, Any],
-    prediction_times_lt: Sequence[float],
-    neurons: int,
+    scores: Sequence[pd.DataFrame] = read("aware_cases/tables/classification.csv"),
+    intervals: Sequence[pd.DataFrame] = read("aware_cases/tables/classification_intervals.csv"),
+    survivals: Sequence[pd.DataFrame] = read("aware_cases/tables/survival.csv"),
+    parameter: Mapping[str, Any] = at("shown.parameter"),
+    prediction_times_lt: Sequence[float] = at("shown.prediction_times_lt"),
+    neurons: int = at("figures.fixed_neurons"),
 ) -> Figure:
     """Draw a panel for each prediction time that there is, and one of the escape rates.
 

@@ -11,29 +11,21 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from burstcast.declared import at, read
 from burstcast.figures.parts import looks, planes, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.registry import make_system
 
-FIGURE = Declaration(
-    section="control",
-    position=20,
-    inputs={"event": "suppressed_event"},
-    settings="case.system case.parameters figures.flow_points threshold=case.event_threshold",
-    cases="control_example",
-    only_flows=True,
-)
 
-
-@style.styled
+@figure(section="control", position=20, cases="control_example", only_flows=True)
 def draw(
     *,
-    event: Mapping[str, Any],
-    system: str,
-    parameters: Mapping[str, float],
-    flow_points: Sequence[int],
-    threshold: float,
+    event: Mapping[str, Any] = read("suppressed_event"),
+    system: str = at("case.system"),
+    parameters: Mapping[str, float] = at("case.parameters"),
+    flow_points: Sequence[int] = at("figures.flow_points"),
+    threshold: float = at("case.event_threshold"),
 ) -> Figure:
     """Draw the observable with and without control, and the midplane at the times marked."""
     if not event["mark"].size:

@@ -10,36 +10,28 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from burstcast.arrays import FloatArray
+from burstcast.declared import at, read
 from burstcast.durations import steps
 from burstcast.figures.parts import frame, looks, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.tuning.strategies.base import ValidationPlan, use_of_series
 from burstcast.tuning.strategies.registry import make_strategy
 
-FIGURE = Declaration(
-    section="networks",
-    position=20,
-    inputs={"observable": "case/ensemble.nc:observable", "exponents": "time_unit"},
-    settings="case.ensemble.time_step case.ensemble.sampling_stride "
-    "case.lyapunov.published_exponent threshold=case.event_threshold shown.strategies "
-    "recycle=case.recycle_validation washout_lt search.interval_lt shown.symbol",
-)
 
-
-@style.styled
+@figure(section="networks", position=20)
 def draw(
     *,
-    observable: FloatArray,
-    exponents: Mapping[str, Any] | None,
-    time_step: float,
-    sampling_stride: int,
-    published_exponent: float,
-    threshold: float,
-    strategies: Sequence[str],
-    recycle: Mapping[str, Any],
-    washout_lt: float,
-    interval_lt: float,
-    symbol: str,
+    observable: FloatArray = read("case/ensemble.nc:observable"),
+    exponents: Mapping[str, Any] | None = read("time_unit"),
+    time_step: float = at("case.ensemble.time_step"),
+    sampling_stride: int = at("case.ensemble.sampling_stride"),
+    published_exponent: float = at("case.lyapunov.published_exponent"),
+    threshold: float = at("case.event_threshold"),
+    strategies: Sequence[str] = at("shown.strategies"),
+    recycle: Mapping[str, Any] = at("case.recycle_validation"),
+    washout_lt: float = at("washout_lt"),
+    interval_lt: float = at("search.interval_lt"),
+    symbol: str = at("case.space.observable_symbol"),
 ) -> Figure:
     """Draw one panel per strategy: the first series, and below it what it is used for.
 

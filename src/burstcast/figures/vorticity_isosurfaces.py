@@ -16,22 +16,13 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
     Line3DCollection,
     Poly3DCollection,
 )
-from scipy.ndimage import map_coordinates
-from skimage.measure import marching_cubes
 
 from burstcast.arrays import FloatArray, IntArray
+from burstcast.declared import at, read
 from burstcast.figures.parts import planes, style
-from burstcast.figures.registry import Declaration
+from burstcast.figures.registry import figure
 from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.registry import make_system
-
-FIGURE = Declaration(
-    section="forecasts",
-    position=60,
-    inputs={"event": "example/flow_event.nc"},
-    settings="case.system case.parameters figures.flow_points",
-    only_flows=True,
-)
 
 _COLOURS = {1: style.VERMILLION, -1: style.BLUE}
 _VELOCITY = "PRGn"
@@ -42,13 +33,13 @@ _LEVEL = 0.5  # of the isosurfaces, as a share of the largest vorticity
 _SHOWN = {2: "before", 3: "after"}
 
 
-@style.styled
+@figure(section="forecasts", position=60, only_flows=True)
 def draw(
     *,
-    event: Mapping[str, Any],
-    system: str,
-    parameters: Mapping[str, float],
-    flow_points: Sequence[int],
+    event: Mapping[str, Any] = read("example/flow_event.nc"),
+    system: str = at("case.system"),
+    parameters: Mapping[str, float] = at("case.parameters"),
+    flow_points: Sequence[int] = at("figures.flow_points"),
 ) -> Figure:
     """Draw the true flow at the event's peak and after its breakdown.
 
@@ -242,6 +233,10 @@ def _closed_surface(
 
     Returns corners of the triangles, ``(triangles, 3, 3)``, and their normals, ``(triangles, 3)``.
     """
+    # Planning reads what figures declare, and need not load these.
+    from scipy.ndimage import map_coordinates
+    from skimage.measure import marching_cubes
+
     # So low beyond the box that the surface closes right at its ends.
     outside = level - 1e6 * (float(scalar.max()) - level)
     vertices, faces, _, _ = marching_cubes(  # type: ignore[no-untyped-call]

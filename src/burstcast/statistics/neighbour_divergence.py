@@ -53,9 +53,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.spatial import cKDTree
-from scipy.special import ndtri
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.data.series_layout import as_series
@@ -259,6 +256,8 @@ class _Growth:
             grown = saturated - np.logaddexp(0.0, left) / power
             return np.asarray(np.logaddexp(2 * grown, 2 * floor) / 2 - curve[1:])
 
+        from scipy.optimize import least_squares  # takes a fifth of a second to load
+
         slope = (curve[-1] - curve[0]) / steps[-1]
         lowest = curve[0] - _FAINT
         bounds = ([0.0, lowest, lowest], [np.inf, saturated - 1e-3, saturated])
@@ -307,6 +306,8 @@ class _Neighbours:
         generator: np.random.Generator,
     ) -> "_Neighbours":
         """Follow the nearest neighbours of ``most`` states at most for some steps."""
+        from scipy.spatial import cKDTree
+
         # both are followed to the end: the mean is over the same pairs at all times
         starts = states.shape[1] - steps
         candidates = states[:, :starts].reshape(-1, states.shape[2])
@@ -378,6 +379,8 @@ def surrogate(series: FloatArray, generator: np.random.Generator, *, normal: boo
     ``normal``: Whether values are first replaced by those of a normal distribution with the same
     ranks, which turns a function of normal noise into that noise. A random walk stays one without.
     """
+    from scipy.special import ndtri
+
     flat = series.reshape(-1, series.shape[2])
     values = ndtri((_ranks(flat) + 0.5) / len(flat)).reshape(series.shape) if normal else series
     first, last = values[:, :1], values[:, -1:]

@@ -1,26 +1,56 @@
 """Settings of a job by their paths: their values, and which do not concern it."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from typing import Any
 
+from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters._names import ForecasterName
 from burstcast.forecasters.registry import kind_class
 from burstcast_workflow.campaign.campaign import Campaign, name_of
+from burstcast_workflow.campaign.shown import Shown
+from burstcast_workflow.config.case import Case
 from burstcast_workflow.config.control_plans import ControlPlan
 from burstcast_workflow.harness.canonical import canonical
+from burstcast_workflow.harness.settings import JobSettings
+
+LEFT_OUT = object()
+"""Value of a setting that does not concern a job."""
+
+_computed: dict[str, Callable[["Job"], Any]] = {}
 
 
-class JobFacts:
+def computed(path: str) -> Callable[[Callable[["Job"], Any]], property]:
+    """Declare a property of jobs as the value of a setting that is not the config's as it is."""
+
+    def property_of(value: Callable[["Job"], Any]) -> property:
+        _computed[path] = value
+        return property(value)
+
+    return property_of
+
+
+class Job:
     """A job by its wildcards: its case, its forecaster or controller, its plan of control."""
 
     def __init__(self, campaign: Campaign, wildcards: Mapping[str, str]) -> None:
         self.campaign, self.wildcards = campaign, wildcards
+        self.case_name = wildcards.get("case", "")  # empty for jobs of none
 
     @property
-    def case(self) -> str:
-        """Name of the case; empty for jobs of none."""
-        return self.wildcards.get("case", "")
+    def case(self) -> Case:
+        """The case."""
+        return self.campaign.cases[self.case_name]
+
+    @property
+    def plain_case(self) -> dict[str, Any]:
+        """Settings of the case as they are given to jobs."""
+        return self.campaign.plain_cases[self.case_name]
+
+    @property
+    def shown(self) -> Shown:
+        """What figures and tables show of the case."""
+        return Shown(self.campaign, self.case_name)
 
     @cached_property
     def name(self) -> ForecasterName:
@@ -45,19 +75,142 @@ class JobFacts:
         return kind is not None and kind.sees_truth and not kind.has_search
 
     def value(self, path: str) -> Any:
-        """Value of a setting that concerns the job."""
-        if path in _VALUES:
-            return _VALUES[path](self)
+        """Value of a setting; `LEFT_OUT` if it does not concern the job.
+
+        A path has keys of the config, or of the job's case, and then names of properties: of the
+        case (``case.space.dimension``), the job (``job.noise_of_data``), what is shown
+        (``shown.panels``).
+        """
+        if path in _computed:
+            return _computed[path](self)
         section, *rest = path.split(".")
-        if section == "case":
-            value: Any = self.campaign.plain_cases[self.case]
-        elif section == "forecasters":
-            value = self.campaign.sections(self.case, self.name.label)
-        else:
-            value = self.campaign.plain[section]
-        for key in rest:
-            value = value[key]
+        try:
+            if section == "case":
+                value: Any = self.plain_case if rest[0] in self.plain_case else self.case
+            elif section == "forecasters":
+                value = self.campaign.sections(self.case_name, self.name.label)
+            else:
+                places = {"job": self, "shown": self.shown}
+                value = places[section] if section in places else self.campaign.plain[section]
+            for key in rest:
+                value = value[key] if isinstance(value, dict) else getattr(value, key)
+        except (KeyError, AttributeError) as error:
+            raise LookupError(f"there is no setting {path}") from error
         return value
+
+    # -- settings that are not the config's as they are --------------------------------------------
+
+    @property
+    def all_options(self) -> dict[str, Any]:
+        """Settings of the forecaster's kind."""
+        return self.campaign.options(self.name.kind, self.case_name, self.name.label)
+
+    @computed("forecaster.options")
+    def options(self) -> Any:
+        """Settings of the forecaster's kind, but for the bound of divergence, if there is one."""
+        if "controller" in self.wildcards and not self.name.asks_forecasters:
+            return LEFT_OUT
+        options = self.all_options
+        options.pop("divergence_bound", None)
+        return options
+
+    @computed("forecaster.divergence_bound")
+    def divergence_bound(self) -> float | None:
+        """Bound beyond which a forecast has diverged."""
+        return self.all_options.get("divergence_bound")
+
+    @computed("forecaster.source")
+    def forecaster_source(self) -> Any:
+        """Source of the case, if the forecaster goes on with equations from decoded states."""
+        solves = self.name.asks_forecasters and kind_class(self.name.kind).needs_equations
+        seen = self.campaign.cases.get(self.observed or self.case_name)
+        decodes = solves and seen is not None and seen.is_encoded
+        return self.case.source_system if decodes else LEFT_OUT
+
+    @computed("forecasters.aware")
+    def aware(self) -> Any:
+        """What forecasters learn of parameters, with the case's values, if they are given any."""
+        if not self.name.asks_forecasters:
+            return LEFT_OUT
+        given = self.plan and self.plan.strategy.told
+        switched = self.case_name in self.campaign.where(is_switched=True)
+        if not (given or switched or kind_class(self.name.kind).learns_parameters):
+            return LEFT_OUT
+        aware = self.campaign.sections(self.case_name)["aware"]
+        return {**aware, "own": self.campaign.own_values(self.case_name)}
+
+    @computed("case.training.noise")
+    def noise(self) -> Any:
+        """Noise of the training series, if the forecaster sees it."""
+        return LEFT_OUT if self.sees_truth else self.plain_case["training"]["noise"]
+
+    @computed("case.controlled_density")
+    def controlled_density(self) -> Any:
+        """Bins of the densities under control, which are made of the paper's control alone."""
+        papers = self.plan is None or self.plan.is_of_the_paper
+        return self.plain_case["controlled_density"] if papers else LEFT_OUT
+
+    @computed("statistics.duration")
+    def duration(self) -> float | None:
+        """Duration of long runs; without one, that of the case's series."""
+        duration = self.campaign.config.statistics.duration
+        return self.plain_case["ensemble"]["duration"] if duration is None else duration
+
+    @computed("control.run")
+    def run(self) -> dict[str, Any]:
+        """Plan of control; the noise is the case's if it has none, and unused for seen truth."""
+        assert self.plan is not None
+        run = self.plan.record(self.campaign.config.control.span_lt)
+        if run["noise"] is None:
+            del run["noise"]
+            if not self.sees_truth:
+                run["noise"] = self.case.training.noise
+        return run
+
+    @computed("control.cost")
+    def cost(self) -> Any:
+        """Whether the cost of actuation is counted."""
+        return self.campaign.config.control.cost or LEFT_OUT
+
+    @computed("control.sensor")
+    def sensor(self) -> Any:
+        """Sensor of the observed part."""
+        return self.campaign.cases[self.observed].sensor if self.observed else LEFT_OUT
+
+    # -- settings of no section, ``job.<name>`` ----------------------------------------------------
+
+    @property
+    def parameters(self) -> list[str]:
+        """Parameters that forecasters may know, also where the case has known columns instead."""
+        return self.campaign.config.forecasters.aware.parameters
+
+    @property
+    def noise_of_data(self) -> dict[str, Any] | None:
+        """Observation noise that series of the case get when they are imported; None if none."""
+        level = self.case.imported_noise
+        return {"level": level, "random_seed": self.campaign.config.random_seed} if level else None
+
+    @property
+    def drawn_shares(self) -> dict[str, Any] | None:
+        """Shares of events that the choices up to a case's are drawn for; None: blocks of series.
+
+        Each choice leaves the later ones other series.
+        """
+        source, _ = realisation_of(self.case_name)
+        shares = self.campaign.config.event_shares_of(source)[: self.case.realisation]
+        return {"shares": shares, "threshold": self.case.event_threshold} if shares else None
+
+    @property
+    def asked_of_series(self) -> dict[str, Any]:
+        """Kinds, validation strategies and long runs of a case, for which series must be long."""
+        forecasters = self.campaign.select(case=self.case_name)
+        long_runs = {forecaster.case for forecaster in self.campaign.long_term_forecasters}
+        strategies = {forecaster.name.validation for forecaster in forecasters}
+        return {
+            "kinds": sorted({forecaster.name.kind for forecaster in forecasters}),
+            "validations": sorted(filter(None, strategies)),
+            "long_runs": self.case_name in long_runs,
+        }
 
 
 def settings_of_job(
@@ -66,117 +219,21 @@ def settings_of_job(
     wildcards: Mapping[str, str],
     values: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """Settings of a job by their paths in the config, in canonical form.
+    """Settings of a job by their paths, in canonical form, without what does not concern it.
 
-    ``case.`` stands for the job's case, ``forecasters.`` for the sections of kinds as the job's
-    network has them. What does not concern the job is left out. ``values`` are given as they are,
-    beside them.
+    ``forecasters.`` stands for the sections of kinds as the job's network has them. ``values`` are
+    given as they are, beside them.
     """
-    job = JobFacts(campaign, wildcards)
-    found = {
-        path: job.value(path) for path in paths if path not in _CONCERNS or _CONCERNS[path](job)
-    }
-    result: dict[str, Any] = canonical({**found, **(values or {})})
+    job = Job(campaign, wildcards)
+    found = {path: job.value(path) for path in paths}
+    concerning = {path: value for path, value in found.items() if value is not LEFT_OUT}
+    result: dict[str, Any] = canonical({**concerning, **(values or {})})
     return result
 
 
 def settings_of_cases(
-    campaign: Campaign, paths: Sequence[str], cases: Iterable[str] | None = None
+    campaign: Campaign, settings: type[JobSettings], cases: Iterable[str] | None = None
 ) -> dict[str, dict[str, Any]]:
-    """Settings of all cases, or of some, by the name of the case."""
+    """Settings of all cases, or of some, by the name of the case: those of a class."""
     cases = campaign.case_names if cases is None else cases
-    return {case: settings_of_job(campaign, paths, {"case": case}) for case in cases}
-
-
-# -- settings that concern some jobs only ----------------------------------------------------------
-
-
-def _is_told_parameters(job: JobFacts) -> bool:
-    """Whether a job's forecaster learns about parameters, or is given those in force."""
-    if not job.name.asks_forecasters:
-        return False
-    plan = job.plan
-    told = plan and plan.make().told
-    switched = job.case in job.campaign.switched_cases
-    return bool(told) or switched or kind_class(job.name.kind).learns_parameters
-
-
-def _decodes(job: JobFacts) -> bool:
-    """Whether the forecaster goes on with equations from decoded states of another case."""
-    seen = job.campaign.cases.get(job.observed or job.case)
-    solves = job.name.asks_forecasters and kind_class(job.name.kind).needs_equations
-    return solves and seen is not None and seen.is_encoded
-
-
-_CONCERNS: Mapping[str, Callable[[JobFacts], bool]] = {
-    "case.training.noise": lambda job: not job.sees_truth,
-    "forecasters.aware": _is_told_parameters,
-    "forecaster.source": _decodes,
-    # controllers may ask no forecaster
-    "forecaster.options": lambda job: (
-        "controller" not in job.wildcards or job.name.asks_forecasters
-    ),
-    "control.cost": lambda job: job.campaign.config.control.cost,
-    "control.sensor": lambda job: bool(job.observed),
-    # densities are made of the paper's control alone
-    "case.controlled_density": lambda job: job.plan is None or job.plan.is_of_the_paper,
-}
-"""Whether a setting concerns a job, where it does not concern all jobs that may read it."""
-
-
-# -- settings that the campaign puts together ------------------------------------------------------
-
-
-def _options(job: JobFacts) -> dict[str, Any]:
-    """Settings of the forecaster's kind, but for the bound of divergence."""
-    options = _all_options(job)
-    options.pop("divergence_bound", None)
-    return options
-
-
-def _all_options(job: JobFacts) -> dict[str, Any]:
-    return job.campaign.options(job.name.kind, job.case, job.name.label)
-
-
-def _aware(job: JobFacts) -> dict[str, Any]:
-    """What forecasters that know the parameters learn of them, with the case's own values."""
-    aware = job.campaign.sections(job.case)["aware"]
-    return {**aware, "own": job.campaign.own_values(job.case)}
-
-
-def _duration(job: JobFacts) -> float | None:
-    """Duration of long runs; without one, that of the case's series."""
-    said = job.campaign.config.statistics.duration
-    return job.campaign.plain_cases[job.case]["ensemble"]["duration"] if said is None else said
-
-
-def _run(job: JobFacts) -> dict[str, Any]:
-    """Plan of control; the noise is the case's if it says none, and unused for seen truth."""
-    assert job.plan is not None
-    run = job.plan.record(job.campaign.config.control.span_lt)
-    if run["noise"] is None:
-        del run["noise"]
-        if not job.sees_truth:
-            run["noise"] = job.campaign.cases[job.case].training.noise
-    return run
-
-
-_VALUES: Mapping[str, Callable[[JobFacts], Any]] = {
-    "forecaster.options": _options,
-    "forecaster.source": lambda job: job.campaign.cases[job.case].source_system,
-    "forecaster.divergence_bound": lambda job: _all_options(job).get("divergence_bound"),
-    "forecasters.aware": _aware,
-    "statistics.duration": _duration,
-    "control.run": _run,
-    "control.sensor": lambda job: job.campaign.cases[job.observed].sensor,
-    "source": lambda job: job.campaign.cases[job.case].source_system,
-    "noise": lambda job: job.campaign.noise_of_data(job.case),
-    "realisation": lambda job: job.campaign.cases[job.case].realisation,
-    "drawn": lambda job: job.campaign.drawn_shares(job.case),
-    "quantile": lambda job: job.campaign.cases[job.case].event_quantile,
-    "parameters": lambda job: job.campaign.config.forecasters.aware.parameters,
-    "sets_time_unit": lambda job: job.campaign.cases[job.case].estimates_time_unit,
-    "asked": lambda job: job.campaign.asked_of_series(job.case),
-    "prediction_time_lt": lambda job: job.campaign.prediction_time(2),
-}
-"""Values of settings that are not in the config as they are."""
+    return {case: settings_of_job(campaign, settings.paths(), {"case": case}) for case in cases}

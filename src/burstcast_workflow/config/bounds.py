@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from functools import cache
+from typing import Any, get_args
 
 from burstcast_workflow.config.kinds import RELATIONS, Section
-from burstcast_workflow.config.places import Place
 
 
 def _is_multiple(value: float, unit: float) -> bool:
@@ -28,31 +28,44 @@ _HOLDS: dict[str, Callable[[Any, Any], bool]] = {
 def out_of_bounds(section: Section) -> Iterator[str]:
     """Check settings against the settings that bound them; a message for each mistake."""
     settings = section.dump()
-    for place in Place(type(section)).settings():
+    for name, relation, other in _bounds(type(section)):
+        factors = [_at(settings, factor) for factor in other.split(" * ")]
+        bound = factors[0] if len(factors) == 1 else math.prod(factors)
+        value = _at(settings, name)
+        for item in value if isinstance(value, list) else [value]:
+            if item is None or isinstance(item, Mapping):  # left out; known to a job only
+                continue
+            if bound not in (None, []) and not _HOLDS[relation](item, bound):
+                limit = ", ".join(map(str, bound if isinstance(bound, list) else [bound]))
+                yield f"{name}: {RELATIONS[relation]} {other}, {limit} (got {item})"
+
+
+@cache
+def _bounds(model: type[Section], place: str = "") -> list[tuple[str, str, str]]:
+    """Settings that are bounded by others, with the relation and the name of the other."""
+    found: list[tuple[str, str, str]] = []
+    for key, field in model.model_fields.items():
+        name, extra = f"{place}{key}", field.json_schema_extra
+        relations: Any = extra.get("relations", {}) if isinstance(extra, dict) else {}
+        found += [(name, relation, other) for relation, other in relations.items()]
         # what bounds a setting of a case is in the same case
-        if place.name.startswith("case_defaults."):
-            continue
-        for relation, other in place.relations.items():
-            factors = [_at(settings, factor) for factor in other.split(" * ")]
-            bound = factors[0] if len(factors) == 1 else math.prod(factors)
-            value = _at(settings, place.name)
-            for item in value if isinstance(value, list) else [value]:
-                if item is None or isinstance(item, Mapping):  # left out; known to a job only
-                    continue
-                if bound not in (None, []) and not _HOLDS[relation](item, bound):
-                    verb = "has" if isinstance(value, list) else "is"
-                    limit = ", ".join(map(str, bound if isinstance(bound, list) else [bound]))
-                    must = f"{RELATIONS[relation]} {other}, {limit}"
-                    yield f"{place.name} {verb} {item}; it {must}"
+        for section in _sections(field.annotation) if name != "case_defaults" else ():
+            found += _bounds(section, f"{name}.")
+    return found
 
 
-def _at(settings: Mapping[str, Any], name: str) -> Any:
-    """Value of a setting; in the blocks of the campaign, all its values."""
-    value: Any = settings
-    for count, part in enumerate(name.replace("[]", "").split(".")):
-        if isinstance(value, list):
-            rest = ".".join(name.replace("[]", "").split(".")[count:])
-            found = [_at(block, rest) or [] for block in value]
-            return sorted({item for items in found for item in items})
-        value = value.get(part) if isinstance(value, Mapping) else None
-    return value
+def _sections(kind: Any) -> Iterator[type[Section]]:
+    """Sections in a type: of ``list[Block] | None`` the block."""
+    if isinstance(kind, type) and issubclass(kind, Section):
+        yield kind
+    for inside in get_args(kind):
+        yield from _sections(inside)
+
+
+def _at(settings: Any, name: str) -> Any:
+    """Value of a setting; of a setting in the items of a list, all its values."""
+    if isinstance(settings, list):
+        return sorted({value for item in settings for value in _at(item, name) or []})
+    key, _, rest = name.partition(".")
+    value = settings.get(key) if isinstance(settings, Mapping) else None
+    return _at(value, rest) if rest else value

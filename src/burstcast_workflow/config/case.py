@@ -5,11 +5,13 @@ these has a class, and all answer the same questions (`Case`).
 """
 
 import glob
+import math
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field, ValidationError
+from pydantic_core import PydanticCustomError
 
 from burstcast import durations
 from burstcast.control.actuation import actuated_system
@@ -25,12 +27,11 @@ from burstcast.systems.state_space import StateSpace
 from burstcast_workflow.config.kinds import (
     CaseName,
     Count,
-    CountOrNull,
     Distinct,
     EncoderName,
+    Number,
     ParameterName,
     Positive,
-    PositiveOrNull,
     Quantile,
     Range,
     Section,
@@ -38,11 +39,10 @@ from burstcast_workflow.config.kinds import (
     Threshold,
     TimeStep,
     Whole,
-    Words,
     optional,
-    part_of,
     setting,
 )
+from burstcast_workflow.harness.canonical import canonical
 
 TIME = "time units"
 OBSERVABLE = "units of the observable"
@@ -64,13 +64,14 @@ class Ensemble(Steps):
     """The time series that all data come from."""
 
     series: Whole = setting("number of series that are generated", ge=2, le=1_000_000)
-    initial_state: Annotated[
-        list[float] | None, Words("a list of numbers, or null: the system draws initial states")
-    ] = setting("initial state that all series share, one number per component")
-    perturbed_component: CountOrNull = setting(
+    initial_state: list[Number] | None = setting(
+        "initial state that all series share, one number per component; null: the system draws "
+        "initial states"
+    )
+    perturbed_component: Count | None = setting(
         "perturbed component of the initial state, counted from 1"
     )
-    perturbation: PositiveOrNull = setting(
+    perturbation: Positive | None = setting(
         "largest perturbation; each series draws its own from [0, perturbation]",
         "units of the component",
     )
@@ -90,7 +91,7 @@ class TimeUnit(Section):
     time_unit: Literal["published", "computed"] = setting(
         "the exponent that sets the Lyapunov time"
     )
-    published_exponent: float | None = optional(
+    published_exponent: Number | None = optional(
         "published leading exponent; null if there is none", "inverse time units", gt=0
     )
     orthonormalisation_interval: Positive = setting(
@@ -144,7 +145,7 @@ class Training(Section):
     """Training data."""
 
     series: Count = setting("number of series that forecasters are trained on")
-    noise: float = setting(
+    noise: Number = setting(
         "standard deviation of the observation noise", "standard deviations of each component", ge=0
     )
     trained_on: Distinct[CaseName] = setting(
@@ -177,20 +178,20 @@ class MeasuredDensity(Density):
 class FixedPoint(Section):
     """When a long forecast has settled on a fixed point."""
 
-    variation: float = setting("smallest variation of the observable in motion", OBSERVABLE, ge=0)
-    above: float = setting("observable above which a settled forecast is discarded", OBSERVABLE)
+    variation: Number = setting("smallest variation of the observable in motion", OBSERVABLE, ge=0)
+    above: Number = setting("observable above which a settled forecast is discarded", OBSERVABLE)
 
 
 class Actuation(Section):
     """Actuation after an alarm; null where the case is not controlled."""
 
-    parameters: dict[ParameterName, float] = setting(
+    parameters: dict[ParameterName, Number] = setting(
         "parameters of the equations during an actuation", default={}
     )
-    force: Annotated[list[float] | None, Words("a list of numbers, or null")] = optional(
+    force: list[Number] | None = optional(
         "constant force on each component of the state; null for none"
     )
-    start_lt: float = setting("start of the actuation, from the start of the alarm's window")
+    start_lt: Number = setting("start of the actuation, from the start of the alarm's window")
     duration_lt: Positive = setting("duration of the actuation")
 
 
@@ -198,7 +199,7 @@ class RecycleValidation(Section):
     """Validation intervals of Recycle Validation."""
 
     series: Count = setting("training series with validation intervals", at_most="training.series")
-    intervals_per_series: CountOrNull = setting(
+    intervals_per_series: Count | None = setting(
         "validation intervals in each, end to end after the washout; null: as many as fit"
     )
 
@@ -207,7 +208,7 @@ class Blocks(Section):
     """Lengths by which measured records are cut into series."""
 
     duration: Positive = setting("length of each block; the remainder is dropped", TIME)
-    gap: float = setting("from the end of a block to the start of the next", TIME, ge=0, default=0)
+    gap: Number = setting("from the end of a block to the start of the next", TIME, ge=0, default=0)
 
 
 class Data(Section):
@@ -237,11 +238,11 @@ class Data(Section):
         "forecast back; each series begins so much later",
         default=[],
     )
-    observable: str = setting(
+    observable: str | None = optional(
         "a component, an expression of components or columns, or <name> = <one of these>"
     )
     time_step: TimeStep = optional("time between two rows, which are the steps of a forecast", TIME)
-    gaps: Annotated[Literal["cut"] | None, Words("cut, or null")] = optional(
+    gaps: Literal["cut"] | None = optional(
         "cut: gaps cut a record, and parts shorter than a block are left out; null: gaps are errors"
     )
     blocks: Blocks | None = optional("how series are cut; null: not at all")
@@ -266,6 +267,7 @@ class DataOfCase(Data):
     """Measured series, with the components of the state that another case has."""
 
     columns: Distinct[str] = setting("components of the state of another case", default=[])
+    observable: str
 
 
 class Sensors(Section):
@@ -277,14 +279,11 @@ class Sensors(Section):
     components: list[str] | None = optional("components that are observed, in place of probes")
 
 
-OwnFiles = Annotated[Distinct[str] | None, Words("a list, each text, or null")]
-
-
 class CaseEncoder(Section):
     """Encoding of the observations in the channels that forecasters receive."""
 
     kind: EncoderName = setting("a module of burstcast.encoders, or module:Class of your own")
-    modes: CountOrNull = optional("number of modes, of the kind pod")
+    modes: Count | None = optional("number of modes, of the kind pod")
 
 
 class Case(Section):
@@ -298,7 +297,7 @@ class Case(Section):
         OBSERVABLE,
         below="laminarisation_threshold",
     )
-    laminarisation_threshold: float | None = optional(
+    laminarisation_threshold: Number | None = optional(
         "value of the observable beyond which a series is discarded, k_l; null keeps all",
         OBSERVABLE,
     )
@@ -355,6 +354,16 @@ class Case(Section):
         return realisation_of(self._name)[1]
 
     @property
+    def takes_series(self) -> bool:
+        """Whether it has the series of another case: encoded, or other ones to train on."""
+        return bool(self.is_encoded or self.realisation)
+
+    @property
+    def is_switched(self) -> bool:
+        """Whether its test series are under an actuator that switches at random."""
+        return self.training.actuation is not None and self.training.actuation.tested
+
+    @property
     def space(self) -> StateSpace:
         """State space; a ValueError or TypeError if the system or its parameters are invalid."""
         return make_space(self.system, self.parameters)
@@ -371,6 +380,18 @@ class Case(Section):
         if exponent is None:
             return None
         return durations.steps_per_lyapunov_time(exponent, self.ensemble.sampling_interval)
+
+    @property
+    def samples(self) -> int | None:
+        """Samples of a series, with both of its ends; None where the config does not know them."""
+        duration: float | None = getattr(self.ensemble, "duration", None)
+        interval = self.ensemble.sampling_interval
+        return None if duration is None else math.floor(duration / interval + 1e-9) + 1
+
+    @property
+    def has_known_lengths(self) -> bool:
+        """Whether the config knows how long a Lyapunov time and a series are."""
+        return None not in (self.steps_per_lyapunov_time, self.samples)
 
     @property
     def time_unit(self) -> str | list[str]:
@@ -429,9 +450,8 @@ class Case(Section):
         plain = self.dump()
         if self.imported_noise:
             plain["training"]["noise"] = 0  # what is imported has it already
-        if self.event_quantile is not None:
-            # a job finds it out (`burstcast_workflow.harness.settings`)
-            plain["event_threshold"]["case"] = self.name
+        if isinstance(self.event_threshold, Quantile):
+            plain["event_threshold"] = vars(self.event_threshold.of(self.name))
         return plain
 
 
@@ -442,10 +462,10 @@ class Simulated(Case):
         "the equations: a module of burstcast.systems, or module:Class of your own, in the working "
         "directory, beside a config, or installed"
     )
-    files: OwnFiles = optional(
+    files: Distinct[str] | None = optional(
         "files that a module of your own reads, from the directory of the module; [] if none"
     )
-    parameters: dict[ParameterName, float] = setting("parameters of the equations", default={})
+    parameters: dict[ParameterName, Number] = setting("parameters of the equations", default={})
     ensemble: Ensemble
     lyapunov: Lyapunov
     controlled_density: Density = setting("bins of the observable's density under control")
@@ -481,7 +501,7 @@ class Measured(Case):
     ensemble: MeasuredSteps
     density: MeasuredDensity
     fixed_point: FixedPoint | None = None  # type: ignore[assignment]
-    test_series: CountOrNull = None  # type: ignore[assignment]
+    test_series: Count | None = None  # type: ignore[assignment]
     actuation: None = None
     data: DataOfCase
 
@@ -499,7 +519,7 @@ class Encoded(PartOfCase):
     """A case of readings of another case by sensors, or of what an encoder makes of it."""
 
     is_encoded: ClassVar[bool] = True
-    files: OwnFiles = None
+    files: Distinct[str] | None = None
 
     @property
     def own_module(self) -> str | None:
@@ -514,8 +534,24 @@ class Encoded(PartOfCase):
         return {name: plain[name] for name in ("parameters", "sensors", "encoder")}
 
 
-# an entry of `cases`: what differs from case_defaults, or from what a class says
-if TYPE_CHECKING:
-    CasePart = Simulated
-else:
-    CasePart = part_of(Simulated)
+WHOLE = ("data", "sensors", "encoder")
+"""Sections of a case that nothing is laid over: an entry of `cases` has them with all settings."""
+
+
+def _entry(settings: dict[Any, Any]) -> dict[str, Any]:
+    """Check an entry of `cases` as a case, of which all but some sections may be incomplete."""
+    try:
+        Simulated.model_validate(settings)
+    except ValidationError as error:
+        mistakes: list[Any] = [
+            {**mistake, "type": PydanticCustomError(mistake["type"], mistake["msg"])}
+            for mistake in error.errors(include_url=False)
+            if mistake["type"] != "missing" or mistake["loc"][0] in WHOLE
+        ]
+        if mistakes:
+            raise ValidationError.from_exception_data("case", mistakes) from None
+    return canonical(settings)  # type: ignore[no-any-return]
+
+
+CaseEntry = Annotated[dict[Any, Any], AfterValidator(_entry)]
+"""An entry of `cases`: the settings that differ from case_defaults, or from those of a class."""

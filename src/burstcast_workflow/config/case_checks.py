@@ -1,13 +1,10 @@
 """Checks within a case, and between a case and the settings of the whole campaign.
 
-Whether forecasts fit into the series of a case is checked as far as the config tells: where its
-Lyapunov time is computed, a job checks it (`burstcast_workflow.jobs.lengths`).
+Whether forecasts fit into the series of a case is checked by `burstcast_workflow.campaign.lengths`.
 """
 
-import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -15,20 +12,15 @@ from pydantic import ValidationError
 
 from burstcast import durations
 from burstcast.control.actuation import actuated_system
-from burstcast.control.timing import Schedule
 from burstcast.data.parameter_factors import ParameterFactors
-from burstcast.data.starting_points import starting_points
 from burstcast.encoders.registry import encoder_class
 from burstcast.forecasters.precursor import lag_steps
 from burstcast.forecasters.registry import kind_class, sections_of_kind
-from burstcast.statistics.warning_signs import FEW_POSITIVES
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class
 from burstcast_workflow.config.bounds import out_of_bounds
-from burstcast_workflow.config.case import Case, Encoded, Ensemble, Measured, Simulated
+from burstcast_workflow.config.case import Case, Encoded, Measured, Simulated
 from burstcast_workflow.config.cases import case_of, case_record, kind_of, reynolds_in, sound_case
-from burstcast_workflow.config.control_plans import ControlPlan, block_plans
-from burstcast_workflow.config.kinds import Section
 from burstcast_workflow.config.measured_cases import (
     ONLY_ENCODED,
     own_problems,
@@ -36,9 +28,8 @@ from burstcast_workflow.config.measured_cases import (
     problems_of_encoding,
     space_of,
 )
-from burstcast_workflow.config.messages import model_problems, suggestion
 from burstcast_workflow.config.model import Configuration
-from burstcast_workflow.jobs.lengths import FORECASTS, Lengths, listing
+from burstcast_workflow.config.problems import problems_of, suggestion
 from burstcast_workflow.tracking.code import module_file
 
 FINE = 1000
@@ -79,7 +70,7 @@ class CaseChecks:
                     f"{it} in cases.{self.name}"
                 )
             else:
-                yield from model_problems(error, Simulated)
+                yield from problems_of(error, Simulated)
             return
         if case.sensors is not None or case.encoder is not None:
             yield ONLY_ENCODED
@@ -91,7 +82,6 @@ class CaseChecks:
         yield from self._counts_of_series(case)
         yield from self._left_out(case, "further series (probability.calibration_series)")
         yield from self._starts_of_actuation(case)
-        yield from self._misfits(case)
         yield from self._lags(case)
         if self.learning:
             yield from self._parameters(case)
@@ -130,19 +120,18 @@ class CaseChecks:
             )
         if actuation is None:
             return
-        strengths = dict.fromkeys(plan.strength for _, plan in self._plans())
+        strengths = dict.fromkeys(
+            strength
+            for block in self.config.control.strategies
+            if self.name in (block.cases or [self.name])
+            for strength in block.strength
+        )
         try:
             make_system(case.system, {**parameters, **actuation.parameters})
             for strength in (1.0, *strengths):
                 actuated_system(system, actuation.parameters, actuation.force, strength)
         except ValueError as error:
             yield f"actuation: {error}"
-
-    def _plans(self) -> Iterator[tuple[int, ControlPlan]]:
-        """Plans of the blocks of strategies that control the case, with the block's number."""
-        for index, block in enumerate(self.config.control.strategies):
-            if self.name in (block.cases or [self.name]):
-                yield from ((index, plan) for plan in block_plans(block))
 
     def _counts_of_series(self, case: Simulated) -> Iterator[str]:
         """Mistakes in the numbers of series and their uses."""
@@ -201,12 +190,12 @@ class CaseChecks:
     def _measured(self) -> Iterator[str]:
         """Mistakes in a case of measured series."""
         config, name = self.config, self.name
-        own = config.cases[name]
-        assert own.data is not None
+        own, data = config.entry_of(name), config.data_of(name)
+        assert data is not None
         if wrong := list(own_problems(own)):
             yield from wrong
             return
-        source, used = own.data.case, config.case_names
+        source, used = data.case, config.case_names
         simulated = [case for case in used if config.data_of(case) is None]
         if source is not None and source not in simulated:
             yield (
@@ -215,7 +204,7 @@ class CaseChecks:
             )
             return
         record = case_record(config, name)
-        duration, delays = record["ensemble"]["duration"], own.data.delays
+        duration, delays = record["ensemble"]["duration"], data.delays
         if delays and duration is not None and duration <= 0:  # and so is what follows from it
             yield (
                 f"data.delays reach back by {max(delays)} steps, which is more than a series is "
@@ -226,7 +215,7 @@ class CaseChecks:
             case = kind_of(config, name).model_validate(record)
             assert isinstance(case, Measured)
         except ValidationError as error:
-            yield from model_problems(error, Measured)
+            yield from problems_of(error, Measured)
             return
         yield from out_of_bounds(case)
         yield from problems_of_data(case)
@@ -252,7 +241,6 @@ class CaseChecks:
         if self.learning:
             yield from self._known(case)
         yield from self._lags(case)
-        yield from self._room(case)
         filters = [kind for kind in self.kinds if kind_class(kind).has_filter]
         if any(not (case.is_encoded and kind in needing) for kind in filters):
             yield from self._filter(case, name)
@@ -263,69 +251,6 @@ class CaseChecks:
                     "not"
                 )
         yield from self._left_out(case, "cut a long one (data.blocks)")
-
-    # -- durations ---------------------------------------------------------------------------------
-
-    def _misfits(self, case: Simulated) -> list[str]:
-        """Durations that do not fit into the series of a case, if its Lyapunov time is known.
-
-        Where it is computed, only the durations of control are compared with each other: a job
-        compares the others.
-        """
-        problems: list[str] = []
-        steps: int | None = 0
-        with listing(problems, "lyapunov.published_exponent"):
-            steps = case.steps_per_lyapunov_time
-        if steps is None or steps:
-            self._control(case, steps or FINE, problems)
-        if steps:
-            validations = [
-                one
-                for block in self.blocks
-                for axes in block.forecasters.networks
-                for one in axes.validation
-            ]
-            asked, samples = self._asked(case), _samples(case.ensemble)
-            problems = [*asked.misfits(steps, samples, self.kinds, validations), *problems]
-        return list(dict.fromkeys(problems))
-
-    def _asked(self, case: Simulated) -> Lengths:
-        """What a case asks of its series, as its job would be given it."""
-        found = {}
-        for path in Lengths.paths():
-            below = path.removeprefix("case.")
-            value = attrgetter(below)(self.config if below == path else case)
-            found[path] = value.dump() if isinstance(value, Section) else value
-        return Lengths(found, {})
-
-    def _control(self, case: Simulated, steps: int, problems: list[str]) -> None:
-        """Check the strategies that control a case, at so many steps per Lyapunov time."""
-        actuation, ensemble = case.actuation, case.ensemble
-        if actuation is None:
-            return
-        for index, plan in self._plans():
-            seen = sound_case(self.config, plan.observed) if plan.observed else case
-            if seen is None or (plan.observed and not (seen.data and seen.data.case == self.name)):
-                continue
-            try:
-                strategy = plan.make()
-            except ValueError:  # reported for the block
-                continue
-            with listing(problems, f"control.strategies[{index}]"):
-                schedule = Schedule(
-                    washout=max(1, durations.steps(self.config.washout_lt, steps)),
-                    quiet_lt=plan.quiet_lt,
-                    span_lt=plan.span_lt or self.config.control.span_lt,
-                    delay_lt=plan.delay_lt,
-                    actuation_start_lt=actuation.start_lt,
-                    actuation_duration_lt=actuation.duration_lt,
-                    steps_per_lyapunov_time=steps,
-                    sampling_stride=ensemble.sampling_stride,
-                    time_step=ensemble.time_step,
-                )
-                strategy.check(schedule)
-                if (space := space_of(seen)) is not None:
-                    strategy.check_system(space, actuation.force is not None)
 
     def _lags(self, case: Case) -> Iterator[str]:
         """Whether lags of a precursor, or starting points of classifiers, do not fit the steps."""
@@ -342,20 +267,6 @@ class CaseChecks:
                 durations.positive_steps(said.classifiers.start_spacing_lt, steps, name)
         except ValueError as error:
             yield str(error)
-
-    def _room(self, case: Measured) -> Iterator[str]:
-        """Whether the blocks of a record are too short for a washout and a forecast."""
-        exponent, blocks = case.lyapunov.known_exponent, case.data.blocks
-        if exponent is None or not blocks:
-            return
-        interval, reach_lt = case.ensemble.sampling_interval, self.config.classification.reach_lt
-        try:
-            steps = durations.steps_per_lyapunov_time(exponent, interval)
-            washout = durations.positive_steps(self.config.washout_lt, steps, "washout_lt")
-            samples = round(blocks.duration / interval) + 1
-            starting_points(1, samples, 1, washout, durations.steps(reach_lt, steps))
-        except ValueError as error:
-            yield f"{FORECASTS} or data.blocks.duration: {error}"
 
     # -- parameters that forecasters know ----------------------------------------------------------
 
@@ -375,7 +286,7 @@ class CaseChecks:
             cases = [
                 one for source in sources if isinstance(one := case_of(config, source), Simulated)
             ]
-            factors = _factors(config, cases)
+            factors = factors_of(config, cases)
         except ValidationError:
             return  # reported for the case
         except ValueError as error:
@@ -420,12 +331,7 @@ def _files(case: Simulated | Encoded) -> Iterator[str]:
             yield f"files: there is no file {', '.join(missing)} in {module.parent}"
 
 
-def _samples(ensemble: Ensemble) -> int:
-    """Samples of a series, with both of its ends."""
-    return math.floor(ensemble.duration / ensemble.sampling_interval + 1e-9) + 1
-
-
-def _factors(config: Configuration, cases: Sequence[Case]) -> ParameterFactors:
+def factors_of(config: Configuration, cases: Sequence[Case]) -> ParameterFactors:
     """Factors scaled by the values in training on the series of some cases."""
     aware = config.forecasters.aware
     names, degree = aware.parameters, aware.parameter_degree
@@ -435,62 +341,3 @@ def _factors(config: Configuration, cases: Sequence[Case]) -> ParameterFactors:
         if case.training.actuation is not None:
             found.append(case.values_of(names, case.training.actuation.strength))
     return ParameterFactors.of(names, np.array(found), aware.transform, degree)
-
-
-# -- warnings --------------------------------------------------------------------------------------
-
-
-def extrapolations(config: Configuration) -> Iterator[str]:
-    """Warn of parameter values outside of those in training."""
-    names = config.forecasters.aware.parameters
-    for name in config.case_names:
-        checks = CaseChecks(config, name)
-        if not checks.learning or config.data_of(name) is not None:
-            continue
-        case = case_of(config, name)
-        sources = case.training.trained_on or [name]
-        factors = _factors(config, [case_of(config, source) for source in sources])
-        strengths = {
-            sign * plan.strength
-            for _, plan in checks._plans()
-            if case.actuation is not None and plan.make().told
-            for sign in ((1, -1) if dict(plan.settings).get("reversible") else (1,))
-        }
-        if case.training.actuation and case.training.actuation.tested:
-            strengths.add(case.training.actuation.strength)
-        for strength in (0.0, *sorted(strengths)):
-            if message := factors.outside(np.array([case.values_of(names, strength)])):
-                yield f"{name}: {message}"
-
-
-def few_points(config: Configuration) -> str:
-    """Describe cases with too few starting points of forecasts for any score; "" if there are none.
-
-    That is fewer than the events that a score takes (`FEW_POSITIVES`), as far as Lyapunov times are
-    known.
-    """
-    found = []
-    for name in config.case_names:
-        case, classified = case_of(config, name), config.classification
-        steps = case.steps_per_lyapunov_time if isinstance(case, Simulated) else None
-        if not isinstance(case, Simulated) or steps is None:
-            continue
-        room = [durations.steps(one, steps) for one in (config.washout_lt, classified.reach_lt)]
-        calibration = config.probability.calibration_series or case.training.series
-        few = []
-        for use, series, spacing_lt in (
-            ("score", case.test_series, classified.start_spacing_lt),
-            ("calibrate with", calibration, config.probability.start_spacing_lt),
-        ):
-            spacing = durations.steps(spacing_lt, steps)
-            points = len(starting_points(series, _samples(case.ensemble), spacing, *room))
-            if points < FEW_POSITIVES:
-                few.append(f"{points} to {use}")
-        if few:
-            found.append(f"{name} has {' and '.join(few)}")
-    if not found:
-        return ""
-    return (
-        f"fewer than {FEW_POSITIVES} starting points of forecasts: {', '.join(found)}; raise "
-        "test_series, training.series or ensemble.duration, or lower start_spacing_lt"
-    )

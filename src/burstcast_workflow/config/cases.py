@@ -25,9 +25,10 @@ def reynolds_in(name: str) -> float | None:
     return float(match[1]) if match else None
 
 
-def cases_of(config: Configuration) -> dict[str, Case]:
+def cases_of(config: Configuration, *, skip_invalid: bool = False) -> dict[str, Case]:
     """Each case that the campaign uses, in the order of their first use (see `case_of`)."""
-    found = {name: case_of(config, name) for name in config.case_names}
+    make = sound_case if skip_invalid else case_of
+    found = {name: case for name in config.case_names if (case := make(config, name))}
     for name, case in found.items():
         case.in_campaign(name, found.get(case.data.case or "") if case.data else None)
     return found
@@ -53,7 +54,7 @@ def kind_of(config: Configuration, name: str) -> type[Case]:
     data = config.data_of(name)
     if data is None:
         return Simulated
-    if is_encoded(config.cases[realisation_of(name)[0]]):
+    if is_encoded(config.entry_of(name)):
         return Encoded
     return PartOfCase if data.case else Measured
 
@@ -70,15 +71,13 @@ def case_record(config: Configuration, name: str) -> Config:
     """Settings of a case from all places (`case_of`); some may be missing."""
     name, _ = realisation_of(name)
     defaults = config.case_defaults
-    own = config.cases[name].dump() if name in config.cases else {}
+    own = config.entry_of(name)
     system = own.get("system", defaults.system)
     if config.data_of(name) is not None:
         # parts of what is simulated, never of what is measured itself
-        simulated = {key: one for key, one in config.cases.items() if one.data is None}
+        simulated = {key: one for key, one in config.cases.items() if one.get("data") is None}
         others = config.model_copy(update={"cases": simulated})
-        base = measured_record(
-            defaults, config.cases[name], lambda other: case_record(others, other)
-        )
+        base = measured_record(defaults, own, lambda other: case_record(others, other))
         record = _merged(base, {key: value for key, value in own.items() if key != "data"})
         _derive(record)
         return record

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from burstcast.control.controllers import VOTE_SHARE, votes
 from burstcast.control.strategies.registry import strategy_class
@@ -23,18 +23,18 @@ from burstcast.forecasters.registry import (
 )
 from burstcast.systems.registry import system_class
 from burstcast_workflow.config.bounds import out_of_bounds
-from burstcast_workflow.config.case import CasePart, Simulated
+from burstcast_workflow.config.case import CaseEntry, Simulated
 from burstcast_workflow.config.case_checks import CaseChecks
 from burstcast_workflow.config.cases import (
     said_by_class,
     sound_case,
 )
-from burstcast_workflow.config.control_plans import block_plans
+from burstcast_workflow.config.control_plans import ControlPlan, plan_values
 from burstcast_workflow.config.forecasters import NetworkChoice
 from burstcast_workflow.config.kinds import Quantile
 from burstcast_workflow.config.measured_cases import is_encoded
-from burstcast_workflow.config.messages import model_problems, suggestion
 from burstcast_workflow.config.model import Block, Configuration, StrategyBlock, case_name
+from burstcast_workflow.config.problems import of_cases, problems_of, suggestion
 
 
 def contradictions(config: Configuration) -> list[str]:
@@ -52,13 +52,8 @@ def contradictions(config: Configuration) -> list[str]:
         *_without_trajectories(config),
         *_figures(config),
     ]
-    cases_of: dict[str, list[str]] = {}
-    for name in config.case_names:
-        if name in _known_cases(config):
-            for problem in CaseChecks(config, name).problems():
-                cases_of.setdefault(problem, []).append(name)
-    for problem, names in cases_of.items():
-        problems.append(f"case{'s' if len(names) > 1 else ''} {', '.join(names)}: {problem}")
+    known = [name for name in config.case_names if name in _known_cases(config)]
+    problems += of_cases((name, CaseChecks(config, name).problems()) for name in known)
     return list(dict.fromkeys(problems))
 
 
@@ -71,12 +66,12 @@ def _known_cases(config: Configuration) -> list[str]:
 def _class_defaults(config: Configuration) -> Iterator[str]:
     """Check what classes of systems say of their cases as if it stood in the config."""
     used = [config.cases[name] for name in config.case_names if name in config.cases]
-    for system in dict.fromkeys(entry.system for entry in used if entry.system is not None):
+    for system in dict.fromkeys(entry["system"] for entry in used if entry.get("system")):
         problems = []
         try:
-            CasePart.model_validate(said_by_class(system))
+            TypeAdapter(CaseEntry).validate_python(said_by_class(system))
         except ValidationError as error:
-            problems = model_problems(error, CasePart)
+            problems = problems_of(error, Simulated)
         except (TypeError, ValueError) as error:  # no plain data
             problems = [str(error)]
         if problems:
@@ -194,9 +189,9 @@ def _strategies(config: Configuration) -> Iterator[str]:
             yield f"{place}.forecasters: {name} uses no forecaster; leave it out"
         yield from _observed(config, block, place)
         untold = [kind for kind in block.kinds if not kind_class(kind).aware]
-        for plan in block_plans(block):
+        for values in plan_values(block):
             try:
-                if plan.make().told and untold:
+                if ControlPlan(**values).strategy.told and untold:
                     yield (
                         f"{place}: {name} passes the parameters in force to forecasters, which "
                         f"{', '.join(untold)} cannot use; take kinds that know them"
@@ -244,7 +239,7 @@ def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterat
             yield f"{place}.observed: {part} is no part of another case; {suggestion(part, parts)}"
             continue
         delays, source = parts[part].delays, str(parts[part].case)
-        if delays and not is_encoded(config.cases[realisation_of(part)[0]]):
+        if delays and not is_encoded(config.entry_of(part)):
             yield f"{place}.observed: {part} has past values (data.delays), which control has not"
         whole = sound_case(config, source)
         if whole and (not whole.actuation or source not in (block.cases or [source])):

@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, ConfigDict, Field, create_model, model_validator
-from pydantic_core import PydanticCustomError
 
 from burstcast.compiled.backends import usable_backend
 from burstcast.esn.readout import ReadoutKind
@@ -13,6 +12,7 @@ from burstcast_workflow.config.kinds import (
     Count,
     Distinct,
     Label,
+    Number,
     OwnClass,
     ParameterName,
     Positive,
@@ -22,12 +22,12 @@ from burstcast_workflow.config.kinds import (
     SomeFalling,
     Strategy,
     Whole,
-    Words,
     optional,
-    part_of,
     setting,
     with_defaults,
+    wrong,
 )
+from burstcast_workflow.harness.canonical import canonical
 
 SIZES = "campaign.forecasters.esn.neurons"
 STRATEGIES = "campaign.forecasters.esn.validation"
@@ -37,8 +37,7 @@ class NoAxes(Section):
     """There is one forecaster of this kind: {}."""
 
 
-KINDS = Words("a list of kinds, or a mapping of kinds to their axes, {} where there are none")
-Alone = Annotated[NoAxes | None, Words("{}, or null for none")]
+Alone = NoAxes | None
 
 
 class OwnForecaster(Section):
@@ -74,7 +73,9 @@ class Chosen(Section):
         """One mapping of a list of kinds or of a mapping, with classes of one's own in ``own``."""
         kinds = cls._of_list(said) if isinstance(said, list) else said
         if not isinstance(kinds, dict):
-            return kinds
+            if isinstance(kinds, cls):
+                return kinds
+            raise wrong("must be a list of kinds, or a mapping of kinds to their axes")
         own = {kind: {} if of is None else of for kind, of in kinds.items() if ":" in str(kind)}
         if not own:
             return kinds
@@ -86,11 +87,10 @@ class Chosen(Section):
         kinds: dict[Any, Any] = {}
         for one in said:
             if not isinstance(one, str | dict):
-                text = f"has {one}; each kind is a name, or a name with its axes"
-                raise PydanticCustomError("between", text)
+                raise wrong(f"has {one}; each kind is a name, or a name with its axes")
             found = one if isinstance(one, dict) else {one: {}}
             for kind in found.keys() & kinds.keys():
-                raise PydanticCustomError("between", f"has {kind} twice")
+                raise wrong(f"has {kind} twice")
             # what YAML reads in `- equations:`
             kinds |= {kind: {} if axes is None else axes for kind, axes in found.items()}
         return kinds
@@ -101,7 +101,7 @@ class Chosen(Section):
             try:
                 make_kind(kind, forecaster.options)
             except (ValueError, TypeError) as error:
-                raise PydanticCustomError("between", f"has {kind}: {error}") from None
+                raise wrong(f"has {kind}: {error}") from None
         return self
 
     @property
@@ -182,7 +182,7 @@ class EchoStateNetwork(Section):
     """Echo state networks."""
 
     connectivity: Positive = setting("mean number of connections of a neuron")
-    input_bias: float = setting("constant that is appended to the normalised inputs, b_in")
+    input_bias: Number = setting("constant that is appended to the normalised inputs, b_in")
     input_range: Literal["all", "first"] = setting(
         "training series whose range the inputs are divided by: all, or the first one, as in the "
         "programs of the paper's authors"
@@ -192,7 +192,7 @@ class EchoStateNetwork(Section):
         "that forecasts do not depend on the zero of a unit; none, nothing, as in the paper; null: "
         "mean for measured series (`data` of a case), none for simulated ones"
     )
-    divergence_bound: float = setting(
+    divergence_bound: Number = setting(
         "a forecast beyond this many training ranges has diverged", "training ranges", ge=1
     )
     readout: ReadoutKind = setting(
@@ -209,18 +209,20 @@ class EchoStateNetwork(Section):
     )
 
 
-# what differs from forecasters.esn
-if TYPE_CHECKING:
-    Variant = EchoStateNetwork
-else:
-    Variant = part_of(EchoStateNetwork)
+class Variant(EchoStateNetwork):
+    """Settings of networks that differ from `forecasters.esn`."""
+
+    def dump(self) -> dict[str, Any]:
+        """Explicitly given settings, in canonical form."""
+        plain: dict[str, Any] = canonical(self.model_dump(exclude_unset=True))
+        return plain
 
 
 @with_defaults(vars(SECTIONS["observation"]()))
 class Observation(Section):
     """Knowledge of learnt equations and filters about the observations."""
 
-    noise: float | None = setting(
+    noise: Number | None = setting(
         "standard deviation of the noise; null: estimated from the training series",
         "standard deviations of each component",
         ge=0,
@@ -231,10 +233,10 @@ class Observation(Section):
 class Filter(Section):
     """The filter of `equations_filtered` and `quadratic_filtered`."""
 
-    members: Annotated[Whole, Field(multiple_of=2), Words("an even number above 0")] = setting(
+    members: Annotated[Whole, Field(multiple_of=2)] = setting(
         "size of the ensemble: at least twice the components of a wholly observed state", ge=2
     )
-    inflation: float = setting("factor of the ensemble's scatter before each observation", ge=1)
+    inflation: Number = setting("factor of the ensemble's scatter before each observation", ge=1)
 
 
 @with_defaults(vars(SECTIONS["quadratic"]()))

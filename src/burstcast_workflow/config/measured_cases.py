@@ -14,7 +14,8 @@ from burstcast.encoders.base import EncodingCase
 from burstcast.encoders.channels import IDENTITY, channel_names, check_encoding, encoding_case
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import MEASURED, StateSpace, component_names, make_measured
-from burstcast_workflow.config.case import Case, Data, Measured, Simulated
+from burstcast_workflow.config.case import Case, CaseEncoder, Data, Measured, Sensors, Simulated
+from burstcast_workflow.harness.canonical import canonical
 
 Config = dict[str, Any]
 OBSERVABLE = "observable"
@@ -40,7 +41,7 @@ _WITHOUT_UNITS: Any = {
 
 
 def measured_record(
-    defaults: Simulated, own: Case, record_of: Callable[[str], Mapping[str, Any]]
+    defaults: Simulated, own: Config, record_of: Callable[[str], Mapping[str, Any]]
 ) -> Config:
     """Defaults of a case of measured series.
 
@@ -48,11 +49,10 @@ def measured_record(
     added to it. Parts of another case's state have that case's thresholds, bins, noise and unit of
     time, and the same series, as long as they are about the same observable.
 
-    ``own``: The entry in ``cases``, with a section ``data``; settings that it lacks are null.
+    ``own``: The entry in ``cases``, with a section ``data``.
     """
-    said = own.data
-    assert said is not None
-    data = said.dump()
+    said = Data.model_validate(own["data"])
+    data = canonical(own["data"])
     record: Config = defaults.model_dump(include=_WITHOUT_UNITS)
     record["training"]["noise"] = 0.0
     record["recycle_validation"]["intervals_per_series"] = None  # as many as fit
@@ -73,7 +73,7 @@ def measured_record(
     data["components"] = said.components or _seen_of_files(said)
     names = [Quantity(text).name for text in data["components"]]
     if is_encoded(own) and said.case is not None:
-        names = _channels(own, source)
+        names = _channels(*encoding_parts(own), source)
     observable = data.get("observable")
     past = [delayed_name(name, delay) for delay in said.delays for name in names]
     if steps["duration"] is not None and "time_step" in steps:
@@ -93,27 +93,38 @@ def measured_record(
     }
 
 
-def is_encoded(own: Case) -> bool:
+def is_encoded(own: Config) -> bool:
     """Whether an entry of ``cases`` has sensors or an encoder (`Case.is_encoded`)."""
-    return own.sensors is not None or own.encoder is not None
+    return own.get("sensors") is not None or own.get("encoder") is not None
 
 
-def encoding_of(case: Case, source: Mapping[str, Any]) -> tuple[str, EncodingCase]:
+def encoding_parts(own: Config) -> tuple[Sensors | None, CaseEncoder | None]:
+    """Sensors and encoder of an entry of ``cases``."""
+    sensors, encoder = own.get("sensors"), own.get("encoder")
+    return (
+        None if sensors is None else Sensors.model_validate(sensors),
+        None if encoder is None else CaseEncoder.model_validate(encoder),
+    )
+
+
+def encoding_of(
+    sensors: Sensors | None, encoder: CaseEncoder | None, source: Mapping[str, Any]
+) -> tuple[str, EncodingCase]:
     """Kind of the encoder of a case, and its inputs.
 
     ``source``: System and parameters of the case that it is encoded from.
     """
     space = make_space(source["system"], source.get("parameters", {}))
-    sensors = case.sensors.model_dump() if case.sensors else None
-    options = case.encoder.model_dump(exclude_none=True) if case.encoder else {}
-    return options.pop("kind", IDENTITY), encoding_case(space, sensors, options)
+    probes = sensors.model_dump() if sensors else None
+    options = encoder.model_dump(exclude_none=True) if encoder else {}
+    return options.pop("kind", IDENTITY), encoding_case(space, probes, options)
 
 
-def _channels(own: Case, source: Mapping[str, Any]) -> list[str]:
-    """Names of the channels of an encoded case; none where there is a mistake."""
+def _channels(*encoding: Any) -> list[str]:
+    """Names of the channels of an encoded case (`encoding_of`); none where there is a mistake."""
     try:
-        return [*channel_names(*encoding_of(own, source))]
-    except (ValueError, TypeError):  # told by `problems_of_data`
+        return [*channel_names(*encoding_of(*encoding))]
+    except (ValueError, TypeError):  # reported by `problems_of_encoding`
         return []
 
 
@@ -171,16 +182,15 @@ def space_named(record: Mapping[str, Any]) -> StateSpace | None:
         return None
 
 
-def own_problems(own: Case) -> Iterator[str]:
+def own_problems(own: Config) -> Iterator[str]:
     """Forbidden and required settings of measured series in ``cases``."""
-    said, data = own.dump(), own.data
-    assert data is not None
+    data = Data.model_validate(own["data"])
     if bool(data.files) == (data.case is not None):
         yield "data needs files: [...], or else the name of another case of the campaign (case)"
         return
     for key in _MEANINGLESS:
         # an encoder of one's own may read files
-        if said.get(key) is not None and not (key == "files" and is_encoded(own)):
+        if own.get(key) is not None and not (key == "files" and is_encoded(own)):
             yield f"{key} means nothing for measured series (data): leave it out"
     if data.case is None:
         if is_encoded(own):
@@ -215,7 +225,8 @@ def problems_of_encoding(case: Measured, source: Case | None) -> Iterator[str]:
     steps, training = case.ensemble, case.training
     snapshots = training.series * (round((steps.duration or 0.0) / steps.sampling_interval) + 1)
     try:
-        check_encoding(*encoding_of(case, source.dump()), training.noise, snapshots)
+        encoding = encoding_of(case.sensors, case.encoder, source.dump())
+        check_encoding(*encoding, training.noise, snapshots)
     except (ValueError, TypeError) as error:
         yield f"sensors, encoder: {error}"
 

@@ -1,6 +1,6 @@
 """The model of the configuration: every setting with its type, bounds, unit and meaning.
 
-Messages about mistakes are made from it, and docs/settings.md. A bound may be another setting;
+docs/settings.md and the schema for editors are made from it. A bound may be another setting;
 `burstcast_workflow.config.checks` has what else must hold between settings.
 """
 
@@ -10,9 +10,8 @@ from pydantic import Field
 
 from burstcast.data.training_realisations import realisation_of
 from burstcast.tuning.hyperparameters import SurrogateSettings
-from burstcast_workflow.config.case import OBSERVABLE, TIME, CasePart, Data, Simulated
+from burstcast_workflow.config.case import OBSERVABLE, TIME, CaseEntry, Data, Simulated
 from burstcast_workflow.config.forecasters import (
-    KINDS,
     SIZES,
     BlockForecasters,
     Choice,
@@ -22,14 +21,13 @@ from burstcast_workflow.config.kinds import (
     CaseName,
     ControlStrategyName,
     Count,
-    CountOrNull,
     Directory,
     Distinct,
     EventShare,
     NetworkOrNull,
+    Number,
     ParameterName,
     Positive,
-    PositiveOrNull,
     PositiveRange,
     Rising,
     Section,
@@ -39,7 +37,6 @@ from burstcast_workflow.config.kinds import (
     SomeRising,
     StrategyValue,
     Whole,
-    Words,
     optional,
     setting,
     with_defaults,
@@ -67,7 +64,7 @@ class Block(Section):
         "near the k-th of these; all: the share of all the data",
         default=[],
     )
-    forecasters: Annotated[BlockForecasters, KINDS]
+    forecasters: BlockForecasters
 
     @property
     def case_names(self) -> list[str]:
@@ -100,9 +97,9 @@ class Surrogate(Section):
     first_length_scale: Positive = setting(
         "length scale that its fit starts from", "decades", within="search.surrogate.length_scale"
     )
-    random_state: Annotated[
-        Annotated[Whole, Field(ge=0)] | None, Words("a whole number from 0, or null")
-    ] = setting("seed of the optimiser of every network; null: each network has its own")
+    random_state: Whole | None = setting(
+        "seed of the optimiser of every network; null: each network has its own", ge=0
+    )
 
 
 class Search(Section):
@@ -165,10 +162,10 @@ class Horizon(Section):
 class Statistics(Section):
     """Long-term statistics of the flow that forecasters make by themselves."""
 
-    forecasters: Annotated[Choice, KINDS] = setting("forecasters that are run freely")
+    forecasters: Choice = setting("forecasters that are run freely")
     starting_points: Count = setting("long runs of each forecaster, started in the training series")
     start_spacing_lt: Positive = setting("time between two starting points")
-    duration: PositiveOrNull = setting(
+    duration: Positive | None = setting(
         "length of each long run; null: the length of the case's series, ensemble.duration", TIME
     )
     fixed_point_interval_lt: Positive = setting("end of a long run, which shows whether it settled")
@@ -200,10 +197,10 @@ class StrategyBlock(Section):
     cases: Distinct[CaseName] = setting(
         "cases that are controlled so; all if left out or empty", default=[]
     )
-    forecasters: Annotated[Choice | None, KINDS] = optional(
+    forecasters: Choice | None = optional(
         "forecasters that control so; none for a strategy that asks none"
     )
-    seeds: CountOrNull = optional("networks of the first seeds; null for all")
+    seeds: Count | None = optional("networks of the first seeds; null for all")
     committee: bool = setting(
         "whether all networks of a size and validation strategy, or all members of a forecaster's "
         "ensemble, control as one: by the share of them that votes for an alarm, vote_share",
@@ -213,9 +210,9 @@ class StrategyBlock(Section):
         "whether flows with an event before their steps count are left out, or none is",
         default="quiet",
     )
-    quiet_lt: float = setting("the least time before the steps of a flow count", ge=0, default=0)
-    span_lt: PositiveOrNull = optional("time for which each flow counts; null for control.span_lt")
-    delay_lt: Some[Annotated[float, Field(ge=0)]] = setting(
+    quiet_lt: Number = setting("the least time before the steps of a flow count", ge=0, default=0)
+    span_lt: Positive | None = optional("time for which each flow counts; null for control.span_lt")
+    delay_lt: Some[Annotated[Number, Field(ge=0)]] = setting(
         "from a decision to its effect", default=[0]
     )
     strength: Some[Positive] = setting(
@@ -223,7 +220,7 @@ class StrategyBlock(Section):
         "actuations",
         default=[1],
     )
-    noise: Distinct[Annotated[float, Field(ge=0)]] = setting(
+    noise: Distinct[Annotated[Number, Field(ge=0)]] = setting(
         "observation noise; if left out or empty, the noise of the training series",
         "standard deviations of each component",
         default=[],
@@ -243,7 +240,7 @@ class StrategyBlock(Section):
 class Control(Section):
     """Prediction-triggered control, and strategies beyond the paper's."""
 
-    forecasters: Annotated[Choice, KINDS] = setting("forecasters that control")
+    forecasters: Choice = setting("forecasters that control")
     prediction_times_lt: Rising[Positive] = setting("prediction times")
     window_lt: Positive = setting("length of the window that a forecast is judged in")
     flows: Count = setting("series that each forecaster controls, taken after the training series")
@@ -255,7 +252,7 @@ class Control(Section):
     cost: bool = setting(
         "whether the effort and the power of the actuation are recorded", default=False
     )
-    tolerated_exceedance: Annotated[float, Field(ge=0, lt=1)] | None = optional(
+    tolerated_exceedance: Annotated[Number, Field(ge=0, lt=1)] | None = optional(
         "share of the uncontrolled exceedance that may be left when settings of strategies are "
         "chosen on half of the flows and scored on the others; null: nothing is chosen"
     )
@@ -275,7 +272,7 @@ class Probability(Section):
         "forecast by a forecaster that was refitted without it",
         ge=0,
     )
-    prior_forecasts: float = setting(
+    prior_forecasts: Number = setting(
         "weight of the prior at each share of votes, as a number of forecasts; 0: none", ge=0
     )
     bins: Whole = setting("equally wide bins of the probability", ge=2, le=1000)
@@ -291,8 +288,8 @@ class Bootstrap(Section):
 class FlowEvent(Section):
     """The event of the test set whose flow is shown."""
 
-    peak: float = setting("wanted peak of the observable", OBSERVABLE)
-    quiet_lt: float = setting("time without another event before the event and after it", ge=0)
+    peak: Number = setting("wanted peak of the observable", OBSERVABLE)
+    quiet_lt: Number = setting("time without another event before the event and after it", ge=0)
     tolerance: Positive = setting(
         "largest distance of the forecast from the true state through the event",
         "largest distance of a state from zero in the training series",
@@ -329,7 +326,7 @@ class Configuration(Section):
     """Configuration of a campaign."""
 
     results: Directory = setting("directory of everything that the workflow writes")
-    cache_gb: float = setting(
+    cache_gb: Number = setting(
         "size of the cache, above which the entries that were unused for longest are removed",
         "GB",
         ge=0,
@@ -342,7 +339,7 @@ class Configuration(Section):
     random_seed: Whole = setting("the one root of all random numbers", ge=0, lt=2**64)
     campaign: list[Block] = setting("cases x forecasters: the union of these blocks", min_length=1)
     case_defaults: Simulated
-    cases: dict[CaseName, CasePart] = setting("what differs from case_defaults, by case")
+    cases: dict[CaseName, CaseEntry] = setting("what differs from case_defaults, by case")
     washout_lt: Positive = setting(
         "observed stretch that a forecaster is given before it starts; training leaves it out"
     )
@@ -369,10 +366,14 @@ class Configuration(Section):
         """Kinds of forecasters that the campaign has of a case."""
         return sorted({kind for one in self.blocks_of(case) for kind in one.forecasters.kinds})
 
+    def entry_of(self, case: str) -> dict[str, Any]:
+        """The entry of a case in ``cases``; empty without one."""
+        return self.cases.get(realisation_of(case)[0], {})
+
     def data_of(self, case: str) -> Data | None:
         """Section ``data`` of a case's entry in ``cases``; None without measured series."""
-        own = self.cases.get(realisation_of(case)[0])
-        return None if own is None else own.data
+        data = self.entry_of(case).get("data")
+        return None if data is None else Data.model_validate(data)
 
     def event_shares_of(self, case: str) -> list[float | Literal["all"]]:
         """Wanted shares of a case's choices of training series, in the order of their numbers."""
@@ -380,10 +381,9 @@ class Configuration(Section):
         return max(lists, key=len, default=[])
 
     def dump(self) -> dict[str, Any]:
-        """All settings with their defaults, in canonical form; entries of ``cases`` as said."""
-        plain = self.model_dump(exclude={"cases": True, "forecasters": {"variants"}})
+        """All settings with their defaults, in canonical form; entries of ``cases`` as given."""
+        plain = self.model_dump(exclude={"forecasters": {"variants"}})
         variants = self.forecasters.variants.items()
         plain["forecasters"]["variants"] = {name: one.dump() for name, one in variants}
-        plain["cases"] = {name: entry.dump() for name, entry in self.cases.items()}
         whole: dict[str, Any] = canonical(plain)
         return whole

@@ -54,7 +54,7 @@ class FigureJobs:
     def parameters(self) -> list[Any]:
         """Parameters of the rule: settings, the script of all figures, the figure's own module."""
         everything = {**self._campaign.all_modules(), "burstcast.figures": [*FIGURES]}
-        paths = sorted({path for figure in FIGURES.values() for path in figure.paths.values()})
+        paths = sorted({path for figure in FIGURES.values() for path in figure.paths})
         return self._stages.parameters(
             "figures/figure.py", paths, self.settings, self._modules, everything
         )

@@ -5,11 +5,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from burstcast.figures.registry import caption
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.config.loading import load
+from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.registry import FIGURES, figure_names
 from burstcast_workflow.harness.settings import leaves
 from burstcast_workflow.project import project_root
@@ -45,7 +43,7 @@ def _computed(campaign: Campaign, case: str) -> dict[str, str]:
 
 def other_settings(config: Mapping[str, Any]) -> list[list[str]]:
     """Settings that differ from the paper's config.yaml: path, value here, value there."""
-    paper = load(yaml.safe_load((project_root() / "config.yaml").read_text(encoding="utf-8")))
+    paper = load({}, defaults=project_root() / "config.yaml")
     here, there = (
         {path: json.dumps(value, ensure_ascii=False) for path, value in leaves(settings)}
         for settings in (config, paper)

@@ -25,10 +25,12 @@ import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NoReturn
 
+from burstcast.discovery import imported_file
 from burstcast.files.atomic_files import remove_partial
 from burstcast_workflow.harness.canonical import canonical_json
 from burstcast_workflow.harness.logs import FROM_CACHE
@@ -80,11 +82,27 @@ logger = logging.getLogger(__name__)
 _told = logger.getChild("told")
 
 
+_functions: dict[str, Callable[..., None]] = {}  # of scripts, by their modules
+
+
 def job(function: Callable[..., None]) -> Callable[..., None]:
     """Run a script's function as a job if Snakemake runs the script; if not, only return it."""
+    _functions[function.__module__] = function
     if snakemake := function.__globals__.get("snakemake"):
         run_job(snakemake, function)
     return function
+
+
+@cache
+def function_of(script: Path) -> Callable[..., None]:
+    """Function of a script, which is imported and runs nothing."""
+    return _functions[imported_file(script).__name__]
+
+
+def settings_taken(function: Callable[..., None]) -> type[JobSettings]:
+    """Class of the settings that a script's function takes."""
+    taken: type[JobSettings] = function.__annotations__.get("settings", JobSettings)
+    return taken
 
 
 def run_job(snakemake: Any, function: Callable[..., None]) -> None:
@@ -170,8 +188,7 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
     files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
     known = _known(declared, files.pop(THRESHOLDS, []))
     exponent = exponent_in(files.pop(TIME_UNIT, ""))
-    of_job = function.__annotations__.get("settings", JobSettings)
-    settings = of_job(known, identity, provenance(identity, declared), exponent)
+    settings = settings_taken(function)(known, identity, provenance(identity, declared), exponent)
     function(**arguments_for(function, {**files, "settings": settings}))
     if unread := settings.unread():
         logger.info("settings not read: %s", ", ".join(unread))

@@ -5,8 +5,8 @@ A script's function takes ``settings: Scan``, and that class says what the scrip
     class Scan(Search):
         grid: int = at("search.grid")
 
-The parameters of the rule are made from it (`burstcast_workflow.stages.declared`). What several
-jobs share is a base in `burstcast_workflow.jobs`, with what follows from its settings.
+The parameters of the rule are made from it. What several jobs share is a base in
+`burstcast_workflow.jobs`, with what follows from its settings.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -14,7 +14,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+from burstcast.declared import Setting, at
 from burstcast_workflow.harness.storage import read_json
+
+__all__ = ["JobSettings", "at"]
 
 Provenance = dict[str, str]
 
@@ -24,51 +27,6 @@ class UndeclaredSettingError(KeyError):
 
     def __str__(self) -> str:
         return str(self.args[0])
-
-
-_RAISE = object()
-
-
-def at(
-    path: str, *below: str, otherwise: Any = _RAISE, make: Callable[[Any], Any] | None = None
-) -> Any:
-    """Declare a field of a class of settings.
-
-    ``path``: Where its value stands in the config. ``case.`` stands for the job's case,
-    ``forecaster.options`` for the section of its kind of forecaster; the campaign or the rule gives
-    what is not in the config. ``below``: Keys in that value. ``otherwise``: The value where the
-    setting does not concern a job; without one, it is an error to read it then. ``make``: Makes the
-    field of the value.
-    """
-    return Setting(path, below, otherwise, make)
-
-
-@dataclass(frozen=True)
-class Setting:
-    """A field of a class of settings (`at`)."""
-
-    path: str
-    below: tuple[str, ...]
-    otherwise: Any
-    make: Callable[[Any], Any] | None
-
-    def __str__(self) -> str:
-        """Its name in messages: the path in the config, or in the section of a case."""
-        return ".".join([self.path, *self.below]).removeprefix("case.")
-
-    def __get__(self, settings: "JobSettings | None", _: type) -> Any:
-        if settings is None:
-            return self
-        try:
-            value = settings.value_of(".".join([self.path, *self.below]))
-        except KeyError:
-            if self.otherwise is _RAISE:
-                raise
-            return self.otherwise
-        return self.make(value) if self.make else value
-
-    def __set__(self, _: "JobSettings", value: Any) -> None:
-        raise AttributeError(f"{self} is a setting: a job does not change it")
 
 
 def _wildcard(name: str) -> Any:
@@ -180,18 +138,32 @@ def exponent_in(time_unit: str) -> float | None:
     return read_json(time_unit)["leading"]["mean"] if time_unit else None
 
 
-def with_thresholds(settings: Any, value_of: Callable[[str], Any], name: str = "") -> Any:
+@dataclass(frozen=True)
+class CaseQuantile:
+    """Event threshold of a case as a quantile: jobs know its value after the training series."""
+
+    quantile: float
+    case: str
+
+    @classmethod
+    def read(cls, settings: Any) -> "CaseQuantile | None":
+        """Read the quantile from settings of a job; None from any other settings."""
+        is_quantile = isinstance(settings, Mapping) and settings.keys() == {"quantile", "case"}
+        return cls(**settings) if is_quantile else None
+
+
+def with_thresholds(settings: Any, value_of: Callable[[str], Any]) -> Any:
     """Copy settings with values of event thresholds, where the config gives quantiles.
 
     The config of a job has the quantile and its case; the value is known when the training series
     are. Scripts are given the value.
     """
+    if threshold := CaseQuantile.read(settings):
+        return value_of(threshold.case)
     if isinstance(settings, Mapping):
-        if name.endswith("event_threshold"):
-            return value_of(settings["case"])
-        return {key: with_thresholds(value, value_of, key) for key, value in settings.items()}
+        return {key: with_thresholds(value, value_of) for key, value in settings.items()}
     if isinstance(settings, list):
-        return [with_thresholds(value, value_of, name) for value in settings]
+        return [with_thresholds(value, value_of) for value in settings]
     return settings
 
 

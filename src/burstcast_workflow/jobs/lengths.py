@@ -51,14 +51,15 @@ class Lengths(Washed):
     def misfits(
         self,
         steps: int,
-        samples: int,
+        samples: int | None,
         kinds: Collection[str],
         validations: Collection[str],
         long_runs: bool = True,
     ) -> list[str]:
         """Durations that do not fit into series of so many samples, with their settings.
 
-        ``steps``: Of a Lyapunov time. The case has forecasters of these ``kinds``, and networks of
+        ``steps``: Of a Lyapunov time. ``samples``: None if unknown; durations are then compared
+        with a step alone. The case has forecasters of these ``kinds``, and networks of
         these ``validations``.
         """
         problems: list[str] = []
@@ -72,6 +73,8 @@ class Lengths(Washed):
             with listing(problems):
                 lasts = field.__get__(self, Lengths)
                 counts[field] = durations.positive_steps(lasts, steps, str(field))
+        if samples is None:
+            return problems
         if not problems:
             washout, interval = counts[Lengths.washout_lt], counts[Lengths.interval_lt]
             training, lead = self.training_series, self.single_shot_lead_steps
@@ -87,7 +90,8 @@ class Lengths(Washed):
                 steps_before_events(samples, counts[Lengths.longest_lead_time_lt], washout)
             judged, run = durations.steps(self.fixed_point_interval_lt, steps), self.duration
             closed_loop = samples - 1 if run is None else round(run / self.sampling_interval)
-            advice = f"{LONG_RUNS} or ensemble.duration" if run is None else LONG_RUNS
+            as_series = closed_loop == samples - 1
+            advice = f"{LONG_RUNS} or ensemble.duration" if as_series else LONG_RUNS
             with listing(problems, advice):
                 rest = FixedPointCriterion(variation=0.0, above=0.0, interval=judged)
                 if long_runs:

@@ -26,7 +26,7 @@ class MeasuredData(Tested):
 
     data: dict[str, Any] = at("case.data")
     parameters: dict[str, Any] = at("case.parameters")
-    noise_of_data: dict[str, Any] | None = at("noise")
+    noise_of_data: dict[str, Any] | None = at("job.noise_of_data")
 
     @property
     def present_space(self) -> MeasuredSeries:

@@ -26,7 +26,7 @@ class Switched(System, Clock, Observed):
     switching: dict[str, Any] | None = at("case.training.actuation")
     actuation: dict[str, Any] | None = at("case.actuation")
     laminarisation_threshold: float | None = at("case.laminarisation_threshold")
-    names: list[str] = at("parameters")
+    names: list[str] = at("job.parameters")
 
     @property
     def known_parameters(self) -> Parameters:

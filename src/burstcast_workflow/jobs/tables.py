@@ -6,35 +6,17 @@ from typing import Any
 
 import pandas as pd
 
-from burstcast.files.netcdf import read_attributes, read_netcdf, variable_names
-from burstcast.files.tables import read_table
 from burstcast.statistics.percentiles import percentiles
 from burstcast.tables.makers.registry import Gathered
 from burstcast_workflow.harness.settings import JobSettings, at
-from burstcast_workflow.harness.storage import read_json, write_table
+from burstcast_workflow.harness.storage import write_table
 from burstcast_workflow.jobs.gather import origins
+from burstcast_workflow.jobs.inputs import content
 
 Rows = Sequence[Mapping[str, Any]]
 
 WHOLE_NUMBERS = ("neurons", "seed")
 """Columns of whole numbers, also where some are missing."""
-
-
-def content(path: str, variables: str = "") -> Any:
-    """Content of a file: a table, what a JSON file says beside its origin, or of a NetCDF file.
-
-    Of a NetCDF file, attributes and variables: all, or the named ones; those whose name ends in an
-    asterisk where the file has them.
-    """
-    if path.endswith(".csv"):
-        return read_table(path)
-    if path.endswith(".json"):
-        return {name: value for name, value in read_json(path).items() if name != "provenance"}
-    names = variables.split()
-    if "*" in variables:
-        there = variable_names(path)
-        names = [name.rstrip("*") for name in names if name[-1] != "*" or name[:-1] in there]
-    return {**read_attributes(path), **read_netcdf(path, *names)}
 
 
 class Tables(JobSettings):

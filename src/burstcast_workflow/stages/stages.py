@@ -3,7 +3,7 @@
 import inspect
 import json
 import re
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -11,15 +11,18 @@ from typing import Any, TypeAlias
 from snakemake.io import local
 
 from burstcast.data.training_realisations import realisation_of
+from burstcast.declared import File, files_of, paths_of
 from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import kind_class
-from burstcast.tables.makers.registry import settings_of
-from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster, ControlRun
+from burstcast.tables.makers.registry import maker as maker_of
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.control_runs import ControlRun
 from burstcast_workflow.campaign.job_settings import settings_of_job
-from burstcast_workflow.config.case import Case
+from burstcast_workflow.campaign.members import CaseForecaster
+from burstcast_workflow.campaign.shown import Shown
+from burstcast_workflow.harness.job import function_of, settings_taken
 from burstcast_workflow.harness.settings import THRESHOLDS, TIME_UNIT, cases_of_thresholds
-from burstcast_workflow.stages.declared import declared_settings
-from burstcast_workflow.tables.registry import cases_of
+from burstcast_workflow.tables.registry import cases_of, made_by, written
 from burstcast_workflow.tracking.code import Sources
 
 Paths: TypeAlias = str | list[str]
@@ -27,10 +30,7 @@ OfJob: TypeAlias = Callable[..., Any]
 """A function of a job's wildcards."""
 
 
-InCase: TypeAlias = CaseForecaster | ControlRun
-"""A forecaster or a run of control: an entry of a case with a directory of its own."""
-
-Chosen: TypeAlias = Sequence[InCase] | Callable[[Campaign, str], Iterable[InCase]]
+_SIGNATURE = inspect.signature(lambda wildcards: None)
 
 
 def of_job(function: OfJob) -> OfJob:
@@ -39,7 +39,7 @@ def of_job(function: OfJob) -> OfJob:
     Snakemake inspects it several times for each job, which would take longer than calling the
     function: a tenth of the time of planning.
     """
-    function.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
+    function.__signature__ = _SIGNATURE  # type: ignore[attr-defined]
     return function
 
 
@@ -105,42 +105,32 @@ class Stages:
         cases = self.campaign.case_names if cases is None else cases
         return self.in_results(f"{case}/{name}" for case in cases)
 
-    def forecaster_files(self, name: str, forecasters: Iterable[InCase] | None = None) -> Paths:
+    def forecaster_files(
+        self, name: str, forecasters: Iterable[CaseForecaster | ControlRun] | None = None
+    ) -> Paths:
         """The file called ``name`` of forecasters or runs of control; default: all forecasters."""
         forecasters = self.campaign.forecasters if forecasters is None else forecasters
         return self.in_results(f"{one.directory}/{name}" for one in forecasters)
 
-    def files_in_case(self, name: str, chosen: Chosen | None = None) -> OfJob:
-        """The file called ``name`` of forecasters, or runs of control, of a job's case."""
-        chosen = self.campaign.forecasters if chosen is None else chosen
+    def declared(self, file: File) -> OfJob:
+        """A declared file of a job's case; nothing where it is a table that the case lacks."""
+        table = Path(file.path).stem if "/tables/" in file.path else ""
 
         @of_job
-        def found(wildcards: Any) -> Any:
-            case = wildcards.case
-            if callable(chosen):
-                return self.forecaster_files(name, chosen(self.campaign, case))
-            return self.forecaster_files(name, [one for one in chosen if one.case == case])
+        def paths(wildcards: Any) -> Paths:
+            if table and wildcards.case not in cases_of(self.campaign, table):
+                return []
+            return self.in_results(Shown(self.campaign, wildcards.case).paths(file))
 
-        return found
+        return paths
 
-    def file_of_case(self, name: str, cases: Container[str]) -> OfJob:
-        """The file called ``name`` of a job's case; nothing if the case is not in ``cases``."""
-        return of_job(
-            lambda wildcards: (
-                self.in_results(f"{wildcards.case}/{name}") if wildcards.case in cases else []
-            )
-        )
+    def inputs_of_tables(self, maker: str) -> dict[str, OfJob]:
+        """Files that a maker of tables declares, by name."""
+        return {name: self.declared(file) for name, file in files_of(maker_of(maker)).items()}
 
-    def tables_of_case(self, names: str) -> dict[str, OfJob]:
-        """Tables of a job's case, by their names; empty for tables that it does not have."""
-        return {
-            name: self.file_of_case(f"tables/{name}.csv", cases_of(self.campaign, name))
-            for name in names.split()
-        }
-
-    def for_case(self, function: Callable[[Case], Any]) -> OfJob:
-        """``function`` of a job's case."""
-        return of_job(lambda wildcards: function(self.campaign.cases[wildcards.case]))
+    def table_files(self, table: str) -> Paths:
+        """A table of each case that has it."""
+        return self.case_files(f"tables/{table}.csv", cases_of(self.campaign, table))
 
     def scan_of_network(self, suffix: str) -> OfJob:
         """A file of the scan that a network's search continues."""
@@ -191,7 +181,7 @@ class Stages:
     def encoder_of_observed(self, wildcards: Any) -> Paths:
         """Encoder of the case through which a run of control observes; nothing without one."""
         part = self.campaign.plan(wildcards.strategy).observed
-        encoded = part in self.campaign.encoded_cases
+        encoded = part in self.campaign.where(is_encoded=True)
         return self.in_results(f"{part}/encoder.nc" if encoded else [])
 
     # -- what settings leave to other jobs ---------------------------------------------------------
@@ -229,17 +219,12 @@ class Stages:
 
     # -- settings and code ------------------------------------------------------------------------
 
-    def declared(self, script: str, name: str = "") -> list[str]:
-        """Paths of the settings that a script declares, or one of its classes."""
-        return declared_settings(self._sources.script(script), self._sources.packages, name)
-
     def of_script(
         self,
         script: str,
         stage: str = "",
         *,
         maker: str = "",
-        by_name: Mapping[str, Sequence[str]] | None = None,
         **values: Any,
     ) -> list[Any]:
         """Parameters of a script's jobs: each setting, and each module of the code that runs.
@@ -248,11 +233,17 @@ class Stages:
         have changed. Settings are those of the class that the script's function takes.
 
         ``stage``: Name of the rule, if it is not the script's. ``maker``: Module of
-        `burstcast.tables.makers` that declares further settings. ``by_name``: Modules that all jobs
-        find by name, beside `Campaign.modules`. ``values``: Given as they are, or by functions of
-        the job's wildcards, without sizes and seeds.
+        `burstcast.tables.makers`, whose function declares further settings, and whose tables are
+        declared with their columns. ``values``: Given as
+        they are, or by functions of the job's wildcards, without sizes and seeds.
         """
-        declared = [*self.declared(script), *(settings_of(maker) if maker else [])]
+        declared = settings_taken(function_of(self._sources.script(script))).paths()
+        by_name: dict[str, list[str]] = {}
+        if maker:
+            by_name = {"burstcast.tables.makers": [maker]}
+            of_maker = paths_of(maker_of(maker))
+            declared += [path for path in of_maker if path != "case"]  # a wildcard
+            values["tables"] = written(made_by(maker), self.campaign.unused_columns)
 
         def settings(wildcards: Any) -> Any:
             found = {
@@ -264,9 +255,9 @@ class Stages:
             return settings_of_job(self.campaign, asked, dict(wildcards.items()), found)
 
         def modules(wildcards: Any) -> Mapping[str, Sequence[str]]:
-            return {**self.campaign.modules(wildcards), **(by_name or {})}
+            return {**self.campaign.modules(wildcards), **by_name}
 
-        everything = {**self.campaign.all_modules(), **(by_name or {})}
+        everything = {**self.campaign.all_modules(), **by_name}
         stage = stage or Path(script).stem
         self._settings[stage] = _once(settings)
         return self.parameters(

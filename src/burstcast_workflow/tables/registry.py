@@ -91,10 +91,23 @@ def latex_names(campaign: Campaign) -> list[str]:
 
 # -- settings of jobs ------------------------------------------------------------------------------
 
+MAKERS = [*dict.fromkeys(table.script for table in TABLES.values() if table.of_cases)]
+"""Modules that make tables of cases, in the order of the report."""
+
 
 def made_by(script: str) -> list[str]:
     """Names of the tables that a script writes."""
     return [name for name, table in TABLES.items() if table.script == script]
+
+
+def files_by(script: str) -> list[str]:
+    """Names of the files that a script writes: its tables, with their percentiles."""
+    return with_percentiles(made_by(script))
+
+
+def kinds_of(campaign: Campaign) -> list[str]:
+    """What tables call the kinds of forecasters of a campaign, sorted."""
+    return sorted({one.name.keys["forecaster"] for one in campaign.forecasters})
 
 
 def written(names: Iterable[str], unused: Container[str] = ()) -> dict[str, Any]:
@@ -118,13 +131,14 @@ def _written(table: Table, unused: Container[str]) -> dict[str, Any]:
     return {**columns, "percentiles": table.percentiles, "by": plain([*ENSEMBLE, *table.over])}
 
 
-def joined(names: Iterable[str], unused: Container[str] = ()) -> dict[str, Any]:
-    """Declarations for a job that joins tables of cases: all possible columns."""
-    tables = {name: table_of(name) for name in names}
-    return {
+def joined(campaign: Campaign, names: Iterable[str]) -> dict[str, Any]:
+    """Declarations for a job that joins tables of cases: all possible columns, and layouts."""
+    unused, tables = campaign.unused_columns, {name: table_of(name) for name in names}
+    columns = {
         name: [one for one in plain([*table.keys, *table.columns]) if one not in unused]
         for name, table in tables.items()
     }
+    return {"columns": columns, "latex": typeset(tables)}
 
 
 def typeset(names: Iterable[str]) -> dict[str, Any]:

@@ -263,8 +263,8 @@ help of the command line | WORKFLOW/commands/command_line.py |
   help="the zip; <results>.zip if left out" | help="the archive"
 another message of the harness | WORKFLOW/harness/job.py |
   "%s starts with settings %s" | "%s begins; its settings: %s"
-a check of lengths | WORKFLOW/config/case_checks.py | \n        if steps is None or steps:\n |
-  \n        if steps == 3:\n            return ["a"]\n        if steps is None or steps:\n
+a check of lengths | WORKFLOW/campaign/lengths.py | \n    if problems:\n |
+  \n    if steps == 3:\n        return ["a"]\n    if problems:\n
 meaning of a column | workflow/tables.yaml |
   harmonic mean of precision and recall | 2 TP / (2 TP + FP + FN)
 a strategy of control that nobody uses | LIBRARY/control/strategies/probability_triggered.py |

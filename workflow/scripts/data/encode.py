@@ -22,8 +22,8 @@ class Encoding(System, Sampling):
     training_series: int = at("case.training.series")
     sensors: dict[str, Any] | None = at("case.sensors")
     encoder: dict[str, Any] | None = at("case.encoder")
-    noise_of_data: dict[str, Any] | None = at("noise")
-    source: dict[str, Any] = at("source")
+    noise_of_data: dict[str, Any] | None = at("job.noise_of_data")
+    source: dict[str, Any] = at("case.source_system")
 
 
 @job

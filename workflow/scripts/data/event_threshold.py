@@ -9,7 +9,7 @@ from burstcast_workflow.jobs.data import Training, kept_series
 class AtQuantile(Training):
     """A threshold of the observable."""
 
-    quantile: float = at("quantile")
+    quantile: float = at("case.event_quantile")
 
 
 @job

@@ -11,9 +11,9 @@ from burstcast_workflow.jobs.lengths import Lengths
 class LengthsOfCase(Lengths):
     """What the forecasters of the case need of its series."""
 
-    kinds: list[str] = at("asked", "kinds")
-    validations: list[str] = at("asked", "validations")
-    long_runs: bool = at("asked", "long_runs")
+    kinds: list[str] = at("job.asked_of_series", "kinds")
+    validations: list[str] = at("job.asked_of_series", "validations")
+    long_runs: bool = at("job.asked_of_series", "long_runs")
 
 
 @job

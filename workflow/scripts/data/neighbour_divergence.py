@@ -13,7 +13,7 @@ class Divergence(Training, Sampling):
     random_seed: int = at("random_seed")
     resamples: int = at("bootstrap", "resamples")
     confidence: float = at("bootstrap", "confidence")
-    sets_time_unit: bool = at("sets_time_unit")
+    sets_time_unit: bool = at("case.estimates_time_unit")
 
 
 @job

@@ -21,8 +21,8 @@ class Realisation(System, Sampling, Tested):
 
     random_seed: int = at("random_seed")
     calibration_series: int = at("probability.calibration_series")
-    realisation: int = at("realisation")
-    drawn: dict[str, Any] | None = at("drawn")
+    realisation: int = at("case.realisation")
+    drawn: dict[str, Any] | None = at("job.drawn_shares")
 
 
 @job

@@ -23,7 +23,7 @@ AFTER_EVENT_LT = 0.5
 class Examples(Forecasting, Windows, Horizons, Training):
     """Which forecasts are shown."""
 
-    prediction_time_lt: float = at("prediction_time_lt")
+    prediction_time_lt: float = at("shown.example_prediction_time_lt")
     wanted_lt: float = at("figures.example_horizon_lt")
 
 

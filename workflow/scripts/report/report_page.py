@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from burstcast_workflow.campaign.summary import found_warnings, summary_table
 from burstcast_workflow.harness.job import JobSettings, at, job, write_text
 from burstcast_workflow.jobs.report import Report, render, rows_of
+from burstcast_workflow.summary import found_warnings, summary_table
 
 
 class ReportSettings(JobSettings):

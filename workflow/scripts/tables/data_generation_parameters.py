@@ -7,17 +7,7 @@ from burstcast.tables.latex import to_latex
 from burstcast.tables.parameters import data_parameters, described_parameters, side_by_side
 from burstcast_workflow.harness.job import JobSettings, at, job, read_json, write_table, write_text
 from burstcast_workflow.jobs.gather import origins
-from burstcast_workflow.jobs.systems import System
-
-
-class CaseData(System):
-    """How the data of a case are made."""
-
-    time_step: float = at("case.ensemble.time_step")
-    duration: float = at("case.ensemble.duration")
-    training_series: int = at("case.training.series")
-    laminarisation_threshold: float | None = at("case.laminarisation_threshold")
-    event_threshold: float = at("case.event_threshold")
+from burstcast_workflow.jobs.parameters import CaseData
 
 
 class DataParameters(JobSettings):

@@ -6,12 +6,7 @@ from burstcast.natural_order import natural_order
 from burstcast.tables.latex import to_latex
 from burstcast.tables.parameters import network_parameters, side_by_side
 from burstcast_workflow.harness.job import JobSettings, at, job, write_table, write_text
-
-
-class CaseNoise(JobSettings):
-    """Noise of a case."""
-
-    noise: float = at("case.training.noise")
+from burstcast_workflow.jobs.noise import CaseNoise
 
 
 class Hyperparameters(JobSettings):

@@ -8,6 +8,7 @@ import numpy as np
 
 from burstcast import random_streams
 from burstcast.arrays import IntArray
+from burstcast.declared import at, gathered, read
 from burstcast.forecast.forecast_files import forecasts_from
 from burstcast.probability.alarm_rule import CALIBRATED, AlarmRule, rules_of
 from burstcast.probability.alarm_sources import AlarmSource
@@ -15,20 +16,6 @@ from burstcast.probability.forecast_points import ForecastPoints
 from burstcast.probability.outcomes import Outcomes
 from burstcast.statistics.resampling import bootstrap_weights
 from burstcast.tables.makers.registry import Gathered
-
-INPUTS = {
-    "evaluation_set": "series step observable_now washout_maximum first largest",
-    "calibration": "",
-}
-GATHERED = {"forecasts": ""}
-"""Inputs of all these tables."""
-
-SETTINGS = (
-    "case root_seed=random_seed case.event_threshold times=classification.prediction_times_lt "
-    "classification.window_lt classification.resolution_lt bootstrap.resamples "
-    "bootstrap.confidence"
-)
-"""Settings of all these tables."""
 
 
 @dataclass(frozen=True)
@@ -43,21 +30,6 @@ class CaseProbabilities:
     times: Sequence[float]
     resamples: int
     confidence: float
-
-    @classmethod
-    def of(
-        cls,
-        forecasts: Sequence[Gathered],
-        evaluation_set: Mapping[str, Any],
-        calibration: Mapping[str, Any],
-        window_lt: float,
-        resolution_lt: float,
-        **scored: Any,
-    ) -> "CaseProbabilities":
-        """From `GATHERED`, `INPUTS` and `SETTINGS`."""
-        found = {one.name.identifier: forecasts_from(one.content) for one in forecasts}
-        points = ForecastPoints(evaluation_set, found, window_lt, resolution_lt)
-        return cls(points, calibration, **scored)
 
     @property
     def alarms(self) -> list[AlarmSource]:
@@ -105,3 +77,26 @@ class CaseProbabilities:
         """Source of random numbers for one prediction time."""
         time = str(float(prediction_time_lt))
         return random_streams.stream(self.root_seed, purpose, self.case, time, *names)
+
+
+def case_probabilities(
+    *,
+    forecasts: Sequence[Gathered] = gathered("forecasters/forecast.nc"),
+    evaluation_set: Mapping[str, Any] = read(
+        "case/evaluation_set.nc", "series step observable_now washout_maximum first largest"
+    ),
+    calibration: Mapping[str, Any] = read("case/calibration.json"),
+    case: str = at("case"),
+    root_seed: int = at("random_seed"),
+    event_threshold: float = at("case.event_threshold"),
+    times: Sequence[float] = at("classification.prediction_times_lt"),
+    window_lt: float = at("classification.window_lt"),
+    resolution_lt: float = at("classification.resolution_lt"),
+    resamples: int = at("bootstrap.resamples"),
+    confidence: float = at("bootstrap.confidence"),
+) -> CaseProbabilities:
+    """Forecasts of a case's test series, with choices made on the calibration series."""
+    found = {each.name.identifier: forecasts_from(each.content) for each in forecasts}
+    points = ForecastPoints(evaluation_set, found, window_lt, resolution_lt)
+    scored = case, root_seed, event_threshold, times, resamples, confidence
+    return CaseProbabilities(points, calibration, *scored)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from burstcast import random_streams
+from burstcast.declared import at, declaring, gathered, read
 from burstcast.forecast.classification import SCORES
 from burstcast.forecast.event_probabilities import EventProbabilities
 from burstcast.forecast.forecast_files import forecasts_from
@@ -16,30 +17,25 @@ from burstcast.probability.alarms import counts_at
 from burstcast.probability.outcomes import outcomes_by_series
 from burstcast.statistics.resampling import bootstrap_weights
 from burstcast.tables.cells import between
-from burstcast.tables.makers.registry import Declaration, Gathered, Rows
-
-TABLES = Declaration(
-    inputs={"evaluation_set": "series washout_maximum first largest", "calibration": ""},
-    gathered={"forecasts": ""},
-    settings="case root_seed=random_seed case.event_threshold classification.prediction_times_lt "
-    "classification.window_lt classification.resolution_lt bootstrap.resamples "
-    "bootstrap.confidence",
-)
+from burstcast.tables.makers.registry import Gathered, Rows
 
 
+@declaring
 def make(
     *,
-    forecasts: Sequence[Gathered],
-    evaluation_set: Mapping[str, Any],
-    calibration: Mapping[str, Any] | None,
-    case: str,
-    root_seed: int,
-    event_threshold: float,
-    prediction_times_lt: Sequence[float],
-    window_lt: float,
-    resolution_lt: float,
-    resamples: int,
-    confidence: float,
+    forecasts: Sequence[Gathered] = gathered("forecasters/forecast.nc"),
+    evaluation_set: Mapping[str, Any] = read(
+        "case/evaluation_set.nc", "series washout_maximum first largest"
+    ),
+    calibration: Mapping[str, Any] | None = read("classified_case/calibration.json"),
+    case: str = at("case"),
+    root_seed: int = at("random_seed"),
+    event_threshold: float = at("case.event_threshold"),
+    prediction_times_lt: Sequence[float] = at("classification.prediction_times_lt"),
+    window_lt: float = at("classification.window_lt"),
+    resolution_lt: float = at("classification.resolution_lt"),
+    resamples: int = at("bootstrap.resamples"),
+    confidence: float = at("bootstrap.confidence"),
 ) -> dict[str, Rows]:
     """Counts and scores, and the bootstrap intervals of the scores.
 

@@ -9,14 +9,9 @@ from burstcast import random_streams
 from burstcast.control.choice import choose
 from burstcast.control.records import COSTS, FlowSample, flow_intervals, score_flows
 from burstcast.control.setting_names import as_columns
+from burstcast.declared import at, declaring, gathered
 from burstcast.tables.makers._control_runs import FLOWS, conditions_of, keys_of
-from burstcast.tables.makers.registry import Declaration, Gathered, Rows
-
-TABLES = Declaration(
-    gathered={"flows": FLOWS},
-    settings="case root_seed=random_seed case.training.noise "
-    "tolerance=control.tolerated_exceedance bootstrap.resamples bootstrap.confidence",
-)
+from burstcast.tables.makers.registry import Gathered, Rows
 
 METRICS = (
     "exceedance_uncontrolled",
@@ -28,15 +23,16 @@ METRICS = (
 """Scores of the chosen runs."""
 
 
+@declaring
 def make(
     *,
-    flows: Sequence[Gathered],
-    case: str,
-    root_seed: int,
-    noise: float,
-    tolerance: float,
-    resamples: int,
-    confidence: float,
+    flows: Sequence[Gathered] = gathered("chosen_runs/flows.nc", FLOWS),
+    case: str = at("case"),
+    root_seed: int = at("random_seed"),
+    noise: float = at("case.training.noise"),
+    tolerance: float = at("control.tolerated_exceedance"),
+    resamples: int = at("bootstrap.resamples"),
+    confidence: float = at("bootstrap.confidence"),
 ) -> dict[str, Rows]:
     """A row for each strategy, condition, controller and score."""
     groups: dict[tuple[object, ...], list[Gathered]] = {}

@@ -6,29 +6,27 @@ from itertools import pairwise
 from typing import Any
 
 from burstcast import random_streams
+from burstcast.declared import at, declaring, gathered
 from burstcast.forecasters._names import ForecasterName
 from burstcast.statistics.densities import Histogram, density_interval, mean_density
-from burstcast.tables.makers.registry import Declaration, Gathered, Rows
-
-TABLES = Declaration(
-    gathered={
-        "flows": "edge histogram_uncontrolled histogram_controlled histogram_free row "
-        "laminar_step_uncontrolled laminar_step_controlled"
-    },
-    settings="case root_seed=random_seed bootstrap.resamples bootstrap.confidence",
-)
+from burstcast.tables.makers.registry import Gathered, Rows
 
 SAMPLES = ("uncontrolled", "controlled", "free")
 WITH_INTERVAL = SAMPLES[:2]
 
 
+@declaring
 def make(
     *,
-    flows: Sequence[Gathered],
-    case: str,
-    root_seed: int,
-    resamples: int,
-    confidence: float,
+    flows: Sequence[Gathered] = gathered(
+        "control_runs/flows.nc",
+        "edge histogram_uncontrolled histogram_controlled histogram_free row "
+        "laminar_step_uncontrolled laminar_step_controlled",
+    ),
+    case: str = at("case"),
+    root_seed: int = at("random_seed"),
+    resamples: int = at("bootstrap.resamples"),
+    confidence: float = at("bootstrap.confidence"),
 ) -> dict[str, Rows]:
     """Densities of each group of networks that differ by their seed only."""
     groups: dict[tuple[ForecasterName, float], list[Mapping[str, Any]]] = {}

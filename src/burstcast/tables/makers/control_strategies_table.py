@@ -4,24 +4,20 @@ from collections.abc import Sequence
 
 from burstcast import random_streams
 from burstcast.control.records import FlowSample, flow_intervals, score_flows
+from burstcast.declared import at, declaring, gathered
 from burstcast.tables.makers._control_runs import FLOWS, keys_of
-from burstcast.tables.makers.registry import Declaration, Gathered, Rows
-
-TABLES = Declaration(
-    gathered={"flows": FLOWS},
-    settings="case root_seed=random_seed case.training.noise bootstrap.resamples "
-    "bootstrap.confidence",
-)
+from burstcast.tables.makers.registry import Gathered, Rows
 
 
+@declaring
 def make(
     *,
-    flows: Sequence[Gathered],
-    case: str,
-    root_seed: int,
-    noise: float,
-    resamples: int,
-    confidence: float,
+    flows: Sequence[Gathered] = gathered("strategy_runs/flows.nc", FLOWS),
+    case: str = at("case"),
+    root_seed: int = at("random_seed"),
+    noise: float = at("case.training.noise"),
+    resamples: int = at("bootstrap.resamples"),
+    confidence: float = at("bootstrap.confidence"),
 ) -> dict[str, Rows]:
     """A row for each run of control and score."""
     rows: Rows = []

@@ -5,13 +5,17 @@ from dataclasses import fields
 
 from burstcast.control.records import RECORDS, FlowSample
 from burstcast.control.windows import WindowCounts, totals
-from burstcast.tables.makers.registry import Declaration, Gathered, Rows
+from burstcast.declared import declaring, gathered
+from burstcast.tables.makers.registry import Gathered, Rows
 
 COUNTS = tuple(field.name for field in fields(WindowCounts))
-TABLES = Declaration(gathered={"flows": " ".join([*RECORDS, *COUNTS])})
 
 
-def make(*, flows: Sequence[Gathered]) -> dict[str, Rows]:
+@declaring
+def make(
+    *,
+    flows: Sequence[Gathered] = gathered("control_runs/flows.nc", " ".join([*RECORDS, *COUNTS])),
+) -> dict[str, Rows]:
     """One row for each forecaster and prediction time."""
     rows: Rows = []
     for one in flows:

@@ -4,29 +4,25 @@ from collections.abc import Mapping
 from typing import Any
 
 from burstcast import durations
+from burstcast.declared import at, declaring, read
 from burstcast.tables.cells import with_ends
-from burstcast.tables.makers.registry import Declaration, Rows
-
-TABLES = Declaration(
-    inputs={"summary": "", "events_summary": "", "exponents": ""},
-    settings="case.ensemble.time_step case.ensemble.sampling_stride case.lyapunov.time_unit "
-    "case.lyapunov.published_exponent",
-)
+from burstcast.tables.makers.registry import Rows
 
 ENDS = ("mean", "low", "high")
 OF_EVENTS = ("events_per_series", "event_share", "training_event_share")
 OF_SERIES = ("series_generated", "series_kept", "laminarised_fraction", "mean_observable")
 
 
+@declaring
 def make(
     *,
-    summary: Mapping[str, Any],
-    events_summary: Mapping[str, Any],
-    exponents: Mapping[str, Any],
-    time_step: float,
-    sampling_stride: int,
-    time_unit: str,
-    published_exponent: float | None,
+    summary: Mapping[str, Any] = read("case/dataset.json"),
+    events_summary: Mapping[str, Any] = read("case/events.json"),
+    exponents: Mapping[str, Any] = read("source/lyapunov.json"),
+    time_step: float = at("case.ensemble.time_step"),
+    sampling_stride: int = at("case.ensemble.sampling_stride"),
+    time_unit: str = at("case.lyapunov.time_unit"),
+    published_exponent: float | None = at("case.lyapunov.published_exponent"),
 ) -> dict[str, Rows]:
     """One row."""
     leading, growth = exponents["leading"], exponents.get("leading_by_growth", {})

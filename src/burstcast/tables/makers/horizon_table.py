@@ -7,23 +7,27 @@ import numpy as np
 import pandas as pd
 
 from burstcast import random_streams
+from burstcast.declared import at, declaring, gathered
 from burstcast.forecast.horizon_intervals import resampled_averages
 from burstcast.forecasters._names import ForecasterName
 from burstcast.statistics.resampled_score import ResampledScore
 from burstcast.statistics.resampling import bootstrap_weights
 from burstcast.tables.cells import Scores, between, medians_over_seeds, with_interval
-from burstcast.tables.makers.registry import Declaration, Gathered, Rows
-
-TABLES = Declaration(
-    gathered={"horizons": "prediction_horizon_lt"},
-    settings="case root_seed=random_seed bootstrap.resamples bootstrap.confidence",
-)
+from burstcast.tables.makers.registry import Gathered, Rows
 
 METRICS = ("mean_horizon_lt", "median_horizon_lt")
 
 
+@declaring
 def make(
-    *, horizons: Sequence[Gathered], case: str, root_seed: int, resamples: int, confidence: float
+    *,
+    horizons: Sequence[Gathered] = gathered(
+        "trajectory_forecasters/horizon.nc", "prediction_horizon_lt"
+    ),
+    case: str = at("case"),
+    root_seed: int = at("random_seed"),
+    resamples: int = at("bootstrap.resamples"),
+    confidence: float = at("bootstrap.confidence"),
 ) -> dict[str, Rows]:
     """One row for each forecaster, the intervals of the averages, and paired differences.
 

@@ -2,15 +2,18 @@
 
 from collections.abc import Sequence
 
-from burstcast.tables.makers.registry import Declaration, Gathered, Rows
+from burstcast.declared import declaring, gathered
+from burstcast.tables.makers.registry import Gathered, Rows
 from burstcast.tuning.scan import leak_rate_of
-
-TABLES = Declaration(gathered={"hyperparameters": ""})
 
 NAMES = ("spectral_radius", "input_scaling", "tikhonov", "objective", "solver")
 
 
-def make(*, hyperparameters: Sequence[Gathered]) -> dict[str, Rows]:
+@declaring
+def make(
+    *,
+    hyperparameters: Sequence[Gathered] = gathered("searched_networks/hyperparameters.json"),
+) -> dict[str, Rows]:
     """One row for each network; leak rates where any network leaks."""
     rows = []
     leaking = any("leak_rate" in one.content for one in hyperparameters)

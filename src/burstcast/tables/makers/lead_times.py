@@ -1,44 +1,28 @@
 """Lead times of alarms before events of the test series, and false alarms."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
-
 import numpy as np
 
 from burstcast import durations
 from burstcast.data.starting_points import SeriesPoints, crossing_points
+from burstcast.declared import at, declaring, made_by, read
 from burstcast.files.netcdf import read_rows
 from burstcast.probability.alarm_rule import CALIBRATED
 from burstcast.probability.intervals import ratio_with_interval
 from burstcast.probability.lead_times import SeriesRatio, lead_time_scores, lead_times
-from burstcast.tables.makers._probabilities import (
-    GATHERED,
-    INPUTS,
-    SETTINGS,
-    CaseProbabilities,
-)
-from burstcast.tables.makers.registry import PATH, Declaration, Gathered, Rows
-
-TABLES = Declaration(
-    inputs={"ensemble": PATH, **INPUTS},
-    gathered=GATHERED,
-    settings=f"{SETTINGS} training_series=case.training.series classification.start_spacing_lt",
-)
+from burstcast.tables.makers._probabilities import CaseProbabilities, case_probabilities
+from burstcast.tables.makers.registry import Rows
 
 
+@declaring
 def make(
     *,
-    ensemble: str,
-    forecasts: Sequence[Gathered],
-    evaluation_set: Mapping[str, Any],
-    calibration: Mapping[str, Any],
-    training_series: int,
-    start_spacing_lt: float,
-    window_lt: float,
-    **scored: Any,
+    case: CaseProbabilities = made_by(case_probabilities),
+    ensemble: str = read("case/ensemble.nc:path"),
+    training_series: int = at("case.training.series"),
+    start_spacing_lt: float = at("classification.start_spacing_lt"),
+    window_lt: float = at("classification.window_lt"),
 ) -> dict[str, Rows]:
     """Lead times and false alarms with their intervals."""
-    case = CaseProbabilities.of(forecasts, evaluation_set, calibration, window_lt, **scored)
     points, series, threshold = case.points, case.points.series, case.event_threshold
     times, steps = case.times, case.chosen["steps_per_lyapunov_time"]
     truth = read_rows(ensemble, "observable", training_series, training_series + series)

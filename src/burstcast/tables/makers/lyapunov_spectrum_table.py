@@ -4,26 +4,24 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from burstcast import random_streams
+from burstcast.declared import at, declaring, gathered, read
 from burstcast.forecasters._names import ForecasterName
 from burstcast.statistics.lyapunov_spectrum import summarise
 from burstcast.tables.cells import with_ends
-from burstcast.tables.makers.registry import Declaration, Gathered, Rows
-
-TABLES = Declaration(
-    inputs={"spectrum": "exponents"},
-    gathered={"forecasters": "exponents"},
-    settings="case root_seed=random_seed bootstrap.resamples bootstrap.confidence",
-)
+from burstcast.tables.makers.registry import Gathered, Rows
 
 
+@declaring
 def make(
     *,
-    spectrum: Mapping[str, Any] | None,
-    forecasters: Sequence[Gathered],
-    case: str,
-    root_seed: int,
-    resamples: int,
-    confidence: float,
+    spectrum: Mapping[str, Any] | None = read("simulated_case/lyapunov_spectrum.nc", "exponents"),
+    forecasters: Sequence[Gathered] = gathered(
+        "spectrum_forecasters/lyapunov_spectrum.nc", "exponents"
+    ),
+    case: str = at("case"),
+    root_seed: int = at("random_seed"),
+    resamples: int = at("bootstrap.resamples"),
+    confidence: float = at("bootstrap.confidence"),
 ) -> dict[str, Rows]:
     """A row for each exponent, and one with the dimension for each forecaster."""
     rows: Rows = []

@@ -1,36 +1,26 @@
 """Score the probabilities of all sources of alarms, and compare them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from itertools import combinations
-from typing import Any
 
+from burstcast.declared import at, declaring, made_by
 from burstcast.probability.alarm_rule import CALIBRATED
 from burstcast.probability.scores import resampled_scores
 from burstcast.statistics.resampled_score import median_scores
 from burstcast.tables.cells import Scores, with_interval
-from burstcast.tables.makers._probabilities import (
-    GATHERED,
-    INPUTS,
-    SETTINGS,
-    CaseProbabilities,
-)
-from burstcast.tables.makers.registry import Declaration, Gathered, Rows
-
-TABLES = Declaration(inputs=INPUTS, gathered=GATHERED, settings=f"{SETTINGS} probability.bins")
+from burstcast.tables.makers._probabilities import CaseProbabilities, case_probabilities
+from burstcast.tables.makers.registry import Rows
 
 COMPARED_METRICS = ("brier_skill", "average_precision", "f_score")
 
 
+@declaring
 def make(
     *,
-    forecasts: Sequence[Gathered],
-    evaluation_set: Mapping[str, Any],
-    calibration: Mapping[str, Any],
-    bins: int,
-    **scored: Any,
+    case: CaseProbabilities = made_by(case_probabilities),
+    bins: int = at("probability.bins"),
 ) -> dict[str, Rows]:
     """The scores with their intervals, and paired differences between forecasters."""
-    case = CaseProbabilities.of(forecasts, evaluation_set, calibration, **scored)
     rows: Rows = []
     pairs: Rows = []
     for time in case.times:

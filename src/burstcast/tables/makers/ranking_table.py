@@ -1,11 +1,12 @@
 """Ranking of starting points: by onsets, and by any time above the threshold."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.declared import at, declaring, made_by, read
 from burstcast.forecast.windows import WindowForecasts, WindowSummaries
 from burstcast.probability.alarm_sources import AlarmSource
 from burstcast.probability.ranking import EVENTS, PRECURSOR, Window, ranking_scores
@@ -13,34 +14,26 @@ from burstcast.statistics.resampled_score import ResampledScore
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.registry import make_space
 from burstcast.tables.cells import with_interval
-from burstcast.tables.makers._probabilities import GATHERED, INPUTS, SETTINGS, CaseProbabilities
-from burstcast.tables.makers.registry import Declaration, Gathered, Rows
-
-TABLES = Declaration(
-    inputs={**INPUTS, "evaluation_set": f"{INPUTS['evaluation_set']} washout"},
-    gathered=GATHERED,
-    settings=f"{SETTINGS} case.system case.parameters",
-)
+from burstcast.tables.makers._probabilities import CaseProbabilities, case_probabilities
+from burstcast.tables.makers.registry import Rows
 
 
+@declaring
 def make(
     *,
-    forecasts: Sequence[Gathered],
-    evaluation_set: Mapping[str, Any],
-    calibration: Mapping[str, Any],
-    system: str,
-    parameters: Mapping[str, Any],
-    **scored: Any,
+    case: CaseProbabilities = made_by(case_probabilities),
+    washouts: FloatArray = read("case/evaluation_set.nc:washout"),
+    system: str = at("case.system"),
+    parameters: Mapping[str, Any] = at("case.parameters"),
 ) -> dict[str, Rows]:
     """Areas below both curves, with intervals over the test series."""
-    case = CaseProbabilities.of(forecasts, evaluation_set, calibration, **scored)
     points, threshold = case.points, case.event_threshold
     truth = WindowSummaries(points.data["first"], points.data["largest"])
     here = points.scored(threshold)
     space = make_space(system, parameters)
     theory: FloatArray | None = None
     if isinstance(space, DynamicalSystem) and has_own(space, "precursor"):
-        theory = space.precursor(evaluation_set["washout"][:, -1].T)
+        theory = space.precursor(washouts[:, -1].T)
     rows: Rows = []
     for time in case.times:
         weights = case.weights(time)[:, points.data["series"]][:, here]

@@ -1,35 +1,19 @@
 """Reliability of the probabilities: how often events follow those of each bin."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
-
+from burstcast.declared import at, declaring, made_by
 from burstcast.probability.reliability import reliability_diagram
-from burstcast.tables.makers._probabilities import (
-    GATHERED,
-    INPUTS,
-    SETTINGS,
-    CaseProbabilities,
-)
-from burstcast.tables.makers.registry import Declaration, Gathered, Rows
-
-TABLES = Declaration(
-    inputs=INPUTS,
-    gathered=GATHERED,
-    settings=f"{SETTINGS} probability.bins",
-)
+from burstcast.tables.makers._probabilities import CaseProbabilities, case_probabilities
+from burstcast.tables.makers.registry import Rows
 
 
+@declaring
 def make(
     *,
-    forecasts: Sequence[Gathered],
-    evaluation_set: Mapping[str, Any],
-    calibration: Mapping[str, Any],
-    bins: int,
-    **scored: Any,
+    case: CaseProbabilities = made_by(case_probabilities),
+    bins: int = at("probability.bins"),
 ) -> dict[str, Rows]:
     """A row for each bin, of committees and of all forecasters but single networks."""
     in_bins: Rows = []
-    case = CaseProbabilities.of(forecasts, evaluation_set, calibration, **scored)
     for time in case.times:
         weights = case.weights(time)
         for alarm in case.compared:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from burstcast import random_streams
+from burstcast.declared import at, declaring, gathered, read
 from burstcast.forecasters._names import ForecasterName
 from burstcast.statistics.intervals import resampled_measures
 from burstcast.statistics.long_term import Fate
@@ -14,14 +15,7 @@ from burstcast.statistics.resampling import bootstrap_weights
 from burstcast.statistics.statistics_files import reductions_from
 from burstcast.systems.registry import make_space
 from burstcast.tables.cells import between
-from burstcast.tables.makers.registry import Declaration, Gathered, Rows
-
-TABLES = Declaration(
-    inputs={"data": "", "training": "", "floor": ""},
-    gathered={"long_term": ""},
-    settings="case root_seed=random_seed case.system case.parameters statistics.profile_points "
-    "bootstrap.resamples bootstrap.confidence",
-)
+from burstcast.tables.makers.registry import Gathered, Rows
 
 SHARES = {
     "laminarised_fraction": Fate.LAMINAR,
@@ -34,19 +28,20 @@ OF_PROFILES = ("nrmse_u", "nrmse_uu", "nrmse_uv")
 """Measures that only a flow has."""
 
 
+@declaring
 def make(
     *,
-    data: Mapping[str, Any],
-    training: Mapping[str, Any],
-    floor: Mapping[str, Any],
-    long_term: Sequence[Gathered],
-    case: str,
-    root_seed: int,
-    system: str,
-    parameters: Mapping[str, Any],
-    profile_points: int,
-    resamples: int,
-    confidence: float,
+    data: Mapping[str, Any] = read("case/statistics_data.nc"),
+    training: Mapping[str, Any] = read("case/statistics_training.nc"),
+    floor: Mapping[str, Any] = read("case/statistics_floor.nc"),
+    long_term: Sequence[Gathered] = gathered("long_term_forecasters/long_term.nc"),
+    case: str = at("case"),
+    root_seed: int = at("random_seed"),
+    system: str = at("case.system"),
+    parameters: Mapping[str, Any] = at("case.parameters"),
+    profile_points: int = at("statistics.profile_points"),
+    resamples: int = at("bootstrap.resamples"),
+    confidence: float = at("bootstrap.confidence"),
 ) -> dict[str, Rows]:
     """One row for each forecaster, for the training set and for each sampling floor.
 

@@ -5,31 +5,26 @@ from typing import Any
 
 import numpy as np
 
+from burstcast.declared import at, declaring, gathered, read
 from burstcast.forecasters._names import ForecasterName
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.survival import Lifetimes, escape_rate, survival_curve
 from burstcast.tables.cells import with_ends
-from burstcast.tables.makers.registry import Declaration, Gathered, Rows
-
-TABLES = Declaration(
-    inputs={"ensemble": "series lifetime time"},
-    gathered={"long_term": "fate lifetime"},
-    settings="case.ensemble.time_step case.ensemble.sampling_stride statistics.duration "
-    "bootstrap.confidence",
-)
+from burstcast.tables.makers.registry import Gathered, Rows
 
 POINTS = 101
 """Times at which the survival curve is tabulated, from zero to the end."""
 
 
+@declaring
 def make(
     *,
-    ensemble: Mapping[str, Any],
-    long_term: Sequence[Gathered],
-    time_step: float,
-    sampling_stride: int,
-    duration: float | None,
-    confidence: float,
+    ensemble: Mapping[str, Any] = read("case/ensemble.nc", "series lifetime time"),
+    long_term: Sequence[Gathered] = gathered("long_term_forecasters/long_term.nc", "fate lifetime"),
+    time_step: float = at("case.ensemble.time_step"),
+    sampling_stride: int = at("case.ensemble.sampling_stride"),
+    duration: float | None = at("statistics.duration"),
+    confidence: float = at("bootstrap.confidence"),
 ) -> dict[str, Rows]:
     """The escape rate of the data and of each forecaster, and their survival curves."""
     interval = float(time_step * sampling_stride)

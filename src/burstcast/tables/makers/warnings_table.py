@@ -8,6 +8,7 @@ import pandas as pd
 
 from burstcast.arrays import FloatArray
 from burstcast.data.ensemble_files import START
+from burstcast.declared import at, declaring, read
 from burstcast.files.netcdf import read_netcdf, read_rows, variable_names
 from burstcast.forecasters._names import PERMANENT_ALARM
 from burstcast.statistics import warning_signs
@@ -16,20 +17,8 @@ from burstcast.statistics.warning_signs import Finding
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import StateSpace, component_names
-from burstcast.tables.makers.registry import PATH, Declaration, Rows
+from burstcast.tables.makers.registry import Rows
 from burstcast.tuning.negligible_ridge import negligible_ridge
-
-TABLES = Declaration(
-    inputs={
-        "ensemble": PATH,
-        "calibration_set": "washout_maximum",
-        **dict.fromkeys(("data", "events_summary", "dataset", "classification"), ""),
-        **dict.fromkeys(("hyperparameters", "statistics", "lyapunov_spectrum"), ""),
-    },
-    settings="case.event_threshold training_series=case.training.series case.training.noise "
-    "case.system case.parameters wanted_events=horizon.events search.spectral_radius "
-    "search.input_scaling search.tikhonov",
-)
 
 ENSEMBLE = ["forecaster", "neurons", "validation"]
 ADVICE = {
@@ -66,27 +55,35 @@ OF_NETWORKS = {
 """Further advice where the forecaster is a network."""
 
 
+@declaring
 def make(
     *,
-    ensemble: str,
-    data: Mapping[str, Any],
-    calibration_set: Mapping[str, Any],
-    events_summary: Mapping[str, Any],
-    dataset: pd.DataFrame,
-    classification: pd.DataFrame,
-    hyperparameters: pd.DataFrame | None,
-    statistics: pd.DataFrame | None,
-    lyapunov_spectrum: pd.DataFrame | None,
-    event_threshold: float,
-    training_series: int,
-    noise: float,
-    wanted_events: int,
-    system: str,
-    parameters: Mapping[str, Any],
-    **searched: list[float],
+    ensemble: str = read("case/ensemble.nc:path"),
+    data: Mapping[str, Any] = read("case/statistics_data.nc"),
+    calibration_set: Mapping[str, Any] = read("case/calibration_set.nc", "washout_maximum"),
+    events_summary: Mapping[str, Any] = read("case/events.json"),
+    dataset: pd.DataFrame = read("case/tables/dataset.csv"),
+    classification: pd.DataFrame = read("case/tables/classification.csv"),
+    hyperparameters: pd.DataFrame | None = read("case/tables/hyperparameters.csv"),
+    statistics: pd.DataFrame | None = read("case/tables/statistics.csv"),
+    lyapunov_spectrum: pd.DataFrame | None = read("contradicted_case/tables/lyapunov_spectrum.csv"),
+    event_threshold: float = at("case.event_threshold"),
+    training_series: int = at("case.training.series"),
+    noise: float = at("case.training.noise"),
+    wanted_events: int = at("horizon.events"),
+    system: str = at("case.system"),
+    parameters: Mapping[str, Any] = at("case.parameters"),
+    spectral_radius: list[float] = at("search.spectral_radius"),
+    input_scaling: list[float] = at("search.input_scaling"),
+    tikhonov: list[float] = at("search.tikhonov"),
 ) -> dict[str, Rows]:
     """A row for each sign; networks of a size and strategy share a row."""
     states = read_rows(ensemble, "state", 0, training_series)
+    searched = {
+        "spectral_radius": spectral_radius,
+        "input_scaling": input_scaling,
+        "tikhonov": tikhonov,
+    }
     samples, space = len(states) * states.shape[1], make_space(system, parameters)
     histogram = LongTermStatistics.from_arrays(data).histogram
     of_case = [

@@ -16,8 +16,9 @@ from burstcast.compiled.backends import usable_backend
 from burstcast.discovery import suggestion
 from burstcast.files.netcdf import read_rows
 from burstcast.forecasters.base import Forecaster
-from burstcast_workflow.campaign.campaign import Campaign, CaseForecaster
+from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_job
+from burstcast_workflow.campaign.members import CaseForecaster
 from burstcast_workflow.harness.settings import at, exponent_in
 from burstcast_workflow.jobs.data import Observed, kept_series
 from burstcast_workflow.jobs.forecasters import Forecasting

@@ -14,10 +14,13 @@ import yaml
 from pydantic import ValidationError
 from snakemake.utils import update_config
 
+from burstcast_workflow.campaign.lengths import misfits
 from burstcast_workflow.config.checks import contradictions
 from burstcast_workflow.config.derived import completed
-from burstcast_workflow.config.messages import model_problems
 from burstcast_workflow.config.model import Configuration
+from burstcast_workflow.config.problems import problems_of
+from burstcast_workflow.config.sound_part import sound_part
+from burstcast_workflow.project import project_root
 
 # libyaml's loader where there is one: ten times as fast
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -63,15 +66,20 @@ def load(
             whole = yaml.load(file, _LOADER)
         update_config(whole, config)
         config = whole
-    problems = misread(files)
+    problems, sound, aside = misread(files), None, list[str]()
     try:
-        parsed = completed(Configuration.model_validate(config))
-        problems += contradictions(parsed)
+        sound = Configuration.model_validate(config)
     except ValidationError as error:
-        problems += model_problems(error, Configuration)
-    if problems:
+        problems += problems_of(error, Configuration)
+        with (project_root() / "config.yaml").open(encoding="utf-8") as file:
+            sound, aside = sound_part(config, yaml.load(file, _LOADER))
+    if sound is not None:
+        sound = completed(sound)
+        found = [*contradictions(sound), *misfits(sound)]
+        problems += [text for text in found if not any(name in text for name in aside)]
+    if problems or sound is None:
         raise ConfigError(problems)
-    return parsed.dump()
+    return sound.dump()
 
 
 def misread(paths: Iterable[str | Path]) -> list[str]:

@@ -1,0 +1,68 @@
+"""What a campaign should not be expected to do: warnings before any job."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from burstcast import durations
+from burstcast.data.starting_points import starting_points
+from burstcast.statistics.warning_signs import FEW_POSITIVES
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.lengths import plans_of
+from burstcast_workflow.config.case import Simulated
+from burstcast_workflow.config.case_checks import factors_of
+
+
+def extrapolations(campaign: Campaign) -> Iterator[str]:
+    """Warn of parameter values outside of those in training."""
+    names = campaign.config.forecasters.aware.parameters
+    for name in campaign.aware_cases:
+        case = campaign.cases[name]
+        sources = [campaign.cases[source] for source in campaign.sources(name)]
+        factors = factors_of(campaign.config, sources)
+        strengths = {
+            sign * plan.strength
+            for _, plan in plans_of(campaign.config, name)
+            if case.actuation is not None and plan.strategy.told
+            for sign in ((1, -1) if dict(plan.settings).get("reversible") else (1,))
+        }
+        if case.training.actuation and case.training.actuation.tested:
+            strengths.add(case.training.actuation.strength)
+        for strength in (0.0, *sorted(strengths)):
+            if message := factors.outside(np.array([case.values_of(names, strength)])):
+                yield f"{name}: {message}"
+
+
+def few_points(campaign: Campaign) -> str:
+    """Describe cases with too few starting points of forecasts for any score; "" if there are none.
+
+    That is fewer than the events that a score takes (`FEW_POSITIVES`), as far as Lyapunov times are
+    known.
+    """
+    config, found = campaign.config, []
+    for name, case in campaign.cases.items():
+        steps, samples = case.steps_per_lyapunov_time, case.samples
+        if not isinstance(case, Simulated) or steps is None or samples is None:
+            continue
+        room = [
+            durations.steps(one, steps)
+            for one in (config.washout_lt, config.classification.reach_lt)
+        ]
+        calibration = config.probability.calibration_series or case.training.series
+        few = []
+        for use, series, spacing_lt in (
+            ("score", case.test_series, config.classification.start_spacing_lt),
+            ("calibrate with", calibration, config.probability.start_spacing_lt),
+        ):
+            spacing = durations.steps(spacing_lt, steps)
+            points = len(starting_points(series, samples, spacing, *room))
+            if points < FEW_POSITIVES:
+                few.append(f"{points} to {use}")
+        if few:
+            found.append(f"{name} has {' and '.join(few)}")
+    if not found:
+        return ""
+    return (
+        f"fewer than {FEW_POSITIVES} starting points of forecasts: {', '.join(found)}; raise "
+        "test_series, training.series or ensemble.duration, or lower start_spacing_lt"
+    )

@@ -1,0 +1,85 @@
+"""Whether what jobs need fits into the series of their cases, checked before any job.
+
+The checks are those of the job ``lengths``, with the settings of that job. It makes them again
+where the config does not know a Lyapunov time or the length of the series.
+"""
+
+from collections.abc import Iterator
+from contextlib import suppress
+
+from burstcast import durations
+from burstcast.control.timing import Schedule
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.job_settings import Job, settings_of_job
+from burstcast_workflow.config.case import Case, Simulated
+from burstcast_workflow.config.control_plans import ControlPlan, plan_values
+from burstcast_workflow.config.measured_cases import space_of
+from burstcast_workflow.config.model import Configuration
+from burstcast_workflow.config.problems import of_cases
+from burstcast_workflow.jobs.lengths import Lengths, listing
+
+FINE = 1000
+"""Steps per Lyapunov time where it is unknown: no duration is too short then."""
+
+
+def misfits(config: Configuration) -> list[str]:
+    """Durations that do not fit into the series of the valid cases, a message for each."""
+    campaign = Campaign(config, skip_invalid=True)
+    return of_cases((name, _misfits(campaign, case)) for name, case in campaign.cases.items())
+
+
+def _misfits(campaign: Campaign, case: Case) -> list[str]:
+    """Durations that do not fit into the series of a case."""
+    problems: list[str] = []
+    steps: int | None = None
+    with listing(problems, "lyapunov.published_exponent"):
+        steps = case.steps_per_lyapunov_time
+    if problems:
+        return problems
+    if steps is not None:
+        wildcards = {"case": case.name}
+        lengths = Lengths(settings_of_job(campaign, Lengths.paths(), wildcards), wildcards)
+        asked = Job(campaign, wildcards).asked_of_series
+        problems += lengths.misfits(steps, case.samples, **asked)
+        if not isinstance(case, Simulated):
+            advice = "data.blocks.duration" if case.data and case.data.blocks else "data.delays"
+            problems = [text.replace("ensemble.duration", advice) for text in problems]
+    if isinstance(case, Simulated):
+        problems += _control(campaign, case, steps or FINE)
+    return problems
+
+
+def _control(campaign: Campaign, case: Simulated, steps: int) -> list[str]:
+    """Strategies of control that do not fit a case, at so many steps per Lyapunov time."""
+    problems: list[str] = []
+    if case.actuation is None:
+        return problems
+    for index, plan in plans_of(campaign.config, case.name):
+        seen = campaign.cases.get(plan.observed) if plan.observed else case
+        if seen is None or seen.source is not case:
+            continue
+        with listing(problems, f"control.strategies[{index}]"):
+            schedule = Schedule(
+                washout=max(1, durations.steps(campaign.config.washout_lt, steps)),
+                quiet_lt=plan.quiet_lt,
+                span_lt=plan.span_lt or campaign.config.control.span_lt,
+                delay_lt=plan.delay_lt,
+                actuation_start_lt=case.actuation.start_lt,
+                actuation_duration_lt=case.actuation.duration_lt,
+                steps_per_lyapunov_time=steps,
+                sampling_stride=case.ensemble.sampling_stride,
+                time_step=case.ensemble.time_step,
+            )
+            plan.strategy.check(schedule)
+            if (space := space_of(seen)) is not None:
+                plan.strategy.check_system(space, case.actuation.force is not None)
+    return problems
+
+
+def plans_of(config: Configuration, case: str) -> Iterator[tuple[int, ControlPlan]]:
+    """Valid plans of the blocks of strategies that control a case, with the block's number."""
+    for index, block in enumerate(config.control.strategies):
+        if case in (block.cases or [case]):
+            for values in plan_values(block):
+                with suppress(ValueError):  # reported with the block
+                    yield index, ControlPlan(**values)
