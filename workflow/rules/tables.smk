@@ -214,7 +214,7 @@ rule network_hyperparameters:
             caption=caption_of("network_hyperparameters"),
             cases=settings_of_cases(
                 campaign,
-                stages.declared("tables/network_hyperparameters.py", "CaseNoise"),
+                stages.declared("tables/network_hyperparameters.py", "CaseInputs"),
             ),
         ),
     script:
