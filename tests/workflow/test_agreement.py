@@ -119,7 +119,7 @@ def test_the_options_of_kinds_are_those_of_the_config():
 
 
 def test_defaults_are_those_of_the_config():
-    """All parameters that the config has too, but for those of the case and the paper's networks."""
+    """Parameters that the config has too, but for those of the case and the paper's networks."""
     config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
     search, probability = config["search"], config["probability"]
     classification = config["classification"]

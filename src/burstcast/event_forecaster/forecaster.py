@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
-from typing import Any, Self, cast
+from typing import Any, Literal, Self, cast, overload
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -26,10 +26,16 @@ from burstcast.data.series_lengths import padded, samples_of, series_lengths
 from burstcast.event_forecaster import files
 from burstcast.event_forecaster.components import Components
 from burstcast.event_forecaster.estimator import Estimator
-from burstcast.event_forecaster.events import ByTime, Events, EventTiming
+from burstcast.event_forecaster.events import ByTime, Events, EventTiming, permanent_f_score
 from burstcast.event_forecaster.observed_states import Observable, state_space
 from burstcast.event_forecaster.parameters import checked_parameters
 from burstcast.event_forecaster.schedules import as_schedules
+from burstcast.event_forecaster.score_intervals import (
+    EventOutcomes,
+    ScoreInterval,
+    blocks_of,
+    score_intervals,
+)
 from burstcast.event_forecaster.stream import ObservationStream
 from burstcast.forecast.observed_points import ObservedPoints, observed_points
 from burstcast.forecast.window_forecasts import member_forecasts, window_forecasts
@@ -369,16 +375,36 @@ class EventForecaster(Estimator):
         washout = self._stream.washout
         return float(self._probabilities(washout, time, self._schedules(washout, None, None))[0])
 
-    def scores(self, series: Any, prediction_time: float | None = None) -> dict[str, float]:
+    @overload
+    def scores(
+        self, series: Any, prediction_time: float | None = None, *, interval: Literal[False] = False
+    ) -> dict[str, float]: ...
+
+    @overload
+    def scores(
+        self, series: Any, prediction_time: float | None = None, *, interval: Literal[True]
+    ) -> dict[str, ScoreInterval]: ...
+
+    def scores(
+        self, series: Any, prediction_time: float | None = None, *, interval: bool = False
+    ) -> dict[str, float] | dict[str, ScoreInterval]:
         """All scores of the probabilities, and of the alarms that they raise, in series, by name.
 
         They are "f_score", "precision", "recall", "brier_skill", "roc_area", ...
-        (`burstcast.probability.scores`), and the numbers of "forecasts" and "events". NaN where a
-        score is not defined, such as a recall without events. Starting points are those of
-        `outcomes`.
+        (`burstcast.probability.scores`), the "permanent_f_score" of an alarm at every starting
+        point, and the numbers of "forecasts" and "events". NaN where a score is not defined, such
+        as a recall without events. Starting points are those of `outcomes`.
+
+        ``interval``: Whether scores have confidence intervals of 95 %, as tuples ``(value, low,
+        high)``. They resample series, or blocks of time where there are fewer than ten series.
         """
         time, rule = self._time(prediction_time), self.rule(prediction_time)
         events, points, values = self._verified(series)
+        if interval:
+            blocks = blocks_of(points.points, events.timing.boundaries[-1])
+            by_block = events.outcomes(points, values[time], time, blocks)
+            calibrated = by_block.at(rule.calibration(by_block.levels))
+            return score_intervals(calibrated, rule.threshold, BINS, self.random_seed)
         raw = events.outcomes(points, values[time], time)
         outcomes = raw.at(rule.calibration(raw.levels))
         found = probability_scores(outcomes, rule.threshold, BINS)
@@ -386,11 +412,10 @@ class EventForecaster(Estimator):
             "forecasts": int(outcomes.points.sum()),
             "events": int(outcomes.events.sum()),
             **{name: float(value) for name, value in found.items()},
+            "permanent_f_score": permanent_f_score(outcomes),
         }
 
-    def outcomes(
-        self, series: Any, prediction_time: float | None = None
-    ) -> tuple[BoolArray, FloatArray]:
+    def outcomes(self, series: Any, prediction_time: float | None = None) -> EventOutcomes:
         """Whether an event followed starting points in series, and its probability: ``(points,)``.
 
         Starting points lie ``start_spacing`` apart in all series, which were not used in training.
@@ -399,8 +424,12 @@ class EventForecaster(Estimator):
         time = self._time(prediction_time)
         events, points, values = self._verified(series)
         quiet = events.quiet(points)
-        probability = self.rule(time).calibration(values[time])
-        return events.happened(points, time)[quiet], probability[quiet]
+        return EventOutcomes(
+            events.happened(points, time)[quiet],
+            self.rule(time).calibration(values[time])[quiet],
+            points.points.series[quiet],
+            points.points.step[quiet] * float(self.sampling_interval),
+        )
 
     def score(self, series: Any, y: Any = None) -> float:
         """F-score of the alarms at the first prediction time (see `scores`)."""
@@ -442,6 +471,7 @@ class EventForecaster(Estimator):
             saved = files.read_saved(path, observable, own)
             self, fitted = cls(**saved.parameters), dict(saved.fitted)
             self.warnings_ = []
+            fitted = {"labels": None, "clock": None, **fitted}  # which older files have not
             for name in _FITTED:
                 setattr(self, f"{name}_", fitted[name])
             self.labels_ = None if self.labels_ is None else tuple(map(str, self.labels_))
