@@ -83,7 +83,7 @@ class EventForecaster(Estimator):
     (`burstcast.data.series_layout`). An event of the observable in a prediction window
     is a crossing of the event threshold: it is below it at the window's first step, and at or above
     it later on. Durations are in Lyapunov times where ``lyapunov_time`` is given, and in samples
-    otherwise; they are rounded down to whole samples. Those that are not given are in `DURATIONS`.
+    otherwise; they are rounded down to whole samples. `DURATIONS` has their defaults.
 
     After `fit`, ``members_`` are the fitted forecasters (a single one if the members of its
     ensemble vote, or if it is a classifier), ``hyperparameters_`` what the search found for each
