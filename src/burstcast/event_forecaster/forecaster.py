@@ -17,7 +17,7 @@ from typing import Any, Literal, Self, cast, overload
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from burstcast.arrays import BoolArray, FloatArray
+from burstcast.arrays import BoolArray, FloatArray, float_array
 from burstcast.compiled.backends import usable_backend
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
@@ -428,7 +428,7 @@ class EventForecaster(Estimator):
             events.happened(points, time)[quiet],
             self.rule(time).calibration(values[time])[quiet],
             points.points.series[quiet],
-            points.points.step[quiet] * float(self.sampling_interval),
+            float_array(points.points.step[quiet] * self.sampling_interval, "times"),
         )
 
     def score(self, series: Any, y: Any = None) -> float:

@@ -48,11 +48,11 @@ def blocks_of(points: SeriesPoints, reach: int) -> IntArray:
     [0, 0, 1, 1, 2, 2]
     """
     if len(np.unique(points.series)) >= _LEAST_SERIES:
-        return np.unique(points.series, return_inverse=True)[1]
+        return np.asarray(np.unique(points.series, return_inverse=True)[1])
     spans = [np.ptp(points.step[points.series == row]) + 1 for row in np.unique(points.series)]
     length = max(reach, -(-int(sum(spans)) // _BLOCKS))
     numbered = points.series * (int(points.step.max()) // length + 1) + points.step // length
-    return np.unique(numbered, return_inverse=True)[1]
+    return np.asarray(np.unique(numbered, return_inverse=True)[1])
 
 
 def score_intervals(
@@ -73,5 +73,5 @@ def score_intervals(
 
 
 def _permanent(base_rate: ResampledScore) -> ResampledScore:
-    value, samples = (2 * rate / (1 + rate) for rate in (base_rate.value, base_rate.samples))
-    return ResampledScore(value, samples)
+    value, samples = base_rate.value, base_rate.samples
+    return ResampledScore(2 * value / (1 + value), 2 * samples / (1 + samples))
