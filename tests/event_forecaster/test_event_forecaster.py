@@ -16,6 +16,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 import burstcast
 from burstcast.data.delay_coordinates import delay_coordinates
 from burstcast.data.series_layout import as_series
+from burstcast.event_forecaster.forecaster import DURATIONS
 from burstcast.forecast.classification import ratio
 from burstcast.forecasters.base import fitted as fitted_field
 from burstcast.forecasters.esn import NetworkForecaster
@@ -73,12 +74,12 @@ def fitted(training):
 def test_the_defaults():
     assert burstcast.EventForecaster().get_params() == {
         **{"observable": 0, "event_threshold": {"quantile": 0.95}, "prediction_times": (1.0,)},
-        **{"window": 1.0, "lyapunov_time": None, "sampling_interval": 1.0, "washout": 0.5},
-        **{"kind": "esn", "members": 10, "neurons": 500, "validation": "RV"},
-        **{"validation_interval": 2.0, "validation_series": None, "intervals_per_series": None},
-        **{"spectral_radius": (0.1, 1.0), "input_scaling": (0.1, 10.0), "grid": 4},
+        **{"window": None, "lyapunov_time": None, "sampling_interval": 1.0, "washout": None},
+        **{"kind": "esn", "members": 10, "searches": 3, "neurons": 500, "validation": "RV"},
+        **{"validation_interval": None, "validation_series": None, "intervals_per_series": None},
+        **{"spectral_radius": (0.05, 1.0), "input_scaling": (0.05, 10.0), "grid": 4},
         **{"tikhonov": (1e-6, 1e-9, 1e-12), "bayesian_points": 9, "calibrate": True},
-        **{"prior_forecasts": 30.0, "calibration_spacing": 0.25, "start_spacing": 1.0},
+        **{"prior_forecasts": 30.0, "calibration_spacing": None, "start_spacing": None},
         **{"noise": 0.0, "sampling_stride": 1, "options": None, "random_seed": 0, "case": "series"},
     }
 
@@ -124,7 +125,7 @@ def test_tables_are_series_by_the_names_of_their_columns():
     for other in (frame, frame[[*"zxy"]]):
         assert_array_equal(as_series([frame, other])[1], np.arange(12.0).reshape(4, 3))
     assert_array_equal(as_series([timed, timed.set_index("time")]), as_series([frame, frame]))
-    with pytest.raises(ValueError, match=r"tables have the columns .*'z'\] and \['x', 'y'\]"):
+    with pytest.raises(ValueError, match="have different components: x, y, z and x, y"):
         as_series([frame, frame[[*"xy"]]])
     with pytest.raises(ValueError, match="times must rise"):
         as_series([timed[::-1]])
@@ -141,6 +142,9 @@ NO_SERIES = {
         (np.array([[[0.0], [np.nan]]]), "series 0 is nan at step 1, component 0"),
         (xarray.DataArray(np.zeros((1, 2)), dims=("run", "time")), r"has c1 \(run, time\): rename"),
         ([np.zeros((5, 1)), np.zeros((5, 1)), np.zeros((4, 1))], "series 0 has 5 .* series 2 4"),
+        ([np.zeros((5, 1)), np.zeros((4, 2))], r"\(time, component\) with the same components"),
+        ([np.zeros((5, 1)), np.zeros((0, 1))], "series 1 has no sample"),
+        ([np.zeros((5, 1)), np.full((4, 1), np.nan)], "series 1 is nan at step 0, component 0"),
     ],
     TypeError: [
         ([[["1.5"]]], "must consist of real numbers"),
@@ -292,6 +296,21 @@ def test_options_are_laid_over_the_defaults_of_the_kind(training):
     assert 2 < reservoir.recurrent.nnz / 60 < 4
     assert reservoir.input_bias == 1
     assert member.divergence_bound == NetworkForecaster().divergence_bound
+    assert member.network.dynamics.readout == "quadratic"
+
+
+def test_networks_without_a_search_of_their_own_take_the_others_hyperparameters(training):
+    alone = fit(training, calibrate=False)
+    shared = fit(training, calibrate=False, searches=2)
+    first, second, third = alone.hyperparameters_
+    assert first != third
+    assert shared.hyperparameters_ == [first, second, first]
+    for one, other in zip(alone.members_[:2], shared.members_[:2], strict=True):
+        assert_array_equal(one.network.readout.weights, other.network.readout.weights)
+    last = shared.members_[2]
+    assert last.seed == alone.members_[2].seed  # a reservoir of its own
+    assert last.network.dynamics.spectral_radius == first["spectral_radius"]
+    assert last.network.readout.tikhonov == first["tikhonov"]
 
 
 def test_an_observable_is_a_component_a_function_or_a_system(training, test_series):
@@ -341,9 +360,9 @@ def test_one_thread_fits(training):
 
 def test_durations_are_in_samples_without_a_lyapunov_time(training, fitted):
     unit = int(LYAPUNOV_TIME / 0.02)
-    names = ("washout", "window", "validation_interval", "calibration_spacing", "start_spacing")
-    default = burstcast.EventForecaster().get_params()
-    in_samples = {name: int(default[name] * LYAPUNOV_TIME / 0.02) for name in names}
+    in_samples = {
+        name: int(default * LYAPUNOV_TIME / 0.02) for name, (default, _) in DURATIONS.items()
+    }
     times = tuple(int(time * LYAPUNOV_TIME / 0.02) for time in (0.5, 1.0))
     found = fit(training, lyapunov_time=None, prediction_times=times, **in_samples)
     assert unit == 55
@@ -355,7 +374,9 @@ def test_durations_are_in_samples_without_a_lyapunov_time(training, fitted):
 # -- mistakes --------------------------------------------------------------------------------------
 MISTAKES = {
     ValueError: [
-        ({"lyapunov_time": None}, "is 0.25, which is 0 samples; .* unless lyapunov_time"),
+        ({"lyapunov_time": None}, "is 0.5, which is 0 samples; .* unless lyapunov_time"),
+        ({"searches": 0}, "searches must be 1 at least, not 0"),
+        ({"observable": "z"}, "observable is 'z', but the series have no labels"),
         ({"lyapunov_time": -1.0}, "lyapunov_time must be positive"),
         ({"prediction_times": ()}, "one entry at least"),
         ({"prediction_times": (0.001,)}, "a prediction time is 0.001, which is 0 samples"),
@@ -385,7 +406,6 @@ MISTAKES = {
         ),
     ],
     TypeError: [
-        ({"observable": "z"}, "observable must be the number of a component, counted from 0"),
         ({"observable": None}, "observable must be the number of a component"),
         ({"neurons": 30.5}, "neurons must be a whole number, not 30.5"),
         ({"neurons": "30"}, "neurons must be a whole number, not '30'"),
@@ -412,8 +432,8 @@ def test_a_mistake_is_told_by_the_parameters_name(error, change, message, traini
 
 
 def test_what_cannot_be_done_is_said(training, fitted, test_series):
-    with pytest.raises(ValueError, match="give more series, or calibrate=False"):
-        burstcast.EventForecaster(**SMALL).fit(training[:1])
+    with pytest.raises(ValueError, match=r"leaves out one 5th of a single series .* or calib"):
+        burstcast.EventForecaster(**SMALL).fit(training[:1, :600])
     unfitted = burstcast.EventForecaster()
     calls = [lambda call=call: call(test_series) for call in (unfitted.predict, unfitted.update)]
     for call in (*calls, unfitted.rule):

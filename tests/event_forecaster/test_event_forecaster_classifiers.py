@@ -116,7 +116,7 @@ def test_what_a_classifier_cannot_do_is_said(fitted, training, tested):
     ],
 )
 def test_scorers_of_scikit_learn_and_own_ones(scoring, expected, fitted, tested):
-    happened, probability = fitted.outcomes(tested, 1.0)
+    happened, probability = fitted.outcomes(tested, 1.0)[:2]
     assert 0 < happened.sum() < len(happened)
     assert EventScorer(scoring, 1.0)(fitted, tested) == pytest.approx(
         expected(happened, probability)
@@ -124,7 +124,7 @@ def test_scorers_of_scikit_learn_and_own_ones(scoring, expected, fitted, tested)
 
 
 def test_a_score_of_alarms_and_a_score_by_name(fitted, tested):
-    happened, probability = fitted.outcomes(tested)
+    happened, probability = fitted.outcomes(tested)[:2]
     alarm = probability >= fitted.alarms_[0.5].threshold
     accuracy = float((alarm == happened).mean())
     assert EventScorer("accuracy")(fitted, tested) == pytest.approx(accuracy)
@@ -133,7 +133,7 @@ def test_a_score_of_alarms_and_a_score_by_name(fitted, tested):
 
 
 def test_outcomes_are_those_of_the_scores(fitted, tested):
-    happened, probability = fitted.outcomes(tested)
+    happened, probability = fitted.outcomes(tested)[:2]
     scores = fitted.scores(tested)
     assert (len(happened), happened.sum()) == (scores["forecasts"], scores["events"])
     assert scores["roc_area"] == pytest.approx(roc_auc_score(happened, probability))

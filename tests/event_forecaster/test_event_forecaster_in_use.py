@@ -356,7 +356,7 @@ def test_networks_know_the_parameter(network):
 
 
 def test_a_network_forecasts_as_one_of_the_library_with_the_same_search(network):
-    member, case = network.members_[0], network._case(9, [500.0])
+    member, case = network.members_[0], network._case(network._components, [500.0])
     observed = flows(500.0, 3)
     washouts = np.ascontiguousarray(observed[:, -20:].transpose(1, 2, 0))
     steps = network._timing.boundaries[-1]

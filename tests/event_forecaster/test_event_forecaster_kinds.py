@@ -11,6 +11,7 @@ from sklearn.model_selection import GridSearchCV, cross_val_score
 from test_event_forecaster import SMALL, lorenz
 
 from burstcast import EventForecaster
+from burstcast.event_forecaster.components import Components
 from burstcast.event_forecaster.scoring import EventScorer
 from burstcast.forecasters.nvar import NVAR
 from burstcast.forecasters.precursor import LearntPrecursor
@@ -88,7 +89,9 @@ def test_a_name_a_class_and_an_object_are_the_same_forecaster(training, tested, 
     fitted = [EventForecaster(**{**PLAIN, **way}).fit(training) for way in ways]
     assert fitted[0].kind == NVAR(lags=3, ridge=1e-4)  # it is not the object that is fitted
     (member,) = fitted[0].members_
-    alone = NVAR(lags=3, ridge=1e-4).fit(np.ascontiguousarray(training), fitted[0]._case(3))
+    alone = NVAR(lags=3, ridge=1e-4).fit(
+        np.ascontiguousarray(training), fitted[0]._case(Components(3))
+    )
     assert_array_equal(member.weights, alone.weights)
     expected = fitted[0].predict_proba(tested[:, :300])
     scores = fitted[0].scores(tested)

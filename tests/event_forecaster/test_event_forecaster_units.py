@@ -1,9 +1,11 @@
-"""The same record in other units, or in another layout of memory, gives the same forecasts."""
+"""The same record in other units or in another form gives the same forecasts, or is refused."""
 
 import functools
 
 import numpy as np
+import pandas as pd
 import pytest
+import xarray
 from test_event_forecaster import LYAPUNOV_TIME
 
 from burstcast import EventForecaster
@@ -52,10 +54,10 @@ def unfitted(kind, scale=1.0, offset=0.0, observable=0, **more):
     )
 
 
-def after(forecaster, test):
+def after(forecaster, test, form=np.asarray):
     """Probabilities after several lengths of test series."""
     ends = range(60, 700, 20)
-    return np.stack([forecaster.predict_proba(test[:, :end])[:, 1] for end in ends])
+    return np.stack([forecaster.predict_proba(form(test[:, :end]))[:, 1] for end in ends])
 
 
 def probabilities(kind, change, scale=1.0, offset=0.0, **more):
@@ -117,3 +119,150 @@ def test_networks_without_an_offset_depend_on_the_zero(kind):
     plain = probabilities(kind, np.asarray, input_offset="none")
     moved = probabilities(kind, np.asarray, offset=1e4, input_offset="none")
     assert np.abs(moved - plain).max() > 0.1
+
+
+# -- labels, dimensions, clocks --------------------------------------------------------------------
+
+
+def tables(columns):
+    """Function that makes a table of each series, with its columns in an order and a clock."""
+
+    def form(series):
+        times = 7.0 + 0.02 * np.arange(series.shape[1])
+        named = [pd.DataFrame(one, columns=[*"xyz"])[[*columns]] for one in series]
+        return [one.set_index(pd.Index(times, name="time")) for one in named]
+
+    return form
+
+
+def named_array(series, dims=("component", "time", "series"), order=(1, 2, 0)):
+    array = xarray.DataArray(series, dims=("series", "time", "component"))
+    return array.assign_coords(component=[*"xyz"])[..., list(order)].transpose(*dims)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_components_go_by_their_labels(kind):
+    training, test = record()
+    forecaster = unfitted(kind, observable="x")
+    learns = kind_class(kind).learns_parameters
+    forecaster.fit(tables("zxy")(training), parameters=RHO if learns else None)
+    assert_equal_forecasts(kind, after(forecaster, test, tables("yzx")))
+    assert_equal_forecasts(kind, after(forecaster, test, named_array))
+    if kind_class(kind).has_trajectories:  # forecasts have the order of the training series
+        plain = unfitted(kind).fit(training, parameters=RHO if learns else None)
+        expected = plain.forecast(test)[..., [2, 0, 1]]
+        np.testing.assert_array_equal(forecaster.forecast(tables("xyz")(test)), expected)
+        # arrays without labels have that order, too
+        np.testing.assert_array_equal(forecaster.forecast(test[..., [2, 0, 1]]), expected)
+
+
+# networks are validated on the first series
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if not kind_class(kind).has_search])
+def test_another_order_of_series_changes_no_forecast(kind):
+    training, test = record()
+    learns = kind_class(kind).learns_parameters
+    forecaster = unfitted(kind).fit(training[::-1], parameters=RHO[::-1] if learns else None)
+    np.testing.assert_allclose(after(forecaster, test), expected(kind), rtol=0, atol=1e-6)
+
+
+@pytest.fixture(scope="module")
+def labelled():
+    """Analogues of labelled series, whose observable is a function of the given components."""
+    forecaster = unfitted("analogues", observable=lambda states: states[..., 1])
+    return forecaster.fit(tables("zxy")(record()[0]))
+
+
+def test_functions_have_the_components_in_the_order_of_the_training_series(labelled, tmp_path):
+    found = after(labelled, record()[1], tables("xyz"))
+    np.testing.assert_array_equal(found, expected("analogues"))
+    labelled.save(tmp_path / "labelled.nc")
+    loaded = EventForecaster.load(tmp_path / "labelled.nc", labelled.observable)
+    np.testing.assert_array_equal(after(loaded, record()[1], tables("xyz")), found)
+    by_label = unfitted("analogues", observable="x").fit(tables("yzx")(record()[0]))
+    by_label.save(tmp_path / "by_label.nc")
+    loaded = EventForecaster.load(tmp_path / "by_label.nc")
+    assert loaded.observable == "x"
+    np.testing.assert_array_equal(after(loaded, record()[1], named_array), found)
+
+
+def test_observations_of_a_stream_go_by_their_labels(labelled):
+    series = record()[1][0]
+    expected_probability = labelled.predict_proba(tables("zxy")(series[np.newaxis, :200]))[0, 1]
+    for form in (
+        lambda row: pd.Series(row, index=[*"xyz"])[[*"yxz"]],
+        lambda row: named_array(row[np.newaxis, np.newaxis])[:, 0, 0],
+        lambda row: row[[2, 0, 1]],
+    ):
+        for row in series[:200]:
+            labelled.update(form(row))
+        assert labelled.probability() == expected_probability
+    with pytest.raises(ValueError, match="components of an observation are x, y, w; those of the"):
+        labelled.update(pd.Series(series[0], index=[*"xyw"]))
+
+
+def changed_clock(change):
+    def form(series):
+        found = tables("zxy")(series)
+        for one in found:
+            one.index = pd.Index(change(one.index.to_numpy()), name="time")
+        return found
+
+    return form
+
+
+def dated(step):
+    start = pd.Timestamp("2020-01-01")
+    return changed_clock(lambda times: start + pd.to_timedelta(step * np.arange(len(times)), "s"))
+
+
+REFUSED = [
+    (changed_clock(lambda times: 2 * times), "are 0.04 apart, but sampling_interval is 0.02"),
+    (changed_clock(lambda times: times[::-1]), "times must rise"),
+    (
+        changed_clock(lambda times: times + (times > 9.5)),
+        "not those at the times 9.5 and 10.52: give the runs between gaps as a list",
+    ),
+    (lambda series: tables("zxy")(series)[:1] + [series[1]] * 2, None),
+    (
+        lambda series: [one.rename(columns={"z": "w"}) for one in tables("zxy")(series)],
+        "components of the series are w, x, y; those of the training series were z, x, y",
+    ),
+    (
+        lambda series: [tables("zxy")(series)[0], tables("xy")(series)[1]],
+        "the series have different components: z, x, y and x, y",
+    ),
+    (
+        lambda series: [tables("xyz")(series)[0], changed_clock(np.exp2)(series)[1]],
+        "not those at the times|have clocks of different steps",
+    ),
+    (lambda series: series[..., :2], "have 2 components, the training series had 3"),
+]
+
+
+@pytest.mark.parametrize(("form", "message"), REFUSED)
+def test_other_components_and_clocks_are_refused(form, message, labelled):
+    series = record()[1]
+    calls = (labelled.predict_proba, labelled.forecast, labelled.scores, labelled.score)
+    for call in calls if message else ():
+        with pytest.raises(ValueError, match=message):
+            call(form(series))
+    if message is None:  # an array beside tables has the order of the first table
+        assert labelled.predict(form(series)).shape == (3,)
+
+
+def test_dates_are_compared_with_those_of_the_training_series():
+    training, test = record()
+    forecaster = unfitted("analogues", observable="x").fit(dated(0.5)(training))
+    np.testing.assert_array_equal(
+        after(forecaster, test, dated(0.5)), after(forecaster, test, tables("zxy"))
+    )
+    with pytest.raises(ValueError, match="2 seconds apart, but the interval of the training"):
+        forecaster.predict(dated(2.0)(test))
+
+
+def test_a_jittering_clock_is_none_of_another_step(labelled):
+    jitter = 0.004 * np.random.default_rng(0).uniform(-1, 1, 2000)
+    form = changed_clock(lambda times: np.round(times + jitter[: len(times)], 3))
+    np.testing.assert_array_equal(
+        after(labelled, record()[1], form), after(labelled, record()[1], tables("zxy"))
+    )

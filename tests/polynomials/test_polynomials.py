@@ -114,9 +114,13 @@ def test_the_noise_of_factored_moments_is_taken_out():
     true = generator.standard_normal((1, 120, 2)).cumsum(axis=1) / 4
     factors = switching_factors(1, 120, 1, generator)
     deviation = np.array([0.3, 0.5])
-    exact = _moments(true, np.zeros(2), 2, 5, factors)
+
+    def moments(series, noise):
+        return _moments([(series[0], factors[0])], noise, 2, 5)
+
+    exact = moments(true, np.zeros(2))
     noisy = [
-        _moments(true + deviation * generator.standard_normal(true.shape), deviation, 2, 5, factors)
+        moments(true + deviation * generator.standard_normal(true.shape), deviation)
         for _ in range(1500)
     ]
     for name in ("gram", "cross"):

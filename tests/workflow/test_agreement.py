@@ -14,6 +14,7 @@ from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.forecasters._options import SECTIONS
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast_workflow.campaign.campaign import SIMULATED_INPUTS
 from burstcast_workflow.config.forecasters import Forecasters
 from burstcast_workflow.harness.canonical import canonical
 from burstcast_workflow.harness.storage import read_json
@@ -50,7 +51,11 @@ def settings_of(config, neurons, validation):
         "noise": of_case["training"]["noise"],
         "random_seed": config["random_seed"],
         "case": CASE,
-        "options": {"backend": config["forecasters"]["esn"]["backend"]},
+        **{name: config["search"][name] for name in ("spectral_radius", "input_scaling")},
+        "options": {
+            **{name: config["forecasters"]["esn"][name] for name in ("backend", "readout")},
+            **SIMULATED_INPUTS,
+        },
     }
 
 
@@ -114,26 +119,27 @@ def test_the_options_of_kinds_are_those_of_the_config():
 
 
 def test_defaults_are_those_of_the_config():
-    """All parameters that the config has too, but for those that depend on the case."""
+    """Parameters that the config has too, but for those of the case and the paper's networks."""
     config = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
     search, probability = config["search"], config["probability"]
     classification = config["classification"]
     networks = config["campaign"][0]["forecasters"]["esn"]
     expected = {
-        "washout": config["washout_lt"],
-        "window": classification["window_lt"],
-        "start_spacing": classification["start_spacing_lt"],
         "members": networks["seeds"],
         "neurons": networks["neurons"][0],
-        "spectral_radius": tuple(search["spectral_radius"]),
-        "input_scaling": tuple(search["input_scaling"]),
         "tikhonov": tuple(search["tikhonov"]),
         "grid": search["grid"],
         "bayesian_points": search["bayesian_points"],
-        "validation_interval": search["interval_lt"],
         "prior_forecasts": probability["prior_forecasts"],
+    }
+    durations = {
+        "washout": config["washout_lt"],
+        "window": classification["window_lt"],
+        "start_spacing": classification["start_spacing_lt"],
+        "validation_interval": search["interval_lt"],
         "calibration_spacing": probability["start_spacing_lt"],
     }
+    assert {name: in_lt for name, (in_lt, _) in forecaster.DURATIONS.items()} == durations
     defaults = EventForecaster().get_params()
     assert {name: defaults[name] for name in expected} == expected
     assert probability["bins"] == forecaster.BINS

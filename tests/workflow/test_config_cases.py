@@ -427,10 +427,11 @@ def test_networks_of_measured_series_have_an_offset_unless_the_config_says_other
 ):
     put(measured, "forecasters.esn.input_offset", given)
     put(measured, "forecasters.variants", {"plain": {"input_offset": "none"}, "open": {}})
-    found = Campaign(load(measured))
+    found, data = Campaign(load(measured)), ("lab", "part")
     for case, default in (("lab", "mean"), ("part", "mean"), ("Re400", "none"), ("", "none")):
         for label, expected in ((None, given or default), ("open", given or default)):
             assert found.sections(case, label)["esn"]["input_offset"] == expected
+            assert found.sections(case, label)["esn"]["input_bias"] == (1 if case in data else 0.1)
         assert found.sections(case, "plain")["esn"]["input_offset"] == "none"
 
 

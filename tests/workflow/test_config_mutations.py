@@ -22,7 +22,7 @@ from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.figures import registry
 from burstcast_workflow.figures.registry import FIGURES, figure_names
 from burstcast_workflow.harness.canonical import canonical_json
-from burstcast_workflow.jobs.noise import CaseNoise
+from burstcast_workflow.jobs.network_inputs import CaseInputs
 from burstcast_workflow.tables.registry import latex_names, table_names
 
 NUMBER = int(os.environ.get("BURSTCAST_MUTATIONS", "500"))
@@ -97,7 +97,7 @@ def planned(config: dict) -> int:
             settings_of_job(campaign, ["control.run"], run.identity)
             for run in (*campaign.control_runs, *campaign.strategy_runs)
         ),
-        settings_of_cases(campaign, CaseNoise),
+        settings_of_cases(campaign, CaseInputs),
         table_names(campaign),
         latex_names(campaign),
     ]

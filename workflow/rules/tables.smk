@@ -1,7 +1,7 @@
 """Tables: each case's, gathered from the files of many jobs; then of all cases, and LaTeX."""
 
 from burstcast_workflow.campaign.job_settings import settings_of_cases
-from burstcast_workflow.jobs.noise import CaseNoise
+from burstcast_workflow.jobs.network_inputs import CaseInputs
 from burstcast_workflow.jobs.parameters import CaseData
 from burstcast_workflow.tables.jobs import caption_of, in_report
 from burstcast_workflow.tables.registry import (
@@ -117,7 +117,7 @@ rule network_hyperparameters:
         *of_script(
             "tables/network_hyperparameters.py",
             caption=caption_of("network_hyperparameters"),
-            cases=settings_of_cases(campaign, CaseNoise),
+            cases=settings_of_cases(campaign, CaseInputs),
         ),
     script:
         "../scripts/tables/network_hyperparameters.py"

@@ -11,6 +11,7 @@ import numpy as np
 
 from burstcast import random_streams
 from burstcast.arrays import FloatArray, IntArray
+from burstcast.data.series_lengths import samples_of, series_lengths
 from burstcast.laminarisation import first_laminar_step, is_laminar
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate_observed
@@ -114,7 +115,7 @@ def component_scales(training_states: FloatArray) -> Scales:
     >>> component_scales(np.array([[[0.0, 1.0], [2.0, 5.0]]])).range.tolist()
     [2.0, 4.0]
     """
-    flat = training_states.reshape(-1, training_states.shape[-1])
+    flat = samples_of(training_states)
     component_range = flat.max(axis=0) - flat.min(axis=0)
     if not (component_range > 0).all():
         constant = int(np.argmin(component_range > 0))
@@ -145,7 +146,10 @@ def network_input_offset(
     """
     if offset == "none":
         return None
-    mean: FloatArray = training_states.mean(axis=(0, 1))
+    unequal = series_lengths(training_states) is not None
+    mean: FloatArray = (
+        samples_of(training_states).mean(axis=0) if unequal else training_states.mean(axis=(0, 1))
+    )
     return mean
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from burstcast.arrays import AXES, FloatArray, float_array
 from burstcast.data.measured_data import Content, Run
+from burstcast.data.series_layout import LabelledRun, labels_of
 from burstcast.data.times import TIME, TimesError, times_in, with_units
 
 
@@ -18,7 +19,10 @@ class NamedArrays:
     """Variables of a data set, or an array, of xarray."""
 
     def __init__(self, source: str, data: Any) -> None:
+        #: whether components have names of their own
+        self.has_labels = "component" in data.coords or "component" not in data.dims
         if not hasattr(data, "data_vars"):
+            self.has_labels &= "component" in data.dims or data.name not in (None, *AXES)
             name = "c1" if data.name in (None, *AXES) else str(data.name)
             data = data.to_dataset(name=name)
         self.source, self.variables = source, data.variables
@@ -49,10 +53,7 @@ class NamedArrays:
         """Names of components."""
         if "component" not in self.variables:
             return [f"c{number}" for number in range(1, count + 1)]
-        labels = self.variables["component"].values
-        if labels.dtype.kind in "iuf":
-            return [f"c{label:g}" for label in labels]
-        return [str(label) for label in labels.astype(str)]
+        return list(labels_of(self.variables["component"].values))
 
     def states(self, names: Sequence[str]) -> FloatArray:
         """Some components, ``(series, time, component)``; what is missing is NaN."""
@@ -85,13 +86,19 @@ class NamedArrays:
         except TimesError as error:
             raise ValueError(f"{self.source}: {TIME!r} {error}") from None
 
-    def rising_states(self) -> FloatArray:
-        """All components, ``(series, time, component)``, if times of whatever kind rise."""
+    def labelled_runs(self) -> list[LabelledRun]:
+        """All components of each series, with their labels and times where there are any."""
+        states, names, times, dated = self.states(list(self.columns)), None, None, False
+        if self.has_labels:
+            names = tuple(map(str, self.columns))
         if TIME in self.variables:
-            time = _in_order(self.variables[TIME])
-            if not (time[:, 1:] > time[:, :-1]).all():
-                raise ValueError(f"{self.source}: times must rise from each sample to the next")
-        return self.states(list(self.columns))
+            time = self.variables[TIME]
+            dated = time.dtype.kind not in "iuf" or bool(time.attrs.get("units"))
+            times = self.times("second" if dated else None)
+        if times is None:
+            return [LabelledRun(names, one) for one in states]
+        rows = np.broadcast_to(times, (len(states), times.shape[1]))
+        return [LabelledRun(names, *one, dated) for one in zip(states, rows, strict=True)]
 
     def runs(self, names: Sequence[str], unit: str | None) -> list[Run]:
         """Runs of the series."""

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.data.series_lengths import samples_of
 
 _ORDER = 8
 """Order of the differences: an oscillation of eight samples is damped to a thousandth of itself."""
@@ -24,7 +25,7 @@ def observation_noise(series: FloatArray, known: float | None) -> FloatArray:
     """
     if known is None:
         return estimate_noise(series)
-    scale: FloatArray = series.std(axis=(0, 1))
+    scale: FloatArray = samples_of(series).std(axis=0)
     return known * scale
 
 
@@ -42,5 +43,6 @@ def estimate_noise(series: FloatArray) -> FloatArray:
             f"{series.shape[1]} samples do not have"
         )
     differences = np.diff(series, n=_ORDER, axis=1)
-    variance: FloatArray = np.square(differences).mean(axis=(0, 1)) / math.comb(2 * _ORDER, _ORDER)
+    squares: FloatArray = samples_of(np.square(differences)).mean(axis=0)
+    variance = squares / math.comb(2 * _ORDER, _ORDER)
     return np.sqrt(variance)

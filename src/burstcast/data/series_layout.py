@@ -9,56 +9,218 @@ component what is observed of the state, in units of its own
 ========= ===========================================================================
 
 What xarray holds has dimensions of these names in any order, of which only time must be there. A
-table of pandas is one series, and so is each of a list of tables: columns go by their names.
+table of pandas is one series, and so is each entry of a list of tables or arrays: columns go by
+their names. A coordinate, a column or an index of times has neither gaps nor another interval.
 """
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from burstcast.arrays import AXES, FloatArray, float_array, is_known
+from burstcast.data.series_lengths import padded, series_lengths
+
+_JITTER = 0.5
+"""Of the time between two samples, relative to its median: less is jitter, or rounded times."""
+_STEP_TOLERANCE = 0.01
+"""Of the mean interval of a clock, relative to the interval that is expected."""
+_STEP_JITTER = 0.2
+"""By which the first and the last time may be off, in intervals."""
+
+
+class LabelledRun(NamedTuple):
+    """One series as tables and arrays of xarray have it."""
+
+    labels: tuple[str, ...] | None  #: names of components; None: they have none
+    states: FloatArray  #: ``(time, component)``
+    times: FloatArray | None = None  #: times of the samples; None: not known
+    dated: bool = False  #: whether times are in seconds, and not in the unit of their numbers
+
+
+@dataclass(frozen=True)
+class LabelledSeries:
+    """Series with the names of their components and the interval of their clock."""
+
+    states: FloatArray  #: ``(series, time, component)``; shorter series end with NaN
+    labels: tuple[str, ...] | None = None  #: names of components; None: they have none
+    step: float | None = None  #: time between two samples by the clock; None: there is no clock
+    dated: bool = False  #: whether the step is in seconds, and not in the unit of its numbers
+
+    def check_step(self, expected: float, name: str) -> None:
+        """Check that the clock has the expected interval, which is called so in messages."""
+        if self.step is not None and not _alike(self.step, expected, self.states.shape[1]):
+            unit = " seconds" if self.dated else ""
+            raise ValueError(
+                f"the times of the series are {self.step:.6g}{unit} apart, but {name} is "
+                f"{expected:.6g}{unit}"
+            )
 
 
 def as_series(data: Any, what: str = "the series") -> FloatArray:
     """Copy series of a user into an array of the one layout, finite and contiguous.
 
     ``data``: An array of NumPy, or what can be made one, of shape ``(series, time, component)``; a
-    table or a list of tables; or an array or a data set of xarray.
+    table or a list of tables; or an array or a data set of xarray. All series have one length.
     """
-    # pandas takes half a second to load: only where there is something of it
+    states = labelled_series(data, what).states
+    if (lengths := series_lengths(states)) is not None:
+        other = int(np.argmax(lengths != lengths[0]))
+        raise ValueError(
+            f"{what} have unequal lengths: series 0 has {lengths[0]} samples, series {other} "
+            f"{lengths[other]}; cut them to one length"
+        )
+    return states
+
+
+def labelled_series(data: Any, what: str = "the series") -> LabelledSeries:
+    """Copy series of a user, which may differ in length, with their labels and their clock.
+
+    ``data``: As of `as_series`, or a list of series of unequal lengths, ``(time, component)`` each.
+    """
+    if _is_labelled(data):
+        data = [data]
+    if not isinstance(data, list | tuple) or not data:
+        return LabelledSeries(_checked(float_array(data, what), np.shape(data), what))
+    if any(map(_is_labelled, data)):
+        runs = [run for one in data for run in _runs(one, what)]
+        states = [_by_label(run, runs[0].labels, what) for run in runs]
+        step, dated = _clock(runs, what)
+        return LabelledSeries(_side_by_side(states, what), runs[0].labels, step, dated)
+    lengths = {len(one) for one in data if hasattr(one, "__len__")}
+    if len(lengths) < 2:
+        return LabelledSeries(_checked(float_array(data, what), np.shape(data), what))
+    return LabelledSeries(_side_by_side([float_array(one, what) for one in data], what))
+
+
+def observation_of(data: Any) -> tuple[FloatArray, tuple[str, ...] | None]:
+    """One observation ``(component,)``, and the labels of its components if it has any.
+
+    ``data``: An array of NumPy, a series of pandas with labels as its index, or an array of xarray
+    with the dimension component.
+    """
+    labels = None
+    if hasattr(data, "iloc"):
+        labels = tuple(map(str, data.index))
+    elif hasattr(data, "dims"):
+        data = data.squeeze()
+        if "component" in data.coords and data.ndim:
+            labels = labels_of(data.coords["component"].values)
+    return float_array(data, "the observation"), labels
+
+
+def labels_of(entries: Any) -> tuple[str, ...]:
+    """Labels of components from the entries of a coordinate.
+
+    Examples
+    --------
+    >>> labels_of(np.array([1.0, 2.5])), labels_of(np.array(["u", "v"]))
+    (('c1', 'c2.5'), ('u', 'v'))
+    """
+    if entries.dtype.kind in "iuf":
+        return tuple(f"c{entry:g}" for entry in entries)
+    return tuple(map(str, entries.astype(str)))
+
+
+def _is_labelled(data: Any) -> bool:
+    """Whether it is of xarray or of pandas, which take half a second to load."""
+    return hasattr(data, "dims") or hasattr(data, "iloc")
+
+
+def _runs(data: Any, what: str) -> Iterator[LabelledRun]:
+    """Series of an array of xarray, a table of pandas, or an array ``(time, component)``."""
     if hasattr(data, "dims"):
         from burstcast.data.named_arrays import NamedArrays
 
-        data = NamedArrays(what, data).rising_states()
-    data = [data] if hasattr(data, "iloc") else data
-    if isinstance(data, list | tuple):
-        _check_equal_lengths(data, what)
-        if any(hasattr(one, "iloc") for one in data):
-            from burstcast.data.tables import rising_rows
+        yield from NamedArrays(what, data).labelled_runs()
+    elif hasattr(data, "iloc"):
+        from burstcast.data.tables import labelled_run
 
-            data = rising_rows(what, data)
-    series = np.array(float_array(data, what), order="C")
-    if np.ndim(data) != len(AXES):
-        single = "series[np.newaxis]" if np.ndim(data) == 2 else "series[np.newaxis, :, np.newaxis]"
-        hint = f": a single series is {single}" if np.ndim(data) < 3 else ""
-        raise ValueError(f"{what} must be ({', '.join(AXES)}), not {np.shape(data)}{hint}")
+        yield labelled_run(what, data)
+    else:
+        yield LabelledRun(None, float_array(data, what))
+
+
+def _by_label(run: LabelledRun, labels: tuple[str, ...] | None, what: str) -> FloatArray:
+    """States with their components in the order of some labels."""
+    if run.labels is None or labels is None or run.labels == labels:
+        return run.states
+    if sorted(run.labels) != sorted(labels):
+        raise ValueError(
+            f"{what} have different components: {', '.join(labels)} and {', '.join(run.labels)}"
+        )
+    return run.states[:, [run.labels.index(label) for label in labels]]
+
+
+def _clock(runs: list[LabelledRun], what: str) -> tuple[float | None, bool]:
+    """Interval of the clocks of all series, and whether it is in seconds."""
+    timed = [(run, run.times) for run in runs if run.times is not None and len(run.times) > 1]
+    steps = [_step(times, run.dated, what) for run, times in timed]
+    for (run, one), (other, step) in pairwise(zip((run for run, _ in timed), steps, strict=True)):
+        samples = min(len(run.states), len(other.states))
+        if run.dated != other.dated or not _alike(step, one, samples):
+            raise ValueError(f"{what} have clocks of different steps, {one:.6g} and {step:.6g}")
+    return (float(np.mean(steps)), timed[0][0].dated) if steps else (None, False)
+
+
+def _step(times: FloatArray, dated: bool, what: str) -> float:
+    """Mean interval of a clock without gaps."""
+    steps = np.diff(times)
+    if not (steps > 0).all():
+        raise ValueError(f"{what}: times must rise from each sample to the next")
+    typical = float(np.median(steps))
+    if (odd := np.abs(steps / typical - 1) >= _JITTER).any():
+        first = int(odd.argmax())
+        before, after = (
+            np.datetime64(round(time * 1e6), "us") if dated else f"{time:.6g}"
+            for time in times[first : first + 2].tolist()
+        )
+        raise ValueError(
+            f"{what}: samples are {typical:.6g}{' seconds' if dated else ''} apart, but not those "
+            f"at the times {before} and {after}: give the runs between gaps as a list of series"
+        )
+    return float((times[-1] - times[0]) / (len(times) - 1))
+
+
+def _alike(step: float, expected: float, samples: int) -> bool:
+    tolerance = max(_STEP_TOLERANCE, _STEP_JITTER / max(1, samples - 1))
+    return abs(step - expected) <= tolerance * expected
+
+
+def _side_by_side(series: list[FloatArray], what: str) -> FloatArray:
+    """Series ``(time, component)`` in one array, checked."""
+    shapes = [one.shape for one in series]
+    if any(len(shape) != 2 or shape[1] != shapes[0][-1] for shape in shapes):
+        raise ValueError(
+            f"each of {what} must be (time, component) with the same components, not "
+            f"{', '.join(map(str, dict.fromkeys(shapes)))}"
+        )
+    if short := [row for row, shape in enumerate(shapes) if not shape[0]]:
+        raise ValueError(f"{what} are empty: series {short[0]} has no sample")
+    for row, one in enumerate(series):
+        _check_known(one[np.newaxis], what, row)
+    return np.stack(series) if len({len(one) for one in series}) == 1 else padded(series)
+
+
+def _checked(array: FloatArray, shape: tuple[int, ...], what: str) -> FloatArray:
+    series = np.array(array, order="C")
+    if len(shape) != len(AXES):
+        single = "series[np.newaxis]" if len(shape) == 2 else "series[np.newaxis, :, np.newaxis]"
+        hint = f": a single series is {single}" if len(shape) < 3 else ""
+        raise ValueError(f"{what} must be ({', '.join(AXES)}), not {shape}{hint}")
     if series.size == 0:
         raise ValueError(f"{what} of shape {series.shape} are empty")
+    _check_known(series, what)
+    return series
+
+
+def _check_known(series: FloatArray, what: str, first: int = 0) -> None:
     known = is_known(series)
     if not known.all():
         row, step, component = (int(index) for index in np.argwhere(~known)[0])
         raise ValueError(
-            f"{what} must be finite: series {row} is {series[row, step, component]:g} at step "
-            f"{step}, component {component}"
-        )
-    return series
-
-
-def _check_equal_lengths(data: Sequence[Any], what: str) -> None:
-    lengths = [len(one) for one in data if hasattr(one, "__len__")]
-    if other := [number for number, length in enumerate(lengths) if length != lengths[0]]:
-        raise ValueError(
-            f"{what} have unequal lengths: series 0 has {lengths[0]} samples, series {other[0]} "
-            f"{lengths[other[0]]}; cut them to one length"
+            f"{what} must be finite: series {first + row} is {series[row, step, component]:g} at "
+            f"step {step}, component {component}"
         )

@@ -23,11 +23,18 @@ class SeriesPoints:
 
 
 def starting_points(
-    series: int, length: int, spacing: int, washout: int, longest_forecast: int
+    series: int,
+    length: int,
+    spacing: int,
+    washout: int,
+    longest_forecast: int,
+    *,
+    lengths: IntArray | None = None,
 ) -> SeriesPoints:
     """Evenly spaced starting points, as many as leave room for the washout and the forecast.
 
-    ``longest_forecast``: Steps that a forecast reaches beyond its starting point.
+    ``longest_forecast``: Steps that a forecast reaches beyond its starting point. ``lengths``:
+    Samples of each series, where some are shorter than ``length``.
     """
     steps = np.arange(washout - 1, length - longest_forecast, spacing)
     if steps.size == 0:
@@ -35,9 +42,13 @@ def starting_points(
             f"series of {length} samples leave no room for a washout of {washout} steps and a "
             f"forecast of {longest_forecast}"
         )
-    return SeriesPoints(
+    points = SeriesPoints(
         series=np.repeat(np.arange(series), steps.size), step=np.tile(steps, series)
     )
+    if lengths is None:
+        return points
+    inside = points.step + longest_forecast < lengths[points.series]
+    return SeriesPoints(points.series[inside], points.step[inside])
 
 
 def crossing_points(observable: FloatArray, threshold: float) -> SeriesPoints:

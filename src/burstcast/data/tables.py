@@ -15,6 +15,7 @@ import pandas as pd
 
 from burstcast.arrays import FloatArray
 from burstcast.data.measured_data import Content, Run
+from burstcast.data.series_layout import LabelledRun
 from burstcast.data.times import TIME, TimesError, is_number, times_in
 
 RECIPES = "docs/data_recipes.md has recipes"
@@ -83,18 +84,19 @@ def frame_run(
     return Run(source, columns)
 
 
-def rising_rows(source: str, tables: Sequence[pd.DataFrame]) -> list[FloatArray]:
-    """Rows of tables ``(time, component)``, in the order that the first one has its columns in."""
-    names = column_names(source, tables[0])
-    found = []
-    for table in tables:
-        if sorted(others := column_names(source, table)) != sorted(names):
-            raise ValueError(f"{source}: tables have the columns {names} and {others}")
-        columns = dict(frame_run(source, table, names, "second").columns)
-        if TIME in columns and not (np.diff(columns.pop(TIME)) > 0).all():
-            raise ValueError(f"{source}: times must rise from each sample to the next")
-        found.append(np.stack([columns[name] for name in names if name != TIME], axis=1))
-    return found
+def labelled_run(source: str, table: pd.DataFrame | pd.Series) -> LabelledRun:
+    """Rows of a table with the names of its columns; its times are a column or an index."""
+    table = table.to_frame() if isinstance(table, pd.Series) else table
+    if isinstance(table.index, pd.DatetimeIndex | pd.TimedeltaIndex):
+        table = table.rename_axis(index=TIME)
+    names = column_names(source, table)
+    columns = dict(frame_run(source, table, names, "second").columns)
+    times, labels = columns.pop(TIME, None), tuple(name for name in names if name != TIME)
+    given: Any = table.index if table.index.name == TIME else table.get(TIME)
+    dated = times is not None and not pd.api.types.is_numeric_dtype(given.dtype)
+    if not labels:
+        raise ValueError(f"{source} has no column beside {TIME!r}")
+    return LabelledRun(labels, np.stack([columns[name] for name in labels], axis=1), times, dated)
 
 
 def _place(row: int | None, first_line: int | None) -> str:

@@ -11,6 +11,7 @@ from functools import reduce
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.data.series_lengths import series_lengths
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.factored import FactoredStates
 from burstcast.esn.readout import Moments, MomentsAccumulator, Readout, solve_ridge
@@ -24,6 +25,7 @@ class TrainingSeries:
     ----------
     observed
         States with their observation noise, ``(series, time, dimension)``: inputs and targets.
+        Series that are shorter than the longest are filled up with NaN.
     input_range
         What the inputs are divided by, ``(dimension,)``.
     factors
@@ -122,6 +124,9 @@ def collect(
     if offset is not None:
         inputs -= offset[:, np.newaxis]
     inputs /= training.input_range[:, np.newaxis]
+    lengths = series_lengths(training.observed)
+    if lengths is not None:
+        inputs[np.isnan(inputs)] = 0.0  # series that have ended are driven on, and do not count
     factors = training.factors
     layout = FactoredStates.of(dynamics.reservoir, 0 if factors is None else factors.shape[2])
     accumulator = MomentsAccumulator(layout.size, training.observed.shape[2])
@@ -145,7 +150,11 @@ def collect(
             # a state at step j predicts step j: what counts is in force from step j - 1 on
             in_force = factors[:, first - 1 : stop - 1].transpose(2, 1, 0)
             columns = layout.features(columns, in_force.reshape(layout.factors, columns.shape[1]))
-        accumulator.add(columns, targets.reshape(len(targets), -1))
+        targets = targets.reshape(len(targets), -1)
+        if lengths is not None:
+            there = (np.arange(first, stop)[:, np.newaxis] < lengths).reshape(-1)
+            columns, targets = np.ascontiguousarray(columns[:, there]), targets[:, there]
+        accumulator.add(columns, targets)
     return Collected(moments=accumulator.moments(), snapshots=taken, states=states)
 
 

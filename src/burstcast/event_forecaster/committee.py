@@ -11,6 +11,7 @@ import numpy as np
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.data.dataset import network_input_offset, network_input_range
+from burstcast.data.series_lengths import series_lengths
 from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.esn.training import TrainingSeries
 from burstcast.forecasters.base import Forecaster, ForecastingCase
@@ -20,7 +21,7 @@ from burstcast.statistics.warning_signs import optimum_on_edge
 from burstcast.tuning.hyperparameters import SearchSpace
 from burstcast.tuning.negligible_ridge import negligible_ridge
 from burstcast.tuning.network_search import best, optimiser_seed, search
-from burstcast.tuning.scan import scan
+from burstcast.tuning.scan import Evaluation, scan
 from burstcast.tuning.strategies.base import ValidationPlan
 from burstcast.tuning.strategies.registry import make_strategy, scanned_with
 from burstcast.tuning.validation import PointValidator
@@ -40,7 +41,10 @@ def trained_committee(
     washout: int,
     interval: int,
 ) -> tuple[list[Forecaster], list[dict[str, Any]]]:
-    """Networks of a committee, each after its search, and what the searches found.
+    """Networks of a committee, and the hyperparameters that the searches chose for each of them.
+
+    The first ``searches`` networks have a search of their own; the others take the hyperparameters
+    of these in turn.
 
     ``network``: The unfitted network. ``training``, ``knowledge``: Of `training_of`. ``said``:
     Parameters of an `EventForecaster`.
@@ -49,15 +53,14 @@ def trained_committee(
         raise ValueError(f"members must be 1 at least, not {said['members']}")
     strategy = make_strategy(said["validation"])
     together = [make_strategy(name) for name in scanned_with(strategy.name)]
-    series, _, dimension = training.observed.shape
-    validated = said["validation_series"] or min(_MOST_VALIDATION_SERIES, series)
-    plan = ValidationPlan(washout, interval, validated, said["intervals_per_series"])
+    dimension = training.dimension
+    plan = _plan(training, said, washout, interval)
     ranges = said["spectral_radius"], said["input_scaling"], network.leak_rate
     bounds: Any = [tuple(map(float, one)) for one in ranges]
     space = SearchSpace(*bounds)
     drawn = network.connectivity, network.input_bias
     members: list[Forecaster] = []
-    found = []
+    optima: list[Evaluation] = []
     for number in range(said["members"]):
         seed = ReservoirSeed(said["random_seed"], said["neurons"], number, *drawn)
         reservoir, tikhonov = seed.reservoir(dimension), list(said["tikhonov"])
@@ -70,10 +73,12 @@ def trained_committee(
             backend=network.backend,
             readout=network.readout,
         )
-        scanned = scan(validator, space, together, said["grid"])
-        optimiser = optimiser_seed(seed, said["case"], strategy.name)
-        points = search(validator, space, strategy, scanned, said["bayesian_points"], optimiser)
-        chosen = best(points)
+        if number < said["searches"]:
+            scanned = scan(validator, space, together, said["grid"])
+            optimiser = optimiser_seed(seed, said["case"], strategy.name)
+            points = search(validator, space, strategy, scanned, said["bayesian_points"], optimiser)
+            optima.append(best(points))
+        chosen = optima[number % len(optima)]
         trained = network.trained(
             validator.dynamics(chosen.point),
             seed,
@@ -83,9 +88,28 @@ def trained_committee(
             **knowledge,
         )
         members.append(trained)
-        record = chosen.record()
-        found.append({name: record[name] for name in _FOUND if name in record})
-    return members, found
+    records = [optima[number % len(optima)].record() for number in range(len(members))]
+    return members, [{name: one[name] for name in _FOUND if name in one} for one in records]
+
+
+def _plan(
+    training: TrainingSeries, said: Mapping[str, Any], washout: int, interval: int
+) -> ValidationPlan:
+    """Validation intervals: of series of unequal lengths, the first are the longest."""
+    lengths = series_lengths(training.observed)
+    intervals, most = said["intervals_per_series"], training.series
+    if lengths is not None:
+        fitting = np.maximum(0, (lengths - washout) // interval)
+        most = max(1, int(np.count_nonzero(fitting >= (intervals or 1))))
+        if (said["validation_series"] or 1) > most:
+            raise ValueError(
+                f"validation_series is {said['validation_series']}, but only {most} series have a "
+                f"washout of {washout} samples and validation intervals of {interval}"
+            )
+    validated = said["validation_series"] or min(_MOST_VALIDATION_SERIES, most)
+    if lengths is not None and intervals is None:
+        intervals = max(1, int(fitting[:validated].min()))
+    return ValidationPlan(washout, interval, validated, intervals)
 
 
 def training_of(
@@ -101,6 +125,10 @@ def training_of(
     """
     scale = network_input_range(states, network.input_range)
     offset = network_input_offset(states, network.input_offset)
+    if (lengths := series_lengths(observed)) is not None:
+        longest_first = np.argsort(-lengths, kind="stable")
+        observed = observed[longest_first]
+        schedules = None if schedules is None else schedules[longest_first]
     training = TrainingSeries(observed, scale, input_offset=offset)
     if schedules is None:
         return training, {}
@@ -131,8 +159,9 @@ def search_edges(
 ) -> Iterator[str]:
     """Sentences about hyperparameters that most networks have on the edge of their search."""
     least = negligible_ridge(said["neurons"], samples)
+    of_searches = found[: said["searches"]]
     for name in ("spectral_radius", "input_scaling", "tikhonov"):
-        values, searched = [one[name] for one in found], said[name]
+        values, searched = [one[name] for one in of_searches], said[name]
         lost = least if name == "tikhonov" else 0.0
         for finding in optimum_on_edge(name, values, min(searched), max(searched), lost):
             yield f"the search ended on its edge, {finding.text}: search beyond it ({name})"

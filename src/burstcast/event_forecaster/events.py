@@ -1,21 +1,29 @@
 """Events of an event forecaster: durations in samples, prediction windows, outcomes, alarms."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from burstcast import durations
-from burstcast.arrays import BoolArray, FloatArray
+from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.events import upward_crossings
+from burstcast.forecast.classification import Counts
 from burstcast.forecast.observed_points import ObservedPoints
 from burstcast.forecast.windows import WindowSummaries, crosses
 from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.probability.alarm_rule import AlarmRule
-from burstcast.probability.alarms import useless_votes
+from burstcast.probability.alarms import counts_at, useless_votes
 from burstcast.probability.calibration import isotonic, logistic
 from burstcast.probability.outcomes import Outcomes, outcomes_by_series
 from burstcast.probability.votes import share_of_votes
+from burstcast.statistics.neighbour_divergence import correlation_steps
+
+FEW_EVENTS = 10
+"""Events in training series that a forecaster can learn from and be calibrated with, at least."""
+_FOLDS = 10
+"""Parts of the training series, each of which has alarms by rules of the others."""
 
 ByTime = dict[float, FloatArray]
 """What probabilities are made from at each prediction time: shares of votes, ``(points,)``."""
@@ -88,6 +96,22 @@ class Events:
     timing: EventTiming
     threshold: float  #: in units of the observable
 
+    def weaknesses(self, observable: FloatArray) -> Iterator[str]:
+        """Sentences about training series with few events, or with durations that are too short.
+
+        ``observable``: ``(series, time)``, NaN where shorter series have ended.
+        """
+        events = int(upward_crossings(observable, self.threshold).sum())
+        if events < FEW_EVENTS:
+            yield f"there are {events} events in the training series, fewer than {FEW_EVENTS}"
+        if self.timing.lyapunov_time is None:
+            steps, window = _correlation_steps(observable), self.timing.window
+            if window < steps:
+                yield (
+                    f"durations are in samples: a window of {window:g}, where the observable "
+                    f"decorrelates within {steps} (give lyapunov_time or longer durations)"
+                )
+
     def shares(self, votes: Sequence[WindowSummaries]) -> ByTime:
         """Share of the votes for an event."""
         windows, times = self.timing.windows, self.timing.times
@@ -128,14 +152,72 @@ class Events:
                     f"no starting point is left to calibrate with: the observable reaches the "
                     f"event threshold {self.threshold:.4g} in every washout"
                 )
+            alarms[time] = _rule(outcomes, prior)
             if text := useless_votes(outcomes):
                 findings.append(f"prediction time {time:g}: {text}")
-            rule = logistic(outcomes) if prior is None else isotonic(outcomes, prior)
-            alarms[time] = AlarmRule.chosen(outcomes, rule)
+                continue
+            score, permanent = self._left_out_scores(points, values[time], time, prior)
+            if score <= permanent:
+                findings.append(
+                    f"prediction time {time:g}: alarms in training series that were left out have "
+                    f"an F-score of {score:.2f}, no better than a permanent alarm ({permanent:.2f})"
+                )
         return alarms, findings
 
-    def outcomes(self, points: ObservedPoints, values: FloatArray, time: float) -> Outcomes:
-        """Outcomes at each of the values that probabilities are made from."""
+    def _left_out_scores(
+        self, points: ObservedPoints, values: FloatArray, time: float, prior: float | None
+    ) -> tuple[float, float]:
+        """F-scores of alarms by rules that have not seen the series, and of a permanent alarm."""
         series = points.points.series
-        happened, count = self.happened(points, time), int(series.max()) + 1
-        return outcomes_by_series(values, happened, self.quiet(points), series, count).total()
+        found = self.outcomes(points, values, time, series % min(_FOLDS, int(series.max()) + 1))
+        counts = np.zeros(4, dtype=np.int64)
+        for fold in range(len(found.points)):
+            others = Outcomes(
+                found.levels,
+                np.delete(found.points, fold, axis=0).sum(axis=0),
+                np.delete(found.events, fold, axis=0).sum(axis=0),
+            )
+            rule = _rule(others, prior)
+            left_out = Outcomes(found.levels, found.points[fold], found.events[fold])
+            raised = left_out.at(rule.calibration(found.levels))
+            counts += list(vars(counts_at(raised, rule.threshold)).values())
+        return float(np.nan_to_num(Counts(*counts).f_score)), permanent_f_score(found.total())
+
+    def outcomes(
+        self,
+        points: ObservedPoints,
+        values: FloatArray,
+        time: float,
+        blocks: IntArray | None = None,
+    ) -> Outcomes:
+        """Outcomes at each of the values that probabilities are made from.
+
+        ``blocks``: Block of each point, counted from 0, by which outcomes are counted; None: their
+        sums.
+        """
+        happened, quiet = self.happened(points, time), self.quiet(points)
+        if blocks is None:
+            whole = np.zeros(len(values), dtype=np.int64)
+            return outcomes_by_series(values, happened, quiet, whole, 1).total()
+        return outcomes_by_series(values, happened, quiet, blocks, int(blocks.max()) + 1)
+
+
+def permanent_f_score(outcomes: Outcomes) -> float:
+    """F-score of an alarm at each starting point; NaN without an event.
+
+    ``outcomes``: Summed over series, ``(levels,)``.
+    """
+    events, points = int(outcomes.events.sum()), int(outcomes.points.sum())
+    return 2 * events / (points + events) if events else float("nan")
+
+
+def _rule(outcomes: Outcomes, prior: float | None) -> AlarmRule:
+    calibration = logistic(outcomes) if prior is None else isotonic(outcomes, prior)
+    return AlarmRule.chosen(outcomes, calibration)
+
+
+def _correlation_steps(observable: FloatArray) -> int:
+    """Samples until the autocorrelation of series ``(series, time)`` is below 1 / e."""
+    lengths = (~np.isnan(observable)).sum(axis=1)
+    longest = observable[lengths.argmax(), : lengths.max()]
+    return correlation_steps(longest[np.newaxis, :, np.newaxis])

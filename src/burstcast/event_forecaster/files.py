@@ -215,6 +215,8 @@ def _observable_record(observable: Observable) -> Any:
         if package == "burstcast.systems":
             return {"system": name, "parameters": parameters_of(observable)}
         return "given"
+    if isinstance(observable, str):
+        return {"label": observable}
     return "given" if callable(observable) else int(observable)
 
 
@@ -246,6 +248,8 @@ def _observable_of(
         )
     if not isinstance(record, Mapping):
         return int(record)
+    if "label" in record:
+        return str(record["label"])
     name = str(record["system"])
     if ":" in name:  # a module of one's own, which would run
         raise ValueError(f"{path} names the system {name}, which is not one of burstcast's")

@@ -8,30 +8,40 @@ forecasts an event by leave-one-out forecasts of the training series. It has no 
 from __future__ import annotations  # help() then shows Observable and FloatArray, not their parts
 
 import dataclasses
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
-from typing import Any, Self, cast
+from typing import Any, Literal, Self, cast, overload
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from burstcast.arrays import BoolArray, FloatArray
+from burstcast.arrays import BoolArray, FloatArray, float_array
 from burstcast.compiled.backends import usable_backend
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
-from burstcast.data.series_layout import as_series
+from burstcast.data.series_layout import LabelledSeries, labelled_series, observation_of
+from burstcast.data.series_lengths import padded, samples_of, series_lengths
 from burstcast.event_forecaster import files
+from burstcast.event_forecaster.components import Components
 from burstcast.event_forecaster.estimator import Estimator
-from burstcast.event_forecaster.events import ByTime, Events, EventTiming
+from burstcast.event_forecaster.events import ByTime, Events, EventTiming, permanent_f_score
 from burstcast.event_forecaster.observed_states import Observable, state_space
 from burstcast.event_forecaster.parameters import checked_parameters
 from burstcast.event_forecaster.schedules import as_schedules
+from burstcast.event_forecaster.score_intervals import (
+    EventOutcomes,
+    ScoreInterval,
+    blocks_of,
+    score_intervals,
+)
 from burstcast.event_forecaster.stream import ObservationStream
 from burstcast.forecast.observed_points import ObservedPoints, observed_points
 from burstcast.forecast.window_forecasts import member_forecasts, window_forecasts
 from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters._event_classifier import EventClassifier
+from burstcast.forecasters._options import in_samples
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
 from burstcast.forecasters.registry import as_forecaster, class_of, kind_name, make_kind_of
 from burstcast.probability.alarm_rule import AlarmRule
@@ -45,9 +55,21 @@ from burstcast.systems.parameters import Parameters
 _REFERENCE_STATES = 8
 _FITTED = (
     *("components", "own_parameters", "reference_states", "reference_observable"),
-    *("event_threshold", "hyperparameters"),
+    *("event_threshold", "hyperparameters", "labels", "clock"),
 )
 """Names of what a fit has found, beside members and alarms, without their underscores."""
+
+DURATIONS: Mapping[str, tuple[float, float]] = {
+    "window": (1.0, 5.0),
+    "washout": (0.5, 5.0),
+    "validation_interval": (2.0, 5.0),
+    "calibration_spacing": (0.25, 1.0),
+    "start_spacing": (1.0, 1.0),
+}
+"""Durations that are not given: in Lyapunov times, and in samples without a Lyapunov time."""
+
+PARTS = 5
+"""Parts of a single training series that are left out in turn, to calibrate."""
 
 BINS = 11
 """Of the probability, for those scores that need them."""
@@ -61,7 +83,7 @@ class EventForecaster(Estimator):
     (`burstcast.data.series_layout`). An event of the observable in a prediction window
     is a crossing of the event threshold: it is below it at the window's first step, and at or above
     it later on. Durations are in Lyapunov times where ``lyapunov_time`` is given, and in samples
-    otherwise; they are rounded down to whole samples.
+    otherwise; they are rounded down to whole samples. `DURATIONS` has their defaults.
 
     After `fit`, ``members_`` are the fitted forecasters (a single one if the members of its
     ensemble vote, or if it is a classifier), ``hyperparameters_`` what the search found for each
@@ -90,8 +112,8 @@ class EventForecaster(Estimator):
     True
     """
 
-    #: what has events: the index of a component, a function from states ``(..., component)`` to
-    #: ``(...)``, or a system, which has an observable
+    #: what has events: a component by its number or its label, a function from states
+    #: ``(..., component)`` to ``(...)``, or a system, which has an observable
     observable: Observable = 0
     #: in units of the observable, or ``{"quantile": q}`` of the observable of the training series
     event_threshold: float | Mapping[str, float] = field(default_factory=lambda: {"quantile": 0.95})
@@ -99,11 +121,11 @@ class EventForecaster(Estimator):
     #: one or several: from the present to the beginning of the window. The first is the default of
     #: all methods.
     prediction_times: float | Sequence[float] = (1.0,)
-    window: float = 1.0  #: length of the prediction window
+    window: float | None = None  #: length of the prediction window
     #: in the unit of ``sampling_interval``; None: all durations are in samples
     lyapunov_time: float | None = None
     sampling_interval: float = 1.0  #: time between two samples
-    washout: float = 0.5  #: length of the observations that a forecast starts from
+    washout: float | None = None  #: length of the observations that a forecast starts from
     #: a kind of `burstcast.forecasters` by its name: "esn", "nvar", "quadratic", ..., or a
     #: classifier of events without trajectories, "precursor" or "esn_direct"; or a class of
     #: forecasters, or an unfitted forecaster with its options, of burstcast or of one's own:
@@ -112,26 +134,29 @@ class EventForecaster(Estimator):
     #: number of networks in the committee. Other kinds ignore it: the members of their ensemble
     #: vote (filters, analogues), or the single forecaster votes 0 or 1.
     members: int = 10
+    #: networks with a search of their own, whose hyperparameters the others take in turn
+    searches: int = 3
     neurons: int = 500  #: size of each network
     validation: str = "RV"  #: strategy: "RV", "SSV" (`burstcast.tuning.strategies`)
-    validation_interval: float = 2.0  #: length of a validation interval
-    #: training series with validation intervals; None: four, or all if there are fewer
+    validation_interval: float | None = None  #: length of a validation interval
+    #: training series with validation intervals, the first ones, or the longest where lengths
+    #: differ; None: four, or all if there are fewer
     validation_series: int | None = None
     intervals_per_series: int | None = None  #: validation intervals; None: as many as fit
     #: spectral_radius, input_scaling: bounds of the search, which is logarithmic
-    spectral_radius: tuple[float, float] = (0.1, 1.0)
-    input_scaling: tuple[float, float] = (0.1, 10.0)
+    spectral_radius: tuple[float, float] = (0.05, 1.0)
+    input_scaling: tuple[float, float] = (0.05, 10.0)
     tikhonov: float | Sequence[float] = (1e-6, 1e-9, 1e-12)  #: Tikhonov parameters to choose from
     grid: int = 4  #: grid points of the search in each direction
     bayesian_points: int = 9  #: points of Bayesian optimisation after the grid
     #: whether probabilities are calibrated by forecasts of each training series by what has not
-    #: seen it, which takes two series. Otherwise they are shares of votes.
+    #: seen it; a single series is cut into `PARTS`. Otherwise they are shares of votes.
     calibrate: bool = True
     #: weight of the prior of the calibration: number of forecasts that verified as stated, for each
     #: share of votes
     prior_forecasts: float = 30.0
-    calibration_spacing: float = 0.25  #: distance of the starting points for calibration
-    start_spacing: float = 1.0  #: distance of the starting points for scores
+    calibration_spacing: float | None = None  #: distance of the starting points for calibration
+    start_spacing: float | None = None  #: distance of the starting points for scores
     #: observation noise that is added to the training series, in standard deviations of each
     #: component; 0 for measured series
     noise: float = 0.0
@@ -149,16 +174,19 @@ class EventForecaster(Estimator):
     def fit(self, series: Any, y: Any = None, *, parameters: Any = None) -> Self:
         """Search, train, and calibrate.
 
-        ``series``: Training series, ``(series, time, component)``. ``y``: Ignored, since events are
-        found in the series. ``parameters``: For kinds that know the parameters
+        ``series``: Training series, ``(series, time, component)``, or a list of series of unequal
+        lengths (`burstcast.data.series_layout`). ``y``: Ignored, since events are found in the
+        series. ``parameters``: For kinds that know the parameters
         (``quadratic_aware``, ``esn_aware``), values in the training series of the parameters named
         by the option ``parameters``, in a form of
         `burstcast.event_forecaster.schedules.as_schedules`.
 
         Raises ValueError if a parameter is out of bounds, or the series are too few or too short
         for it, and TypeError if a parameter is of another type than it must be. Warns, once for
-        equal parameters, if most networks have a hyperparameter on the edge of its search, or if
-        forecasts tell events from no events no better than chance in the training series.
+        equal parameters, if most networks have a hyperparameter on the edge of its search; if
+        alarms in training series that were left out are no better than chance or than a permanent
+        alarm; if there are fewer than ten events; if series are too short for a forecast; or if
+        durations in samples are short beside the correlation time.
         """
         kind = self._kind  # loads what it computes with, whose threads are limited
         # threads of small matrices wait for each other more than they work
@@ -169,18 +197,26 @@ class EventForecaster(Estimator):
 
     def _fit(self, kind: ForecasterKind, series: Any, parameters: Any) -> None:
         checked, timing = checked_parameters(self), self._timing
-        states = as_series(series, "the training series")
+        given = labelled_series(series, "the training series")
+        components = Components(
+            given.states.shape[2], given.labels, isinstance(self.observable, DynamicalSystem)
+        )
+        self._check_clock(given, None)
+        states = components.arranged(given.states, given.labels)
+        if self.calibrate and not class_of(self.kind).learns_parameters:
+            states = self._in_parts(states)
         learnt = self._told(parameters, len(states), states.shape[1] - 1, "fit")
         own = None if learnt is None else learnt.mean(axis=(0, 1)).tolist()
         labelled = None
-        case = self._case(states.shape[2], own)
-        value = case.system.observable(states.transpose(2, 0, 1))
+        case = self._case(components, own)
+        value = _observable_of(case, states)
         events = Events(timing, self._threshold(value))
         observed = states
         if self.noise and not kind.sees_truth:
             scales = component_scales(states)
             observed = observed_series(states, 0, self.noise, scales, self.random_seed, self.case)
         points = self._points(case, observed, value, self._samples("calibration_spacing"))
+        findings: list[str] = [*events.weaknesses(value), *self._short_series(states)]
         if self.calibrate and len(states) < 2:
             raise ValueError(
                 "calibrating leaves one series out and takes two at least: give more series, or "
@@ -188,7 +224,6 @@ class EventForecaster(Estimator):
             )
         members: Any
         found: list[dict[str, Any]] = []
-        findings: list[str] = []
         if isinstance(kind, EventClassifier):
             spacing = timing.samples("start_spacing_lt", kind.start_spacing_lt)
             labelled = events.labelled(self._points(case, observed, value, spacing))
@@ -202,7 +237,7 @@ class EventForecaster(Estimator):
             members, found = committee.trained_committee(
                 cast(Any, kind), *training, case, checked, *steps
             )
-            findings += committee.search_edges(found, checked, states.shape[0] * states.shape[1])
+            findings += committee.search_edges(found, checked, len(samples_of(states)))
         else:
             members = [as_forecaster(kind).fit_under(observed, case, learnt)]
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
@@ -220,10 +255,13 @@ class EventForecaster(Estimator):
         # nothing of a former fit is left before all can be replaced
         self.members_, self.hyperparameters_, self.alarms_ = members, found, alarms
         self._stream = None
-        self.components_, self.own_parameters_ = states.shape[2], own
+        self.components_, self.own_parameters_ = components.count, own
+        self.labels_ = components.labels
+        self.clock_ = given.step if given.dated else None
         # `load` compares its observable with these
-        rows = np.linspace(0, states[..., 0].size - 1, _REFERENCE_STATES).astype(int)
-        self.reference_states_ = states.reshape(-1, self.components_)[rows]
+        samples = samples_of(states)
+        rows = np.linspace(0, len(samples) - 1, _REFERENCE_STATES).astype(int)
+        self.reference_states_ = samples[rows]
         self.reference_observable_ = case.system.observable(self.reference_states_.T)
         self.event_threshold_, self.warnings_ = events.threshold, findings
 
@@ -238,9 +276,9 @@ class EventForecaster(Estimator):
         The first sample is the one after the last sample of each series. Forecasts that overflow
         raise no warning; they predict no event.
 
-        ``series``: Observations up to the present, ``(series, time, component)``, at least as long
-        as the washout. Only the last washout counts. ``duration``: Length of the forecast; None: to
-        the end of the last prediction window.
+        ``series``: Observations up to the present, ``(series, time, component)`` or a list of
+        series, at least as long as the washout. Only the last washout of each counts.
+        ``duration``: Length of the forecast; None: to the end of the last prediction window.
         """
         self._check_fitted()
         as_forecaster(self._kind)  # refuses classifiers, which have no trajectories
@@ -250,7 +288,8 @@ class EventForecaster(Estimator):
             steps = timing.samples("duration", duration)
         batch = np.ascontiguousarray(self._washouts(series).transpose(1, 2, 0))
         states = [member_forecasts(one, batch, steps) for one in self.members_]
-        return np.concatenate(states, axis=2).transpose(2, 3, 0, 1)
+        found = np.concatenate(states, axis=2).transpose(2, 3, 0, 1)
+        return self._components.as_given(found)
 
     def predict_proba(
         self,
@@ -270,10 +309,9 @@ class EventForecaster(Estimator):
         of the washout to the next, as in `fit`; None: their means in training. ``planned``: Values
         that will be in force in each step of the forecast; None: the last of ``parameters``.
         """
-        time = self._time(prediction_time)
-        washouts = self._washouts(series)
-        values = self._values(washouts, self._schedules(washouts, parameters, planned))
-        probability = self.alarms_[time].calibration(values[time])
+        time, washouts = self._time(prediction_time), self._washouts(series)
+        schedules = self._schedules(washouts, parameters, planned)
+        probability = self._probabilities(washouts, time, schedules)
         return np.stack([1 - probability, probability], axis=1)
 
     def what_if(
@@ -307,7 +345,7 @@ class EventForecaster(Estimator):
         return self.alarms_[self._time(prediction_time)]
 
     def update(self, observation: Any, time: float | None = None) -> Self:
-        """Take the next observation of a running series, ``(component,)``.
+        """Take the next observation of a running series, ``(component,)``, by labels if it has any.
 
         Only the latest washout counts. A gap begins the washout again, and a warning says so: an
         observation that is not finite, or a time that is more than a sampling interval after the
@@ -320,7 +358,10 @@ class EventForecaster(Estimator):
         self._check_fitted()
         if self._stream is None:
             self._stream = self._new_stream()
-        self._stream.append(observation, time)
+        values, labels = observation_of(observation)
+        if values.shape == (self.components_,):
+            values = self._components.arranged(values, labels, "an observation")
+        self._stream.append(values, time)
         return self
 
     def probability(self, prediction_time: float | None = None) -> float:
@@ -331,18 +372,39 @@ class EventForecaster(Estimator):
         time = self._time(prediction_time)
         if self._stream is None or not self._stream.complete:
             return float("nan")
-        return float(self.predict_proba(self._stream.washout, time)[0, 1])
+        washout = self._stream.washout
+        return float(self._probabilities(washout, time, self._schedules(washout, None, None))[0])
 
-    def scores(self, series: Any, prediction_time: float | None = None) -> dict[str, float]:
+    @overload
+    def scores(
+        self, series: Any, prediction_time: float | None = None, *, interval: Literal[False] = False
+    ) -> dict[str, float]: ...
+
+    @overload
+    def scores(
+        self, series: Any, prediction_time: float | None = None, *, interval: Literal[True]
+    ) -> dict[str, ScoreInterval]: ...
+
+    def scores(
+        self, series: Any, prediction_time: float | None = None, *, interval: bool = False
+    ) -> dict[str, float] | dict[str, ScoreInterval]:
         """All scores of the probabilities, and of the alarms that they raise, in series, by name.
 
         They are "f_score", "precision", "recall", "brier_skill", "roc_area", ...
-        (`burstcast.probability.scores`), and the numbers of "forecasts" and "events". NaN where a
-        score is not defined, such as a recall without events. Starting points are those of
-        `outcomes`.
+        (`burstcast.probability.scores`), the "permanent_f_score" of an alarm at every starting
+        point, and the numbers of "forecasts" and "events". NaN where a score is not defined, such
+        as a recall without events. Starting points are those of `outcomes`.
+
+        ``interval``: Whether scores have confidence intervals of 95 %, as tuples ``(value, low,
+        high)``. They resample series, or blocks of time where there are fewer than ten series.
         """
         time, rule = self._time(prediction_time), self.rule(prediction_time)
         events, points, values = self._verified(series)
+        if interval:
+            blocks = blocks_of(points.points, events.timing.boundaries[-1])
+            by_block = events.outcomes(points, values[time], time, blocks)
+            calibrated = by_block.at(rule.calibration(by_block.levels))
+            return score_intervals(calibrated, rule.threshold, BINS, self.random_seed)
         raw = events.outcomes(points, values[time], time)
         outcomes = raw.at(rule.calibration(raw.levels))
         found = probability_scores(outcomes, rule.threshold, BINS)
@@ -350,11 +412,10 @@ class EventForecaster(Estimator):
             "forecasts": int(outcomes.points.sum()),
             "events": int(outcomes.events.sum()),
             **{name: float(value) for name, value in found.items()},
+            "permanent_f_score": permanent_f_score(outcomes),
         }
 
-    def outcomes(
-        self, series: Any, prediction_time: float | None = None
-    ) -> tuple[BoolArray, FloatArray]:
+    def outcomes(self, series: Any, prediction_time: float | None = None) -> EventOutcomes:
         """Whether an event followed starting points in series, and its probability: ``(points,)``.
 
         Starting points lie ``start_spacing`` apart in all series, which were not used in training.
@@ -363,8 +424,12 @@ class EventForecaster(Estimator):
         time = self._time(prediction_time)
         events, points, values = self._verified(series)
         quiet = events.quiet(points)
-        probability = self.rule(time).calibration(values[time])
-        return events.happened(points, time)[quiet], probability[quiet]
+        return EventOutcomes(
+            events.happened(points, time)[quiet],
+            self.rule(time).calibration(values[time])[quiet],
+            points.points.series[quiet],
+            float_array(points.points.step[quiet] * self.sampling_interval, "times"),
+        )
 
     def score(self, series: Any, y: Any = None) -> float:
         """F-score of the alarms at the first prediction time (see `scores`)."""
@@ -406,11 +471,13 @@ class EventForecaster(Estimator):
             saved = files.read_saved(path, observable, own)
             self, fitted = cls(**saved.parameters), dict(saved.fitted)
             self.warnings_ = []
+            fitted = {"labels": None, "clock": None, **fitted}  # which older files have not
             for name in _FITTED:
                 setattr(self, f"{name}_", fitted[name])
+            self.labels_ = None if self.labels_ is None else tuple(map(str, self.labels_))
             for name in ("reference_states_", "reference_observable_"):
                 setattr(self, name, np.array(getattr(self, name), dtype=np.float64))
-            case, timing = self._case(self.components_, self.own_parameters_), self._timing
+            case, timing = self._case(self._components, self.own_parameters_), self._timing
             unfitted = self._kind
             files.check_effort(
                 unfitted, self._samples("washout") + timing.boundaries[-1], self.sampling_stride
@@ -450,7 +517,7 @@ class EventForecaster(Estimator):
         if "backend" in kind.options:
             backend = usable_backend(kind.options["backend"])
             kind = dataclasses.replace(cast(Any, kind), backend=backend)
-        return kind
+        return in_samples(kind) if self.lyapunov_time is None else kind
 
     def _named_kind(self) -> dict[str, Any]:
         """Parameters that say the kind by its name, and its options."""
@@ -462,14 +529,29 @@ class EventForecaster(Estimator):
     @property
     def _timing(self) -> EventTiming:
         checked = checked_parameters(self)
-        names = ("lyapunov_time", "sampling_interval", "prediction_times", "window")
-        return EventTiming(*(checked[name] for name in names))
+        return EventTiming(
+            checked["lyapunov_time"],
+            checked["sampling_interval"],
+            checked["prediction_times"],
+            self._duration("window"),
+        )
+
+    def _duration(self, name: str) -> float:
+        """Duration that a parameter gives, or its default."""
+        given = getattr(self, name)
+        return DURATIONS[name][self.lyapunov_time is None] if given is None else given
 
     def _samples(self, name: str) -> int:
         """Number of samples in the duration that a parameter gives."""
-        return self._timing.samples(name, getattr(self, name))
+        return self._timing.samples(name, self._duration(name))
 
-    def _case(self, components: int, own: Sequence[float] | None = None) -> ForecastingCase:
+    @property
+    def _components(self) -> Components:
+        """Components of the training series."""
+        is_system = isinstance(self.observable, DynamicalSystem)
+        return Components(self.components_, self.labels_, is_system)
+
+    def _case(self, components: Components, own: Sequence[float] | None = None) -> ForecastingCase:
         """Knowledge of forecasters beside the series, with their ``own`` parameter values."""
         if self.sampling_stride < 1:
             raise ValueError(f"sampling_stride must be 1 at least, not {self.sampling_stride}")
@@ -529,9 +611,9 @@ class EventForecaster(Estimator):
                 raise ValueError(
                     f"event_threshold must be a number or {{'quantile': q}}, not {dict(given)}"
                 )
-            return threshold_at(given["quantile"], observable)
+            return threshold_at(given["quantile"], observable[~np.isnan(observable)])
         threshold = float(given)
-        low, high = float(observable.min()), float(observable.max())
+        low, high = float(np.nanmin(observable)), float(np.nanmax(observable))
         if not low < threshold <= high:
             raise ValueError(
                 f"event_threshold is {threshold:g}, but the observable of the training series lies "
@@ -558,13 +640,41 @@ class EventForecaster(Estimator):
 
     def _like_training(self, series: Any) -> FloatArray:
         self._check_fitted()
-        states = as_series(series)
-        if states.shape[2] != self.components_:
+        given = labelled_series(series)
+        self._check_clock(given, self.clock_)
+        return self._components.arranged(given.states, given.labels)
+
+    def _check_clock(self, series: LabelledSeries, seconds: float | None) -> None:
+        """Compare a clock with the sampling interval, or dates with those of the training."""
+        if not series.dated:
+            series.check_step(self.sampling_interval, "sampling_interval")
+        elif seconds is not None:
+            series.check_step(seconds, "the interval of the training series")
+
+    def _in_parts(self, states: FloatArray) -> FloatArray:
+        """Several series as they are, or a single one in parts that are left out in turn."""
+        if len(states) > 1:
+            return states
+        parts, reach = np.array_split(states[0], PARTS), self._timing.boundaries[-1]
+        least, shortest = self._samples("washout") + reach, len(parts[-1])
+        if shortest < least:
             raise ValueError(
-                f"the series have {states.shape[2]} components, the training series had "
-                f"{self.components_}"
+                f"calibrating leaves out one {PARTS}th of a single series in turn; it has "
+                f"{shortest} samples, and a washout and the last prediction window take {least}: "
+                "give a longer series or several, or calibrate=False"
             )
-        return states
+        return np.stack(parts) if shortest == len(parts[0]) else padded(parts)
+
+    def _short_series(self, states: FloatArray) -> list[str]:
+        """A sentence about series that are too short for any forecast; none without such series."""
+        lengths, least = series_lengths(states), self._samples("washout")
+        least += self._timing.boundaries[-1]
+        if lengths is None or not (short := int((lengths < least).sum())):
+            return []
+        return [
+            f"{short} of {len(lengths)} series have no starting point: they have fewer than "
+            f"{least} samples, which a washout and the last prediction window take"
+        ]
 
     def _new_stream(self) -> ObservationStream:
         washout = self._samples("washout")
@@ -576,7 +686,13 @@ class EventForecaster(Estimator):
             raise ValueError(
                 f"the washout takes {washout} samples, the series have {states.shape[1]}"
             )
-        return states[:, -washout:]
+        lengths = series_lengths(states)
+        if lengths is None:
+            return states[:, -washout:]
+        if (shortest := int(lengths.min())) < washout:
+            raise ValueError(f"the washout takes {washout} samples, a series has {shortest}")
+        ends = zip(states, lengths.tolist(), strict=True)
+        return np.stack([one[end - washout : end] for one, end in ends])
 
     def _points(
         self, case: ForecastingCase, observed: FloatArray, value: FloatArray, spacing: int
@@ -592,20 +708,37 @@ class EventForecaster(Estimator):
 
     def _verified(self, series: Any) -> tuple[Events, ObservedPoints, ByTime]:
         """Starting points in test series, and what their probabilities are made from."""
-        states, case = self._like_training(series), self._case(self.components_)
-        value = case.system.observable(states.transpose(2, 0, 1))
+        states, case = self._like_training(series), self._case(self._components)
+        for text in self._short_series(states):
+            warnings.warn(text, stacklevel=4)
+        value = _observable_of(case, states)
         points = self._points(case, states, value, self._samples("start_spacing"))
         return Events(self._timing, self.event_threshold_), points, self._values(points.washouts)
+
+    def _probabilities(
+        self, washouts: FloatArray, time: float, schedules: FloatArray | None = None
+    ) -> FloatArray:
+        """Probabilities of an event after washouts ``(points, steps, component)``."""
+        return self.alarms_[time].calibration(self._values(washouts, schedules)[time])
 
     def _values(self, washouts: FloatArray, schedules: FloatArray | None = None) -> ByTime:
         """What probabilities after washouts ``(points, steps, component)`` are made from."""
         events = Events(self._timing, self.event_threshold_)
         if isinstance(classifier := self.members_[0], EventClassifier):
             return events.by_time(classifier.probabilities(washouts))
-        observable = self._case(self.components_).system.observable
+        observable = self._case(self._components).system.observable
         asked = observable, washouts, events.timing.boundaries, schedules
         found = [window_forecasts(one, *asked) for one in self.members_]
         return events.shares([member for one in found for member in one.members])
+
+
+def _observable_of(case: ForecastingCase, states: FloatArray) -> FloatArray:
+    """Observable of series, ``(series, time)``; NaN where shorter series have ended."""
+    if series_lengths(states) is None:
+        return case.system.observable(states.transpose(2, 0, 1))
+    value = np.full(states.shape[:2], np.nan)
+    value[~np.isnan(states[..., 0])] = case.system.observable(samples_of(states).T)
+    return value
 
 
 def _left_out(

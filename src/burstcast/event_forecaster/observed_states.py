@@ -5,11 +5,14 @@ from collections.abc import Callable
 import numpy as np
 
 from burstcast.arrays import FloatArray, float_array
+from burstcast.event_forecaster.components import Components
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.state_space import StateSpace
 
-Observable = int | Callable[[FloatArray], FloatArray] | DynamicalSystem
-"""A component, a function from states ``(..., component)`` to ``(...)``, or a system."""
+Observable = int | str | Callable[[FloatArray], FloatArray] | DynamicalSystem
+"""A component by its number or its label, a function from states ``(..., component)`` to ``(...)``,
+or a system.
+"""
 
 
 class ObservedStates:
@@ -19,19 +22,15 @@ class ObservedStates:
     observable_symbol = "q"
 
     def __init__(
-        self, observable: int | Callable[[FloatArray], FloatArray], components: int
+        self, observable: int | str | Callable[[FloatArray], FloatArray], components: Components
     ) -> None:
-        if not callable(observable) and not -components <= observable < components:
-            raise ValueError(
-                f"observable is component {observable}, but the series have {components}: 0 to "
-                f"{components - 1}"
-            )
-        self._given, self._components = observable, components
+        self._given = observable if callable(observable) else components.place(observable)
+        self._components = components
 
     @property
     def dimension(self) -> int:
         """Number of components."""
-        return self._components
+        return self._components.count
 
     def observable(self, state: FloatArray) -> FloatArray:
         """Observable of states ``(component, ...)``."""
@@ -39,7 +38,7 @@ class ObservedStates:
             component: FloatArray = state[self._given]
             return component
         # a copy of the same layout: the function may work in place
-        states = np.moveaxis(state, 0, -1).copy(order="K")
+        states = self._components.as_given(np.moveaxis(state, 0, -1)).copy(order="K")
         value = float_array(self._given(states), "the observable")
         if value.shape != state.shape[1:]:
             raise ValueError(
@@ -49,13 +48,13 @@ class ObservedStates:
         return value
 
 
-def state_space(observable: Observable, components: int) -> StateSpace:
-    """State space of a number of components with a given observable."""
+def state_space(observable: Observable, components: Components) -> StateSpace:
+    """State space of some components with a given observable."""
     if not isinstance(observable, DynamicalSystem):
         return ObservedStates(observable, components)
-    if observable.dimension != components:
+    if observable.dimension != components.count:
         raise ValueError(
-            f"the series have {components} components, states of the observable's system have "
-            f"{observable.dimension}"
+            f"the series have {components.count} components, states of the observable's system "
+            f"have {observable.dimension}"
         )
     return observable

@@ -8,7 +8,10 @@ from typing import Any
 
 import numpy as np
 
-_LEAST = {"grid": 1, "neurons": 1, "bayesian_points": 0, "noise": 0.0, "prior_forecasts": 0.0}
+_LEAST = {
+    **{"grid": 1, "neurons": 1, "searches": 1, "bayesian_points": 0},
+    **{"noise": 0.0, "prior_forecasts": 0.0},
+}
 """Smallest values of parameters; durations are compared with a sample where they are used."""
 
 
@@ -34,10 +37,10 @@ def checked_parameters(estimator: Any) -> dict[str, Any]:
             value = tuple(_number(name, one) for one in several)
         elif expected.startswith("float |") and not isinstance(value, Mapping):
             value = _number(name, value)
-        elif expected == "Observable" and (value is None or isinstance(value, str | float | bool)):
+        elif expected == "Observable" and (value is None or isinstance(value, float | bool)):
             raise TypeError(
-                "observable must be the number of a component, counted from 0, a function of "
-                f"states, or a system, not {value!r}"
+                "observable must be the number of a component, counted from 0, its label, a "
+                f"function of states, or a system, not {value!r}"
             )
         if name in _LEAST and value < _LEAST[name]:
             raise ValueError(f"{name} must be {_LEAST[name]:g} at least, not {value!r}")

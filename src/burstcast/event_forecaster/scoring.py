@@ -33,7 +33,7 @@ class EventScorer:
             from sklearn.metrics import get_scorer
 
             scoring = get_scorer(scoring)
-        happened, probability = forecaster.outcomes(series, time)
+        happened, probability = forecaster.outcomes(series, time)[:2]
         if not hasattr(scoring, "_score_func"):
             return float(scoring(happened, probability))
         threshold = forecaster.rule(time).threshold

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from burstcast.arrays import FloatArray
+from burstcast.data.series_lengths import series_lengths
 from burstcast.data.starting_points import SeriesPoints, segments, starting_points
 from burstcast.forecast.windows import WindowSummaries, summarise
 
@@ -36,7 +37,8 @@ def observed_points(
     ``spacing``, ``washout``: Steps between two points, and steps of a washout (`starting_points`).
     """
     series, length = true_observable.shape
-    points = starting_points(series, length, spacing, washout, boundaries[-1])
+    lengths = series_lengths(observed)
+    points = starting_points(series, length, spacing, washout, boundaries[-1], lengths=lengths)
     washouts = segments(observed, points, washout - 1, 0)
     return ObservedPoints(
         points,

@@ -4,8 +4,8 @@ Each class is one section of ``forecasters`` in the workflow's config, with the 
 defaults. A kind has the options of the sections that it inherits from.
 """
 
-from dataclasses import dataclass
-from typing import ClassVar, Literal
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Literal
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,7 +21,7 @@ class NetworkOptions:
     #: what is subtracted from inputs and targets: their mean over the training series, so that
     #: forecasts do not depend on the zero of a unit, or nothing, as in the paper
     input_offset: Literal["mean", "none"] = "mean"
-    readout: Literal["linear", "quadratic"] = "linear"  #: `burstcast.esn.readout`
+    readout: Literal["linear", "quadratic"] = "quadratic"  #: `burstcast.esn.readout`
     leak_rate: tuple[float, ...] = (1.0,)  #: several: chosen by the search
     #: a forecast beyond this many training ranges of any component has diverged; None: not judged
     divergence_bound: float | None = 10.0
@@ -130,3 +130,21 @@ SECTIONS: dict[str, type] = {
     )
 }
 """Classes of options by section."""
+
+_IN_SAMPLES: dict[type, dict[str, Any]] = {
+    QuadraticOptions: {"window_lt": 1.0},
+    ClassifierOptions: {"start_spacing_lt": 1.0},
+    PrecursorOptions: {"lags_lt": (1.0, 2.0, 3.0, 4.0)},
+}
+"""Options whose defaults are durations, where durations are in samples."""
+
+
+def in_samples(kind: Any) -> Any:
+    """Forecaster whose durations are in samples: defaults in Lyapunov times are below a sample."""
+    changes = {
+        name: value
+        for section, options in _IN_SAMPLES.items()
+        for name, value in options.items()
+        if isinstance(kind, section) and getattr(kind, name) == getattr(section(), name)
+    }
+    return replace(kind, **changes) if changes else kind

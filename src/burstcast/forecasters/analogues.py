@@ -11,9 +11,10 @@ from typing import ClassVar, Self
 import numpy as np
 from scipy.spatial import KDTree
 
-from burstcast.arrays import FloatArray
+from burstcast.arrays import BoolArray, FloatArray
+from burstcast.data.series_lengths import samples_of, series_lengths
 from burstcast.forecasters._options import AnalogueOptions
-from burstcast.forecasters.base import Forecaster, ForecastingCase, fitted
+from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase, fitted
 
 
 @dataclass(frozen=True)
@@ -27,28 +28,58 @@ class Analogues(AnalogueOptions, Forecaster):
 
     provides_ensemble: ClassVar[bool] = True
 
-    training: FloatArray = fitted()  #: observed series, ``(series, time, dimension)``
+    #: observed series, ``(series, time, dimension)``; of unequal lengths, one after the other,
+    #: ``(samples, dimension)``
+    training: FloatArray = fitted()
+    #: samples of each series, ``(series,)``; None: series of equal lengths
+    lengths: FloatArray | None = fitted()
 
     def __repr__(self) -> str:
         if self.training is None:
             return f"Analogues(neighbours={self.neighbours})"
-        series, samples, _ = self.training.shape
-        return f"Analogues({self.neighbours} of {series} series of {samples} samples)"
+        series = len(self.training if self.lengths is None else self.lengths)
+        samples = len(self._states)
+        return f"Analogues({self.neighbours} of {samples} samples of {series} series)"
 
     def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Remember the series (see `Forecaster.fit`)."""
-        return self.with_fitted(training=training.copy())
+        if (lengths := series_lengths(training)) is None:
+            return self.with_fitted(training=training.copy())
+        return self.with_fitted(training=samples_of(training), lengths=lengths.astype(np.float64))
+
+    def record(self) -> ForecasterRecord:
+        """Series, and their lengths if these are unequal."""
+        lengths = {} if self.lengths is None else {"lengths": self.lengths}
+        return ForecasterRecord({"training": self.training, **lengths})
+
+    def restore(self, record: ForecasterRecord, case: ForecastingCase) -> Self:
+        """Take the series from their record."""
+        return self.with_fitted(**record.arrays)
+
+    @cached_property
+    def _states(self) -> FloatArray:
+        """Samples of all series, one after the other, ``(samples, dimension)``."""
+        return self.training.reshape(-1, self.training.shape[-1])
+
+    @cached_property
+    def _last(self) -> BoolArray:
+        """Whether a sample is the last of its series, ``(samples,)``."""
+        found = np.zeros(len(self._states), dtype=bool)
+        if self.lengths is None:
+            found[self.training.shape[1] - 1 :: self.training.shape[1]] = True
+        else:
+            found[np.cumsum(self.lengths).astype(int) - 1] = True
+        return found
 
     @cached_property
     def _scale(self) -> FloatArray:
-        scale: FloatArray = self.training.std(axis=(0, 1))
+        scale: FloatArray = self._states.std(axis=0)
         return np.where(scale > 0, scale, 1.0)  # a constant component tells no states apart
 
     @cached_property
     def _tree(self) -> KDTree:
         # nothing follows the last state of a series
-        candidates = self.training[:, :-1] / self._scale
-        return KDTree(candidates.reshape(-1, candidates.shape[2]))
+        return KDTree(self._states[~self._last] / self._scale)
 
     def ensemble(self, washout: FloatArray) -> FloatArray:
         """Memories of one analogue each, ``(1, neighbours, batch)`` (see `Forecaster.ensemble`)."""
@@ -66,18 +97,18 @@ class Analogues(AnalogueOptions, Forecaster):
         """
         count = range(1, self.neighbours + 1)
         found = self._tree.query(washout[-1].T / self._scale, k=list(count))[1].T
-        length = self.training.shape[1]
         # from rows of the tree, whose series are one shorter
-        steps: FloatArray = (found + found // (length - 1)).astype(np.float64)
+        steps: FloatArray = np.flatnonzero(~self._last)[found].astype(np.float64)
         return steps
 
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Follow the analogues (see `Forecaster.advance`); one that has ended is not a number."""
-        length, dimension = self.training.shape[1:]
-        states = self.training.reshape(-1, dimension)
-        outputs = np.empty((steps, dimension, memory.shape[1]))
+        states = self._states
+        outputs = np.empty((steps, states.shape[1], memory.shape[1]))
         for step in range(steps):
-            memory = np.where((memory + 1) % length == 0, np.nan, memory + 1)
+            ended = np.isnan(memory)
+            ended |= self._last[np.where(ended, 0, memory).astype(int)]
+            memory = np.where(ended, np.nan, memory + 1)
             total, count = np.zeros(outputs.shape[1:]), np.zeros(memory.shape[1])
             for place in memory:
                 going = np.isfinite(place)

@@ -4,9 +4,10 @@ The reservoir of an echo state network is driven by the observed washout. Its st
 point gives the probability of an event in each window; there is no closed loop.
 """
 
+import warnings
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Self
+from typing import Literal, Self
 
 import numpy as np
 
@@ -39,6 +40,9 @@ _POINTS_PER_BATCH = 1024
 @dataclass(frozen=True)
 class DirectReadout(NetworkOptions, DirectReadoutOptions, EventClassifier):
     """Probabilities from the state of a reservoir after the washout."""
+
+    # squares of neurons help closed loops, and no classifier of measured records
+    readout: Literal["linear", "quadratic"] = "linear"
 
     dynamics: Dynamics = fitted()  #: reservoir with its hyperparameters
     seed: ReservoirSeed = fitted()  #: what the reservoir is made from
@@ -81,6 +85,12 @@ class DirectReadout(NetworkOptions, DirectReadoutOptions, EventClassifier):
                 score = _validation_score(states, points, penalty)
                 if score > highest:
                     best, highest = [*point, penalty], score
+        if several and highest <= 0:
+            warnings.warn(
+                "esn_direct cannot choose among hyperparameters and takes the first of each: no "
+                "prediction window has events in every third training series and in the others",
+                stacklevel=2,
+            )
         *chosen, penalty = best
         dynamics = driven(*chosen)
         states = with_known(_states(dynamics, inputs), points.known)
@@ -160,6 +170,8 @@ def _validation_score(states: FloatArray, points: LabelledPoints, penalty: float
     held_out = np.isin(points.series, np.unique(points.series)[::_HELD_OUT])
     learnt, happened = points.happened[~held_out], points.happened[held_out]
     both = learnt.any(axis=0) & happened.any(axis=0)
+    if not both.any():
+        return 0.0
     weights = fit_logistic(states[~held_out], learnt[:, both], penalty)
     chance = event_probability(weights, states[held_out])
     every, one = np.ones(len(chance), dtype=bool), np.zeros(len(chance), dtype=np.int64)
@@ -167,4 +179,4 @@ def _validation_score(states: FloatArray, points: LabelledPoints, penalty: float
         average_precision(outcomes_by_series(given, events, every, one, 1).total())
         for given, events in zip(chance.T, happened[:, both].T, strict=True)
     ]
-    return float(np.mean(scores)) if scores else 0.0
+    return float(np.mean(scores))

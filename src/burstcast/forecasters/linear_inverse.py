@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.data.series_lengths import series_lengths
 from burstcast.forecasters.base import Forecaster, ForecastingCase, fitted
 
 
@@ -30,6 +31,9 @@ class LinearInverseModel(Forecaster):
         dimension = training.shape[2]
         now = training[:, :-1].reshape(-1, dimension)
         following = training[:, 1:].reshape(-1, dimension)
+        if series_lengths(training) is not None:
+            there = ~np.isnan(following[:, 0])
+            now, following = now[there], following[there]
         inputs = np.column_stack([now, np.ones(len(now))])
         weights = np.linalg.lstsq(inputs, following)[0]
         propagator = np.ascontiguousarray(weights[:-1].T)

@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.data.series_lengths import samples_of, series_lengths
 from burstcast.forecasters._options import NVAROptions
 from burstcast.forecasters.base import Forecaster, ForecastingCase, fitted
 
@@ -34,7 +35,8 @@ class NVAR(NVAROptions, Forecaster):
         if training.shape[1] <= self.lags:
             raise ValueError(f"{self.lags} lags take series of more than {self.lags} samples")
         training = np.ascontiguousarray(training)  # sums depend on the layout in their last bits
-        mean, scale = training.mean(axis=(0, 1)), training.std(axis=(0, 1))
+        samples = samples_of(training)
+        mean, scale = samples.mean(axis=0), samples.std(axis=0)
         scale = np.where(scale > 0, scale, 1.0)
         series = ((training - mean) / scale).transpose(1, 2, 0)
         count, dimension, _ = series.shape
@@ -42,6 +44,9 @@ class NVAR(NVAROptions, Forecaster):
         memory = np.concatenate(past, axis=1).transpose(1, 0, 2).reshape(self.lags * dimension, -1)
         increments = np.diff(series[self.lags - 1 :], axis=0)
         wanted = increments.transpose(1, 0, 2).reshape(dimension, -1)
+        if series_lengths(training) is not None:
+            there = ~np.isnan(wanted[0])
+            memory, wanted = memory[:, there], wanted[:, there]
         features = _features(memory)
         gram = features @ features.T / len(wanted.T) + self.ridge * np.eye(len(features))
         weights = np.linalg.solve(gram, features @ wanted.T / len(wanted.T))

@@ -16,12 +16,14 @@ changes are left out.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.data.series_lengths import samples_of, series_lengths
 from burstcast.polynomials.basis import denoised, monomials
 
 SIGNIFICANCE = 4
@@ -113,20 +115,32 @@ def factored_coefficients(
             f"({series.shape[0]}, {series.shape[1] - 1}, factors), not {factors.shape}"
         )
     count = (1 + factors.shape[2]) * len(monomials(series.shape[2], degree))
-    windows = int(sum(_unchanged(of_series, window).sum() for of_series in factors))
+    lengths = series_lengths(series)
+    if lengths is None:
+        lengths = np.full(len(series), series.shape[1])
+    windows = sum(
+        int(_unchanged(of_series[: max(0, length - 1)], window).sum())
+        for of_series, length in zip(factors, lengths, strict=True)
+    )
     if windows < count:
         unchanged = " in which no parameter changes: shorten them (forecasters.quadratic.window_lt)"
         raise ValueError(
-            f"{series.shape[0]} series of {series.shape[1]} samples are too few for {count} "
+            f"{series.shape[0]} series of {lengths.max()} samples are too few for {count} "
             f"coefficients of each equation from windows of {window} intervals"
             f"{unchanged if factors.shape[2] else ''}"
         )
     # in units of the components' standard deviations, in which monomials are alike in size
-    scale, mean = series.std(axis=(0, 1)), series.mean(axis=(0, 1))
+    samples = samples_of(series)
+    scale, mean = samples.std(axis=0), samples.mean(axis=0)
     if not (scale > 0).all():
         raise ValueError(f"component {int(np.argmin(scale > 0))} is constant in all series")
     far = np.where(np.abs(mean) > _FAR * scale, mean, 0.0)
-    moments = _moments((series - far) / scale, noise / scale, degree, window, factors)
+    parts = [
+        ((states[:length] - far) / scale, of_series[: length - 1])
+        for states, of_series, length in zip(series, factors, lengths, strict=True)
+        if length > window
+    ]
+    moments = _moments(parts, noise / scale, degree, window)
     columns = [
         _significant(moments.gram, moments.cross[:, :, component], significance)
         for component in range(series.shape[2])
@@ -186,22 +200,24 @@ def _groups(
 
 
 def _moments(
-    series: FloatArray, noise: FloatArray, degree: int, window: int, factors: FloatArray
+    series: Sequence[tuple[FloatArray, FloatArray]], noise: FloatArray, degree: int, window: int
 ) -> _Moments:
-    basis, variance = monomials(series.shape[2], degree), np.square(noise)
+    """Moments of series with factors, ``(time, component)`` and ``(time - 1, factors)``."""
+    dimension, count = len(noise), series[0][1].shape[1]
+    basis, variance = monomials(dimension, degree), np.square(noise)
     weights = gregory_weights(window)
-    windows = series.shape[1] - window
-    stretches = min(
-        math.ceil(_STRETCHES / len(series)),
-        max(1, windows // (_WINDOWS_PER_STRETCH * window)),
-    )
-    bounds = list(pairwise(np.linspace(0, windows, stretches + 1).astype(int)))
-    size = (1 + factors.shape[2]) * len(basis)
+    size = (1 + count) * len(basis)
     gram, cross = [], []
-    for states, of_series in zip(series, factors, strict=True):
+    for states, of_series in series:
+        windows = len(states) - window
+        stretches = min(
+            math.ceil(_STRETCHES / len(series)),
+            max(1, windows // (_WINDOWS_PER_STRETCH * window)),
+        )
+        bounds = list(pairwise(np.linspace(0, windows, stretches + 1).astype(int)))
         groups = _groups(of_series, window, bounds)
         # by how much the noise of each sample is in the squares of a group's integrals
-        shares = np.zeros((len(groups), series.shape[1]))
+        shares = np.zeros((len(groups), len(states)))
         for point, weight in enumerate(weights):
             for share, (_, _, starts) in zip(shares, groups, strict=True):
                 share[starts + point] += weight**2
@@ -214,7 +230,7 @@ def _moments(
         increments = states[window:] - states[:-window]
         added = _squared_noise(states, variance, degree, values, shares)
         of_gram = np.zeros((stretches, size, size))
-        of_cross = np.zeros((stretches, size, series.shape[2]))
+        of_cross = np.zeros((stretches, size, dimension))
         for (stretch, multiples, starts), from_noise in zip(groups, added, strict=True):
             part = np.ascontiguousarray(integrals[:, starts])
             of_gram[stretch] += np.kron(np.outer(multiples, multiples), part @ part.T - from_noise)

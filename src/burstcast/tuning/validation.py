@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 
 from burstcast.arrays import FloatArray
+from burstcast.data.series_lengths import samples_of, series_lengths
 from burstcast.esn.dynamics import Dynamics
 from burstcast.esn.network import EchoStateNetwork
 from burstcast.esn.readout import Moments, Readout, ReadoutKind, solve_ridge
@@ -64,7 +65,9 @@ def validate(
     loops = _open_loops(dynamics, training, plan.washout, [fold for some in folds for fold in some])
     unit = 1.0
     if training.input_offset is not None:
-        unit = float(np.var(observable(training.observed.transpose(2, 0, 1))))
+        states, unequal = training.observed, series_lengths(training.observed) is not None
+        samples = samples_of(states).T if unequal else states.transpose(2, 0, 1)
+        unit = float(np.var(observable(samples)))
     results = []
     for strategy, of_strategy in zip(strategies, folds, strict=True):
         readouts: list[list[Readout]] = [[] for _ in tikhonov]

@@ -11,6 +11,11 @@ from burstcast.forecasters.registry import options_of_kind
 from burstcast.tuning.strategies.registry import scanned_with, strategy_module
 from burstcast_workflow.campaign.control_runs import ControlRuns
 
+MEASURED_INPUTS = {"input_bias": 1.0, "input_offset": "mean"}
+"""Inputs of networks of measured series: centred inputs need a bias that breaks tanh's symmetry."""
+SIMULATED_INPUTS = {"input_bias": 0.1, "input_offset": "none"}
+"""Inputs of networks of simulated series, as in the paper."""
+
 
 class Campaign(ControlRuns):
     """A configuration, expanded: members, runs of control, and settings that they share."""
@@ -18,15 +23,16 @@ class Campaign(ControlRuns):
     def sections(self, case: str, label: str | None = None) -> dict[str, Any]:
         """Settings of kinds of forecasters in a case; records have known columns as parameters.
 
-        Networks with the label of a variant have its settings. What networks subtract from their
-        inputs follows from the case where the config leaves it open.
+        Networks with the label of a variant have its settings. The offset and the bias of their
+        inputs follow from the case where the config leaves them open.
         """
         sections: dict[str, Any] = self.plain["forecasters"]
         if label in sections["variants"]:
             sections = {**sections, "esn": {**sections["esn"], **sections["variants"][label]}}
-        if sections["esn"]["input_offset"] is None:
-            offset = "mean" if case and self.cases[case].data else "none"
-            sections = {**sections, "esn": {**sections["esn"], "input_offset": offset}}
+        measured = bool(case and self.cases[case].data)
+        inputs = MEASURED_INPUTS if measured else SIMULATED_INPUTS
+        left_open = {name: value for name, value in inputs.items() if sections["esn"][name] is None}
+        sections = {**sections, "esn": {**sections["esn"], **left_open}}
         known = self.cases[case].known if case else []
         if known:
             told = {**sections["aware"], "parameters": known, "transform": "identity"}

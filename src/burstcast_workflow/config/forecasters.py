@@ -182,7 +182,10 @@ class EchoStateNetwork(Section):
     """Echo state networks."""
 
     connectivity: Positive = setting("mean number of connections of a neuron")
-    input_bias: Number = setting("constant that is appended to the normalised inputs, b_in")
+    input_bias: Number | None = setting(
+        "constant that is appended to the normalised inputs, b_in; null: 1 for measured series "
+        "(`data` of a case), 0.1 for simulated ones, as in the paper"
+    )
     input_range: Literal["all", "first"] = setting(
         "training series whose range the inputs are divided by: all, or the first one, as in the "
         "programs of the paper's authors"

@@ -6,14 +6,13 @@ from burstcast.natural_order import natural_order
 from burstcast.tables.latex import to_latex
 from burstcast.tables.parameters import network_parameters, side_by_side
 from burstcast_workflow.harness.job import JobSettings, at, job, write_table, write_text
-from burstcast_workflow.jobs.noise import CaseNoise
+from burstcast_workflow.jobs.network_inputs import CaseInputs
 
 
 class Hyperparameters(JobSettings):
-    """Hyperparameters of all networks, and the noise of each case."""
+    """Hyperparameters of all networks, and what differs between cases."""
 
     connectivity: float = at("forecasters.esn.connectivity")
-    input_bias: float = at("forecasters.esn.input_bias")
     spectral_radius: list[float] = at("search.spectral_radius")
     input_scaling: list[float] = at("search.input_scaling")
     tikhonov: list[float] = at("search.tikhonov")
@@ -23,21 +22,21 @@ class Hyperparameters(JobSettings):
 
 @job
 def network_hyperparameters(*, table: str, latex: str, settings: Hyperparameters) -> None:
-    """Write one column of values, or one for each case where the noise differs."""
+    """Write one column of values, or one for each case where the noise or the bias differs."""
     cases = settings.cases
-    noise = {case: CaseNoise(cases[case], {}).noise for case in sorted(cases, key=natural_order)}
-    if len(set(noise.values())) == 1:
-        noise = dict([next(iter(noise.items()))])
+    inputs = {case: CaseInputs(cases[case], {}) for case in sorted(cases, key=natural_order)}
+    if len({(one.noise, one.input_bias) for one in inputs.values()}) == 1:
+        inputs = dict([next(iter(inputs.items()))])
     tables = {
         case: network_parameters(
             spectral_radius=settings.spectral_radius,
             input_scaling=settings.input_scaling,
             tikhonov=settings.tikhonov,
             connectivity=settings.connectivity,
-            input_bias=settings.input_bias,
-            noise=value,
+            input_bias=one.input_bias,
+            noise=one.noise,
         )
-        for case, value in noise.items()
+        for case, one in inputs.items()
     }
     found = side_by_side(tables)
     write_table(table, found)

@@ -3,7 +3,8 @@
 from burstcast_workflow.harness.settings import JobSettings, at
 
 
-class CaseNoise(JobSettings):
-    """Noise of a case."""
+class CaseInputs(JobSettings):
+    """Noise of a case, and the bias of its networks' inputs."""
 
     noise: float = at("case.training.noise")
+    input_bias: float = at("forecasters.esn.input_bias")

@@ -1,0 +1,77 @@
+"""Scores of an event forecaster with confidence intervals, and the outcomes that they are of."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from burstcast import random_streams
+from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.data.starting_points import SeriesPoints
+from burstcast.probability.outcomes import Outcomes
+from burstcast.probability.scores import resampled_scores
+from burstcast.statistics.resampled_score import ResampledScore
+from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
+
+_CONFIDENCE, _RESAMPLES = 0.95, 1000
+_LEAST_SERIES = 10
+"""Series that are resampled as they are; fewer of them are cut into blocks of time."""
+_BLOCKS = 20
+"""Blocks of time that few series are cut into, at most."""
+
+
+class EventOutcomes(NamedTuple):
+    """Outcomes at starting points of forecasts; arrays ``(points,)``."""
+
+    happened: BoolArray  #: whether an event followed
+    probability: FloatArray  #: probability of an event
+    series: IntArray  #: row of the series of each starting point
+    time: FloatArray  #: time from the first sample of its series, in units of the sampling interval
+
+
+class ScoreInterval(NamedTuple):
+    """A score with the ends of its confidence interval of 95 %."""
+
+    value: float
+    low: float
+    high: float
+
+
+def blocks_of(points: SeriesPoints, reach: int) -> IntArray:
+    """Block of each starting point, counted from 0: its series, or a stretch of time in it.
+
+    ``reach``: Steps to the end of the last prediction window. Blocks of time are no shorter, so
+    that forecasts in a block have little to do with those of blocks beyond the next one.
+
+    Examples
+    --------
+    >>> blocks_of(SeriesPoints(np.zeros(6, int), np.arange(0, 60, 10)), reach=20).tolist()
+    [0, 0, 1, 1, 2, 2]
+    """
+    if len(np.unique(points.series)) >= _LEAST_SERIES:
+        return np.asarray(np.unique(points.series, return_inverse=True)[1])
+    spans = [np.ptp(points.step[points.series == row]) + 1 for row in np.unique(points.series)]
+    length = max(reach, -(-int(sum(spans)) // _BLOCKS))
+    numbered = points.series * (int(points.step.max()) // length + 1) + points.step // length
+    return np.asarray(np.unique(numbered, return_inverse=True)[1])
+
+
+def score_intervals(
+    outcomes: Outcomes, threshold: float, bins: int, random_seed: int
+) -> dict[str, ScoreInterval]:
+    """Scores of `burstcast.probability.scores` with intervals of a bootstrap over blocks.
+
+    ``outcomes``: By block, ``(blocks, levels)``.
+    """
+    generator = random_streams.stream(random_seed, "score intervals")
+    weights = bootstrap_weights(len(outcomes.points), _RESAMPLES, generator)
+    scores = resampled_scores(outcomes, weights, threshold, bins)
+    scores["permanent_f_score"] = _permanent(scores["base_rate"])
+    return {
+        name: ScoreInterval(float(one.value), *percentile_interval(one.samples, _CONFIDENCE))
+        for name, one in scores.items()
+    }
+
+
+def _permanent(base_rate: ResampledScore) -> ResampledScore:
+    value, samples = base_rate.value, base_rate.samples
+    return ResampledScore(2 * value / (1 + value), 2 * samples / (1 + samples))
