@@ -149,6 +149,7 @@ campaign.1.reynolds: ... | campaign[1] names no case
 forecasters.esn.connectivity: 600 | forecasters.esn.connectivity is 600 | at most 499
 campaign.0.forecasters.esn.variants: [quadratic] |
   campaign[0].forecasters: there is no quadratic in forecasters.variants
+forecasters.esn.readout: quadratic | networks with squares have a name of their own
 forecasters.variants: {aware: {readout: quadratic}} |
   forecasters.variants.aware: esn_aware is another kind
 forecasters.variants: {sparse: {connectivity: 600}} | at most 499

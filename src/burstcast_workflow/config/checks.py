@@ -83,6 +83,12 @@ def _campaign(config: Configuration) -> Iterator[str]:
     if config.case_defaults.data is not None:
         yield "case_defaults.data must be null: each case has data of its own, in cases.<name>.data"
     known, variants = _known_cases(config), config.forecasters.variants
+    if config.forecasters.esn.readout != "linear":
+        yield (
+            "forecasters.esn.readout: networks with squares have a name of their own: say "
+            "forecasters.variants: {quadratic: {readout: quadratic}}, and variants: [quadratic] in "
+            "the campaign"
+        )
     connectivity = config.forecasters.esn.connectivity
     for name, variant in variants.items():
         if f"esn_{name}" in all_kinds():
