@@ -291,8 +291,8 @@ def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_wit
 # Each may import those before it; what offers the rest to notebooks and commands is above all.
 DOWNWARDS = ("burstcast", "snakemake_logger_plugin_burstcast", "burstcast_workflow")
 PARTS = (
-    *("project", "tracking", "harness", "jobs", "config", "campaign", "tables", "start"),
-    *("stages", "figures", "commands"),
+    *("project", "tracking", "harness", "jobs", "config", "campaign", "tables", "start", "opened"),
+    *("summary", "stages", "figures", "commands"),
 )
 
 
