@@ -45,6 +45,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.data.series_layout import as_series
@@ -226,13 +227,11 @@ class _Growth:
             grown = saturated - np.logaddexp(0.0, left) / power
             return np.asarray(np.logaddexp(2 * grown, 2 * floor) / 2 - curve[1:])
 
-        from scipy.optimize import least_squares  # takes a fifth of a second to load
-
         slope = (curve[-1] - curve[0]) / steps[-1]
         lowest = curve[0] - _FAINT
         bounds = ([0.0, lowest, lowest], [np.inf, saturated - 1e-3, saturated])
         trials = [
-            least_squares(
+            scipy.optimize.least_squares(
                 departures, [slope * factor, curve[0] - 0.1, curve[0] - below], bounds=bounds
             )
             for factor in (0.7, 1.5)
@@ -275,12 +274,10 @@ class _Neighbours:
         generator: np.random.Generator,
     ) -> "_Neighbours":
         """Follow the nearest neighbours of states for some steps."""
-        from scipy.spatial import cKDTree
-
         # both are followed to the end: the mean is over the same pairs at all times
         starts = states.shape[1] - steps
         candidates = states[:, :starts].reshape(-1, states.shape[2])
-        tree = cKDTree(candidates)
+        tree = scipy.spatial.cKDTree(candidates)
         chosen = generator.choice(
             len(candidates), min(REFERENCES, len(candidates)), replace=False, shuffle=False
         )
