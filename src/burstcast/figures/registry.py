@@ -7,6 +7,7 @@ Its docstring is the caption, and its function ``draw`` draws it, of what its ar
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -36,12 +37,12 @@ class Drawn:
         """Draw the figure, in the shared style."""
         return self.draw(**arguments)
 
-    @property
+    @cached_property
     def files(self) -> dict[str, File]:
         """Files that it is made of, by the name of the argument."""
         return files_of(self.draw)
 
-    @property
+    @cached_property
     def paths(self) -> list[str]:
         """Paths of its settings."""
         return paths_of(self.draw)

@@ -8,6 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import scipy
+import skimage
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LightSource, Normalize, to_rgb
 from matplotlib.figure import Figure
@@ -233,13 +235,9 @@ def _closed_surface(
 
     Returns corners of the triangles, ``(triangles, 3, 3)``, and their normals, ``(triangles, 3)``.
     """
-    # Planning reads what figures declare, and need not load these.
-    from scipy.ndimage import map_coordinates
-    from skimage.measure import marching_cubes
-
     # So low beyond the box that the surface closes right at its ends.
     outside = level - 1e6 * (float(scalar.max()) - level)
-    vertices, faces, _, _ = marching_cubes(  # type: ignore[no-untyped-call]
+    vertices, faces, _, _ = skimage.measure.marching_cubes(  # type: ignore[no-untyped-call]
         np.pad(scalar, 1, constant_values=outside), level
     )
     last = np.array(scalar.shape) - 1.0
@@ -247,7 +245,7 @@ def _closed_surface(
     spacing = np.array([axis[1] - axis[0] for axis in (x, y, z)])
     # Smooth normals from the field itself, but flat ones where the box cuts the surface.
     parts: list[FloatArray] = list(np.gradient(scalar, *spacing.tolist()))
-    gradient = [map_coordinates(part, index.T, order=1) for part in parts]
+    gradient = [scipy.ndimage.map_coordinates(part, index.T, order=1) for part in parts]
     normal = -np.stack(gradient, axis=-1)[faces].mean(axis=1)
     for end, sign in ((np.zeros(3), -1.0), (last, 1.0)):
         on_end = (np.abs(index - end) < 1e-3)[faces].all(axis=1)

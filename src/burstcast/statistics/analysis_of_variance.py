@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import stdtrit
+import scipy
 
 from burstcast.arrays import FloatArray
 
@@ -80,7 +80,9 @@ def _mean_square(squares: float, degrees: int) -> float:
 
 def student_quantile(degrees: int, confidence: float) -> float:
     """Half-width of a two-sided interval in standard errors, by Student's distribution."""
-    return float(stdtrit(degrees, 0.5 + 0.5 * confidence)) if degrees > 0 else float("nan")
+    if degrees <= 0:
+        return float("nan")
+    return float(scipy.special.stdtrit(degrees, 0.5 + 0.5 * confidence))
 
 
 def mean_and_margin(values: Sequence[float], confidence: float) -> tuple[float, float]:

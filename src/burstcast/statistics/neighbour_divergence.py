@@ -53,6 +53,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy
 
 from burstcast.arrays import FloatArray, IntArray
 from burstcast.data.series_layout import as_series
@@ -256,13 +257,11 @@ class _Growth:
             grown = saturated - np.logaddexp(0.0, left) / power
             return np.asarray(np.logaddexp(2 * grown, 2 * floor) / 2 - curve[1:])
 
-        from scipy.optimize import least_squares  # takes a fifth of a second to load
-
         slope = (curve[-1] - curve[0]) / steps[-1]
         lowest = curve[0] - _FAINT
         bounds = ([0.0, lowest, lowest], [np.inf, saturated - 1e-3, saturated])
         trials = [
-            least_squares(
+            scipy.optimize.least_squares(
                 departures, [slope * factor, curve[0] - 0.1, curve[0] - below], bounds=bounds
             )
             for factor in (0.7, 1.5)
@@ -306,12 +305,10 @@ class _Neighbours:
         generator: np.random.Generator,
     ) -> "_Neighbours":
         """Follow the nearest neighbours of ``most`` states at most for some steps."""
-        from scipy.spatial import cKDTree
-
         # both are followed to the end: the mean is over the same pairs at all times
         starts = states.shape[1] - steps
         candidates = states[:, :starts].reshape(-1, states.shape[2])
-        tree = cKDTree(candidates)
+        tree = scipy.spatial.cKDTree(candidates)
         chosen = generator.choice(
             len(candidates), min(most, len(candidates)), replace=False, shuffle=False
         )
@@ -379,10 +376,8 @@ def surrogate(series: FloatArray, generator: np.random.Generator, *, normal: boo
     ``normal``: Whether values are first replaced by those of a normal distribution with the same
     ranks, which turns a function of normal noise into that noise. A random walk stays one without.
     """
-    from scipy.special import ndtri
-
     flat = series.reshape(-1, series.shape[2])
-    values = ndtri((_ranks(flat) + 0.5) / len(flat)).reshape(series.shape) if normal else series
+    values = scipy.special.ndtri((_ranks(flat) + 0.5) / len(flat)).reshape(series.shape) if normal else series
     first, last = values[:, :1], values[:, -1:]
     line = first + (last - first) * np.linspace(0.0, 1.0, series.shape[1])[:, np.newaxis]
     spectrum = np.fft.rfft(values - line, axis=1)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from scipy.special import betaincinv, gammaincinv
+import scipy
 
 from burstcast.arrays import BoolArray, FloatArray, IntArray
 
@@ -85,10 +85,9 @@ def survival_curve(lifetimes: Lifetimes, times: IntArray, confidence: float) -> 
     alive = count - np.searchsorted(ends, times, side="right")
     tail = (1 - confidence) / 2
     # at the ends, where no such quantile is defined, an interval reaches to 0 and to 1
-    low = np.where(alive > 0, betaincinv(np.maximum(alive, 1), count - alive + 1, tail), 0.0)
-    high = np.where(
-        alive < count, betaincinv(alive + 1, np.maximum(count - alive, 1), 1 - tail), 1.0
-    )
+    quantile = scipy.special.betaincinv
+    low = np.where(alive > 0, quantile(np.maximum(alive, 1), count - alive + 1, tail), 0.0)
+    high = np.where(alive < count, quantile(alive + 1, np.maximum(count - alive, 1), 1 - tail), 1.0)
     return SurvivalCurve(alive / count, low, high)
 
 
@@ -116,6 +115,6 @@ def escape_rate(
     if time == 0:
         return EscapeRate(escapes, time, *[float("nan")] * 3)
     tail = (1 - confidence) / 2
-    low = float(gammaincinv(escapes, tail)) if escapes else 0.0
-    high = float(gammaincinv(escapes + 1, 1 - tail))
+    low = float(scipy.special.gammaincinv(escapes, tail)) if escapes else 0.0
+    high = float(scipy.special.gammaincinv(escapes + 1, 1 - tail))
     return EscapeRate(escapes, time, escapes / time, low / time, high / time)
