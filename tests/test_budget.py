@@ -14,10 +14,10 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BUDGET = {
-    "product, all lines": 43_200,
-    "product, code": 25_600,
+    "product, all lines": 43_800,
+    "product, code": 25_950,
     "product, docstrings": 7_600,
-    "tests, all lines": 32_100,
+    "tests, all lines": 32_400,
 }
 ROOM = 0.02
 SUFFIXES = {".py", ".smk", ".jinja", ".css", ".js", ".html"}
