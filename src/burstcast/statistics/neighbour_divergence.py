@@ -377,7 +377,11 @@ def surrogate(series: FloatArray, generator: np.random.Generator, *, normal: boo
     ranks, which turns a function of normal noise into that noise. A random walk stays one without.
     """
     flat = series.reshape(-1, series.shape[2])
-    values = scipy.special.ndtri((_ranks(flat) + 0.5) / len(flat)).reshape(series.shape) if normal else series
+    values = (
+        scipy.special.ndtri((_ranks(flat) + 0.5) / len(flat)).reshape(series.shape)
+        if normal
+        else series
+    )
     first, last = values[:, :1], values[:, -1:]
     line = first + (last - first) * np.linspace(0.0, 1.0, series.shape[1])[:, np.newaxis]
     spectrum = np.fft.rfft(values - line, axis=1)
