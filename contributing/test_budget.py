@@ -14,10 +14,10 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BUDGET = {
-    "product, all lines": 43_800,
-    "product, code": 25_950,
-    "product, docstrings": 7_600,
-    "tests, all lines": 32_400,
+    "product, all lines": 44_600,
+    "product, code": 26_300,
+    "product, docstrings": 7_900,
+    "tests, all lines": 32_900,
 }
 ROOM = 0.02
 SUFFIXES = {".py", ".smk", ".jinja", ".css", ".js", ".html"}
