@@ -17,7 +17,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -25,10 +25,10 @@ from burstcast import EventForecaster
 from burstcast.arrays import FloatArray
 from burstcast.data.dataset import component_scales, generate_ensemble, observed_series
 from burstcast.data.records import measured_series
-from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.lorenz96 import Lorenz96
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
 TIMES = (1, 2, 3)
@@ -47,21 +47,6 @@ class Record:
     options: dict[str, dict[str, Any]] = field(default_factory=dict)  #: by kind
 
 
-class Lorenz96(DynamicalSystem):
-    """Ten variables on a circle; the observable is their energy."""
-
-    dimension: ClassVar[int] = 10
-
-    def right_hand_side(self, state: FloatArray) -> FloatArray:
-        """dx_i/dt = (x_{i+1} - x_{i-2}) x_{i-1} - x_i + 8."""
-        ahead, before, second = (np.roll(state, shift, axis=0) for shift in (-1, 1, 2))
-        return (ahead - second) * before - state + 8.0
-
-    def observable(self, state: FloatArray) -> FloatArray:
-        """Energy of a variable."""
-        return np.asarray(np.square(state).mean(axis=0) / 2)
-
-
 def noisy(states: FloatArray, noise: float) -> FloatArray:
     """Series as an observer sees them."""
     return observed_series(states, 0, noise, component_scales(states), 0, "defaults")
@@ -75,7 +60,9 @@ def energy(states: FloatArray) -> FloatArray:
 def lorenz96() -> Record:
     """Twenty series of forty Lyapunov times."""
     start = 8 + np.random.default_rng(0).normal(size=(10, 60))
-    states = integrate(Lorenz96(), start, 0.01, 2000 + 3996, stride=4)[500:].transpose(2, 0, 1)
+    states = integrate(Lorenz96(variables=10), start, 0.01, 2000 + 3996, stride=4)[500:].transpose(
+        2, 0, 1
+    )
     settings = {"observable": energy, "lyapunov_time": 1 / 1.2, "sampling_interval": 0.04}
     title = "Lorenz 96, 10 variables, 20 x 1000 samples 0.04 apart, 1 % noise"
     return Record(title, noisy(states, 0.01), 20, settings)
