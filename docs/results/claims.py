@@ -266,7 +266,7 @@ def tuning_beats_size(tables: Tables) -> Finding:
 
 @claim("F-score 2 LT and 3 LT ahead", "IV A")
 def two_and_three_times_ahead(tables: Tables) -> Finding:
-    """Agrees if the interval of the best size is above 0.9, and at 0.8, by the margin."""
+    """Agrees if the best size is above 0.9 less the margin (2 LT), and at 0.8 (3 LT)."""
     two, three = (
         max((_f(tables, time, neurons=n, **RV) for n in tables.sizes(CASE)), key=lambda e: e.p50)
         for time in (2, 3)
@@ -305,7 +305,7 @@ def largest_scores(tables: Tables) -> Finding:
 
 @claim("events predicted more than five Lyapunov times ahead", "abstract, VII")
 def five_times_ahead(tables: Tables) -> Finding:
-    """Agrees if the interval of the best recall, 5 LT ahead, is above a third by the margin."""
+    """Agrees if the interval of the best recall, 5 LT ahead, is above a third less the margin."""
     recalls = {n: _f(tables, 5, metric="recall", neurons=n, **RV) for n in tables.sizes(CASE)}
     size, recall = max(recalls.items(), key=lambda item: item[1].p50)
     right = _f(tables, 5, metric="precision", neurons=size, **RV)

@@ -98,3 +98,35 @@ def draw_readouts(tables: Tables) -> Figure:
     panels[0].legend(loc="lower right")
     style.letter_panels(panels)
     return figure
+
+
+@style.styled
+def draw_late_actuator(tables: Tables) -> Figure:
+    """Draw what the best rule and plans leave, and their duty cycles, by the actuator's delay."""
+    runs = tables.runs("control_choices", case="Re400", strength=1.0, noise=0.01)
+    runs = runs.sort_values("left", kind="stable")
+    kinds = {
+        "rule": runs[runs["strategy"] == "reactive"],
+        "plans, learnt equations": runs[
+            (runs["strategy"] == "planned") & (runs["forecaster"] == "quadratic_aware_filtered")
+        ],
+        "plans, network": runs[
+            (runs["strategy"] == "planned") & (runs["forecaster"] == "esn_aware")
+        ],
+    }
+    figure = style.new_figure(style.DOUBLE_COLUMN, 2.4)
+    panels = figure.subplots(1, 2)
+    for (name, rows), look in zip(kinds.items(), looks.sequence(len(kinds)), strict=True):
+        best = rows.drop_duplicates("delay_lt").sort_values("delay_lt")
+        for axes, of in zip(panels, ("left", "acting"), strict=True):
+            value, low, high = (100 * best[f"{of}{end}"] for end in ("", "_low", "_high"))
+            axes.errorbar(
+                best["delay_lt"], value, (value - low, high - value), label=name, capsize=2, **look
+            )
+    for axes, title in zip(panels, ("exceedance left [%]", "under actuation [%]"), strict=True):
+        axes.set_xlabel("delay [LT]")
+        axes.set_ylabel(title)
+        axes.set_ylim(bottom=-2)
+    panels[0].legend(loc="upper left")
+    style.letter_panels(panels)
+    return figure

@@ -142,6 +142,7 @@ if __name__ == "__main__":
     PUBLISHED_VALUES.write_text(published_values(), encoding="utf-8")
     for name, figure in (
         ("readout", drawings.draw_readouts(Tables(KEPT / "readout"))),
+        ("late_actuator", drawings.draw_late_actuator(Tables(KEPT / "aware"))),
         ("published_scores", drawings.draw_published_scores(Tables(KEPT / "paper"))),
     ):
         (DOCS / "images" / f"{name}.png").write_bytes(render(figure, "png"))

@@ -23,7 +23,9 @@ started = start(workflow, config)
 config, sources = started.config, started.sources
 campaign = Campaign(config)
 stages = Stages(campaign, sources)
-# Parameters of rules: the settings that a script declares, and hashes of the code that runs.
+# Parameters of rules: each setting that a script declares, and a hash of the script and of every
+# module that it imports, directly or not (of kinds, those that the wildcards name alone). A job runs
+# again where one has changed: docs/selective_rebuilds.md. Memory and time: stages/resources.py.
 of_script = stages.of_script
 # Inputs: thresholds and units of time that jobs compute; files of all cases or forecasters.
 computed_settings = stages.computed_settings
