@@ -5,7 +5,7 @@ All mistakes are reported at once, before any job, in messages that name the set
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -34,15 +34,20 @@ _NUMBERS = {
 
 
 class ConfigError(ValueError):
-    """A configuration with mistakes: a message for each."""
+    """A configuration with mistakes: a message for each.
 
-    def __init__(self, problems: list[str]) -> None:
+    ``aside``: Names of settings that are so wrong that what depends on them was not checked.
+    """
+
+    def __init__(self, problems: list[str], aside: Sequence[str] = ()) -> None:
         self.problems = problems
         if len(problems) == 1:
             text = f"The configuration has a mistake: {problems[0]}"
         else:
             listed = "\n".join(f"  {number}. {text}" for number, text in enumerate(problems, 1))
             text = f"The configuration has {len(problems)} mistakes:\n{listed}"
+        if aside:
+            text += f"\nNot yet checked: what depends on {', '.join(aside)}"
         super().__init__(text)
 
 
@@ -78,7 +83,7 @@ def load(
         found = [*contradictions(sound), *misfits(sound)]
         problems += [text for text in found if not any(name in text for name in aside)]
     if problems or sound is None:
-        raise ConfigError(problems)
+        raise ConfigError(problems, aside)
     return sound.dump()
 
 
