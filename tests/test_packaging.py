@@ -27,7 +27,12 @@ from burstcast_workflow.campaign.loading import load
 ROOT = Path(__file__).parents[1]
 PROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 # names of conda that are not those of the lock file
-CONDA = {"matplotlib-base": "matplotlib", "netcdf4": "netCDF4", "pyyaml": "PyYAML"}
+CONDA = {
+    "jinja2": "Jinja2",
+    "matplotlib-base": "matplotlib",
+    "netcdf4": "netCDF4",
+    "pyyaml": "PyYAML",
+}
 
 
 def locked(name="requirements.lock"):

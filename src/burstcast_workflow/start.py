@@ -62,7 +62,6 @@ def start(workflow: Any, config: Mapping[str, Any]) -> Started:
     # time takes a tenth of it; doing so once more when the process ends is as useless.
     gc.set_threshold(200_000, 50, 1000)
     atexit.register(gc.freeze)
-    os.environ["MPLBACKEND"] = "agg"  # jobs draw to files, also if a notebook has started them
     claim = {} if workflow.is_main_process else plan()
     directories = claim.get("directories") or search_directories(
         workflow.configfiles, project_root()

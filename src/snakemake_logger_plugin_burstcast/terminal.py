@@ -6,6 +6,7 @@ imports it in whatever directory it runs, so that it relies on nothing else of b
 """
 
 import logging
+import re
 import shutil
 import sys
 import threading
@@ -44,6 +45,10 @@ _REPETITIONS = (
 )
 _INTERRUPTION = ("Terminating processes on user request", "Cancelling snakemake on user request")
 
+# Where in burstcast's rules a message was raised, which is about the config.
+_RAISED = re.compile(r'WorkflowError in file "[^"]*rules/common\.smk", line \d+:\n')
+_PLACE = re.compile(r'\n  File "[^"]*", line \d+, in \S+')
+
 _expected: dict[int, tuple[str, float | None]] = {}
 _interruption = threading.Event()
 
@@ -58,6 +63,11 @@ def expect(jobs: Iterable[Any], seconds: Mapping[str, float]) -> None:
 def interrupted() -> bool:
     """Whether a person has stopped this run."""
     return _interruption.is_set()
+
+
+def _without_places(text: str) -> str:
+    """A message that burstcast's rules raise, without where they do."""
+    return _PLACE.sub("", _RAISED.sub("", text)) if _RAISED.match(text) else text
 
 
 class Progress:
@@ -296,5 +306,6 @@ class TerminalHandler(LogHandlerBase):
     def _say(self, text: str) -> None:
         """Write lines that stay, above the line of progress."""
         self._said = time.monotonic()
+        text = _without_places(text)
         self._stream.write(f"\r\x1b[K{text}\n" if self._live else f"{text}\n")
         self._stream.flush()

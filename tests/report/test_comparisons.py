@@ -9,7 +9,6 @@ from comparisons import (
     Score,
     costs,
     differences,
-    draw_readouts,
     f_score,
     gaps,
     inside_counts,
@@ -18,7 +17,8 @@ from comparisons import (
     own_ranks,
     scatter,
 )
-from kept_tables import Tables, published_value
+from drawings import RV, draw_late_actuator, draw_published_scores, draw_readouts
+from kept_tables import KEPT, Tables, published_rows, published_value
 from scipy import stats
 
 SETS = (-0.02, 0.01, 0.03, -0.01, -0.01)  # effects of training sets on F; they sum to zero
@@ -177,9 +177,27 @@ def test_intervals_are_over_training_sets(readouts):
         )
 
 
-def test_the_figure_has_a_curve_for_each_readout(readouts, tmp_path):
-    draw_readouts(readouts[0], tmp_path / "readout.png")
-    assert (tmp_path / "readout.png").read_bytes().startswith(b"\x89PNG")
+def test_the_figure_has_a_curve_for_each_readout(readouts):
+    tables, rows = readouts
+    for panel in draw_readouts(tables).axes:
+        curves = {line.get_label(): line.get_xdata().tolist() for line in panel.get_lines()}
+        assert curves == dict.fromkeys(("as in the paper", "squares"), sorted(set(rows["neurons"])))
+
+
+@pytest.mark.skipif(not Tables(KEPT / "aware"), reason="the campaign is not kept")
+def test_figures_of_kept_campaigns_show_their_numbers():
+    paper, aware = Tables(KEPT / "paper"), Tables(KEPT / "aware")
+    precision, *_, horizon = draw_published_scores(paper).axes
+    medians = paper.medians("classification", "precision", case="Re400", neurons=500, **RV)
+    ours = precision.get_lines()[0].get_ydata()
+    assert ours == pytest.approx(medians.sort_values("prediction_time_lt")["p50"])
+    published = published_rows("horizon", "mean_horizon_lt", reynolds=400, **RV)
+    theirs = horizon.get_lines()[1].get_ydata()
+    assert theirs == pytest.approx(published.sort_values("neurons")["p50"])
+    left, _ = draw_late_actuator(aware).axes
+    rules = aware.runs("control_choices", case="Re400", strength=1.0, noise=0.01)
+    best = rules[rules["strategy"] == "reactive"].groupby("delay_lt")["left"].min()
+    assert left.get_lines()[0].get_ydata() == pytest.approx(100 * best)
 
 
 def test_only_cases_with_the_same_series_are_ranked_beside_each_other(tmp_path):

@@ -174,7 +174,7 @@ def test_nothing_is_written_outside_of_the_results(finished):
     before = {path.name for path in finished.project.directory.iterdir()}
     assert before == {
         *("Snakefile", "config.yaml", "profiles", "resources", "src", "workflow"),
-        *("results", ".snakemake"),
+        *("results", ".snakemake", ".burstcast_cache"),
     }
     assert [path.name for path in finished.project.results.parent.iterdir()] == ["tiny"]
 
@@ -190,7 +190,7 @@ def test_a_second_run_does_nothing_and_what_is_left_are_the_figures(finished, tm
     assert "Nothing to be done" in outcome.text
     assert project.logs() == logs
     jobs = project.dry_run()
-    assert {*jobs} == {"examples", "flow_event", "suppressed_event", "figure"}
+    assert {*jobs} == {"examples", "flow_event", "suppressed_event", "figure", "report_page"}
     assert jobs["figure"] > 15
 
 
@@ -244,7 +244,7 @@ def test_a_bad_config_stops_before_any_job(finished, tmp_path):
     project = finished.project.without_results(tmp_path / "project")
     outcome = project.snakemake(overlay={"horizon": {"evnts": 3}})
     assert outcome.status == 1
-    assert outcome.text.count("unknown setting horizon.evnts; did you mean events?") == 1
+    assert outcome.text.count("horizon.evnts: unknown setting; did you mean events?") == 1
     assert "Traceback" not in outcome.text
     assert "src/burstcast_workflow" not in outcome.text
     assert not (project.directory / "results").exists()

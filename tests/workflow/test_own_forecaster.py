@@ -118,7 +118,7 @@ def test_a_campaign_has_classes_of_ones_own_with_their_options(importable):
         ({"my_models:NVAR": {"lags": 2.5}}, "must be a whole number, not 2.5"),
         (
             {"my_models:Nvar": {}},
-            "campaign[0].forecasters has my_models:Nvar: the module my_models",
+            "campaign[0].forecasters: has my_models:Nvar: the module my_models",
         ),
         ({"no_models:NVAR": {}}, "there is no module no_models"),
         ({"my_models:np": {}}, "np of"),

@@ -1,8 +1,12 @@
 """What all rules share: the campaign, where files lie, and functions of what rules need."""
 
+import os
 import sys
 import time
 from pathlib import Path
+
+# plan and jobs draw to files, also if a notebook has started them
+os.environ["MPLBACKEND"] = "agg"
 
 from snakemake.exceptions import WorkflowError
 

@@ -38,6 +38,8 @@ def sound_part(
             path = mistake["loc"]
             while path and (path in tried or path[-1] == "[key]" or isinstance(path[-1], int)):
                 path = path[:-1]
+            if path == ("campaign",):  # what would be checked is no campaign of theirs
+                return None, [*names, "campaign"]
             tried.add(path)
             _set_aside(repaired, path, shipped)
             # nothing follows from a setting that is unknown, but in what says what a case is

@@ -45,7 +45,10 @@ def other_settings(config: Mapping[str, Any]) -> list[list[str]]:
     """Settings that differ from the paper's config.yaml: path, value here, value there."""
     paper = load({}, defaults=project_root() / "config.yaml")
     here, there = (
-        {path: json.dumps(value, ensure_ascii=False) for path, value in leaves(settings)}
+        {
+            path: json.dumps(_without_nulls(value), ensure_ascii=False)
+            for path, value in leaves(settings)
+        }
         for settings in (config, paper)
     )
     return [
@@ -53,6 +56,13 @@ def other_settings(config: Mapping[str, Any]) -> list[list[str]]:
         for path in dict.fromkeys([*here, *there])
         if here.get(path) != there.get(path) and path.partition(".")[0] not in _LEFT_OUT
     ]
+
+
+def _without_nulls(value: Any) -> Any:
+    """A value whose mappings have no null: not all the kinds that a block could have."""
+    if isinstance(value, Mapping):
+        return {key: _without_nulls(one) for key, one in value.items() if one is not None}
+    return [_without_nulls(one) for one in value] if isinstance(value, list) else value
 
 
 def _section(campaign: Campaign, section: str) -> dict[str, Any]:

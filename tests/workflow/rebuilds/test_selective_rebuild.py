@@ -313,8 +313,8 @@ columns side by side in tables for papers | LIBRARY/tables/latex.py | _COLUMNS =
 a colour of one figure | LIBRARY/figures/control_tradeoff.py |
   panel.axhline(0, color=style.GREY | panel.axhline(0, color=style.PURPLE | figure/control_tradeoff
 the equations as a forecaster | LIBRARY/forecasters/equations_noisy.py |
-  return cls(case.system, *steps, case.parameters) |
-  return cls(case.system, 1.0 * steps[0], steps[1], case.parameters) |
+  return self.with_fitted(system=case.system, in_force=case.parameters, **steps) |
+  return self.with_fitted(in_force=case.parameters, system=case.system, **steps) |
   */equations */equations/* */equations_noisy GATHERED OF_CONTROL
 networks as a forecaster, neither data nor their search | LIBRARY/forecasters/esn.py |
   return self.network.forecast(memory, steps) |
