@@ -288,7 +288,9 @@ def expected(planned_jobs, tmp_path_factory):
 def test_another_workflow_takes_it_as_a_module(tmp_path, planned_jobs, expected, prefix):
     naming = f" as {prefix}*" if prefix else ""
     (tmp_path / "Snakefile").write_text(f"{AS_MODULE}{naming}\n", encoding="utf-8")
-    assert planned_jobs(tmp_path) == {prefix + rule: count for rule, count in expected.items()}
+    jobs = planned_jobs(tmp_path)
+    jobs.pop("flow_all", None)  # without the project's profile, Snakemake counts the target, too
+    assert jobs == {prefix + rule: count for rule, count in expected.items()}
 
 
 def test_a_snakefile_below_workflow(tmp_path, planned_jobs, expected):
