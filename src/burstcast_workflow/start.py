@@ -107,7 +107,8 @@ def check_records(workflow: Any, campaign: Campaign) -> None:
     imported, problems = campaign.where(has_equations=False, takes_series=False), []
     for job in workflow.dag.needrun_jobs():
         case = dict(job.wildcards.items()).get("case", "")
-        if case not in imported or not campaign.cases[case].data.files:
+        data = campaign.cases[case].data if case in imported else None
+        if data is None or not data.files:
             continue
         if not any(path.endswith("/ensemble.nc") for path in job.output):
             continue
