@@ -12,6 +12,7 @@ from snakemake.exceptions import WorkflowError
 
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.caveats import extrapolations, few_points
+from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.campaign.loading import ConfigError, load
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.measured_cases import OFF
@@ -98,6 +99,28 @@ def check_results(results: str, forced: bool = False) -> None:
             f"{', '.join(files)}: not what a job wrote, but edited, exchanged or cut off since. "
             f"Delete what should be made again, and run again"
         )
+
+
+def check_records(workflow: Any, campaign: Campaign) -> None:
+    """Refuse files that jobs would import and that have mistakes, before any job."""
+    imported, problems = campaign.where(has_equations=False, takes_series=False), []
+    for job in workflow.dag.needrun_jobs():
+        case = dict(job.wildcards.items()).get("case", "")
+        data = campaign.cases[case].data if case in imported else None
+        if data is None or not data.files:
+            continue
+        if not any(path.endswith("/ensemble.nc") for path in job.output):
+            continue
+        from burstcast_workflow.jobs.measured import MeasuredData  # others save the time
+
+        wildcards = {"case": case}
+        settings = settings_of_job(campaign, MeasuredData.paths(), wildcards)
+        try:
+            MeasuredData(settings, wildcards).measured_series([*job.input])
+        except ValueError as error:
+            problems.append(f"case {case}: {error}")
+    if problems:
+        raise WorkflowError(str(ConfigError(problems)))
 
 
 def tell_what_is_off(campaign: Campaign) -> None:

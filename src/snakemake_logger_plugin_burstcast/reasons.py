@@ -41,6 +41,8 @@ class PlannedJob:
 
 def explanation(jobs: Sequence[PlannedJob]) -> str:
     """What the jobs would run for: each reason with all jobs that it sets off, directly or not."""
+    if not jobs:
+        return "Nothing to be done"
     causes: dict[str, set[int]] = {}
     cases: dict[str, set[str]] = {}
     for number, job in enumerate(jobs):

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from snakemake.logging import DefaultFormatter
+from snakemake.settings.enums import Quietness
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
@@ -188,6 +189,7 @@ class TerminalHandler(LogHandlerBase):
         self._cores = 1
         self._last_share = 0.0
         self._planned: list[PlannedJob] = []
+        self._table = ""  # Snakemake's own, of the jobs of each rule
 
     def emit(self, record: logging.LogRecord) -> None:
         """Show a message, or leave it to the log."""
@@ -213,8 +215,14 @@ class TerminalHandler(LogHandlerBase):
                 files = fields["input"] or (), fields["output"]
                 job = PlannedJob(fields["rule_name"], case, *files, fields["reason"])
                 self._planned.append(job)
+        elif event == LogEvent.RUN_INFO:
+            self._table = self.format(record).strip()
         elif record.getMessage().startswith("This was a dry-run"):
-            self._say(f"{explanation(self._planned)}\n(each job: snakemake -n --verbose)")
+            if Quietness.RULES in (self.common_settings.quiet or ()):
+                self._say(self._table)  # no job has been told, nor its reason
+            else:
+                each = "\n(each job: snakemake -n --verbose)" if self._planned else ""
+                self._say(f"{explanation(self._planned)}{each}")
         elif event == LogEvent.ERROR or record.levelno >= logging.WARNING:
             self._say(self.format(record))
         elif record.getMessage().startswith(_WANTED):

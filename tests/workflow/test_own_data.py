@@ -134,6 +134,12 @@ DATA = {
     **{"files": ["plant.csv"], "time_step": "1 hour", "observable": "load"},
     **{"gaps": "cut", "blocks": {"duration": 24}},
 }
+HOURLY = {  # a Lyapunov time is one step
+    "washout_lt": 2,
+    "classification": {"resolution_lt": 1, "prediction_times_lt": [1, 2]},
+    "horizon": {"lead_time_step_lt": 1},
+    "probability": {"start_spacing_lt": 1},
+}
 CASE = {
     **{"data": DATA, "event_threshold": 2, "training": {"series": 4}},
     "lyapunov": {"published_exponent": 1},
@@ -156,8 +162,8 @@ def recorded(tmp_path_factory, job_server):
     config = {
         "results": "results/plant",
         "campaign": [{"cases": ["plant"], "forecasters": forecasters}],
-        "washout_lt": 2,
         "cases": {"plant": CASE},
+        **HOURLY,
     }
     (recorded.directory / "plant.yaml").write_text(yaml.safe_dump(config))
     rows = table()

@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -271,9 +270,7 @@ def planned_jobs(job_server):
     def planned(directory, *arguments):
         outcome = job_server.snakemake(directory, "--dry-run", "--cores", "1", *arguments)
         assert outcome.status == 0, outcome.text
-        found = re.findall(r"^(\w+) +(\d+)$", outcome.text, re.MULTILINE)
-        assert found or "Nothing to be done" in outcome.text
-        return {rule: int(count) for rule, count in found}
+        return outcome.jobs
 
     return planned
 
@@ -283,7 +280,7 @@ def expected(planned_jobs, tmp_path_factory):
     """What is planned where nothing has been computed yet, with the project's own Snakefile."""
     arguments = ["-s", ROOT / "Snakefile", "--configfile", PRESET]
     jobs = planned_jobs(tmp_path_factory.mktemp("elsewhere"), *arguments)
-    assert jobs["total"] > 50
+    assert sum(jobs.values()) > 50
     return jobs
 
 
@@ -291,9 +288,9 @@ def expected(planned_jobs, tmp_path_factory):
 def test_another_workflow_takes_it_as_a_module(tmp_path, planned_jobs, expected, prefix):
     naming = f" as {prefix}*" if prefix else ""
     (tmp_path / "Snakefile").write_text(f"{AS_MODULE}{naming}\n", encoding="utf-8")
-    assert planned_jobs(tmp_path) == {
-        rule if rule == "total" else prefix + rule: count for rule, count in expected.items()
-    }
+    jobs = planned_jobs(tmp_path)
+    jobs.pop("flow_all", None)  # without the project's profile, Snakemake counts the target, too
+    assert jobs == {prefix + rule: count for rule, count in expected.items()}
 
 
 def test_a_snakefile_below_workflow(tmp_path, planned_jobs, expected):

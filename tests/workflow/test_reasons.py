@@ -120,6 +120,10 @@ def test_reasons_of_the_same_jobs_are_one_line():
     )
 
 
+def test_without_any_job_there_is_nothing_to_be_done():
+    assert explanation([]) == "Nothing to be done"
+
+
 def test_every_job_is_counted_by_some_reason():
     chance = random.Random(3)
     jobs = [

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from snakemake.settings.enums import Quietness
 from snakemake_interface_logger_plugins.common import LogEvent
 
 from snakemake_logger_plugin_burstcast import terminal
@@ -159,6 +160,26 @@ def test_a_dry_run_is_its_reasons_and_all_jobs_on_demand(handler, verbose):
     assert ("This was a dry-run" in said) == verbose
     assert ("a 1 -> 2 (Re400): train (1)\nin all 1 job\n" in said) == (not verbose)
     assert "a warning" in said
+
+
+def test_a_dry_run_that_tells_no_jobs_counts_them(handler):
+    handler.common_settings.dryrun, handler.common_settings.verbose = True, False
+    handler.common_settings.quiet = {Quietness.RULES}
+    table = "Job stats:\njob      count\n-----  -------\ntrain        2\ntotal        2\n"
+    send(handler, table, LogEvent.RUN_INFO, stats={"train": 2, "total": 2})
+    send(handler, "This was a dry-run (flag -n). The order of jobs ...")
+    said = handler._stream.getvalue()
+    assert "train        2\ntotal        2\n" in said
+    assert "Nothing to be done" not in said
+    assert "in all" not in said
+
+
+def test_a_dry_run_of_targets_only_has_nothing_to_do(handler):
+    handler.common_settings.dryrun, handler.common_settings.verbose = True, False
+    target = {**JOB, "input": [], "output": [], "rule_name": "all", "reason": ""}
+    send(handler, event=LogEvent.JOB_INFO, **target, **OTHERS)
+    send(handler, "This was a dry-run (flag -n). The order of jobs ...")
+    assert handler._stream.getvalue() == "Nothing to be done\n"
 
 
 # what else Snakemake says of a job

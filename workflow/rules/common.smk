@@ -18,7 +18,7 @@ from burstcast_workflow.harness.logs import cache_summary, failure_summary
 from burstcast_workflow.project import source_revision
 from burstcast_workflow.stages.resources import beyond_memory, resources_of
 from burstcast_workflow.stages.stages import Stages, any_of_regex
-from burstcast_workflow.start import start, tell_what_is_off
+from burstcast_workflow.start import check_records, start, tell_what_is_off
 from burstcast_workflow.tracking.cache import seconds_of_rules, tidy
 from burstcast_workflow.tracking.run import begin
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
@@ -74,6 +74,7 @@ onstart:
         reason := beyond_memory(one.name.neurons or 0 for one in campaign.networks)
     ):
         raise WorkflowError(reason)
+    check_records(workflow, campaign)
     begin(
         started.results,
         PLANNED,

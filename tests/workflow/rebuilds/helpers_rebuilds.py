@@ -34,6 +34,8 @@ class Outcome:
     @property
     def jobs(self) -> dict[str, int]:
         """Jobs of each rule in a dry run, without the targets."""
+        if re.search(r"^in all \d+ job", self.text, re.M):
+            return self._explained_jobs()
         found = re.search(r"^job +count\n[- ]+\n(.*?)^total ", self.text, re.M | re.S)
         if found is None:
             assert "Nothing to be done" in self.text, self.text
@@ -44,6 +46,20 @@ class Outcome:
             for rule, count in counts.items()
             if rule not in ("all", "forecasters", "tables", "figures")
         }
+
+    def _explained_jobs(self) -> dict[str, int]:
+        """Jobs of the last line of the reasons; if there is one reason only, of this."""
+        counts = r"\w+ \(\d+\)(?:, \w+ \(\d+\))*"
+        found = re.search(
+            rf"(?:: (?P<one>{counts})\n)?^in all (?P<all>\d+) jobs?(?:: (?P<several>{counts}))?$",
+            self.text,
+            re.M,
+        )
+        assert found, self.text
+        rules = re.findall(r"(\w+) \((\d+)\)", found["several"] or found["one"])
+        jobs = {rule: int(count) for rule, count in rules}
+        assert sum(jobs.values()) == int(found["all"]), self.text
+        return jobs
 
 
 class JobServer:
