@@ -93,10 +93,21 @@ def test_another_unit_changes_no_forecast(kind, scale):
     assert_equal_forecasts(kind, found, bayesian_points=0)
 
 
+@functools.cache
+def found_by_search(kind, scale=1.0):
+    """Hyperparameters of the networks, and probabilities of test series."""
+    training, test = (series * scale for series in record())
+    learns = kind_class(kind).learns_parameters
+    forecaster = unfitted(kind, scale).fit(training, parameters=RHO if learns else None)
+    return forecaster.hyperparameters_, after(forecaster, test)
+
+
 @pytest.mark.parametrize("scale", [2.0**23, 2.0**-20])
 @pytest.mark.parametrize("kind", SEARCHED)
 def test_a_unit_without_rounding_changes_no_search(kind, scale):
-    assert_equal_forecasts(kind, probabilities(kind, np.asarray, scale))
+    hyperparameters, found = found_by_search(kind, scale)
+    assert hyperparameters == found_by_search(kind)[0]
+    assert_equal_forecasts(kind, found)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if not kind.startswith("quadratic")])
