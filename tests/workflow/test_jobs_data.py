@@ -34,9 +34,9 @@ FITTING = {
     "statistics.fixed_point_interval_lt": 2,
     "statistics.duration": None,
     "forecasters.quadratic.window_lt": 2,
-    "asked.kinds": ["esn", "quadratic"],
-    "asked.validations": ["RV"],
-    "asked.long_runs": True,
+    "job.asked_of_series.kinds": ["esn", "quadratic"],
+    "job.asked_of_series.validations": ["RV"],
+    "job.asked_of_series.long_runs": True,
 }
 
 
@@ -72,9 +72,9 @@ def test_all_that_does_not_fit_is_one_list(tmp_path):
     [
         ("classification.longest_prediction_time_lt", 30, {}),
         ("horizon.longest_lead_time_lt", 25, {}),
-        ("statistics.duration", 0.1, {"asked.long_runs": False}),
-        ("forecasters.quadratic.window_lt", 30, {"asked.kinds": ["esn"]}),
-        ("search.interval_lt", 25, {"asked.validations": []}),
+        ("statistics.duration", 0.1, {"job.asked_of_series.long_runs": False}),
+        ("forecasters.quadratic.window_lt", 30, {"job.asked_of_series.kinds": ["esn"]}),
+        ("search.interval_lt", 25, {"job.asked_of_series.validations": []}),
         ("classification.resolution_lt", 0.001, {}),
     ],
 )
@@ -150,7 +150,7 @@ SETTINGS = {
     "case.test_series": TEST,
     "probability.calibration_series": 1,
     "random_seed": 7,
-    "realisation": 2,
+    "case.realisation": 2,
 }
 
 
@@ -183,7 +183,7 @@ def chosen(source, drawn, **settings):
         ensemble=str(ensemble),
         summary=str(summary),
         settings=script.Realisation(
-            {**SETTINGS, "drawn": drawn, **settings}, {"case": "Re400-training2"}
+            {**SETTINGS, "job.drawn_shares": drawn, **settings}, {"case": "Re400-training2"}
         ),
     )
     assert json.loads(summary.read_text())["series_kept"] == KEPT

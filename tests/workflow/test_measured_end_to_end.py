@@ -42,8 +42,10 @@ OF_FILES = {"files": ["lab/run_*.csv"], "observable": "z", "time_step": 0.02}
 MEASURED = {**SETTINGS, "data": OF_FILES}
 PAST = {"data": {"case": "lorenz", "components": ["x"], "delays": [3, 7]}}
 PART = {"data": {"case": "lorenz", "components": ["x", "r = sqrt(x**2 + y**2)"]}}
+# measured series have another bias and offset of their inputs by default
+INPUTS = {"input_bias": 0.1, "input_offset": "none"}
 CAMPAIGN = {
-    "forecasters": {"esn": {"backend": "scipy"}, "filter": {"members": 20}},
+    "forecasters": {"esn": {"backend": "scipy", **INPUTS}, "filter": {"members": 20}},
     "search": {"grid": 2, "bayesian_points": 1},
     "classification": {"longest_prediction_time_lt": 3, "prediction_times_lt": [1, 2]},
     "horizon": {"events": 6, "longest_lead_time_lt": 2},
