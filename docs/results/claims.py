@@ -136,8 +136,12 @@ def larger(one: Any, other: Any) -> str:
     networks as for a normal distribution; nearly if it is positive.
     """
     error = math.hypot(*(_error_of_median(row) for row in (one, other)))
-    difference = one.p50 - other.p50
-    return "yes" if difference > 1.96 * error else "nearly" if difference > 0 else "no"
+    return _beyond(one.p50 - other.p50, 1.96 * error)
+
+
+def _beyond(difference: float, half: float) -> str:
+    """Whether a difference is positive beyond half its interval; nearly if it is positive alone."""
+    return "yes" if difference > half else "nearly" if difference > 0 else "no"
 
 
 def _error_of_median(row: Any) -> float:
@@ -362,8 +366,7 @@ def horizon_of_large_networks(tables: Tables) -> Finding:
 def _grows(before: Any, later: Any) -> str:
     """Whether a number is larger than another one of other test data."""
     half = math.hypot(*((one.high - one.low) / 2 for one in (before, later)))
-    difference = later.p50 - before.p50
-    return "yes" if difference > half else "nearly" if difference > 0 else "no"
+    return _beyond(later.p50 - before.p50, half)
 
 
 @claim("mean PH_ee with the Reynolds number", "IV C")

@@ -75,13 +75,6 @@ def in_units(rows: pd.DataFrame, factor: float) -> pd.DataFrame:
     return rows.assign(**{name: factor * rows[name] for name in names})
 
 
-def trusted(tables: Tables, case: str, time: float, forecaster: str) -> pd.Series:
-    """F-score of a forecaster so many Lyapunov times ahead, with its interval."""
-    where = {"case": case, "prediction_time_lt": time, "forecaster": forecaster}
-    row: pd.Series = tables.one("classification", "f_score", **where)
-    return row
-
-
 def readout_of(tables: Tables, score: comparisons.Score, forecaster: str) -> dict[float, float]:
     """Means over training sets of the networks of one readout, by size."""
     rows = comparisons.over_sets(tables, score)
@@ -114,7 +107,6 @@ def pages() -> dict[Path, str]:
         "trio": trio,
         "in_units": in_units,
         "readout_of": readout_of,
-        "trusted": trusted,
         "compared": compared(),
         "verdicts_of": claims.verdicts_of,
         "claims_table": claims.claims_table,

@@ -12,13 +12,13 @@ from snakemake.exceptions import WorkflowError
 
 from burstcast.forecasters._names import MODEL, NETWORK
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.summary import closing_summary
 from burstcast_workflow.figures.jobs import captions
 from burstcast_workflow.harness.logs import cache_summary, failure_summary
 from burstcast_workflow.project import source_revision
 from burstcast_workflow.stages.resources import beyond_memory, resources_of
 from burstcast_workflow.stages.stages import Stages, any_of_regex
 from burstcast_workflow.start import check_records, start, tell_what_is_off
+from burstcast_workflow.summary import closing_summary
 from burstcast_workflow.tracking.cache import seconds_of_rules, tidy
 from burstcast_workflow.tracking.run import begin
 from snakemake_logger_plugin_burstcast.terminal import expect, interrupted
