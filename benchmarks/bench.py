@@ -28,7 +28,7 @@ import yaml
 from reservoirpy_network import ReservoirpyNetwork
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from burstcast import durations
+from burstcast.base import durations
 from burstcast.data.dataset import (
     SERIES_PER_BATCH,
     component_scales,
@@ -42,16 +42,20 @@ from burstcast.data.starting_points import (
     segments,
     starting_points,
 )
-from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.network import EchoStateNetwork
-from burstcast.esn.readout import MomentsAccumulator, solve_ridge
-from burstcast.esn.reservoir import make_reservoir
-from burstcast.esn.training import TrainingSeries, collect, train
-from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
-from burstcast.forecast.window_forecasts import window_forecasts
-from burstcast.forecast.windows import window_boundaries
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
+from burstcast.forecasts.horizon import HorizonSearch, prediction_horizons
+from burstcast.forecasts.window_forecasts import window_forecasts
+from burstcast.forecasts.windows import window_boundaries
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.network import EchoStateNetwork
+from burstcast.networks.readout import MomentsAccumulator, solve_ridge
+from burstcast.networks.reservoir import make_reservoir
+from burstcast.networks.training import TrainingSeries, collect, train
+from burstcast.networks.validation import validate
+from burstcast.networks.validation_strategies.base import ValidationPlan
+from burstcast.networks.validation_strategies.recycle import RecycleValidation
+from burstcast.networks.validation_strategies.single_shot import SingleShotValidation
 from burstcast.statistics.long_term import (
     LongTermSettings,
     long_term_starting_points,
@@ -60,10 +64,6 @@ from burstcast.statistics.long_term import (
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.lyapunov import lyapunov_spectrum, perturbation_growth
 from burstcast.systems.registry import make_system
-from burstcast.tuning.strategies.base import ValidationPlan
-from burstcast.tuning.strategies.recycle import RecycleValidation
-from burstcast.tuning.strategies.single_shot import SingleShotValidation
-from burstcast.tuning.validation import validate
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
 

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from burstcast import EventForecaster
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.data.dataset import component_scales, generate_ensemble, observed_series
 from burstcast.data.records import measured_series
 from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair

@@ -18,14 +18,14 @@ from pathlib import Path
 
 import numpy as np
 
-from burstcast import random_streams
+from burstcast.base import random_streams
+from burstcast.base.files.netcdf import read_attributes, read_netcdf, read_rows
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.starting_points import segments, starting_points
-from burstcast.files.netcdf import read_attributes, read_netcdf, read_rows
-from burstcast.filters.square_root import assimilate, mean
-from burstcast.forecast.windows import WindowSummaries, crosses, summarise, window_boundaries
+from burstcast.forecasters._square_root_filter import assimilate, mean
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
 from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.forecasts.windows import WindowSummaries, crosses, summarise, window_boundaries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
 SEED, NOISE, TRAINING, STEPS_PER_LT, THRESHOLD = 2022, 0.01, 10, 61, 0.1

@@ -21,7 +21,8 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import wasserstein_distance
 
-from burstcast import random_streams
+from burstcast.base import random_streams
+from burstcast.base.resampling import bootstrap_weights, percentile_interval
 from burstcast.data.dataset import (
     component_scales,
     generate_ensemble,
@@ -30,22 +31,21 @@ from burstcast.data.dataset import (
 )
 from burstcast.data.observation_noise import observation_noise
 from burstcast.data.starting_points import segments, starting_points
-from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.network import EchoStateNetwork
-from burstcast.esn.reservoir import ReservoirSeed
-from burstcast.esn.training import TrainingSeries, train
-from burstcast.filters.square_root import assimilate, mean, symmetric_members
-from burstcast.forecast.windows import crosses, summarise, window_boundaries
+from burstcast.forecasters._square_root_filter import assimilate, mean, symmetric_members
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.quadratic import QuadraticModel
-from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
+from burstcast.forecasts.windows import crosses, summarise, window_boundaries
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.hyperparameters import SearchSpace
+from burstcast.networks.network import EchoStateNetwork
+from burstcast.networks.network_search import best, optimiser_seed, search
+from burstcast.networks.reservoir import ReservoirSeed
+from burstcast.networks.scan import scan
+from burstcast.networks.training import TrainingSeries, train
+from burstcast.networks.validation import PointValidator
+from burstcast.networks.validation_strategies.base import ValidationPlan
+from burstcast.networks.validation_strategies.registry import make_strategy
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast.tuning.hyperparameters import SearchSpace
-from burstcast.tuning.network_search import best, optimiser_seed, search
-from burstcast.tuning.scan import scan
-from burstcast.tuning.strategies.base import ValidationPlan
-from burstcast.tuning.strategies.registry import make_strategy
-from burstcast.tuning.validation import PointValidator
 
 ROOT, NOISE, STEPS_PER_LT, WASHOUT = 41, 0.01, 61, 30
 THRESHOLD, LAMINAR = 0.1, 0.48

@@ -7,8 +7,8 @@ import numpy as np
 from reservoirpy.nodes import Reservoir, Ridge
 from textbook import input_matrix
 
-from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.training import TrainingSeries
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.training import TrainingSeries
 
 
 class ReservoirpyNetwork:

@@ -12,12 +12,12 @@ import argparse
 import numpy as np
 import scipy.linalg
 
-from burstcast import random_streams
+from burstcast.base import random_streams
+from burstcast.base.files.netcdf import read_rows
 from burstcast.data.dataset import component_scales, observed_series
-from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.readout import MomentsAccumulator, solve_ridge
-from burstcast.esn.reservoir import make_reservoir
-from burstcast.files.netcdf import read_rows
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.readout import MomentsAccumulator, solve_ridge
+from burstcast.networks.reservoir import make_reservoir
 
 WASHOUT, INTERVAL, SERIES, INTERVALS = 30, 122, 3, 30
 

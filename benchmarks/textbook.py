@@ -5,7 +5,7 @@ The yardstick of ``bench.py``; nothing else uses it.
 
 import numpy as np
 
-from burstcast.esn.dynamics import Dynamics
+from burstcast.networks.dynamics import Dynamics
 
 
 class TextbookNetwork:

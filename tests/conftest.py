@@ -35,6 +35,6 @@ def reservoir():
     """A reservoir for the signal."""
     import numpy as np
 
-    from burstcast.esn.reservoir import make_reservoir
+    from burstcast.networks.reservoir import make_reservoir
 
     return make_reservoir(150, 4, 8, 0.1, np.random.default_rng(3))

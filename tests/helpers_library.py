@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
 from burstcast.forecasters.base import Forecaster
-from burstcast.probability.outcomes import outcomes_by_series
+from burstcast.forecasts.outcomes import outcomes_by_series
 
 
 class MadeUpForecaster(Forecaster):

@@ -21,7 +21,7 @@ import yaml
 from packaging.version import Version
 
 import burstcast
-from burstcast.compiled.backends import usable_backend
+from burstcast.base.compiled.backends import usable_backend
 from burstcast_workflow.campaign.loading import load
 
 ROOT = Path(__file__).parents[1]

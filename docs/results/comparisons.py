@@ -10,11 +10,11 @@ import pandas as pd
 from kept_tables import PUBLISHED, Part, Tables, part, published_rows, published_value
 from scipy.stats import t as student
 
+from burstcast.base.files.tables import read_table
 from burstcast.data.training_realisations import realisation_of
-from burstcast.files.tables import read_table
+from burstcast.figures.published import compare
+from burstcast.figures.ranked import SAME_EVERYWHERE, shown_once
 from burstcast.statistics.analysis_of_variance import mean_and_margin
-from burstcast.tables.published import compare
-from burstcast.tables.ranked import SAME_EVERYWHERE, shown_once
 
 CASE = "Re400"
 CONFIDENCE = 0.95

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from burstcast.base.files.tables import read_table
 from burstcast.control.setting_names import option_words
-from burstcast.files.tables import read_table
-from burstcast.tables.published import intervals_of_control, published_percentiles
+from burstcast.figures.published import intervals_of_control, published_percentiles
 
 KEPT = Path(__file__).parent
 PUBLISHED = KEPT.parents[1] / "resources" / "published_percentiles.csv"

@@ -29,10 +29,10 @@ from matplotlib.figure import Figure
 from snakemake.utils import update_config
 from sphinx.cmd.build import main as sphinx
 
-from burstcast.declared import called
+from burstcast.base.declared import called
+from burstcast.base.files.tables import read_table
 from burstcast.figures.parts.style import render
 from burstcast.figures.registry import Drawn, caption
-from burstcast.files.tables import read_table
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.registry import FIGURES, cases_of, files_of, settings_of

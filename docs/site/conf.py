@@ -10,7 +10,7 @@ copyright = author  # noqa: A001
 html_title = f"burstcast {release}"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
 exclude_patterns = ["_build"]
-default_role = "py:obj"  # `burstcast.esn.dynamics` in a docstring is a link
+default_role = "py:obj"  # `burstcast.networks.dynamics` in a docstring is a link
 suppress_warnings = ["ref.python"]  # one word in backticks may fit several methods
 
 html_theme = "furo"
@@ -34,7 +34,7 @@ python_use_unqualified_type_names = True
 python_display_short_literal_types = True
 python_maximum_signature_line_length = 88
 
-# Types of arrays are shown by their names in burstcast.arrays.
+# Types of arrays are shown by their names in burstcast.base.arrays.
 _ARRAYS = {
     "numpy.float64": "FloatArray",
     "numpy.int64": "IntArray",

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.forced import ForcedSystem
 

@@ -15,7 +15,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
-from burstcast.arrays import FloatArray, IntArray
+from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.systems.base import EnergyBudget, Symmetry
 from exponential_scheme import SemilinearSystem
 

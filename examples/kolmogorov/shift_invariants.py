@@ -7,8 +7,8 @@ and is learnt from fewer data (`KolmogorovFlow.invariants`). It cannot be decode
 from dataclasses import dataclass
 from typing import Self
 
-from burstcast.arrays import FloatArray
-from burstcast.encoders.base import Encoder, EncodingCase
+from burstcast.base.arrays import FloatArray
+from burstcast.data.encoders.base import Encoder, EncodingCase
 from kolmogorov_flow import KolmogorovFlow
 
 

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
-from burstcast.compiled.backends import usable_backend
-from burstcast.discovery import suggestion
-from burstcast.files.netcdf import read_rows
+from burstcast.base.arrays import FloatArray
+from burstcast.base.compiled.backends import usable_backend
+from burstcast.base.discovery import suggestion
+from burstcast.base.files.netcdf import read_rows
 from burstcast.forecasters.base import Forecaster
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_job
@@ -106,7 +106,7 @@ class OpenedCampaign:
 
         def read(name: str) -> "pd.DataFrame":
             # pandas takes longer to load than all the rest
-            from burstcast.files.tables import read_table
+            from burstcast.base.files.tables import read_table
 
             return read_table(self.results / "tables" / f"{name}.csv")
 

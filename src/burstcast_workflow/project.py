@@ -16,7 +16,7 @@ VERSION = "burstcast_workflow.harness.version"
 HARNESS = (
     "burstcast_workflow.harness",
     *("burstcast_workflow.tracking", "burstcast_workflow.project"),
-    *("burstcast.files.netcdf", "burstcast.files.tables"),
+    *("burstcast.base.files.netcdf", "burstcast.base.files.tables"),
 )
 """Packages and modules that are in no fingerprint: an edit of them would run everything again."""
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from burstcast.forecasters._names import described
-from burstcast.natural_order import natural_order
+from burstcast.base.names import described
+from burstcast.base.natural_order import natural_order
 
 PREDICTION_TIME_LT = 2.0
 """Of the F-score that is shown, or the nearest that the campaign has."""

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray
+from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.control.actuation import ActuationValues, actuated_system
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.loop import ControlledFlows, Looks

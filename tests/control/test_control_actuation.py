@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from helpers_control import FLOW, RAISED, Rotor, experiment, plain_flow, run
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.control.actuation import actuated_system, reversed_actuation
 from burstcast.control.energy import actuation_cost
 from burstcast.control.strategies.reactive import Reactive, quantity

@@ -9,13 +9,13 @@ from helpers_control import EQUATIONS, FLOW, SCHEDULE, alarms_of, experiment, ru
 from burstcast.control.strategies.probability_triggered import ProbabilityTriggered
 from burstcast.control.strategies.reactive import Reactive
 from burstcast.control.strategies.receding_horizon import RecedingHorizon
-from burstcast.encoders.base import Encoder, EncodingCase
-from burstcast.encoders.channels import EncodedFlow, StateChannels
-from burstcast.encoders.identity import IdentityEncoder
-from burstcast.encoders.pod import PodEncoder
-from burstcast.encoders.state_estimate import StateEstimateEncoder
-from burstcast.observation.part import ObservedPart
-from burstcast.observation.velocity_sensors import VelocitySensors
+from burstcast.data.encoders.base import Encoder, EncodingCase
+from burstcast.data.encoders.channels import EncodedFlow, StateChannels
+from burstcast.data.encoders.identity import IdentityEncoder
+from burstcast.data.encoders.pod import PodEncoder
+from burstcast.data.encoders.state_estimate import StateEstimateEncoder
+from burstcast.data.observation.part import ObservedPart
+from burstcast.data.observation.velocity_sensors import VelocitySensors
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.state_space import component_names
 from helpers_library import MadeUpForecaster

@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 from helpers_control import FLOW, RAISED, simulation_of
 
+from burstcast.base.names import ForecasterName
+from burstcast.base.resampled_score import ResampledScore
+from burstcast.base.resampling import bootstrap_weights
 from burstcast.control.actuation import actuated_system
 from burstcast.control.choice import choose, values_of
 from burstcast.control.energy import energy_means
@@ -25,9 +28,6 @@ from burstcast.control.records import (
 )
 from burstcast.control.strategies.reactive import Reactive
 from burstcast.control.timing import Schedule
-from burstcast.forecasters._names import ForecasterName
-from burstcast.statistics.resampled_score import ResampledScore
-from burstcast.statistics.resampling import bootstrap_weights
 from burstcast.systems.base import EnergyBudget
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.tables.cells import medians_over_seeds

@@ -24,8 +24,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from burstcast import random_streams
-from burstcast.arrays import FloatArray
+from burstcast.base import random_streams
+from burstcast.base.arrays import FloatArray
 from burstcast.control import policy as policy_module
 from burstcast.control.controllers import controlling_policy, votes
 from burstcast.control.experiment import ControlExperiment

@@ -35,7 +35,7 @@ from burstcast.control.windows import (
     observable_histograms,
     totals,
 )
-from burstcast.forecast.examples import forecast_observable
+from burstcast.forecasts.examples import forecast_observable
 
 STRATEGY = PredictionTriggered(1.0, 1.0)
 SHORT = replace(

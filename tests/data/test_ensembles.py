@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from burstcast import random_streams
+from burstcast.base import random_streams
 from burstcast.data import dataset
 from burstcast.data.delay_coordinates import delay_coordinates, delayed_name
 from burstcast.data.ensemble_files import ensemble_variables

@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sklearn.preprocessing import PolynomialFeatures
 
-from burstcast.data.parameter_factors import ParameterFactors
 from burstcast.data.scheduled_series import (
     RandomActuation,
     ScheduledSeries,
@@ -25,6 +24,7 @@ from burstcast.data.training_realisations import (
     trained_first,
     variance_components,
 )
+from burstcast.forecasters._parameter_factors import ParameterFactors
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.parameters import SystemParameters, integrate_scheduled

@@ -17,12 +17,12 @@ import burstcast
 from burstcast.data.delay_coordinates import delay_coordinates
 from burstcast.data.series_layout import as_series
 from burstcast.event_forecaster.forecaster import DURATIONS
-from burstcast.forecast.classification import ratio
 from burstcast.forecasters.base import fitted as fitted_field
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.nvar import NVAR
 from burstcast.forecasters.persistence import Persistence
 from burstcast.forecasters.registry import trajectory_kinds
+from burstcast.forecasts.classification import ratio
 from burstcast.statistics.neighbour_divergence import neighbour_divergence
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63

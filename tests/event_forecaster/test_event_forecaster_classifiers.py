@@ -12,10 +12,10 @@ from test_event_forecaster import LYAPUNOV_TIME, SMALL, lorenz
 
 import burstcast
 from burstcast.event_forecaster.scoring import EventScorer
-from burstcast.forecast.observed_points import observed_points
 from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.registry import make_classifier
+from burstcast.forecasts.observed_points import observed_points
 from burstcast.systems.lorenz63 import Lorenz63
 
 OPTIONS = {

@@ -10,16 +10,16 @@ from burstcast import EventForecaster
 from burstcast.data.dataset import component_scales
 from burstcast.data.observation_noise import estimate_noise
 from burstcast.data.series_layout import labelled_series
-from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.readout import Moments
-from burstcast.esn.reservoir import make_reservoir
-from burstcast.esn.training import TrainingSeries, collect
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.nvar import NVAR
 from burstcast.forecasters.registry import all_kinds, kind_class
-from burstcast.polynomials.regression import polynomial_coefficients
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.readout import Moments
+from burstcast.networks.reservoir import make_reservoir
+from burstcast.networks.training import TrainingSeries, collect
 from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.polynomial_regression import polynomial_coefficients
 
 pytestmark = pytest.mark.filterwarnings("ignore:signs of a weak forecaster")
 

@@ -8,9 +8,9 @@ import pytest
 import scipy.fft
 
 from burstcast.data.dataset import component_scales, observed_series
-from burstcast.encoders.base import EncodingCase
-from burstcast.encoders.channels import StateChannels, check_encoding, encoding_case
-from burstcast.encoders.registry import encoder_class
+from burstcast.data.encoders.base import EncodingCase
+from burstcast.data.encoders.channels import StateChannels, check_encoding, encoding_case
+from burstcast.data.encoders.registry import encoder_class
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lyapunov import lyapunov_spectrum

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.figures.parts.style import nothing_to_show
 from burstcast.figures.registry import figure_of
 from burstcast.statistics.densities import bin_edges, histogram

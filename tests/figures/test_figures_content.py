@@ -37,8 +37,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from sklearn.decomposition import PCA
 
-from burstcast.encoders.base import EncodingCase
-from burstcast.encoders.pod import PodEncoder
+from burstcast.data.encoders.base import EncodingCase
+from burstcast.data.encoders.pod import PodEncoder
 from burstcast.figures.control_tradeoff import over_flows
 from burstcast.figures.encoder_loss import kept
 from burstcast.figures.parts import medians

@@ -6,15 +6,9 @@ import numpy as np
 import pytest
 
 from burstcast.control.actuation import ActuatorShare
-from burstcast.data.parameter_factors import ParameterFactors
 from burstcast.data.records import recorded_series
-from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.network import EchoStateNetwork
-from burstcast.esn.reservoir import ReservoirSeed
-from burstcast.esn.training import TrainingSeries, train
-from burstcast.forecast.horizon import HorizonSearch, prediction_horizons
-from burstcast.forecast.window_forecasts import window_forecasts
 from burstcast.forecasters._event_classifier import LabelledPoints
+from burstcast.forecasters._parameter_factors import ParameterFactors
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase, for_members
 from burstcast.forecasters.equations import EquationsFromTruth
@@ -34,12 +28,18 @@ from burstcast.forecasters.registry import (
     kind_class,
     make_classifier,
 )
-from burstcast.polynomials.basis import monomials
+from burstcast.forecasts.horizon import HorizonSearch, prediction_horizons
+from burstcast.forecasts.window_forecasts import window_forecasts
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.network import EchoStateNetwork
+from burstcast.networks.reservoir import ReservoirSeed
+from burstcast.networks.training import TrainingSeries, train
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.parameters import Parameters, SystemParameters, integrate_scheduled
+from burstcast.systems.polynomial_basis import monomials
 from helpers_library import MadeUpForecaster
 
 RHO = SystemParameters.of(Lorenz63(), ["rho"])

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from burstcast.data.dataset import component_scales, observed_series
-from burstcast.encoders.channels import StateChannels, channel_names, encoding_case
+from burstcast.data.encoders.channels import StateChannels, channel_names, encoding_case
 from burstcast.forecasters._filtered import FilteredForecaster
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations_filtered import FilteredEquations
@@ -15,12 +15,12 @@ from burstcast.forecasters.equations_noisy import EquationsFromObservation
 from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.quadratic import QuadraticModel
 from burstcast.forecasters.quadratic_filtered import FilteredQuadraticModel
-from burstcast.polynomials.basis import monomials
-from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.polynomial_basis import monomials
+from burstcast.systems.polynomial_system import PolynomialSystem
 from kolmogorov_flow import KolmogorovFlow
 
 LORENZ = ForecastingCase(Lorenz63(), 0.01, 1, 60)

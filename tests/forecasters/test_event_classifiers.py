@@ -8,8 +8,8 @@ from sklearn.linear_model import LogisticRegression
 from sklearn.metrics import average_precision_score
 from sklearn.preprocessing import PolynomialFeatures, scale
 
-from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.forecasters._event_classifier import EventClassifier, LabelledPoints
+from burstcast.forecasters._logistic_readout import event_probability, fit_logistic
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.precursor import lag_steps
 from burstcast.forecasters.registry import (
@@ -19,7 +19,7 @@ from burstcast.forecasters.registry import (
     make_forecaster,
     trajectory_kinds,
 )
-from burstcast.probability.logistic_readout import event_probability, fit_logistic
+from burstcast.networks.reservoir import ReservoirSeed
 from burstcast.systems.lorenz63 import Lorenz63
 
 KINDS = sorted(set(available_kinds()) - set(trajectory_kinds()))

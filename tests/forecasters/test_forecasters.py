@@ -7,11 +7,6 @@ import pytest
 from sklearn.linear_model import LinearRegression, Ridge
 from sklearn.preprocessing import PolynomialFeatures
 
-from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.network import EchoStateNetwork
-from burstcast.esn.readout import Readout
-from burstcast.esn.training import TrainingSeries, train
-from burstcast.forecast.window_forecasts import member_forecasts
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.forecasters.equations import EquationsFromTruth
@@ -31,10 +26,15 @@ from burstcast.forecasters.registry import (
     make_kind_of,
     trajectory_kinds,
 )
-from burstcast.polynomials.system import PolynomialSystem
+from burstcast.forecasts.window_forecasts import member_forecasts
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.network import EchoStateNetwork
+from burstcast.networks.readout import Readout
+from burstcast.networks.training import TrainingSeries, train
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.polynomial_system import PolynomialSystem
 from helpers_library import textbook_step
 
 SYSTEM = MoehlisFaisstEckhardt(reynolds=400.0)

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from scipy.integrate import trapezoid
 from scipy.stats import wasserstein_distance
 
-from burstcast.files.netcdf import read_netcdf, write_netcdf
+from burstcast.base.files.netcdf import read_netcdf, write_netcdf
+from burstcast.base.resampling import bootstrap_weights
 from burstcast.statistics import reductions
 from burstcast.statistics.densities import (
     Histogram,
@@ -30,7 +31,6 @@ from burstcast.statistics.profiles import (
     velocity_profiles,
 )
 from burstcast.statistics.reductions import SeriesAccumulator, reduce_series
-from burstcast.statistics.resampling import bootstrap_weights
 from burstcast.statistics.statistics_files import (
     reduction_variables,
     reductions_from,

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from burstcast.data.dataset import generate_ensemble, initial_states
-from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.network import EchoStateNetwork
-from burstcast.esn.reservoir import ReservoirSeed, make_reservoir
-from burstcast.esn.training import TrainingSeries, train
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.quadratic import QuadraticModel
 from burstcast.forecasters.registry import kind_class, trajectory_kinds
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.network import EchoStateNetwork
+from burstcast.networks.reservoir import ReservoirSeed, make_reservoir
+from burstcast.networks.training import TrainingSeries, train
 from burstcast.statistics import lyapunov_spectrum as module
 from burstcast.statistics import neighbour_divergence as neighbours
 from burstcast.statistics.lyapunov_spectrum import forecaster_spectrum, summarise

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import linregress
 
+from burstcast.networks.negligible_ridge import negligible_ridge
 from burstcast.statistics import warning_signs as signs
 from burstcast.systems.integration import integrate
-from burstcast.tuning.negligible_ridge import negligible_ridge
 from kolmogorov_flow import KolmogorovFlow
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.compiled import compiled_steps
 from burstcast.systems.integration import integrate, integrate_observed

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from burstcast.base.expressions import Expression
 from burstcast.control.actuation import ActuatorShare, actuated_system
-from burstcast.systems.expressions import Expression
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.measured import MeasuredSeries, derives

@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from burstcast.base.discovery import UnsoundError
 from burstcast.data.dataset import initial_states
-from burstcast.discovery import UnsoundError
-from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.check import (
     _initial_states,
@@ -24,6 +23,7 @@ from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lorenz96 import Lorenz96
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.polynomial_system import PolynomialSystem
 from burstcast.systems.registry import available_systems, make_system, system_module
 from burstcast_workflow.commands.command_line import main
 from kolmogorov_flow import KolmogorovFlow

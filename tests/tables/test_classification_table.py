@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from burstcast.forecasters._names import parsed
+from burstcast.base.names import parsed
 from burstcast.tables.makers.classification_table import make
 from burstcast.tables.makers.registry import Gathered
 

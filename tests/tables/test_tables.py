@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast.statistics.percentiles import percentiles
+from burstcast.figures.ranked import shown_once
 from burstcast.tables.latex import escape, latex_number, to_latex
 from burstcast.tables.parameters import data_parameters, network_parameters, side_by_side
-from burstcast.tables.ranked import shown_once
+from burstcast.tables.percentiles import percentiles
 from burstcast.tables.wide import cell, wide_table
 
 KEYS = ["case", "reynolds", "neurons"]

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from burstcast.files.netcdf import Variable, write_netcdf
+from burstcast.base.files.netcdf import Variable, write_netcdf
 from burstcast.tables.makers.warnings_table import ADVICE, OF_NETWORKS, make
 
 NETWORK = {"neurons": 50, "validation": "RV"}

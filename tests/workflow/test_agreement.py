@@ -9,9 +9,9 @@ import yaml
 from helpers_rebuilds import RESULTS, Project, digests, jobs_since, rules_of
 from numpy.testing import assert_array_equal
 
+from burstcast.base.files.netcdf import read_attributes, read_netcdf
 from burstcast.event_forecaster import forecaster
 from burstcast.event_forecaster.forecaster import EventForecaster
-from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast.forecasters._options import SECTIONS
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast_workflow.campaign.campaign import SIMULATED_INPUTS

@@ -7,8 +7,8 @@ import pytest
 import yaml
 from helpers_rebuilds import Project
 
-from burstcast.files.netcdf import read_netcdf
-from burstcast.files.tables import read_table
+from burstcast.base.files.netcdf import read_netcdf
+from burstcast.base.files.tables import read_table
 
 ROOT = Path(__file__).parents[2]
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_aware.yaml").read_text())

@@ -8,8 +8,8 @@ from helpers_configs import campaign, networks, tiny_campaign
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast.forecasters._names import NETWORK as NETWORKS
-from burstcast.forecasters._names import ForecasterName, parsed
+from burstcast.base.names import NETWORK as NETWORKS
+from burstcast.base.names import ForecasterName, parsed
 from burstcast.forecasters.registry import available_kinds
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import Job, settings_of_cases, settings_of_job
@@ -290,7 +290,7 @@ def test_modules_that_a_job_is_about(wildcards, kinds, strategies):
         "burstcast.systems": ["mfe"],
         "burstcast.forecasters": kinds.split(),
         "burstcast.control.strategies": [],
-        "burstcast.tuning.strategies": strategies.split(),
+        "burstcast.networks.validation_strategies": strategies.split(),
     }
 
 

@@ -8,10 +8,10 @@ import pytest
 from helpers_configs import PRESETS, ROOT, TINY, campaign, read
 from helpers_rebuilds import loaded_script
 
-from burstcast.declared import File, at
-from burstcast.declared import read as read_file
+from burstcast.base.declared import File, at
+from burstcast.base.declared import read as read_file
+from burstcast.base.files.netcdf import Variable, write_netcdf
 from burstcast.figures.registry import caption, figure, figure_of
-from burstcast.files.netcdf import Variable, write_netcdf
 from burstcast.statistics.densities import Histogram
 from burstcast.statistics.measures import best_network
 from burstcast.statistics.moments import StateMoments

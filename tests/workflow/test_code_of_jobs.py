@@ -51,14 +51,14 @@ def test_closures_have_what_scripts_load(job_server):
     for script in scripts:
         found = names(SEEN.entries(script, {}))
         # what reads and writes files loads more, for which the version stands, too
-        left_out = (*OF_HARNESS, "burstcast.files.")
+        left_out = (*OF_HARNESS, "burstcast.base.files.")
         assert {one for one in loaded[script] if not one.startswith(left_out)} <= found, script
 
 
 # which have a version instead
 OF_HARNESS = (
     *("burstcast_workflow.harness", "burstcast_workflow.project", "burstcast_workflow.tracking"),
-    *("burstcast.files.netcdf", "burstcast.files.tables"),
+    *("burstcast.base.files.netcdf", "burstcast.base.files.tables"),
 )
 
 
@@ -146,8 +146,8 @@ def test_closure_in_the_project_is_selective(tmp_path):
     assert "burstcast_workflow.harness.version" in entries
     library = {name for name in entries if name.startswith("burstcast.")}
     # through gather; packages are empty, and the version stands for netcdf
-    packages = {"burstcast.files", "burstcast.forecasters"}
-    assert library == {*packages, "burstcast.forecasters._names"}
+    packages = {"burstcast.base.files", "burstcast.forecasters"}
+    assert library == {*packages, "burstcast.base.names"}
 
 
 def reached(script, *kinds, systems=(), strategies=()):
@@ -155,7 +155,7 @@ def reached(script, *kinds, systems=(), strategies=()):
     about = {
         **{"burstcast.forecasters": [*kinds], "burstcast.systems": [*systems]},
         **{"burstcast.control.strategies": [*strategies]},
-        "burstcast.tuning.strategies": ["recycle"],
+        "burstcast.networks.validation_strategies": ["recycle"],
     }
     return names(SEEN.entries(script, about))
 
@@ -172,8 +172,8 @@ def test_control_does_not_depend_on_the_statistics_of_the_velocity(rule):
 def test_the_search_does_not_depend_on_other_forecasters(script):
     """An edit of a filter must not repeat the search."""
     found = reached(f"forecasters/{script}.py", "esn")
-    assert "burstcast.esn.readout" in found
-    others = ("burstcast.encoders", "burstcast.filters", "burstcast.observation")
+    assert "burstcast.networks.readout" in found
+    others = ("burstcast.data.encoders", "burstcast.filters", "burstcast.data.observation")
     assert not {name for name in found if name.startswith(others)}
 
 
@@ -186,7 +186,7 @@ def test_the_equations_do_not_depend_on_the_networks(script):
         found = reached(f"{script}.py", kind, systems=["mfe"])
         assert f"burstcast.forecasters.{kind}" in found
         assert "burstcast.systems.lorenz63" not in found
-        assert any(name.startswith("burstcast.esn.") for name in found) == expected
+        assert any(name.startswith("burstcast.networks.") for name in found) == expected
 
 
 # -- starting up -----------------------------------------------------------------------------------
@@ -208,7 +208,7 @@ NEEDED_BY = {
     "yaml": [],
 }
 # Modules of ours that load much, and those who have nothing to do with networks.
-NETWORK = "burstcast.esn.reservoir"
+NETWORK = "burstcast.networks.reservoir"
 WITHOUT_NETWORKS = ["tables/*.py", "data/*.py", "control/*.py"]
 
 
@@ -301,6 +301,11 @@ PARTS = (
     *("project", "tracking", "harness", "jobs", "config", "campaign", "tables", "start", "opened"),
     *("summary", "stages", "figures", "commands"),
 )
+# Rooms of the library, floor by floor: none imports another of its own floor, or of one above.
+FLOORS = (
+    *(("base",), ("systems",), ("networks", "data"), ("forecasters",), ("forecasts", "statistics")),
+    *(("control",), ("event_forecaster",), ("tables",), ("figures",)),
+)
 
 
 def imported(path):
@@ -340,3 +345,10 @@ def test_packages_import_downwards(package):
     above = {*DOWNWARDS[DOWNWARDS.index(package) + 1 :]}
     for path in sorted((SOURCE / package).rglob("*.py")):
         assert not above & {module.partition(".")[0] for module in imported(path)}, path
+
+
+def test_rooms_of_the_library_import_from_the_floors_below():
+    floor = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
+    found = list(imports_between(SOURCE / "burstcast", "burstcast."))
+    assert {"base", *(room for room, _, _ in found)} == set(floor)
+    assert [edge for edge in found if floor[edge[1]] >= floor[edge[0]]] == []

@@ -341,7 +341,7 @@ def test_the_tiny_campaign_runs_from_a_wheel_in_an_empty_directory(installed, tm
     assert packages == {*PACKAGES}
     edited = root.parents[1] / "burstcast" / "events.py"
     edited.write_text(edited.read_text() + "\nEDITED = True\n")
-    assert "code of burstcast.events (Re400)" in said_by(why, study, **environment)
+    assert "code of burstcast.base.events (Re400)" in said_by(why, study, **environment)
     said = said_by(["burstcast", "archive", *options], study, **environment)
     assert re.search(r"tiny.zip: \d\d files", said)
 

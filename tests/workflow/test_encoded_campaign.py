@@ -13,9 +13,9 @@ from helpers_configs import tiny_with
 from helpers_rebuilds import Project
 from sklearn.metrics import average_precision_score
 
-from burstcast import random_streams
-from burstcast.files.netcdf import read_attributes, read_netcdf
-from burstcast.files.tables import read_table
+from burstcast.base import random_streams
+from burstcast.base.files.netcdf import read_attributes, read_netcdf
+from burstcast.base.files.tables import read_table
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
 from kolmogorov_flow import KolmogorovFlow

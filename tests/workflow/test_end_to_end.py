@@ -10,9 +10,9 @@ import pytest
 import yaml
 from helpers_rebuilds import ROOT, TINY, Project, digests, jobs_since, rules_of
 
-from burstcast.files import units
-from burstcast.files.netcdf import read_attributes, read_netcdf
-from burstcast.files.tables import read_table
+from burstcast.base.files import units
+from burstcast.base.files.netcdf import read_attributes, read_netcdf
+from burstcast.base.files.tables import read_table
 
 
 def table(run, name):
@@ -35,7 +35,7 @@ def test_the_claim_of_the_run_has_all_code(finished):
     claim = json.loads((finished.project.results / ".run.json").read_text())
     names = {entry.partition(" @")[0] for entry in claim["code"]}
     scripts = {"forecasters/train.py", "evaluation/horizon.py", "tables/joined.py"}
-    assert scripts | {"burstcast.esn.readout", "burstcast.systems.mfe"} <= names
+    assert scripts | {"burstcast.networks.readout", "burstcast.systems.mfe"} <= names
     assert "burstcast.systems.lorenz63" not in names
 
 

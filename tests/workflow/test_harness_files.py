@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast.files.netcdf import Variable, read_attributes, read_netcdf, read_rows
-from burstcast.files.tables import read_table
+from burstcast.base.files.netcdf import Variable, read_attributes, read_netcdf, read_rows
+from burstcast.base.files.tables import read_table
 from burstcast_workflow.harness.job import job_identity, provenance
 from burstcast_workflow.harness.settings import with_thresholds
 from burstcast_workflow.harness.storage import (

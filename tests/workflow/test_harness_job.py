@@ -29,7 +29,7 @@ from types import SimpleNamespace
 
 Path("data.nc").write_text("data")
 script = Path("train.py").resolve()
-script.write_text("import burstcast.durations")
+script.write_text("import burstcast.base.durations")
 sources = Sources(lambda name: script, SOURCES, {})
 code = sources.entries("train.py", {})
 begin("results", {}, code, [os.path.abspath("mine")], "abc")
@@ -175,11 +175,11 @@ def main_with(parameters):
         (main_with("*, data, settings"), "TypeError: main takes no argument network"),
         (main_with("*, data, network, other"), "missing 1 required keyword-only argument: 'other'"),
         (
-            f'script.write_text("import burstcast.durations; EDITED = 1")\n{MAIN}    open("ran")',
+            f'script.write_text("import burstcast.systems; EDITED = 1")\n{MAIN}    open("ran")',
             "UnlikeCodeError: train.py changed after the workflow was planned",
         ),
         (
-            f'{MAIN}    script.write_text("import burstcast.durations; EDITED = 1")',
+            f'{MAIN}    script.write_text("import burstcast.base.durations; EDITED = 1")',
             "train.py changed after the workflow was planned",
         ),
     ],
@@ -193,7 +193,7 @@ def test_a_job_that_is_not_what_its_rule_says_fails(tmp_path, body, complaint):
 
 
 def test_a_comment_is_no_edit_while_a_job_runs(tmp_path):
-    edit = '    script.write_text("import burstcast.durations  # a comment")'
+    edit = '    script.write_text("import burstcast.base.durations  # a comment")'
     assert run(tmp_path, f"{MAIN}{edit}, write_json(network, {{}})")[0].returncode == 0
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers_rebuilds import loaded_script
 
-from burstcast.files.netcdf import Variable, read_netcdf, write_netcdf
+from burstcast.base.files.netcdf import Variable, read_netcdf, write_netcdf
 from burstcast_workflow.harness.settings import exponent_in
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.jobs.time_unit import Clock

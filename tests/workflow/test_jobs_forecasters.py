@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 
-from burstcast import random_streams
-from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.network import EchoStateNetwork
-from burstcast.esn.training import train
-from burstcast.files.netcdf import Variable, read_attributes
-from burstcast.forecasters._names import parsed
+from burstcast.base import random_streams
+from burstcast.base.files.netcdf import Variable, read_attributes
+from burstcast.base.names import parsed
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
 from burstcast.forecasters.registry import (
     kind_class,
@@ -16,15 +13,18 @@ from burstcast.forecasters.registry import (
     options_of_kind,
     trajectory_kinds,
 )
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.hyperparameters import HyperparameterPoint
+from burstcast.networks.network import EchoStateNetwork
+from burstcast.networks.scan import scan
+from burstcast.networks.scan_files import log_error_variables, read_evaluations
+from burstcast.networks.training import train
+from burstcast.networks.validation import validate
+from burstcast.networks.validation_strategies.base import ValidationPlan
+from burstcast.networks.validation_strategies.recycle import RecycleValidation
+from burstcast.networks.validation_strategies.single_shot import SingleShotValidation
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
-from burstcast.tuning.hyperparameters import HyperparameterPoint
-from burstcast.tuning.scan import scan
-from burstcast.tuning.scan_files import log_error_variables, read_evaluations
-from burstcast.tuning.strategies.base import ValidationPlan
-from burstcast.tuning.strategies.recycle import RecycleValidation
-from burstcast.tuning.strategies.single_shot import SingleShotValidation
-from burstcast.tuning.validation import validate
 from burstcast_workflow.harness.storage import write_netcdf
 from burstcast_workflow.jobs.forecasters import Observing, seen, seen_rows, write_forecaster
 from burstcast_workflow.jobs.networks import Networks, Search

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast.forecast.windows import WindowForecasts
-from burstcast.forecasters._names import KEYS
-from burstcast.probability.alarm_sources import BASELINES, alarm_sources
+from burstcast.base.names import KEYS
+from burstcast.forecasts.alarm_sources import BASELINES, alarm_sources
+from burstcast.forecasts.windows import WindowForecasts
 from burstcast_workflow.harness.job import job_identity, provenance
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.gather import origins

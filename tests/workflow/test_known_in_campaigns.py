@@ -5,8 +5,8 @@ import pytest
 import yaml
 from helpers_rebuilds import Project
 
-from burstcast.files.netcdf import read_netcdf
-from burstcast.files.tables import read_table
+from burstcast.base.files.netcdf import read_netcdf
+from burstcast.base.files.tables import read_table
 from burstcast_workflow import open_campaign
 
 SAMPLES, BLOCK = 1100, 50

@@ -12,9 +12,9 @@ import yaml
 from helpers_rebuilds import Project, digests
 from pandas.testing import assert_frame_equal
 
-from burstcast.files.netcdf import read_netcdf
-from burstcast.files.tables import read_table
-from burstcast.random_streams import stream
+from burstcast.base.files.netcdf import read_netcdf
+from burstcast.base.files.tables import read_table
+from burstcast.base.random_streams import stream
 from burstcast_workflow.harness.storage import read_json
 
 LINEAR = {"linear_inverse": {}}

@@ -12,8 +12,8 @@ from helpers_rebuilds import digests
 from keep import rule_costs
 from recomputation import TABLES, Recomputation, assert_same_rows, percentiles
 
+from burstcast.base.files.tables import read_table
 from burstcast.figures.registry import caption
-from burstcast.files.tables import read_table
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.jobs.report import MOST_ROWS
 from burstcast_workflow.tables.declarations import SECTIONS

@@ -10,11 +10,11 @@ import pytest
 import yaml
 from helpers_rebuilds import Project
 
-from burstcast.arrays import FloatArray
-from burstcast.files.netcdf import read_netcdf
-from burstcast.files.tables import read_table
-from burstcast.forecast.windows import WindowSummaries, crosses
-from burstcast.probability.precursor import Precursor, PrecursorTraining, precursor_features
+from burstcast.base.arrays import FloatArray
+from burstcast.base.files.netcdf import read_netcdf
+from burstcast.base.files.tables import read_table
+from burstcast.forecasters._precursor_model import Precursor, PrecursorTraining, precursor_features
+from burstcast.forecasts.windows import WindowSummaries, crosses
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow.harness.storage import read_json

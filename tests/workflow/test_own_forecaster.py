@@ -11,9 +11,9 @@ import pytest
 import yaml
 from helpers_configs import ROOT, TINY, tiny_with
 
-from burstcast.files.netcdf import read_netcdf
-from burstcast.files.tables import read_table
-from burstcast.forecasters._names import ForecasterName, parsed
+from burstcast.base.files.netcdf import read_netcdf
+from burstcast.base.files.tables import read_table
+from burstcast.base.names import ForecasterName, parsed
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.commands import check_forecaster

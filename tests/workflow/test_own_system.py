@@ -12,8 +12,8 @@ import pytest
 import yaml
 from helpers_rebuilds import TINY, Project
 
-from burstcast.files.netcdf import read_netcdf
-from burstcast.files.tables import read_table
+from burstcast.base.files.netcdf import read_netcdf
+from burstcast.base.files.tables import read_table
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.tracking.code import search_directories
 from burstcast_workflow.tracking.run import VARIABLE

@@ -12,9 +12,9 @@ from sklearn.ensemble import HistGradientBoostingClassifier
 from sklearn.metrics import average_precision_score, f1_score, recall_score
 from snakemake.utils import update_config
 
+from burstcast.base.files.netcdf import read_attributes, read_netcdf
+from burstcast.base.files.tables import read_table
 from burstcast.data.dataset import component_scales, observed_series
-from burstcast.files.netcdf import read_attributes, read_netcdf
-from burstcast.files.tables import read_table
 from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.registry import make_classifier

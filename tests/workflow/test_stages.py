@@ -18,8 +18,8 @@ from snakemake.api import SnakemakeApi
 from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 from snakemake.utils import update_config
 
-from burstcast.declared import files_of, gathered, paths_of
-from burstcast.forecasters._names import MODEL, NETWORK
+from burstcast.base.declared import files_of, gathered, paths_of
+from burstcast.base.names import MODEL, NETWORK
 from burstcast.forecasters.registry import all_kinds, available_kinds, kind_class
 from burstcast.tables.makers.registry import maker
 from burstcast_workflow.campaign.campaign import Campaign
@@ -257,7 +257,10 @@ def test_the_code_of_a_figure_is_its_own_module_and_what_that_reaches(name):
     version = "burstcast_workflow.harness.version"
     assert found > {"figures/figure.py", "burstcast.figures.parts.style", version}
     # of what the module itself finds by name, only what the case is about
-    strategies = {"burstcast.tuning.strategies.recycle", "burstcast.tuning.strategies.single_shot"}
+    strategies = {
+        "burstcast.networks.validation_strategies.recycle",
+        "burstcast.networks.validation_strategies.single_shot",
+    }
     assert found & strategies == (strategies if name == "validation_strategies" else set())
     assert "burstcast.systems.lorenz63" not in found
 
@@ -463,7 +466,7 @@ def test_a_parameter_is_empty_where_it_does_not_concern_the_job(paper):
         assert "" in texts
         _, code = made(params, wildcards)
         reached = {entry.partition(" ")[0] for entry in code}
-        assert ("burstcast.esn.dynamics" in reached) == name.startswith("esn")
+        assert ("burstcast.networks.dynamics" in reached) == name.startswith("esn")
         assert "burstcast.systems.mfe" in reached
         lengths.append(len(texts))
     assert lengths == [len(params)] * 2  # one for each setting and each module of any job

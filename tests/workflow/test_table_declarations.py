@@ -9,8 +9,8 @@ import pandas as pd
 import pytest
 from helpers_configs import campaign
 
-from burstcast.files.tables import read_table
-from burstcast.forecasters._names import KEYS
+from burstcast.base.files.tables import read_table
+from burstcast.base.names import KEYS
 from burstcast.statistics import warning_signs
 from burstcast.tables.joined import joined
 from burstcast.tables.makers.warnings_table import ADVICE, OF_NETWORKS

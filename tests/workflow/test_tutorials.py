@@ -15,8 +15,8 @@ import pytest
 import yaml
 from helpers_rebuilds import ROOT, THREADS, Project
 
-from burstcast.files.netcdf import read_netcdf
-from burstcast.files.tables import read_table
+from burstcast.base.files.netcdf import read_netcdf
+from burstcast.base.files.tables import read_table
 from burstcast_workflow.commands.command_line import main
 from burstcast_workflow.harness.storage import read_json
 

@@ -10,7 +10,7 @@ os.environ["MPLBACKEND"] = "agg"
 
 from snakemake.exceptions import WorkflowError
 
-from burstcast.forecasters._names import MODEL, NETWORK
+from burstcast.base.names import MODEL, NETWORK
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.figures.jobs import captions
 from burstcast_workflow.harness.logs import cache_summary, failure_summary

@@ -1,6 +1,6 @@
 """Data of a case: the ensemble, its exponents and statistics, what forecasters are judged on."""
 
-from burstcast.declared import read
+from burstcast.base.declared import read
 
 
 rule simulate:

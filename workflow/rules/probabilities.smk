@@ -1,6 +1,6 @@
 """Probabilities of events: calibrated and scored, with alarms chosen without the test series."""
 
-from burstcast.declared import gathered
+from burstcast.base.declared import gathered
 
 
 rule calibration_set:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, ByteArray, FloatArray
+from burstcast.base.arrays import BoolArray, ByteArray, FloatArray
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.forced import forced_system
 from burstcast.systems.parameters import SHARE, Parameters, SystemParameters

@@ -11,9 +11,9 @@ from typing import Annotated
 
 import numpy as np
 
-from burstcast.arrays import ByteArray, FloatArray
-from burstcast.files.described import Described
-from burstcast.files.units import COMPONENT, POWER
+from burstcast.base.arrays import ByteArray, FloatArray
+from burstcast.base.files.described import Described
+from burstcast.base.files.units import COMPONENT, POWER
 from burstcast.systems.base import DynamicalSystem, EnergyBudget
 from burstcast.systems.flow_map import FlowMap
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast import random_streams
-from burstcast.arrays import FloatArray
+from burstcast.base import random_streams
+from burstcast.base.arrays import FloatArray
 from burstcast.control.actuation import ActuationValues
 from burstcast.control.timing import Schedule
 from burstcast.data.dataset import Scales, observe
-from burstcast.encoders.channels import EncodedFlow
-from burstcast.observation.part import ObservedPart
+from burstcast.data.encoders.channels import EncodedFlow
+from burstcast.data.observation.part import ObservedPart
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.state_space import StateSpace
 

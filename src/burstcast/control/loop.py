@@ -12,12 +12,12 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from burstcast.base.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from burstcast.control.energy import ActuationCost, actuation_cost, energy_means
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.policy import Look, Policy
 from burstcast.control.timing import Timing
-from burstcast.encoders.channels import EncodedFlow
+from burstcast.data.encoders.channels import EncodedFlow
 from burstcast.systems.base import DynamicalSystem, EnergyBudget
 from burstcast.systems.integration import LostTrajectoryError, integrate, integrate_switched
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from burstcast.base.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from burstcast.control.actuation import ActuationValues
-from burstcast.forecast.window_forecasts import side_by_side
 from burstcast.forecasters.base import Forecaster, for_members
+from burstcast.forecasts.window_forecasts import side_by_side
 
 FLOWS_PER_CALL = 64
 """Flows whose members forecast side by side: bounds the memory, changes no result."""

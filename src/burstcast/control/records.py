@@ -18,15 +18,15 @@ from typing import Annotated, Any
 import numpy as np
 import numpy.typing as npt
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.events import upward_crossings
+from burstcast.base.files.described import Described
+from burstcast.base.files.units import NUMBER, POWER
+from burstcast.base.laminarisation import first_laminar_step
+from burstcast.base.resampled_score import ResampledScore
+from burstcast.base.resampling import bootstrap_weights, percentile_interval
 from burstcast.control.loop import ControlledFlows
 from burstcast.control.timing import Timing
-from burstcast.events import upward_crossings
-from burstcast.files.described import Described
-from burstcast.files.units import NUMBER, POWER
-from burstcast.laminarisation import first_laminar_step
-from burstcast.statistics.resampled_score import ResampledScore
-from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 
 
 def _count(meaning: str) -> Described:

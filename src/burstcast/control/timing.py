@@ -6,7 +6,7 @@ input of the washout. Integration step i leads from i to i + 1 time steps after 
 
 from dataclasses import dataclass
 
-from burstcast import durations
+from burstcast.base import durations
 
 
 @dataclass(frozen=True)

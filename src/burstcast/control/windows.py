@@ -12,7 +12,10 @@ from typing import Annotated
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from burstcast.base.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from burstcast.base.events import upward_crossings
+from burstcast.base.files.described import Described
+from burstcast.base.files.units import NUMBER, OBSERVABLE
 from burstcast.control.loop import (
     ControlledFlows,
     Looks,
@@ -22,10 +25,7 @@ from burstcast.control.loop import (
 )
 from burstcast.control.records import FlowSample, record_flows
 from burstcast.control.timing import Timing
-from burstcast.events import upward_crossings
-from burstcast.files.described import Described
-from burstcast.files.units import NUMBER, OBSERVABLE
-from burstcast.forecast.windows import crosses_in_window
+from burstcast.forecasts.windows import crosses_in_window
 from burstcast.statistics.densities import histogram
 
 

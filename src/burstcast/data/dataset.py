@@ -9,10 +9,10 @@ from typing import Literal
 
 import numpy as np
 
-from burstcast import random_streams
-from burstcast.arrays import FloatArray, IntArray
-from burstcast.data.series_lengths import samples_of, series_lengths
-from burstcast.laminarisation import first_laminar_step, is_laminar
+from burstcast.base import random_streams
+from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.laminarisation import first_laminar_step, is_laminar
+from burstcast.base.series_lengths import samples_of, series_lengths
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate_observed
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.data.series_layout import as_series
 
 

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, IntArray
-from burstcast.files.netcdf import Variable
-from burstcast.files.units import COMPONENT, NUMBER, OBSERVABLE, TIME
+from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.files.netcdf import Variable
+from burstcast.base.files.units import COMPONENT, NUMBER, OBSERVABLE, TIME
 
 START = "start"
 """Variable of an ensemble of a record: the time of the first sample of each series."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 
 
 def threshold_at(quantile: float, observable: FloatArray) -> float:

@@ -11,10 +11,10 @@ from unicodedata import normalize
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, IntArray, float_array, is_known
-from burstcast.discovery import suggestion
-from burstcast.laminarisation import first_laminar_step
-from burstcast.systems.expressions import Expression
+from burstcast.base.arrays import FloatArray, IntArray, float_array, is_known
+from burstcast.base.discovery import suggestion
+from burstcast.base.expressions import Expression
+from burstcast.base.laminarisation import first_laminar_step
 from burstcast.systems.measured import MeasuredSeries
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import AXES, FloatArray, float_array
+from burstcast.base.arrays import AXES, FloatArray, float_array
 from burstcast.data.measured_data import Content, Run
 from burstcast.data.series_layout import LabelledRun, labels_of
 from burstcast.data.times import TIME, TimesError, times_in, with_units

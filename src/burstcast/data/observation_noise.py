@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
-from burstcast.data.series_lengths import samples_of
+from burstcast.base.arrays import FloatArray
+from burstcast.base.series_lengths import samples_of
 
 _ORDER = 8
 """Order of the differences: an oscillation of eight samples is damped to a thousandth of itself."""

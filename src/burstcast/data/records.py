@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, is_known
+from burstcast.base.arrays import FloatArray, is_known
 from burstcast.data.measured_data import (
     Blocks,
     Quantity,

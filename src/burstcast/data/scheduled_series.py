@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.files.netcdf import Variable
-from burstcast.files.units import COMPONENT
-from burstcast.laminarisation import is_laminar
+from burstcast.base.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.files.netcdf import Variable
+from burstcast.base.files.units import COMPONENT
+from burstcast.base.laminarisation import is_laminar
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters, integrate_scheduled
 

@@ -13,7 +13,7 @@ import netCDF4
 import pandas as pd
 import scipy
 
-from burstcast.arrays import AXES
+from burstcast.base.arrays import AXES
 from burstcast.data.measured_data import Content, Run
 from burstcast.data.named_arrays import NamedArrays
 from burstcast.data.tables import RECIPES, csv_content, frame_content

@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from burstcast.arrays import AXES, FloatArray, float_array, is_known
-from burstcast.data.series_lengths import padded, series_lengths
+from burstcast.base.arrays import AXES, FloatArray, float_array, is_known
+from burstcast.base.series_lengths import padded, series_lengths
 
 _JITTER = 0.5
 """Of the time between two samples, relative to its median: less is jitter, or rounded times."""

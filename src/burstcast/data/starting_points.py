@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, IntArray
-from burstcast.events import upward_crossings
+from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.events import upward_crossings
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def starting_points(
 
 
 def crossing_points(observable: FloatArray, threshold: float) -> SeriesPoints:
-    """Starts of the extreme events of series (`burstcast.events.upward_crossings`).
+    """Starts of the extreme events of series (`burstcast.base.events.upward_crossings`).
 
     ``observable``: ``(series, time)``.
     """

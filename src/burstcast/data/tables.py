@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.data.measured_data import Content, Run
 from burstcast.data.series_layout import LabelledRun
 from burstcast.data.times import TIME, TimesError, is_number, times_in

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 
 TIME = "time"
 """Name of the column, the variable or the axis of times."""

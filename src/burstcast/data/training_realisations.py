@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, IntArray
+from burstcast.base.arrays import FloatArray, IntArray
 
 DRAWS = 1000
 """Random sets of series of which the one with the nearest share of events is taken."""

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from burstcast import random_streams
-from burstcast.arrays import BoolArray, FloatArray
+from burstcast.base import random_streams
+from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.control.actuation import ActuationValues, actuated_system, reversed_actuation
 from burstcast.control.controllers import controlling_policy, votes
 from burstcast.control.experiment import ControlExperiment, noise_of_flows

@@ -9,22 +9,22 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, IntArray
+from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.series_lengths import series_lengths
 from burstcast.data.dataset import network_input_offset, network_input_range
-from burstcast.data.series_lengths import series_lengths
-from burstcast.esn.reservoir import ReservoirSeed
-from burstcast.esn.training import TrainingSeries
 from burstcast.forecasters.base import Forecaster, ForecastingCase
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.esn_aware import AwareNetworkForecaster, factored_training
+from burstcast.networks.hyperparameters import SearchSpace
+from burstcast.networks.negligible_ridge import negligible_ridge
+from burstcast.networks.network_search import best, optimiser_seed, search
+from burstcast.networks.reservoir import ReservoirSeed
+from burstcast.networks.scan import Evaluation, scan
+from burstcast.networks.training import TrainingSeries
+from burstcast.networks.validation import PointValidator
+from burstcast.networks.validation_strategies.base import ValidationPlan
+from burstcast.networks.validation_strategies.registry import make_strategy, scanned_with
 from burstcast.statistics.warning_signs import optimum_on_edge
-from burstcast.tuning.hyperparameters import SearchSpace
-from burstcast.tuning.negligible_ridge import negligible_ridge
-from burstcast.tuning.network_search import best, optimiser_seed, search
-from burstcast.tuning.scan import Evaluation, scan
-from burstcast.tuning.strategies.base import ValidationPlan
-from burstcast.tuning.strategies.registry import make_strategy, scanned_with
-from burstcast.tuning.validation import PointValidator
 
 # Reported results of the search for each network.
 _FOUND = ("spectral_radius", "input_scaling", "leak_rate", "tikhonov", "objective")

@@ -6,8 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, IntArray
-from burstcast.natural_order import natural_order
+from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.natural_order import natural_order
 
 
 @dataclass(frozen=True)

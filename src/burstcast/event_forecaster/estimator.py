@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Sequence
 from typing import Any, Self
 
-from burstcast.discovery import suggestion
+from burstcast.base.discovery import suggestion
 
 _TOLD: set[str] = set()
 """Estimators that have warned: a cross-validation fits equal ones again and again."""

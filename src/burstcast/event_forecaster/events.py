@@ -6,18 +6,18 @@ from functools import cached_property
 
 import numpy as np
 
-from burstcast import durations
-from burstcast.arrays import BoolArray, FloatArray, IntArray
-from burstcast.events import upward_crossings
-from burstcast.forecast.classification import Counts
-from burstcast.forecast.observed_points import ObservedPoints
-from burstcast.forecast.windows import WindowSummaries, crosses
+from burstcast.base import durations
+from burstcast.base.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.events import upward_crossings
 from burstcast.forecasters._event_classifier import LabelledPoints
-from burstcast.probability.alarm_rule import AlarmRule
-from burstcast.probability.alarms import counts_at, useless_votes
-from burstcast.probability.calibration import isotonic, logistic
-from burstcast.probability.outcomes import Outcomes, outcomes_by_series
-from burstcast.probability.votes import share_of_votes
+from burstcast.forecasts.alarm_rule import AlarmRule
+from burstcast.forecasts.alarms import counts_at, useless_votes
+from burstcast.forecasts.calibration import isotonic, logistic
+from burstcast.forecasts.classification import Counts
+from burstcast.forecasts.observed_points import ObservedPoints
+from burstcast.forecasts.outcomes import Outcomes, outcomes_by_series
+from burstcast.forecasts.votes import share_of_votes
+from burstcast.forecasts.windows import WindowSummaries, crosses
 from burstcast.statistics.neighbour_divergence import correlation_steps
 
 FEW_EVENTS = 10
@@ -80,7 +80,7 @@ class EventTiming:
 
     @cached_property
     def boundaries(self) -> tuple[int, ...]:
-        """Steps at which windows begin and end, rising (`burstcast.forecast.windows`)."""
+        """Steps at which windows begin and end, rising (`burstcast.forecasts.windows`)."""
         return tuple(sorted({step for time in self.times for step in self.span(time)}))
 
     def windows(self, time: float) -> tuple[int, int]:

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from burstcast.event_forecaster.observed_states import Observable
 from burstcast.forecasters.base import ForecasterKind, ForecasterRecord, ForecastingCase
 from burstcast.forecasters.registry import kind_name
-from burstcast.probability.alarm_rule import AlarmRule
+from burstcast.forecasts.alarm_rule import AlarmRule
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system, parameters_of
 
@@ -49,7 +49,7 @@ class SavedForecaster:
 def write_saved(path: str | Path, saved: SavedForecaster) -> None:
     """Write an event forecaster, but for an observable of one's own; replaces a file."""
     # the NetCDF library takes a moment to load, which other forecasters need not wait for
-    from burstcast.files.netcdf import Variable, write_netcdf
+    from burstcast.base.files.netcdf import Variable, write_netcdf
 
     variables: dict[str, Variable] = {}
     for number, member in enumerate(saved.members):
@@ -74,7 +74,7 @@ def read_saved(
     path: str | Path, observable: Observable | None, kind: type[ForecasterKind] | None
 ) -> SavedForecaster:
     """Read an event forecaster, whose observable and kind may be none that the file has."""
-    from burstcast.files.netcdf import read_attributes, read_netcdf
+    from burstcast.base.files.netcdf import read_attributes, read_netcdf
 
     try:
         _check_stored(path)

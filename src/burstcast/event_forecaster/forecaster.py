@@ -17,12 +17,12 @@ from typing import Any, Literal, Self, cast, overload
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from burstcast.arrays import BoolArray, FloatArray, float_array
-from burstcast.compiled.backends import usable_backend
+from burstcast.base.arrays import BoolArray, FloatArray, float_array
+from burstcast.base.compiled.backends import usable_backend
+from burstcast.base.series_lengths import padded, samples_of, series_lengths
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
 from burstcast.data.series_layout import LabelledSeries, labelled_series, observation_of
-from burstcast.data.series_lengths import padded, samples_of, series_lengths
 from burstcast.event_forecaster import files
 from burstcast.event_forecaster.components import Components
 from burstcast.event_forecaster.estimator import Estimator
@@ -37,18 +37,18 @@ from burstcast.event_forecaster.score_intervals import (
     score_intervals,
 )
 from burstcast.event_forecaster.stream import ObservationStream
-from burstcast.forecast.observed_points import ObservedPoints, observed_points
-from burstcast.forecast.window_forecasts import member_forecasts, window_forecasts
-from burstcast.forecast.windows import WindowSummaries
 from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasters._options import in_samples
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
 from burstcast.forecasters.registry import as_forecaster, class_of, kind_name, make_kind_of
-from burstcast.probability.alarm_rule import AlarmRule
-from burstcast.probability.calibration import UNCALIBRATED
-from burstcast.probability.out_of_sample import out_of_sample_forecasts
-from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
-from burstcast.probability.scores import probability_scores
+from burstcast.forecasts.alarm_rule import AlarmRule
+from burstcast.forecasts.calibration import UNCALIBRATED
+from burstcast.forecasts.observed_points import ObservedPoints, observed_points
+from burstcast.forecasts.out_of_sample import out_of_sample_forecasts
+from burstcast.forecasts.out_of_sample_classifiers import out_of_sample_probabilities
+from burstcast.forecasts.scores import probability_scores
+from burstcast.forecasts.window_forecasts import member_forecasts, window_forecasts
+from burstcast.forecasts.windows import WindowSummaries
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters
 
@@ -88,7 +88,7 @@ class EventForecaster(Estimator):
     After `fit`, ``members_`` are the fitted forecasters (a single one if the members of its
     ensemble vote, or if it is a classifier), ``hyperparameters_`` what the search found for each
     network, ``event_threshold_`` the threshold in units of the observable, ``alarms_`` the
-    calibrations and thresholds (`burstcast.probability.alarm_rule`) by prediction time,
+    calibrations and thresholds (`burstcast.forecasts.alarm_rule`) by prediction time,
     ``warnings_`` signs of weakness, in sentences, and ``classes_`` the columns of `predict_proba`.
 
     Examples
@@ -137,7 +137,7 @@ class EventForecaster(Estimator):
     #: networks with a search of their own, whose hyperparameters the others take in turn
     searches: int = 3
     neurons: int = 500  #: size of each network
-    validation: str = "RV"  #: strategy: "RV", "SSV" (`burstcast.tuning.strategies`)
+    validation: str = "RV"  #: strategy: "RV", "SSV" (`burstcast.networks.validation_strategies`)
     validation_interval: float | None = None  #: length of a validation interval
     #: training series with validation intervals, the first ones, or the longest where lengths
     #: differ; None: four, or all if there are fewer
@@ -391,7 +391,7 @@ class EventForecaster(Estimator):
         """All scores of the probabilities, and of the alarms that they raise, in series, by name.
 
         They are "f_score", "precision", "recall", "brier_skill", "roc_area", ...
-        (`burstcast.probability.scores`), the "permanent_f_score" of an alarm at every starting
+        (`burstcast.forecasts.scores`), the "permanent_f_score" of an alarm at every starting
         point, and the numbers of "forecasts" and "events". NaN where a score is not defined, such
         as a recall without events. Starting points are those of `outcomes`.
 

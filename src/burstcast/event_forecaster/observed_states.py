@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, float_array
+from burstcast.base.arrays import FloatArray, float_array
 from burstcast.event_forecaster.components import Components
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.state_space import StateSpace

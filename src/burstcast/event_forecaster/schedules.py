@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, float_array
+from burstcast.base.arrays import FloatArray, float_array
 
 
 def as_schedules(given: Any, series: int, steps: int, names: Sequence[str]) -> FloatArray:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray
+from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.event_forecaster.estimator import Estimator
 from burstcast.event_forecaster.forecaster import EventForecaster
 

@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, float_array
+from burstcast.base.arrays import FloatArray, float_array
 
 _TOLERANCE = 0.1
 """Of the time between two observations, relative to the sampling interval: clocks jitter."""

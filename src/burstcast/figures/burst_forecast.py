@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from burstcast.arrays import FloatArray
-from burstcast.declared import at, read
+from burstcast.base.arrays import FloatArray
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import frame, looks, planes, style
 from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
@@ -34,8 +34,8 @@ def draw(
 ) -> Figure:
     """Draw the observable over an event, above the true and the forecast fields.
 
-    ``event``: See `burstcast.forecast.example_events.FlowEvent`. ``gain``, ``constant``: How states
-    of the flow follow from channels. ``states``: True ones, ``(series, time, dimension)``.
+    ``event``: See `burstcast.forecasts.example_events.FlowEvent`. ``gain``, ``constant``: How
+    states of the flow follow from channels. ``states``: True ones, ``(series, time, dimension)``.
     """
     if not len(event["time_lt"]):
         return style.nothing_to_show("No event of the test series stands alone.")

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from burstcast.arrays import FloatArray
-from burstcast.declared import at, read
+from burstcast.base.arrays import FloatArray
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import frame, looks, planes, style
 from burstcast.figures.registry import figure
 from burstcast.systems.registry import make_system

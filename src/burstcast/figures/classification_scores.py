@@ -9,10 +9,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from burstcast.declared import at, read
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import looks, medians, style
+from burstcast.figures.published import published_beside
 from burstcast.figures.registry import figure
-from burstcast.tables.published import published_beside
 
 _METRICS = ("precision", "recall", "f_score")
 

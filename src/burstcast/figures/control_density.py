@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from burstcast.declared import at, read
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
 

@@ -21,7 +21,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 
-from burstcast.declared import at, read
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import control_runs, looks, medians, style
 from burstcast.figures.parts.control_runs import ACTING, CONDITIONS, LEFT
 from burstcast.figures.registry import figure

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from burstcast.declared import at, read
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
 

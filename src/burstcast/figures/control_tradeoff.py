@@ -13,11 +13,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from burstcast.declared import at, read
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import looks, medians, style
+from burstcast.figures.published import published_beside, published_reductions
 from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
-from burstcast.tables.published import published_beside, published_reductions
 
 _LABELS = {"esn": "echo state networks", "equations": "equations", "random": "random alarms"}
 _ENDS = {"reduction": "relative_exceedance", "control_fraction": "control_fraction"}

@@ -12,10 +12,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from burstcast.arrays import FloatArray
-from burstcast.declared import at, read
-from burstcast.encoders.base import EncodingCase
-from burstcast.encoders.pod import PodEncoder
+from burstcast.base.arrays import FloatArray
+from burstcast.base.declared import at, read
+from burstcast.data.encoders.base import EncodingCase
+from burstcast.data.encoders.pod import PodEncoder
 from burstcast.figures.parts import looks, planes, style
 from burstcast.figures.registry import figure
 from burstcast.systems.base import DynamicalSystem

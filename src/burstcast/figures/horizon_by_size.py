@@ -8,10 +8,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from burstcast.declared import read
+from burstcast.base.declared import read
 from burstcast.figures.parts import medians, style
+from burstcast.figures.published import published_beside
 from burstcast.figures.registry import figure
-from burstcast.tables.published import published_beside
 
 
 @figure(section="horizon", position=30, cases="several_sizes")

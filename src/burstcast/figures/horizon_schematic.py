@@ -4,7 +4,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from burstcast.declared import at
+from burstcast.base.declared import at
 from burstcast.figures.parts import board, style
 from burstcast.figures.registry import figure
 

@@ -13,11 +13,11 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from burstcast.declared import at, read
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import errors, frame, looks, medians, style
+from burstcast.figures.published import published_beside
 from burstcast.figures.registry import figure
 from burstcast.statistics.reductions import LongTermStatistics
-from burstcast.tables.published import published_beside
 
 
 @figure(section="long_term", position=10, cases="long_term")

@@ -14,13 +14,13 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from burstcast.declared import read
+from burstcast.base.declared import read
+from burstcast.base.names import described
 from burstcast.figures.parts import looks, medians, style
+from burstcast.figures.ranked import SAME_EVERYWHERE, shown_once
 from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
-from burstcast.forecasters._names import described
-from burstcast.probability.ranking import ONSET
-from burstcast.tables.ranked import SAME_EVERYWHERE, shown_once
+from burstcast.forecasts.ranking import ONSET
 
 _METRIC = "average_precision"
 _FORECASTER = ["forecaster", "neurons", "seed"]

@@ -12,7 +12,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from burstcast.declared import at, read
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import frame, looks, planes, style
 from burstcast.figures.registry import figure
 from burstcast.systems.flow_grid import make_flow_grid

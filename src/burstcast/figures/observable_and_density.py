@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from burstcast.arrays import FloatArray
-from burstcast.declared import at, read
+from burstcast.base.arrays import FloatArray
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
 from burstcast.statistics.densities import bin_edges, edges_over, histogram

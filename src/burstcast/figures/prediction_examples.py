@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from burstcast.declared import at, read
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
-from burstcast.forecast.examples import OUTCOMES
+from burstcast.forecasts.examples import OUTCOMES
 
 
 @figure(section="forecasts", position=20)
@@ -26,7 +26,7 @@ def draw(
 ) -> Figure:
     """Draw one panel for each outcome that occurred, with the window that is classified.
 
-    ``examples``: See `burstcast.forecast.examples`; not a number where a curve has not begun.
+    ``examples``: See `burstcast.forecasts.examples`; not a number where a curve has not begun.
     """
     count = len(examples["outcome"])
     if not count:

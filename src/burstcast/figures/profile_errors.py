@@ -15,14 +15,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from burstcast.declared import at, read
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import errors, looks, medians, style
+from burstcast.figures.published import published_beside
 from burstcast.figures.registry import figure
 from burstcast.statistics.profiles import velocity_profiles
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.registry import make_system
-from burstcast.tables.published import published_beside
 
 _LABELS = {
     "nrmse_u": r"$\langle \overline{u} \rangle$ [$U_0$]",

@@ -1,7 +1,7 @@
 """Figures by name: the module ``burstcast.figures.<name>`` is one figure.
 
 Its docstring is the caption, and its function ``draw`` draws it, of what its arguments declare
-(`burstcast.declared`). A new figure is one new module; nothing has to be registered.
+(`burstcast.base.declared`). A new figure is one new module; nothing has to be registered.
 """
 
 import inspect
@@ -13,8 +13,8 @@ from typing import Any
 from matplotlib.figure import Figure
 
 import burstcast.figures
-from burstcast.declared import File, declaring, files_of, paths_of
-from burstcast.discovery import imported, module_names
+from burstcast.base.declared import File, declaring, files_of, paths_of
+from burstcast.base.discovery import imported, module_names
 from burstcast.figures.parts.style import styled
 
 _OTHERS = ("parts", "registry")

@@ -14,7 +14,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from burstcast.declared import at, read
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import alarm_scores, looks, style
 from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label

@@ -9,13 +9,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from burstcast.arrays import FloatArray
-from burstcast.declared import at, read
-from burstcast.durations import steps
+from burstcast.base.arrays import FloatArray
+from burstcast.base.declared import at, read
+from burstcast.base.durations import steps
 from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
-from burstcast.tuning.strategies.base import ValidationPlan, use_of_series
-from burstcast.tuning.strategies.registry import make_strategy
+from burstcast.networks.validation_strategies.base import ValidationPlan, use_of_series
+from burstcast.networks.validation_strategies.registry import make_strategy
 
 
 @figure(section="networks", position=20)

@@ -19,8 +19,8 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
     Poly3DCollection,
 )
 
-from burstcast.arrays import FloatArray, IntArray
-from burstcast.declared import at, read
+from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import planes, style
 from burstcast.figures.registry import figure
 from burstcast.systems.flow_grid import make_flow_grid

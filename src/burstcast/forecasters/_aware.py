@@ -1,8 +1,8 @@
 """Parameter factors of kinds that know the parameters, fitted to series or read from a record."""
 
-from burstcast.arrays import FloatArray
-from burstcast.data.parameter_factors import ParameterFactors
+from burstcast.base.arrays import FloatArray
 from burstcast.forecasters._options import AwareOptions
+from burstcast.forecasters._parameter_factors import ParameterFactors
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
 from burstcast.systems.parameters import Parameters
 

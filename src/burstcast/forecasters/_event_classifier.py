@@ -12,7 +12,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecasters._options import ClassifierOptions
 from burstcast.forecasters.base import ForecasterKind, ForecastingCase
 

@@ -9,10 +9,10 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray
+from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.data.observation_noise import observation_noise
-from burstcast.filters.square_root import assimilate, mean, symmetric_members
 from burstcast.forecasters._options import FilterOptions, ObservationOptions
+from burstcast.forecasters._square_root_filter import assimilate, mean, symmetric_members
 from burstcast.forecasters.base import (
     Forecaster,
     ForecasterRecord,
@@ -92,7 +92,7 @@ class FilteredForecaster(ObservationOptions, FilterOptions, Forecaster):
         return self.model.start(states.reshape(1, len(states), -1))
 
     def corrected(self, ensemble: FloatArray, observation: FloatArray) -> FloatArray:
-        """Members after an observation (`burstcast.filters.square_root.assimilate`)."""
+        """Members after an observation (`burstcast.forecasters._square_root_filter.assimilate`)."""
         return assimilate(ensemble, observation, self.errors, self.inflation)
 
     def start(self, washout: FloatArray) -> FloatArray:

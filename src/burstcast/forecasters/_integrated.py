@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.forecasters.base import Forecaster, fitted
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate

@@ -21,7 +21,7 @@ class NetworkOptions:
     #: what is subtracted from inputs and targets: their mean over the training series, so that
     #: forecasts do not depend on the zero of a unit, or nothing, as in the paper
     input_offset: Literal["mean", "none"] = "mean"
-    readout: Literal["linear", "quadratic"] = "quadratic"  #: `burstcast.esn.readout`
+    readout: Literal["linear", "quadratic"] = "quadratic"  #: `burstcast.networks.readout`
     leak_rate: tuple[float, ...] = (1.0,)  #: several: chosen by the search
     #: a forecast beyond this many training ranges of any component has diverged; None: not judged
     divergence_bound: float | None = 10.0
@@ -45,7 +45,7 @@ class FilterOptions:
     section: ClassVar[str] = "filter"
 
     members: int = 40  #: size of the ensemble: even, and at least twice the dimension
-    inflation: float = 1.0  #: see `burstcast.filters.square_root.assimilate`
+    inflation: float = 1.0  #: see `burstcast.forecasters._square_root_filter.assimilate`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,7 +93,8 @@ class PrecursorOptions:
 
     section: ClassVar[str] = "precursor"
 
-    classifier: Literal["boosting", "logistic"] = "boosting"  #: `burstcast.probability.precursor`
+    #: see `burstcast.forecasters._precursor_model`
+    classifier: Literal["boosting", "logistic"] = "boosting"
     lags_lt: tuple[float, ...] = (0.1, 0.2, 0.3, 0.4)  #: past values, in Lyapunov times
 
 
@@ -117,7 +118,8 @@ class AwareOptions:
     section: ClassVar[str] = "aware"
 
     parameters: tuple[str, ...] = ("reynolds",)  #: names of the parameters
-    #: function of a parameter that the factors are made of (`burstcast.data.parameter_factors`)
+    #: function of a parameter that the factors are made of
+    #: (`burstcast.forecasters._parameter_factors`)
     transform: Literal["identity", "inverse"] = "inverse"
     parameter_degree: int = 1  #: highest degree of the factors
 

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from burstcast.arrays import FloatArray
-from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.reservoir import ReservoirSeed
+from burstcast.base.arrays import FloatArray
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.reservoir import ReservoirSeed
 
 _AS_IN_THE_PAPER = {"leak_rate": 1.0, "readout": "linear"}
 

@@ -11,8 +11,8 @@ from typing import ClassVar, Self
 import numpy as np
 from scipy.spatial import KDTree
 
-from burstcast.arrays import BoolArray, FloatArray
-from burstcast.data.series_lengths import samples_of, series_lengths
+from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.series_lengths import samples_of, series_lengths
 from burstcast.forecasters._options import AnalogueOptions
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase, fitted
 

@@ -25,8 +25,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray
-from burstcast.encoders.state_maps import StateMaps
+from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.data.encoders.state_maps import StateMaps
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters
 from burstcast.systems.state_space import StateSpace

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
-from burstcast.discovery import UnsoundError
+from burstcast.base.arrays import FloatArray
+from burstcast.base.discovery import UnsoundError
 from burstcast.forecasters._event_classifier import EventClassifier, LabelledPoints
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
 from burstcast.systems.integration import integrate

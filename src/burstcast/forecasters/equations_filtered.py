@@ -9,11 +9,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
-from burstcast.encoders.state_maps import StateMaps
-from burstcast.filters.square_root import mean, symmetric_members
-from burstcast.filters.static_gain import leading_directions, static_gain
+from burstcast.base.arrays import FloatArray
+from burstcast.data.encoders.state_maps import StateMaps
 from burstcast.forecasters._filtered import FilteredForecaster
+from burstcast.forecasters._square_root_filter import mean, symmetric_members
+from burstcast.forecasters._static_gain_filter import leading_directions, static_gain
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
 
@@ -30,7 +30,7 @@ class FilteredEquations(FilteredForecaster):
     If the case has encoded states of a flow, or observes it by sensors, the ensemble starts in the
     leading directions of the error of the first estimate. Where members are fewer than twice the
     components of a state, a static gain corrects their mean for the remaining innovation
-    (`burstcast.filters.static_gain`).
+    (`burstcast.forecasters._static_gain_filter`).
     """
 
     needs_equations: ClassVar[bool] = True

@@ -8,8 +8,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
-from burstcast.encoders.state_maps import StateMaps
+from burstcast.base.arrays import FloatArray
+from burstcast.data.encoders.state_maps import StateMaps
 from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.systems.base import DynamicalSystem

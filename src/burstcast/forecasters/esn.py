@@ -7,13 +7,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray
-from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.network import EchoStateNetwork
-from burstcast.esn.readout import Readout
-from burstcast.esn.reservoir import ReservoirSeed
-from burstcast.esn.tangent import ClosedLoopTangent
-from burstcast.esn.training import TrainingSeries, train, train_leaving_one_out
+from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.forecasters._options import NetworkOptions
 from burstcast.forecasters._reservoirs import (
     recorded_dynamics,
@@ -21,6 +15,12 @@ from burstcast.forecasters._reservoirs import (
     restored_dynamics,
 )
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase, fitted
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.network import EchoStateNetwork
+from burstcast.networks.readout import Readout
+from burstcast.networks.reservoir import ReservoirSeed
+from burstcast.networks.tangent import ClosedLoopTangent
+from burstcast.networks.training import TrainingSeries, train, train_leaving_one_out
 
 
 @dataclass(frozen=True)

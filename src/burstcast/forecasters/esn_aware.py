@@ -1,17 +1,14 @@
 """Echo state networks that know the parameters in force: a readout linear in their factors.
 
 The reservoir does not receive the parameters, so that the washout needs no schedule, and one
-memory serves forecasts under any schedule (`burstcast.esn.factored`).
+memory serves forecasts under any schedule (`burstcast.networks.factored`).
 """
 
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
-from burstcast.arrays import FloatArray
-from burstcast.data.parameter_factors import ParameterFactors
-from burstcast.esn.tangent import ClosedLoopTangent
-from burstcast.esn.training import TrainingSeries
+from burstcast.base.arrays import FloatArray
 from burstcast.forecasters._aware import (
     fitted_factors,
     parameters_of,
@@ -19,8 +16,11 @@ from burstcast.forecasters._aware import (
     restored_factors,
 )
 from burstcast.forecasters._options import AwareOptions
+from burstcast.forecasters._parameter_factors import ParameterFactors
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.networks.tangent import ClosedLoopTangent
+from burstcast.networks.training import TrainingSeries
 from burstcast.systems.parameters import Parameters
 
 

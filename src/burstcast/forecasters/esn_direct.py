@@ -11,15 +11,14 @@ from typing import Literal, Self
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.data.dataset import network_input_offset
-from burstcast.esn.dynamics import Dynamics
-from burstcast.esn.reservoir import ReservoirSeed
 from burstcast.forecasters._event_classifier import (
     EventClassifier,
     LabelledPoints,
     with_known,
 )
+from burstcast.forecasters._logistic_readout import event_probability, fit_logistic
 from burstcast.forecasters._options import DirectReadoutOptions, NetworkOptions
 from burstcast.forecasters._reservoirs import (
     recorded_dynamics,
@@ -27,9 +26,8 @@ from burstcast.forecasters._reservoirs import (
     restored_dynamics,
 )
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
-from burstcast.probability.alarms import average_precision
-from burstcast.probability.logistic_readout import event_probability, fit_logistic
-from burstcast.probability.outcomes import outcomes_by_series
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.reservoir import ReservoirSeed
 
 _SEARCHED = ("spectral_radius", "input_scaling", "leak_rate", "penalty")
 _HELD_OUT = 3
@@ -174,9 +172,16 @@ def _validation_score(states: FloatArray, points: LabelledPoints, penalty: float
         return 0.0
     weights = fit_logistic(states[~held_out], learnt[:, both], penalty)
     chance = event_probability(weights, states[held_out])
-    every, one = np.ones(len(chance), dtype=bool), np.zeros(len(chance), dtype=np.int64)
     scores = [
-        average_precision(outcomes_by_series(given, events, every, one, 1).total())
+        _average_precision(given, events)
         for given, events in zip(chance.T, happened[:, both].T, strict=True)
     ]
     return float(np.mean(scores))
+
+
+def _average_precision(probabilities: FloatArray, happened: BoolArray) -> float:
+    """Area below the precision-recall curve of points, both ``(points,)``, with an event."""
+    _, level = np.unique(-probabilities, return_inverse=True)
+    alarms = np.cumsum(np.bincount(level))
+    events = np.bincount(level, weights=happened)
+    return float((events * (np.cumsum(events) / alarms)).sum() / events.sum())

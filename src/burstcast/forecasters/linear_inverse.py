@@ -10,8 +10,8 @@ from typing import Self
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
-from burstcast.data.series_lengths import series_lengths
+from burstcast.base.arrays import FloatArray
+from burstcast.base.series_lengths import series_lengths
 from burstcast.forecasters.base import Forecaster, ForecastingCase, fitted
 
 

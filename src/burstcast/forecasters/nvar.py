@@ -10,8 +10,8 @@ from typing import Self
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
-from burstcast.data.series_lengths import samples_of, series_lengths
+from burstcast.base.arrays import FloatArray
+from burstcast.base.series_lengths import samples_of, series_lengths
 from burstcast.forecasters._options import NVAROptions
 from burstcast.forecasters.base import Forecaster, ForecastingCase, fitted
 

@@ -9,7 +9,7 @@ from typing import Self
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.forecasters.base import Forecaster, ForecastingCase
 
 

@@ -1,22 +1,22 @@
 """A learnt precursor: a classifier of the present state and some of the past.
 
-The classifiers come from `burstcast.probability.precursor`.
+The classifiers come from `burstcast.forecasters._precursor_model`.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
-from burstcast import durations
-from burstcast.arrays import FloatArray
+from burstcast.base import durations
+from burstcast.base.arrays import FloatArray
 from burstcast.forecasters._event_classifier import (
     EventClassifier,
     LabelledPoints,
     with_known,
 )
 from burstcast.forecasters._options import PrecursorOptions
+from burstcast.forecasters._precursor_model import Precursor, PrecursorTraining, precursor_features
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
-from burstcast.probability.precursor import Precursor, PrecursorTraining, precursor_features
 
 
 @dataclass(frozen=True)

@@ -1,20 +1,20 @@
 """Learnt equations: polynomials of the state, quadratic ones by default.
 
 That the dynamics are polynomials of an observed state is prior knowledge; which ones, is learnt
-from the noisy training series (`burstcast.polynomials.regression`).
+from the noisy training series (`burstcast.systems.polynomial_regression`).
 """
 
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from burstcast import durations
-from burstcast.arrays import FloatArray
+from burstcast.base import durations
+from burstcast.base.arrays import FloatArray
 from burstcast.data.observation_noise import observation_noise
 from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters._options import ObservationOptions, QuadraticOptions
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
-from burstcast.polynomials.regression import SIGNIFICANCE, polynomial_coefficients
-from burstcast.polynomials.system import PolynomialSystem
+from burstcast.systems.polynomial_regression import SIGNIFICANCE, polynomial_coefficients
+from burstcast.systems.polynomial_system import PolynomialSystem
 
 
 def window_steps(window_lt: float, steps_per_lyapunov_time: int, length: int) -> int:

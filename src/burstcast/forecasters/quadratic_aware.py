@@ -1,8 +1,8 @@
 """Learnt equations that know the parameters in force: coefficients linear in their factors.
 
 The factors are scaled parameters, their inverses, or powers of either
-(`burstcast.data.parameter_factors`). That the equations depend on a parameter in such a way is
-prior knowledge, as their degree is: the viscous terms of a flow are linear in 1/Re.
+(`burstcast.forecasters._parameter_factors`). That the equations depend on a parameter in such a way
+is prior knowledge, as their degree is: the viscous terms of a flow are linear in 1/Re.
 """
 
 from dataclasses import dataclass
@@ -10,9 +10,8 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.data.observation_noise import observation_noise
-from burstcast.data.parameter_factors import ParameterFactors
 from burstcast.forecasters._aware import (
     fitted_factors,
     parameters_of,
@@ -21,12 +20,13 @@ from burstcast.forecasters._aware import (
 )
 from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters._options import AwareOptions, ObservationOptions, QuadraticOptions
+from burstcast.forecasters._parameter_factors import ParameterFactors
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.forecasters.quadratic import window_steps
-from burstcast.polynomials.basis import monomials
-from burstcast.polynomials.regression import SIGNIFICANCE, factored_coefficients
-from burstcast.polynomials.system import PolynomialSystem
 from burstcast.systems.parameters import Parameters, stretches
+from burstcast.systems.polynomial_basis import monomials
+from burstcast.systems.polynomial_regression import SIGNIFICANCE, factored_coefficients
+from burstcast.systems.polynomial_system import PolynomialSystem
 from burstcast.systems.state_space import StateSpace
 
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import burstcast.forecasters
-from burstcast.discovery import (
+from burstcast.base.discovery import (
     concrete_classes,
     made,
     module_names,

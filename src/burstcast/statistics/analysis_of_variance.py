@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, IntArray
-from burstcast.statistics.resampling import bootstrap_weights
+from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.resampling import bootstrap_weights
 
 SATURATED_ERROR = 1.0
 """Logarithmic error of a bin that is empty in either density (paper, below the MLE)."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.statistics.measures import Measures, compare
 from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions
 from burstcast.systems.mfe_modes import ProfileMatrices
@@ -22,7 +22,7 @@ def resampled_measures(
 
     ``kept``: Runs that count, ``(runs,)``; discarded runs are drawn, too, and left out.
     ``weights``: How often each run is in each sample, ``(resamples, runs)``
-    (`burstcast.statistics.resampling.bootstrap_weights`). By measure, ``(resamples,)``; NaN where a
+    (`burstcast.base.resampling.bootstrap_weights`). By measure, ``(resamples,)``; NaN where a
     sample has no run that counts.
     """
     rows = np.arange(len(runs))[kept]

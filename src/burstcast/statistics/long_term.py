@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.files.netcdf import Variable
+from burstcast.base.files.units import NUMBER
+from burstcast.base.laminarisation import first_laminar_step
 from burstcast.data.starting_points import SeriesPoints, starting_points
-from burstcast.files.netcdf import Variable
-from burstcast.files.units import NUMBER
 from burstcast.forecasters.base import Forecaster
-from burstcast.laminarisation import first_laminar_step
 from burstcast.statistics.reductions import LongTermStatistics, SeriesAccumulator, SeriesReductions
 from burstcast.statistics.statistics_files import reduction_variables, statistics_variables
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
+from burstcast.base.resampling import bootstrap_weights, percentile_interval
 from burstcast.forecasters.base import Forecaster
-from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 from burstcast.systems.lyapunov import (
     LyapunovSpectrum,
     alignment_of,

@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from burstcast.files.netcdf import Variable
-from burstcast.files.units import NUMBER, OBSERVABLE
+from burstcast.base.files.netcdf import Variable
+from burstcast.base.files.units import NUMBER, OBSERVABLE
 from burstcast.statistics.densities import kantorovich_metric, mean_logarithmic_error
 from burstcast.statistics.profiles import normalised_root_mean_square_error, velocity_profiles
 from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -55,9 +55,9 @@ from typing import Any
 import numpy as np
 import scipy
 
-from burstcast.arrays import FloatArray, IntArray
+from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.resampling import bootstrap_weights, percentile_interval
 from burstcast.data.series_layout import as_series
-from burstcast.statistics.resampling import bootstrap_weights, percentile_interval
 
 FITTED = (0.5, 0.65)
 """Parts of its way to saturation over which the mean logarithm of the distances is fitted."""

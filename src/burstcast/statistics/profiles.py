@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.statistics.moments import StateMoments
 from burstcast.systems.mfe_modes import MoehlisFaisstEckhardtModes, ProfileMatrices, flow_modes
 from burstcast.systems.state_space import StateSpace

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.statistics.densities import Histogram, check_edges, from_slots, slots
 from burstcast.statistics.moments import StateMoments
 

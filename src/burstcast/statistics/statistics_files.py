@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from burstcast.files.netcdf import Variable
-from burstcast.files.units import COMPONENT, COMPONENT_PRODUCT, NUMBER, OBSERVABLE
+from burstcast.base.files.netcdf import Variable
+from burstcast.base.files.units import COMPONENT, COMPONENT_PRODUCT, NUMBER, OBSERVABLE
 from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions
 
 

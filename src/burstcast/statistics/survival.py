@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 import scipy
 
-from burstcast.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)

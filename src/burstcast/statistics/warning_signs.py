@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 
 EDGE_SHARE = 0.5
 """Of the networks of an ensemble with an optimum on the edge of what was searched: single optima
@@ -176,7 +176,7 @@ def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> list[Fin
 
 
 def ill_conditioned_readout(solvers: Sequence[str]) -> list[Finding]:
-    """Ridge regressions whose matrix rounding has made indefinite (`burstcast.esn.readout`)."""
+    """Ridge regressions that rounding has made indefinite (`burstcast.networks.readout`)."""
     indefinite = sum(solver != "cholesky" for solver in solvers)
     if not indefinite:
         return []

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.systems import differentiation
 
 
@@ -120,7 +120,7 @@ class DynamicalSystem(abc.ABC):
     def symmetries(self) -> tuple[Symmetry, ...]:
         """Symmetries whose powers, one of each after the other, are all symmetries of the system.
 
-        Optional: training data are enlarged by them (`burstcast.encoders.pod`).
+        Optional: training data are enlarged by them (`burstcast.data.encoders.pod`).
         """
         return ()
 

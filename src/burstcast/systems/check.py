@@ -9,8 +9,8 @@ from functools import partial
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
-from burstcast.discovery import UnsoundError
+from burstcast.base.arrays import FloatArray
+from burstcast.base.discovery import UnsoundError
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.compiled import compiled_steps, hindrance
 from burstcast.systems.differentiation import derivative_method

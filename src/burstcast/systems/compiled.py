@@ -3,7 +3,7 @@
 A system is written down once, in numpy (`burstcast.systems.base.DynamicalSystem`). Here one
 Runge-Kutta step of it is taken with symbols instead of numbers: each operation on a symbol is noted
 down as an instruction on eight numbers, one per trajectory. LLVM makes machine code of the notes
-(`burstcast.compiled.machine_code`), in which a step's temporaries stay in registers or the
+(`burstcast.base.compiled.machine_code`), in which a step's temporaries stay in registers or the
 nearest cache.
 
 It does the operations that numpy does, in numpy's order, and none is fused or reordered: sums,
@@ -23,8 +23,8 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import ByteArray, FloatArray
-from burstcast.compiled.machine_code import compiled, hexadecimal
+from burstcast.base.arrays import ByteArray, FloatArray
+from burstcast.base.compiled.machine_code import compiled, hexadecimal
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.runge_kutta import step, whole_power
 

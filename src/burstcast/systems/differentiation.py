@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 
 Method = Literal["complex step", "finite differences"]
 Function = Callable[[FloatArray], FloatArray]

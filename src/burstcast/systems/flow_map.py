@@ -2,7 +2,7 @@
 
 import abc
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem, EnergyBudget, has_own
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import ByteArray, FloatArray, IntArray
+from burstcast.base.arrays import ByteArray, FloatArray, IntArray
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.compiled import CompiledSteps, compiled_steps
 from burstcast.systems.runge_kutta import step

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem
 
 

@@ -18,9 +18,9 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 import scipy
 
-from burstcast.arrays import FloatArray, IntArray
-from burstcast.files.described import Described
-from burstcast.files.units import RATE, TIME
+from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.files.described import Described
+from burstcast.base.files.units import RATE, TIME
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.differentiation import Method, derivative, derivative_method, jacobian
 from burstcast.systems.integration import check_batch, integrate

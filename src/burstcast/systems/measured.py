@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
-from burstcast.systems.expressions import Expression
+from burstcast.base.arrays import FloatArray
+from burstcast.base.expressions import Expression
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem, EnergyBudget
 
 _WALL_WAVENUMBER = math.pi / 2  # beta: half a wave between the walls

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, IntArray
-from burstcast.discovery import suggestion
+from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.discovery import suggestion
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate, integrate_switched
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import burstcast.systems
-from burstcast.discovery import (
+from burstcast.base.discovery import (
     classes_in,
     concrete_classes,
     imported,

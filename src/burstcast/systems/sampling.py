@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from burstcast.arrays import FloatArray, float_array
+from burstcast.base.arrays import FloatArray, float_array
 from burstcast.systems.base import DynamicalSystem
 
 

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from typing import Any, Protocol
 
 import burstcast.systems
-from burstcast.arrays import FloatArray
-from burstcast.discovery import concrete_classes
+from burstcast.base.arrays import FloatArray
+from burstcast.base.discovery import concrete_classes
 
 MEASURED = "measured"
 """Name of what stands where a system's name does, for series that were measured."""

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.forced import ForcedSystem
 

@@ -4,10 +4,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from burstcast.arrays import FloatArray
-from burstcast.forecasters._names import ForecasterName
-from burstcast.statistics.resampled_score import ResampledScore, median_scores
-from burstcast.statistics.resampling import percentile_interval
+from burstcast.base.arrays import FloatArray
+from burstcast.base.names import ForecasterName
+from burstcast.base.resampled_score import ResampledScore, median_scores
+from burstcast.base.resampling import percentile_interval
 
 Scores = Mapping[str, ResampledScore]
 

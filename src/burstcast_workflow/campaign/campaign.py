@@ -5,10 +5,10 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
+from burstcast.base.names import ForecasterName, parsed
 from burstcast.control.setting_names import is_option
-from burstcast.forecasters._names import ForecasterName, parsed
 from burstcast.forecasters.registry import options_of_kind
-from burstcast.tuning.strategies.registry import scanned_with, strategy_module
+from burstcast.networks.validation_strategies.registry import scanned_with, strategy_module
 from burstcast_workflow.campaign.control_runs import ControlRuns
 
 MEASURED_INPUTS = {"input_bias": 1.0, "input_offset": "mean"}
@@ -114,11 +114,11 @@ class Campaign(ControlRuns):
         cases += [one.source.name for one in encoded]
         encoders = {one.encoder.kind for one in encoded if one.encoder}
         return {
-            **({"burstcast.encoders": sorted(encoders)} if encoders else {}),
+            **({"burstcast.data.encoders": sorted(encoders)} if encoders else {}),
             "burstcast.systems": sorted({self.cases[case].system for case in cases}),
             "burstcast.forecasters": sorted({one.kind for one in forecasters}),
             "burstcast.control.strategies": strategy,
-            "burstcast.tuning.strategies": sorted(
+            "burstcast.networks.validation_strategies": sorted(
                 strategy_module(name).rpartition(".")[2] for name in validations if name
             ),
         }

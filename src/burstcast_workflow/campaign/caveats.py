@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from burstcast import durations
+from burstcast.base import durations
 from burstcast.data.starting_points import starting_points
 from burstcast.statistics.warning_signs import FEW_POSITIVES
 from burstcast_workflow.campaign.campaign import Campaign

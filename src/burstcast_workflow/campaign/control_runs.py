@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from burstcast.base.names import ForecasterName, parsed
+from burstcast.base.natural_order import natural_order
 from burstcast.control.strategies.registry import strategy_class
-from burstcast.forecasters._names import ForecasterName, parsed
-from burstcast.natural_order import natural_order
 from burstcast_workflow.campaign.members import CaseForecaster, Members, order_of_name
 from burstcast_workflow.config.control_plans import ControlPlan, block_plans, paper_plan
 from burstcast_workflow.config.model import StrategyBlock

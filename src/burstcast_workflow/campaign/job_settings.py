@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from typing import Any
 
+from burstcast.base.names import ForecasterName
 from burstcast.data.training_realisations import realisation_of
-from burstcast.forecasters._names import ForecasterName
 from burstcast.forecasters.registry import kind_class
 from burstcast_workflow.campaign.campaign import Campaign, name_of
 from burstcast_workflow.campaign.shown import Shown

@@ -7,7 +7,7 @@ where the config does not know a Lyapunov time or the length of the series.
 from collections.abc import Iterator
 from contextlib import suppress
 
-from burstcast import durations
+from burstcast.base import durations
 from burstcast.control.timing import Schedule
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import Job, settings_of_job

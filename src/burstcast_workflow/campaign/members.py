@@ -6,10 +6,10 @@ from functools import cached_property
 from itertools import product
 from typing import Any
 
-from burstcast.forecasters._names import ForecasterName, parsed
+from burstcast.base.names import ForecasterName, parsed
+from burstcast.base.natural_order import natural_order
 from burstcast.forecasters.base import Forecaster, ForecasterKind
 from burstcast.forecasters.registry import kind_class
-from burstcast.natural_order import natural_order
 from burstcast_workflow.config.cases import cases_of
 from burstcast_workflow.config.forecasters import Choice, NetworkAxes, OwnForecaster
 from burstcast_workflow.config.kinds import Section

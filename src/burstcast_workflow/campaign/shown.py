@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
 
-from burstcast.declared import File
-from burstcast.observation.velocity_sensors import PlaneFlow
+from burstcast.base.declared import File
+from burstcast.data.observation.velocity_sensors import PlaneFlow
 from burstcast_workflow.campaign.campaign import Campaign, nearest
 from burstcast_workflow.campaign.control_runs import ControlRun
 from burstcast_workflow.campaign.members import CaseForecaster

@@ -4,9 +4,9 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
+from burstcast.base.random_streams import stream
 from burstcast.forecasters.check import check_forecaster
 from burstcast.forecasters.registry import make_kind
-from burstcast.random_streams import stream
 from burstcast_workflow.commands.checking import checked
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from burstcast.random_streams import stream
+from burstcast.base.random_streams import stream
 from burstcast.systems.check import check_system
 from burstcast.systems.registry import make_system
 from burstcast_workflow.commands.checking import checked

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from burstcast.discovery import UnsoundError
+from burstcast.base.discovery import UnsoundError
 from burstcast_workflow.tracking.code import make_importable
 
 

@@ -13,13 +13,13 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import AfterValidator, Field, ValidationError
 from pydantic_core import PydanticCustomError
 
-from burstcast import durations
+from burstcast.base import durations
+from burstcast.base.natural_order import natural_order
 from burstcast.control.actuation import actuated_system
+from burstcast.data.encoders.channels import IDENTITY
+from burstcast.data.encoders.registry import encoder_class, encoder_module
 from burstcast.data.measured_data import Quantity
 from burstcast.data.training_realisations import realisation_of
-from burstcast.encoders.channels import IDENTITY
-from burstcast.encoders.registry import encoder_class, encoder_module
-from burstcast.natural_order import natural_order
 from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.parameters import SHARE, SystemParameters
 from burstcast.systems.registry import make_space, make_system, system_module
@@ -282,7 +282,7 @@ class Sensors(Section):
 class CaseEncoder(Section):
     """Encoding of the observations in the channels that forecasters receive."""
 
-    kind: EncoderName = setting("a module of burstcast.encoders, or module:Class of your own")
+    kind: EncoderName = setting("a module of burstcast.data.encoders, or module:Class of your own")
     modes: Count | None = optional("number of modes, of the kind pod")
 
 

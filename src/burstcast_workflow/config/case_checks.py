@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from burstcast import durations
+from burstcast.base import durations
 from burstcast.control.actuation import actuated_system
-from burstcast.data.parameter_factors import ParameterFactors
-from burstcast.encoders.registry import encoder_class
+from burstcast.data.encoders.registry import encoder_class
+from burstcast.forecasters._parameter_factors import ParameterFactors
 from burstcast.forecasters.precursor import lag_steps
 from burstcast.forecasters.registry import kind_class, sections_of_kind
 from burstcast.systems.base import has_own

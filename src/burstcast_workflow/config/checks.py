@@ -11,10 +11,10 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
+from burstcast.base.names import parsed
 from burstcast.control.controllers import VOTE_SHARE, votes
 from burstcast.control.strategies.registry import strategy_class
 from burstcast.data.training_realisations import realisation_of
-from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import (
     all_kinds,
     available_kinds,

@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
-from burstcast.forecasters._names import ForecasterName, parsed
-from burstcast.natural_order import natural_order
+from burstcast.base.names import ForecasterName, parsed
+from burstcast.base.natural_order import natural_order
 from burstcast_workflow.config.model import Configuration
 
 _STRATEGY = "RV"

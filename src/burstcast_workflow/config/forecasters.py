@@ -4,10 +4,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, ConfigDict, Field, create_model, model_validator
 
-from burstcast.compiled.backends import usable_backend
-from burstcast.esn.readout import ReadoutKind
+from burstcast.base.compiled.backends import usable_backend
 from burstcast.forecasters._options import SECTIONS
 from burstcast.forecasters.registry import all_kinds, make_kind
+from burstcast.networks.readout import ReadoutKind
 from burstcast_workflow.config.kinds import (
     Count,
     Distinct,

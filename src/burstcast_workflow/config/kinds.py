@@ -15,11 +15,11 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 from pydantic_core import PydanticCustomError, core_schema
 
+from burstcast.base.names import LABEL, NEURONS, ROLE, SEED, VALIDATION
 from burstcast.control.strategies.registry import available_strategies as control_strategies
+from burstcast.data.encoders.registry import available_encoders
 from burstcast.data.times import time_step_of
-from burstcast.encoders.registry import available_encoders
-from burstcast.forecasters._names import LABEL, NEURONS, ROLE, SEED, VALIDATION
-from burstcast.tuning.strategies.registry import available_strategies
+from burstcast.networks.validation_strategies.registry import available_strategies
 from burstcast_workflow.harness.canonical import canonical
 from burstcast_workflow.harness.settings import CaseQuantile
 

@@ -6,12 +6,12 @@ from functools import cache
 from typing import Any
 
 from burstcast.data.delay_coordinates import delayed_name
+from burstcast.data.encoders.base import EncodingCase
+from burstcast.data.encoders.channels import IDENTITY, channel_names, check_encoding, encoding_case
 from burstcast.data.measured_data import Quantity
 from burstcast.data.records import problems_of_columns
 from burstcast.data.series_files import content_of
 from burstcast.data.times import time_step_of
-from burstcast.encoders.base import EncodingCase
-from burstcast.encoders.channels import IDENTITY, channel_names, check_encoding, encoding_case
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import MEASURED, StateSpace, component_names, make_measured
 from burstcast_workflow.config.case import Case, CaseEncoder, Data, Measured, Sensors, Simulated

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from burstcast.data.training_realisations import realisation_of
-from burstcast.tuning.hyperparameters import SurrogateSettings
+from burstcast.networks.hyperparameters import SurrogateSettings
 from burstcast_workflow.config.case import OBSERVABLE, TIME, CaseEntry, Data, Simulated
 from burstcast_workflow.config.forecasters import (
     SIZES,

@@ -7,7 +7,7 @@ makes all of them (``workflow/rules/figures.smk``).
 from collections.abc import Mapping
 from typing import Any
 
-from burstcast.discovery import suggestion
+from burstcast.base.discovery import suggestion
 from burstcast.figures.registry import Drawn, available_figures, figure_of
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_job

@@ -30,8 +30,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NoReturn
 
-from burstcast.discovery import imported_file
-from burstcast.files.atomic_files import remove_partial
+from burstcast.base.discovery import imported_file
+from burstcast.base.files.atomic_files import remove_partial
 from burstcast_workflow.harness.canonical import canonical_json
 from burstcast_workflow.harness.logs import FROM_CACHE
 from burstcast_workflow.harness.settings import (

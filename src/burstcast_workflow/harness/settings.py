@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from burstcast.declared import Setting, at
+from burstcast.base.declared import Setting, at
 from burstcast_workflow.harness.storage import read_json
 
 __all__ = ["JobSettings", "at"]

@@ -1,7 +1,7 @@
 """Files of the workflow: NetCDF, tables, JSON and text, written completely or not at all.
 
 A job whose results directory a newer run has claimed writes nothing. NetCDF files are read with
-`burstcast.files.netcdf`, tables with `burstcast.files.tables`.
+`burstcast.base.files.netcdf`, tables with `burstcast.base.files.tables`.
 """
 
 import json
@@ -10,17 +10,17 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from burstcast.files import atomic_files
+from burstcast.base.files import atomic_files
 from burstcast_workflow.tracking.run import check_ownership
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from burstcast.files.netcdf import Variable
+    from burstcast.base.files.netcdf import Variable
 
 
 def atomic(path: str | Path) -> AbstractContextManager[Path]:
-    """Temporary path that becomes ``path`` at the end (`burstcast.files.atomic_files`)."""
+    """Temporary path that becomes ``path`` at the end (`burstcast.base.files.atomic_files`)."""
     return atomic_files.atomic(path, check_ownership)
 
 
@@ -29,15 +29,17 @@ def write_netcdf(
     variables: Mapping[str, "Variable"],
     attributes: Mapping[str, str | int | float],
 ) -> None:
-    """Write a NetCDF file (`burstcast.files.netcdf.write_netcdf`)."""
-    from burstcast.files import netcdf  # planning and jobs of tables write none: it is slow to load
+    """Write a NetCDF file (`burstcast.base.files.netcdf.write_netcdf`)."""
+    from burstcast.base.files import (
+        netcdf,  # planning and jobs of tables write none: it is slow to load
+    )
 
     netcdf.write_netcdf(path, variables, attributes, check_ownership)
 
 
 def write_table(path: str | Path, table: "pd.DataFrame") -> "pd.DataFrame":
-    """Write a table; return it as it is read (`burstcast.files.tables.write_table`)."""
-    from burstcast.files import tables  # pandas is slow to load, too
+    """Write a table; return it as it is read (`burstcast.base.files.tables.write_table`)."""
+    from burstcast.base.files import tables  # pandas is slow to load, too
 
     return tables.write_table(path, table, check_ownership)
 

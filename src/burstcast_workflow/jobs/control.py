@@ -6,7 +6,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
+from burstcast.base.files.netcdf import read_netcdf, read_record, read_rows
 from burstcast.control.actuation import ActuationValues, actuated_system, reversed_actuation
 from burstcast.control.experiment import ControlExperiment, controlled_series, noise_of_flows
 from burstcast.control.records import FlowRecords
@@ -15,9 +16,8 @@ from burstcast.control.strategies.registry import make_strategy
 from burstcast.control.timing import Schedule
 from burstcast.control.windows import WindowCounts
 from burstcast.data.dataset import component_scales
-from burstcast.encoders.channels import IDENTITY, EncodedFlow, StateChannels, encoding_case
-from burstcast.files.netcdf import read_netcdf, read_record, read_rows
-from burstcast.observation.part import ObservedPart
+from burstcast.data.encoders.channels import IDENTITY, EncodedFlow, StateChannels, encoding_case
+from burstcast.data.observation.part import ObservedPart
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import MEASURED

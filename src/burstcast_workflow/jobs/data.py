@@ -6,10 +6,10 @@ It imports neither systems nor networks: what is observed does not depend on the
 from collections.abc import Mapping
 from typing import Any
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
+from burstcast.base.files.netcdf import read_netcdf, read_rows, variable_names
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.ensemble_files import SCHEDULE
-from burstcast.files.netcdf import read_netcdf, read_rows, variable_names
 from burstcast.statistics.densities import bin_edges, edges_over
 from burstcast_workflow.harness.settings import JobSettings, at
 

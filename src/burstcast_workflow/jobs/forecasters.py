@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
-from burstcast.arrays import FloatArray
-from burstcast.encoders.state_maps import StateMaps
-from burstcast.files.netcdf import Variable, read_attributes, read_netcdf, read_record
-from burstcast.forecasters._names import parsed
+from burstcast.base.arrays import FloatArray
+from burstcast.base.files.netcdf import Variable, read_attributes, read_netcdf, read_record
+from burstcast.base.names import parsed
+from burstcast.data.encoders.state_maps import StateMaps
 from burstcast.forecasters.base import (
     Forecaster,
     ForecasterKind,

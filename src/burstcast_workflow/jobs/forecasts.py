@@ -1,11 +1,11 @@
 """Forecasts of a job's case: the sets of their starting points, their windows."""
 
-from burstcast.arrays import FloatArray
-from burstcast.files.netcdf import read_rows
-from burstcast.forecast.forecast_files import point_variables, schedule_variables
-from burstcast.forecast.horizon import HorizonSearch
-from burstcast.forecast.observed_points import observed_points
-from burstcast.forecast.windows import window_boundaries
+from burstcast.base.arrays import FloatArray
+from burstcast.base.files.netcdf import read_rows
+from burstcast.forecasts.forecast_files import point_variables, schedule_variables
+from burstcast.forecasts.horizon import HorizonSearch
+from burstcast.forecasts.observed_points import observed_points
+from burstcast.forecasts.windows import window_boundaries
 from burstcast_workflow.harness.settings import at, concerning
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.data import Observed, Tested, known_rows

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from burstcast.files.netcdf import read_attributes
-from burstcast.forecasters._names import ForecasterName, parsed
+from burstcast.base.files.netcdf import read_attributes
+from burstcast.base.names import ForecasterName, parsed
 from burstcast_workflow.harness.storage import read_json
 
 

@@ -3,10 +3,10 @@
 import json
 from typing import Any
 
-from burstcast.declared import File
-from burstcast.files.netcdf import read_attributes, read_netcdf, variable_names
-from burstcast.files.tables import read_table
-from burstcast.forecasters._names import parsed
+from burstcast.base.declared import File
+from burstcast.base.files.netcdf import read_attributes, read_netcdf, variable_names
+from burstcast.base.files.tables import read_table
+from burstcast.base.names import parsed
 from burstcast_workflow.harness.storage import read_json
 
 

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from burstcast import durations
+from burstcast.base import durations
 from burstcast.data.starting_points import starting_points, steps_before_events
 from burstcast.forecasters.quadratic import window_steps
 from burstcast.forecasters.registry import sections_of_kind
+from burstcast.networks.validation_strategies.base import ValidationPlan
+from burstcast.networks.validation_strategies.registry import VALIDATED_TOGETHER, make_strategy
 from burstcast.statistics.long_term import FixedPointCriterion, LongTermSettings
-from burstcast.tuning.strategies.base import ValidationPlan
-from burstcast.tuning.strategies.registry import VALIDATED_TOGETHER, make_strategy
 from burstcast_workflow.harness.settings import at, names
 from burstcast_workflow.jobs.time_unit import Washed
 

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
+from burstcast.base.files.netcdf import read_netcdf
 from burstcast.data.starting_points import segments
-from burstcast.files.netcdf import read_netcdf
 from burstcast.forecasters.base import Forecaster
 from burstcast.statistics.densities import SETTLED
 from burstcast.statistics.long_term import (

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
+from burstcast.base.files.netcdf import read_netcdf
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.delay_coordinates import delay_coordinates
 from burstcast.data.measured_data import (
@@ -15,7 +16,6 @@ from burstcast.data.measured_data import (
     series_of_runs,
 )
 from burstcast.data.records import RecordedSeries, recorded_series
-from burstcast.files.netcdf import read_netcdf
 from burstcast.systems.measured import MeasuredSeries
 from burstcast_workflow.harness.settings import at
 from burstcast_workflow.jobs.data import Tested

@@ -3,16 +3,16 @@
 from collections.abc import Sequence
 from typing import Any, Literal
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
+from burstcast.base.names import parsed
 from burstcast.data.dataset import network_input_offset, network_input_range
-from burstcast.data.parameter_factors import ParameterFactors
-from burstcast.esn.reservoir import ReservoirSeed
-from burstcast.esn.training import TrainingSeries
-from burstcast.forecasters._names import parsed
+from burstcast.forecasters._parameter_factors import ParameterFactors
+from burstcast.networks.hyperparameters import SearchSpace
+from burstcast.networks.reservoir import ReservoirSeed
+from burstcast.networks.training import TrainingSeries
+from burstcast.networks.validation import PointValidator
+from burstcast.networks.validation_strategies.base import ValidationPlan
 from burstcast.systems.parameters import Parameters
-from burstcast.tuning.hyperparameters import SearchSpace
-from burstcast.tuning.strategies.base import ValidationPlan
-from burstcast.tuning.validation import PointValidator
 from burstcast_workflow.harness.settings import at
 from burstcast_workflow.jobs.data import Observed
 from burstcast_workflow.jobs.scheduled import read_scheduled

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from burstcast.files.netcdf import read_netcdf
-from burstcast.forecast.forecast_files import forecasts_from
-from burstcast.probability.forecast_points import ForecastPoints
+from burstcast.base.files.netcdf import read_netcdf
+from burstcast.forecasts.forecast_files import forecasts_from
+from burstcast.forecasts.forecast_points import ForecastPoints
 from burstcast_workflow.harness.settings import JobSettings, at
 from burstcast_workflow.jobs.gather import origins
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
+from burstcast.base.files.netcdf import read_attributes, read_netcdf
 from burstcast.data.scheduled_series import TrainingSet
-from burstcast.files.netcdf import read_attributes, read_netcdf
 from burstcast_workflow.jobs.gather import origins
 
 

@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from burstcast import random_streams
-from burstcast.arrays import FloatArray
+from burstcast.base import random_streams
+from burstcast.base.arrays import FloatArray
+from burstcast.base.durations import positive_steps
+from burstcast.base.files.netcdf import read_rows
 from burstcast.control.actuation import ActuationValues, actuated_system
 from burstcast.data.scheduled_series import RandomActuation, ScheduledSeries, simulated_series
-from burstcast.durations import positive_steps
-from burstcast.files.netcdf import read_rows
 from burstcast.systems.parameters import SHARE, Parameters, SystemParameters
 from burstcast_workflow.harness.settings import at
 from burstcast_workflow.jobs.data import Observed

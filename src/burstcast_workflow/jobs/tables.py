@@ -6,8 +6,8 @@ from typing import Any
 
 import pandas as pd
 
-from burstcast.statistics.percentiles import percentiles
 from burstcast.tables.makers.registry import Gathered
+from burstcast.tables.percentiles import percentiles
 from burstcast_workflow.harness.settings import JobSettings, at
 from burstcast_workflow.harness.storage import write_table
 from burstcast_workflow.jobs.gather import origins

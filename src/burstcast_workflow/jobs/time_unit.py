@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from burstcast import durations
+from burstcast.base import durations
 from burstcast_workflow.harness.settings import JobSettings, at, concerning
 
 

@@ -5,7 +5,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from burstcast.forecasters._names import parsed
+from burstcast.base.names import parsed
 
 TRAINING = "training"
 """Work whose memory and time grow with the square of a network's neurons: the Gram matrix of its

@@ -10,9 +10,9 @@ from typing import Any, TypeAlias
 
 from snakemake.io import local
 
+from burstcast.base.declared import File, files_of, paths_of
+from burstcast.base.names import parsed
 from burstcast.data.training_realisations import realisation_of
-from burstcast.declared import File, files_of, paths_of
-from burstcast.forecasters._names import parsed
 from burstcast.forecasters.registry import kind_class
 from burstcast.tables.makers.registry import maker as maker_of
 from burstcast_workflow.campaign.campaign import Campaign

@@ -7,7 +7,7 @@ import yaml
 from pydantic import BeforeValidator, ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
-from burstcast.forecasters._names import KEYS
+from burstcast.base.names import KEYS
 from burstcast_workflow.project import project_root
 
 OPTIONAL = "*"

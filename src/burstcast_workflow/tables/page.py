@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from textwrap import fill
 
-from burstcast.forecasters._names import KEYS
+from burstcast.base.names import KEYS
 from burstcast_workflow.tables.declarations import ENSEMBLE, PERCENTILES, TABLES
 from burstcast_workflow.tables.registry import OVER_NETWORKS, column_of, plain
 

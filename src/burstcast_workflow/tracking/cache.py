@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from burstcast.files.atomic_files import PARTIAL_SUFFIX
+from burstcast.base.files.atomic_files import PARTIAL_SUFFIX
 from burstcast_workflow.tracking.results import digest
 
 logger = logging.getLogger(__name__)

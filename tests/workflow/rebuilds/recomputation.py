@@ -18,7 +18,7 @@ import pandas as pd
 from scipy.stats import chi2, t
 from sklearn.metrics import confusion_matrix, precision_recall_fscore_support
 
-from burstcast import random_streams
+from burstcast.base import random_streams
 
 KEYS = ["case", "reynolds", "forecaster", "neurons", "validation", "seed"]
 _FORECASTER = re.compile(

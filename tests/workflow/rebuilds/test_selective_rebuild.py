@@ -17,7 +17,7 @@ import yaml
 from helpers_configs import tiny_with
 from helpers_rebuilds import RESULTS, TINY, Project, digests, jobs_since
 
-MODULE = "src/burstcast/forecast/classification.py"
+MODULE = "src/burstcast/forecasts/classification.py"
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +67,7 @@ def test_an_edit_without_effect_stops_where_results_are_equal(project, tmp_path)
     first, before = bits(work), work.logs()
     (work.directory / MODULE).write_text((work.directory / MODULE).read_text() + "\nEDITED = 1\n")
     said = work.reasons()
-    assert "code of burstcast.forecast.classification (Re400): " in said
+    assert "code of burstcast.forecasts.classification (Re400): " in said
     assert len(said) < 1500
     work.made()
     ran, anew = computed(work, before)

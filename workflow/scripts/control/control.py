@@ -3,12 +3,12 @@
 import dataclasses
 from typing import Any
 
+from burstcast.base.files.netcdf import Variable, variables_of
+from burstcast.base.files.units import NUMBER
+from burstcast.base.names import parsed
 from burstcast.control.controllers import controlling_policy
 from burstcast.control.records import Span, record_flows
 from burstcast.control.windows import observable_histograms
-from burstcast.files.netcdf import Variable, variables_of
-from burstcast.files.units import NUMBER
-from burstcast.forecasters._names import parsed
 from burstcast.statistics.densities import bin_edges
 from burstcast_workflow.harness.job import at, job, write_netcdf
 from burstcast_workflow.jobs.control import Controlled, alarm_rate, sensor_of

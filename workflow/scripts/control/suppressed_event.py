@@ -1,9 +1,9 @@
 """Simulate the flow whose suppressed event shows best what control by a forecaster does."""
 
+from burstcast.base.files.netcdf import variables_of
 from burstcast.control.example import simulate_event
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast.control.windows import largest_suppressed_event
-from burstcast.files.netcdf import variables_of
 from burstcast_workflow.harness.job import job, write_netcdf
 from burstcast_workflow.jobs.control import Controlled
 

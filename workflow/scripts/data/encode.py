@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from burstcast.base.files.netcdf import Variable, read_netcdf, read_rows, variables_of
 from burstcast.data.dataset import component_scales, observed_series
+from burstcast.data.encoders.channels import IDENTITY, StateChannels, encoding_case
 from burstcast.data.ensemble_files import ensemble_variables
-from burstcast.encoders.channels import IDENTITY, StateChannels, encoding_case
-from burstcast.files.netcdf import Variable, read_netcdf, read_rows, variables_of
 from burstcast.systems.registry import make_space
 from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
 from burstcast_workflow.jobs.systems import System

@@ -1,7 +1,7 @@
 """Turn a quantile into an event threshold, from the training series alone."""
 
+from burstcast.base.files.netcdf import read_rows
 from burstcast.data.event_threshold import threshold_at
-from burstcast.files.netcdf import read_rows
 from burstcast_workflow.harness.job import at, job, write_json
 from burstcast_workflow.jobs.data import Training, kept_series
 

@@ -1,8 +1,8 @@
 """Find the extreme events of the series that were not used for training."""
 
+from burstcast.base.files.netcdf import read_netcdf, read_rows
 from burstcast.data.starting_points import crossing_points, horizon_events, steps_before_events
-from burstcast.files.netcdf import read_netcdf, read_rows
-from burstcast.forecast.forecast_files import event_summary, event_variables
+from burstcast.forecasts.forecast_files import event_summary, event_variables
 from burstcast.statistics.warning_signs import few_events
 from burstcast_workflow.harness.job import at, concerning, job, tell, write_json, write_netcdf
 from burstcast_workflow.jobs.data import Observed, known_rows

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from burstcast.base.files.netcdf import Variable
+from burstcast.base.files.units import TIME
 from burstcast.data.ensemble_files import START, ensemble_variables, schedule_variable
 from burstcast.data.measured_data import kept_series
-from burstcast.files.netcdf import Variable
-from burstcast.files.units import TIME
 from burstcast_workflow.harness.job import at, job, tell, write_json, write_netcdf
 from burstcast_workflow.jobs.measured import MeasuredData
 from burstcast_workflow.jobs.time_unit import Sampling

@@ -3,7 +3,7 @@
 Nothing waits for it, but it runs before what would fail for the same reason, job after job.
 """
 
-from burstcast.files.netcdf import read_netcdf
+from burstcast.base.files.netcdf import read_netcdf
 from burstcast_workflow.harness.job import at, job, write_json
 from burstcast_workflow.jobs.lengths import Lengths
 

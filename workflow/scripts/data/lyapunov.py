@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from burstcast import random_streams
-from burstcast.files.netcdf import read_rows, variables_of
+from burstcast.base import random_streams
+from burstcast.base.files.netcdf import read_rows, variables_of
 from burstcast.systems.base import has_own
 from burstcast.systems.lyapunov import (
     alignment_of,

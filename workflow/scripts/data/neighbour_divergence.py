@@ -1,6 +1,6 @@
 """Estimate the leading Lyapunov exponent of measured series: how fast neighbours part."""
 
-from burstcast import random_streams
+from burstcast.base import random_streams
 from burstcast.statistics.neighbour_divergence import NoExponentError, neighbour_divergence
 from burstcast_workflow.harness.job import at, job, tell, write_json
 from burstcast_workflow.jobs.data import Training

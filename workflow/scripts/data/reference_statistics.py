@@ -1,7 +1,7 @@
 """Long-term statistics of all the data and of the training set, and the sampling floor."""
 
-from burstcast import random_streams
-from burstcast.files.netcdf import read_rows
+from burstcast.base import random_streams
+from burstcast.base.files.netcdf import read_rows
 from burstcast.statistics.measures import floor_variables, sampling_floor
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series

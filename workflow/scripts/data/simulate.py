@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from burstcast import random_streams
+from burstcast.base import random_streams
 from burstcast.data.dataset import generate_ensemble, initial_states
 from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.systems.sampling import sampled_initial_states

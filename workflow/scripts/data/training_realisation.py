@@ -2,14 +2,14 @@
 
 from typing import Any
 
-from burstcast import random_streams
+from burstcast.base import random_streams
+from burstcast.base.files.netcdf import read_netcdf
 from burstcast.data.ensemble_files import ensemble_variables, schedule_variable
 from burstcast.data.training_realisations import (
     realisation_of,
     rows_of_drawn_series,
     rows_of_realisation,
 )
-from burstcast.files.netcdf import read_netcdf
 from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
 from burstcast_workflow.jobs.data import Tested, check_kept_series, known_rows
 from burstcast_workflow.jobs.systems import System

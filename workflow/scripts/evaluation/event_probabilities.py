@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from burstcast.forecast.event_probabilities import EventProbabilities
 from burstcast.forecasters._event_classifier import EventClassifier
-from burstcast.probability.out_of_sample_classifiers import out_of_sample_probabilities
+from burstcast.forecasts.event_probabilities import EventProbabilities
+from burstcast.forecasts.out_of_sample_classifiers import out_of_sample_probabilities
 from burstcast_workflow.harness.job import at, concerning, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import Forecasting, write_forecaster
 from burstcast_workflow.jobs.probabilities import Alarms

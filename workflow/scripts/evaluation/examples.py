@@ -1,15 +1,15 @@
 """Single forecasts of one forecaster: one of each outcome, and the last ones before a success."""
 
+from burstcast.base.files.netcdf import read_netcdf, read_rows, variables_of
 from burstcast.data.starting_points import SeriesPoints
-from burstcast.files.netcdf import read_netcdf, read_rows, variables_of
-from burstcast.forecast.examples import (
+from burstcast.forecasters.base import Forecaster
+from burstcast.forecasts.examples import (
     OutcomeExamples,
     evaluate_event,
     forecast_outcomes,
     outcome_examples,
 )
-from burstcast.forecast.windows import WindowSummaries
-from burstcast.forecasters.base import Forecaster
+from burstcast.forecasts.windows import WindowSummaries
 from burstcast_workflow.harness.job import at, job, write_netcdf
 from burstcast_workflow.jobs.data import Training
 from burstcast_workflow.jobs.forecasters import Forecasting, seen

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from burstcast.files.netcdf import read_rows, variables_of
-from burstcast.forecast.example_events import (
+from burstcast.base.files.netcdf import read_rows, variables_of
+from burstcast.forecasts.example_events import (
     EventCriterion,
     forecast_event,
     isolated_events,

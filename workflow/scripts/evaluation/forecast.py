@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from burstcast.files.netcdf import read_netcdf
-from burstcast.forecast.forecast_files import forecast_variables
-from burstcast.forecast.window_forecasts import window_forecasts
+from burstcast.base.files.netcdf import read_netcdf
+from burstcast.forecasts.forecast_files import forecast_variables
+from burstcast.forecasts.window_forecasts import window_forecasts
 from burstcast_workflow.harness.job import at, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import Forecasting, seen
 from burstcast_workflow.jobs.forecasts import Windows

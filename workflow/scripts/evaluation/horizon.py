@@ -1,8 +1,8 @@
 """Measure how long before each extreme event a forecaster predicts it."""
 
-from burstcast.files.netcdf import read_netcdf
-from burstcast.forecast.forecast_files import horizon_variables
-from burstcast.forecast.horizon import prediction_horizons
+from burstcast.base.files.netcdf import read_netcdf
+from burstcast.forecasts.forecast_files import horizon_variables
+from burstcast.forecasts.horizon import prediction_horizons
 from burstcast_workflow.harness.job import job, write_netcdf
 from burstcast_workflow.jobs.forecasters import Forecasting, seen
 from burstcast_workflow.jobs.forecasts import Horizons

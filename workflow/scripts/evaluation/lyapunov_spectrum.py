@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from burstcast import random_streams
-from burstcast.files.netcdf import read_netcdf, variables_of
+from burstcast.base import random_streams
+from burstcast.base.files.netcdf import read_netcdf, variables_of
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.lyapunov_spectrum import forecaster_spectrum
 from burstcast_workflow.harness.job import at, job, write_netcdf

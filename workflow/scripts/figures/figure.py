@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from burstcast.declared import File, called
+from burstcast.base.declared import File, called
+from burstcast.base.files.tables import read_table
 from burstcast.figures.parts.style import render
 from burstcast.figures.registry import figure_of
-from burstcast.files.tables import read_table
 from burstcast_workflow.harness.job import JobSettings, atomic, job
 from burstcast_workflow.jobs.inputs import content_of
 

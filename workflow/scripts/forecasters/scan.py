@@ -2,9 +2,9 @@
 
 import pandas as pd
 
-from burstcast.tuning.scan import scan as scan_points
-from burstcast.tuning.scan_files import log_error_variables
-from burstcast.tuning.strategies.registry import make_strategy
+from burstcast.networks.scan import scan as scan_points
+from burstcast.networks.scan_files import log_error_variables
+from burstcast.networks.validation_strategies.registry import make_strategy
 from burstcast_workflow.harness.job import at, concerning, job, write_netcdf, write_table
 from burstcast_workflow.jobs.networks import Search
 

@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from burstcast.files.tables import read_table
-from burstcast.forecasters._names import parsed
-from burstcast.tuning import network_search
-from burstcast.tuning.hyperparameters import SurrogateSettings
-from burstcast.tuning.scan_files import read_evaluations
-from burstcast.tuning.strategies.registry import make_strategy
-from burstcast.tuning.uncertainty import objective_uncertainty
+from burstcast.base.files.tables import read_table
+from burstcast.base.names import parsed
+from burstcast.networks import network_search
+from burstcast.networks.hyperparameters import SurrogateSettings
+from burstcast.networks.scan_files import read_evaluations
+from burstcast.networks.uncertainty import objective_uncertainty
+from burstcast.networks.validation_strategies.registry import make_strategy
 from burstcast_workflow.harness.job import at, job, write_json, write_table
 from burstcast_workflow.jobs.networks import Search
 

@@ -1,10 +1,10 @@
 """Train a network on all training series with the hyperparameters that the search found."""
 
-from burstcast.esn.dynamics import Dynamics
-from burstcast.forecasters._names import parsed
+from burstcast.base.names import parsed
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.registry import make_kind
-from burstcast.tuning.scan import leak_rate_of
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.scan import leak_rate_of
 from burstcast_workflow.harness.job import job, read_json
 from burstcast_workflow.jobs.forecasters import write_forecaster
 from burstcast_workflow.jobs.networks import Networks

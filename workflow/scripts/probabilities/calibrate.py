@@ -1,6 +1,6 @@
 """Calibrate the probabilities of all sources of alarms in a case, and choose their thresholds."""
 
-from burstcast.probability.calibrated_alarms import calibrated_alarms
+from burstcast.forecasts.calibrated_alarms import calibrated_alarms
 from burstcast_workflow.harness.job import at, job, write_json
 from burstcast_workflow.jobs.probabilities import Alarms
 from burstcast_workflow.jobs.time_unit import Clock

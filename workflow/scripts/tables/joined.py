@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from burstcast.files.tables import read_table
-from burstcast.forecasters._names import KEYS
+from burstcast.base.files.tables import read_table
+from burstcast.base.names import KEYS
 from burstcast.tables.joined import joined_tables
 from burstcast.tables.wide import typeset
 from burstcast_workflow.harness.job import JobSettings, at, job, write_text

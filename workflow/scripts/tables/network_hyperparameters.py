@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from burstcast.natural_order import natural_order
+from burstcast.base.natural_order import natural_order
 from burstcast.tables.latex import to_latex
 from burstcast.tables.parameters import network_parameters, side_by_side
 from burstcast_workflow.harness.job import JobSettings, at, job, write_table, write_text

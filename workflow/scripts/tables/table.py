@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from burstcast.declared import File, called
+from burstcast.base.declared import File, called
 from burstcast.tables.makers.registry import maker
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.jobs.inputs import content_of

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from burstcast.files.tables import read_table
+from burstcast.base.files.tables import read_table
 from burstcast.tables.realisations import scatter_of_families
 from burstcast_workflow.harness.job import at, job
 from burstcast_workflow.jobs.tables import Tables

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from burstcast.arrays import BoolArray, FloatArray
+from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.control.actuation import ActuationValues
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.loop import ControlledFlows, Looks, RunningFlows, simulate

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import BoolArray, ByteArray, FloatArray
+from burstcast.base.arrays import BoolArray, ByteArray, FloatArray
 from burstcast.control.actuation import REVERSED, ActuationValues
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.policy import Look, Policy, informed_memory

@@ -14,14 +14,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from burstcast.arrays import BoolArray
+from burstcast.base.arrays import BoolArray
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.loop import ControlledFlows, Looks, RunningFlows
 from burstcast.control.policy import Look, Policy, forecast
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.timing import Schedule, Timing
 from burstcast.control.windows import WindowCounts, count_windows, judge_alarms
-from burstcast.forecast.windows import crosses_in_window
+from burstcast.forecasts.windows import crosses_in_window
 
 
 @dataclass(frozen=True)

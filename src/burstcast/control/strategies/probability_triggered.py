@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import BoolArray
+from burstcast.base.arrays import BoolArray
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.policy import Look, Policy
 from burstcast.control.strategies.base import SampledStrategy

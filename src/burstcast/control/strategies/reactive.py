@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import ByteArray, FloatArray
+from burstcast.base.arrays import ByteArray, FloatArray
+from burstcast.base.discovery import suggestion
+from burstcast.base.expressions import Expression
 from burstcast.control.actuation import REVERSED
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.policy import Look, Policy
 from burstcast.control.strategies.base import SampledStrategy
-from burstcast.discovery import suggestion
-from burstcast.systems.expressions import Expression
 from burstcast.systems.state_space import StateSpace, component_names
 
 

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import burstcast.control.strategies
+from burstcast.base.discovery import checked_values, concrete_classes, module_names, suggestion
 from burstcast.control.strategies.base import ControlStrategy
-from burstcast.discovery import checked_values, concrete_classes, module_names, suggestion
 
 _OTHERS = ("base", "registry")
 

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
-from burstcast.arrays import BoolArray, FloatArray
-from burstcast.durations import steps_per_lyapunov_time
+from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.durations import steps_per_lyapunov_time
 from burstcast.figures.parts import looks, style
 
 HATCHED: dict[str, Any] = {"facecolor": "none", "edgecolor": style.LIGHT_GREY, "hatch": "//////"}

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.image import AxesImage
 from matplotlib.ticker import MaxNLocator
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.figures.parts import frame, looks, style
 
 Curves = Sequence[tuple[FloatArray, str | None, looks.LineStyle]]

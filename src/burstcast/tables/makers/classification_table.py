@@ -5,17 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from burstcast import random_streams
-from burstcast.declared import at, declaring, gathered, read
-from burstcast.forecast.classification import SCORES
-from burstcast.forecast.event_probabilities import EventProbabilities
-from burstcast.forecast.forecast_files import forecasts_from
-from burstcast.forecast.windows import WindowSummaries, crosses
-from burstcast.forecasters._names import PERMANENT_ALARM, ForecasterName
-from burstcast.probability.alarm_rule import CALIBRATED, rules_of
-from burstcast.probability.alarms import counts_at
-from burstcast.probability.outcomes import outcomes_by_series
-from burstcast.statistics.resampling import bootstrap_weights
+from burstcast.base import random_streams
+from burstcast.base.declared import at, declaring, gathered, read
+from burstcast.base.names import PERMANENT_ALARM, ForecasterName
+from burstcast.base.resampling import bootstrap_weights
+from burstcast.forecasts.alarm_rule import CALIBRATED, rules_of
+from burstcast.forecasts.alarms import counts_at
+from burstcast.forecasts.classification import SCORES
+from burstcast.forecasts.event_probabilities import EventProbabilities
+from burstcast.forecasts.forecast_files import forecasts_from
+from burstcast.forecasts.outcomes import outcomes_by_series
+from burstcast.forecasts.windows import WindowSummaries, crosses
 from burstcast.tables.cells import between
 from burstcast.tables.makers.registry import Gathered, Rows
 

@@ -5,11 +5,11 @@
 
 from collections.abc import Sequence
 
-from burstcast import random_streams
+from burstcast.base import random_streams
+from burstcast.base.declared import at, declaring, gathered
 from burstcast.control.choice import choose
 from burstcast.control.records import COSTS, FlowSample, flow_intervals, score_flows
 from burstcast.control.setting_names import as_columns
-from burstcast.declared import at, declaring, gathered
 from burstcast.tables.makers._control_runs import FLOWS, conditions_of, keys_of
 from burstcast.tables.makers.registry import Gathered, Rows
 

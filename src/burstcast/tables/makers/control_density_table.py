@@ -5,9 +5,9 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from burstcast import random_streams
-from burstcast.declared import at, declaring, gathered
-from burstcast.forecasters._names import ForecasterName
+from burstcast.base import random_streams
+from burstcast.base.declared import at, declaring, gathered
+from burstcast.base.names import ForecasterName
 from burstcast.statistics.densities import Histogram, density_interval, mean_density
 from burstcast.tables.makers.registry import Gathered, Rows
 

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from burstcast import random_streams
+from burstcast.base import random_streams
+from burstcast.base.declared import at, declaring, gathered
 from burstcast.control.records import FlowSample, flow_intervals, score_flows
-from burstcast.declared import at, declaring, gathered
 from burstcast.tables.makers._control_runs import FLOWS, keys_of
 from burstcast.tables.makers.registry import Gathered, Rows
 

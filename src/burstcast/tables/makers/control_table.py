@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import fields
 
+from burstcast.base.declared import declaring, gathered
 from burstcast.control.records import RECORDS, FlowSample
 from burstcast.control.windows import WindowCounts, totals
-from burstcast.declared import declaring, gathered
 from burstcast.tables.makers.registry import Gathered, Rows
 
 COUNTS = tuple(field.name for field in fields(WindowCounts))

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from burstcast import durations
-from burstcast.declared import at, declaring, read
+from burstcast.base import durations
+from burstcast.base.declared import at, declaring, read
 from burstcast.tables.cells import with_ends
 from burstcast.tables.makers.registry import Rows
 

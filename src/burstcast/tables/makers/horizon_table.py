@@ -6,12 +6,12 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from burstcast import random_streams
-from burstcast.declared import at, declaring, gathered
-from burstcast.forecast.horizon_intervals import resampled_averages
-from burstcast.forecasters._names import ForecasterName
-from burstcast.statistics.resampled_score import ResampledScore
-from burstcast.statistics.resampling import bootstrap_weights
+from burstcast.base import random_streams
+from burstcast.base.declared import at, declaring, gathered
+from burstcast.base.names import ForecasterName
+from burstcast.base.resampled_score import ResampledScore
+from burstcast.base.resampling import bootstrap_weights
+from burstcast.forecasts.horizon_intervals import resampled_averages
 from burstcast.tables.cells import Scores, between, medians_over_seeds, with_interval
 from burstcast.tables.makers.registry import Gathered, Rows
 

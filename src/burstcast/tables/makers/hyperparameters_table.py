@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from burstcast.declared import declaring, gathered
+from burstcast.base.declared import declaring, gathered
+from burstcast.networks.scan import leak_rate_of
 from burstcast.tables.makers.registry import Gathered, Rows
-from burstcast.tuning.scan import leak_rate_of
 
 NAMES = ("spectral_radius", "input_scaling", "tikhonov", "objective", "solver")
 

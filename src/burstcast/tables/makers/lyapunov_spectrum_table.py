@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from burstcast import random_streams
-from burstcast.declared import at, declaring, gathered, read
-from burstcast.forecasters._names import ForecasterName
+from burstcast.base import random_streams
+from burstcast.base.declared import at, declaring, gathered, read
+from burstcast.base.names import ForecasterName
 from burstcast.statistics.lyapunov_spectrum import summarise
 from burstcast.tables.cells import with_ends
 from burstcast.tables.makers.registry import Gathered, Rows

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.arrays import FloatArray
-from burstcast.declared import at, declaring, made_by, read
-from burstcast.forecast.windows import WindowForecasts, WindowSummaries
-from burstcast.probability.alarm_sources import AlarmSource
-from burstcast.probability.ranking import EVENTS, PRECURSOR, Window, ranking_scores
-from burstcast.statistics.resampled_score import ResampledScore
+from burstcast.base.arrays import FloatArray
+from burstcast.base.declared import at, declaring, made_by, read
+from burstcast.base.resampled_score import ResampledScore
+from burstcast.forecasts.alarm_sources import AlarmSource
+from burstcast.forecasts.ranking import EVENTS, PRECURSOR, Window, ranking_scores
+from burstcast.forecasts.windows import WindowForecasts, WindowSummaries
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.registry import make_space
 from burstcast.tables.cells import with_interval

@@ -1,7 +1,7 @@
 """Reliability of the probabilities: how often events follow those of each bin."""
 
-from burstcast.declared import at, declaring, made_by
-from burstcast.probability.reliability import reliability_diagram
+from burstcast.base.declared import at, declaring, made_by
+from burstcast.forecasts.reliability import reliability_diagram
 from burstcast.tables.makers._probabilities import CaseProbabilities, case_probabilities
 from burstcast.tables.makers.registry import Rows
 

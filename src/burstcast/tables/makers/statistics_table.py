@@ -3,15 +3,15 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from burstcast import random_streams
-from burstcast.declared import at, declaring, gathered, read
-from burstcast.forecasters._names import ForecasterName
+from burstcast.base import random_streams
+from burstcast.base.declared import at, declaring, gathered, read
+from burstcast.base.names import ForecasterName
+from burstcast.base.resampling import bootstrap_weights
 from burstcast.statistics.intervals import resampled_measures
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.measures import compare
 from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import LongTermStatistics
-from burstcast.statistics.resampling import bootstrap_weights
 from burstcast.statistics.statistics_files import reductions_from
 from burstcast.systems.registry import make_space
 from burstcast.tables.cells import between

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.declared import at, declaring, gathered, read
-from burstcast.forecasters._names import ForecasterName
+from burstcast.base.declared import at, declaring, gathered, read
+from burstcast.base.names import ForecasterName
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.survival import Lifetimes, escape_rate, survival_curve
 from burstcast.tables.cells import with_ends

@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from burstcast.arrays import FloatArray
+from burstcast.base.arrays import FloatArray
+from burstcast.base.declared import at, declaring, read
+from burstcast.base.files.netcdf import read_netcdf, read_rows, variable_names
+from burstcast.base.names import PERMANENT_ALARM
 from burstcast.data.ensemble_files import START
-from burstcast.declared import at, declaring, read
-from burstcast.files.netcdf import read_netcdf, read_rows, variable_names
-from burstcast.forecasters._names import PERMANENT_ALARM
+from burstcast.networks.negligible_ridge import negligible_ridge
 from burstcast.statistics import warning_signs
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.statistics.warning_signs import Finding
@@ -18,7 +19,6 @@ from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import StateSpace, component_names
 from burstcast.tables.makers.registry import Rows
-from burstcast.tuning.negligible_ridge import negligible_ridge
 
 ENSEMBLE = ["forecaster", "neurons", "validation"]
 ADVICE = {

@@ -1,0 +1,1 @@
+"""Arrays, files, random streams, names and units of time: nothing about flows."""

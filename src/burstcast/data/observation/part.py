@@ -1,0 +1,76 @@
+"""Observed part of a state: components, and quantities computed from components."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.base.arrays import FloatArray
+from burstcast.data.measured_data import Quantity
+from burstcast.systems.measured import MeasuredSeries
+from burstcast.systems.state_space import StateSpace, component_names
+
+OBSERVABLE = "observable"
+"""Name of the observable among the columns of another state."""
+
+
+@dataclass(frozen=True)
+class ObservedPart:
+    """Observed part of states: components, expressions of components, and the observable.
+
+    Attributes
+    ----------
+    source
+        State space of the whole states.
+    space
+        State space of the observed part.
+    quantities
+        The components of `space`, from the components of `source` and ``observable``.
+
+    Examples
+    --------
+    >>> from burstcast.systems.mfe import MoehlisFaisstEckhardt
+    >>> flow = MoehlisFaisstEckhardt(400.0, 4 * np.pi, 2 * np.pi)
+    >>> part = ObservedPart.of(flow, ["a1", "profile = a1 - a9"], "observable")
+    >>> part.space.component_names
+    ('a1', 'profile', 'observable')
+    >>> part(np.ones((9, 5))).shape
+    (3, 5)
+    """
+
+    source: StateSpace
+    space: MeasuredSeries
+    quantities: tuple[Quantity, ...]
+
+    @classmethod
+    def of(cls, source: StateSpace, declarations: Sequence[str], observable: str) -> "ObservedPart":
+        """Observe quantities of another state.
+
+        Parameters
+        ----------
+        source
+            State space of the whole states.
+        declarations
+            Names of components, or ``name = expression`` of components.
+        observable
+            Observable of the part: one of its components, an expression of them, or ``observable``.
+
+        Raises
+        ------
+        ValueError
+            If a quantity has a name that the state does not have.
+        """
+        quantities = [Quantity(text) for text in declarations]
+        space = MeasuredSeries([one.name for one in quantities], observable)
+        if space.appended:
+            quantities.append(Quantity(observable))
+        for one in quantities:
+            one.columns([*component_names(source), OBSERVABLE])
+        return cls(source, space, tuple(quantities))
+
+    def __call__(self, states: FloatArray) -> FloatArray:
+        """Observe states ``(dimension, ...)``: ``(observed, ...)``, without noise."""
+        columns = dict(zip(component_names(self.source), states, strict=True))
+        columns[OBSERVABLE] = self.source.observable(states)
+        found = np.broadcast_arrays(*(one.values(columns) for one in self.quantities))
+        return np.stack(found)

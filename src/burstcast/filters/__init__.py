@@ -1,1 +1,0 @@
-"""The ensemble square-root filter."""

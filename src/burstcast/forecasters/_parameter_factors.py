@@ -1,0 +1,138 @@
+"""Factors of models that depend on parameters: monomials of the scaled parameters.
+
+A parameter p enters as q = (t(p) - centre) / half range, where t is a transform, and t(p) has this
+centre and half range over the training values: q lies in [-1, 1] there. The learnt model is linear
+in the factors q, q^2, ... up to a degree, and in products of different parameters. Viscous terms of
+a flow, for instance, are linear in the inverse of the Reynolds number.
+"""
+
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.systems.polynomial_basis import monomials
+
+TRANSFORMS: Mapping[str, Callable[[FloatArray], FloatArray]] = {
+    "identity": np.positive,
+    "inverse": np.reciprocal,
+}
+"""Transforms of a parameter by name."""
+
+
+@dataclass(frozen=True)
+class ParameterFactors:
+    """Factors of parameters, scaled by the values in training.
+
+    Parameters that are constant in training have no factor: nothing can be learnt of them.
+
+    Examples
+    --------
+    >>> trained = np.array([[400.0], [600.0], [1000.0]])
+    >>> factors = ParameterFactors.of(["reynolds"], trained, "inverse", 2)
+    >>> factors(np.array([[400.0], [1000.0]])).round(6)
+    array([[ 1.,  1.],
+           [-1.,  1.]])
+    """
+
+    names: tuple[str, ...]  #: names of the parameters
+    #: low, high: smallest and largest value of each parameter in training, ``(parameters,)``
+    low: FloatArray
+    high: FloatArray
+    transform: str  #: a name in `TRANSFORMS`
+    degree: int  #: highest degree of the factors, at least 1
+
+    def __post_init__(self) -> None:
+        if self.transform not in TRANSFORMS:
+            raise ValueError(
+                f"unknown transform of a parameter {self.transform!r}; known are "
+                f"{', '.join(TRANSFORMS)}"
+            )
+        if self.degree < 1:
+            raise ValueError(f"the degree in the parameters must be 1 at least, not {self.degree}")
+        if self.transform == "inverse" and not (self.low * self.high > 0).all():
+            raise ValueError(
+                f"the values of {', '.join(self.names)} have no inverse in between: they must all "
+                f"be positive, or all negative; take the transform 'identity'"
+            )
+
+    @classmethod
+    def of(
+        cls, names: Sequence[str], values: FloatArray, transform: str, degree: int
+    ) -> "ParameterFactors":
+        """Factors scaled by training values ``(..., parameters)``."""
+        flat = values.reshape(-1, len(names))
+        return cls(tuple(names), flat.min(axis=0), flat.max(axis=0), transform, degree)
+
+    @property
+    def count(self) -> int:
+        """Number of factors; 0 if no parameter varies in training."""
+        return len(self._monomials)
+
+    def __call__(self, values: FloatArray) -> FloatArray:
+        """Factors ``(..., factors)`` of values ``(..., parameters)``.
+
+        Values beyond those in training are extrapolated, with a warning.
+        """
+        self._warn_of_extrapolation(values)
+        with np.errstate(divide="ignore"):
+            transformed = TRANSFORMS[self.transform](values[..., self._varying])
+        if not np.isfinite(transformed).all():
+            raise ValueError(f"a value of {', '.join(self.names)} is not finite, or has no inverse")
+        scaled = (transformed - self._centre) / self._half_range
+        factors = np.ones((*values.shape[:-1], self.count))
+        for number, monomial in enumerate(self._monomials):
+            for one in monomial:
+                factors[..., number] *= scaled[..., one]
+        return factors
+
+    def of_schedule(self, schedule: FloatArray) -> FloatArray:
+        """Factors ``(steps, factors, batch)`` of a schedule ``(steps, parameters, batch)``."""
+        return np.ascontiguousarray(np.moveaxis(self(np.moveaxis(schedule, 1, -1)), -1, 1))
+
+    def outside(self, values: FloatArray) -> str | None:
+        """Describe values ``(..., parameters)`` outside of the training range; None: none are.
+
+        A tenth of a per cent of the range is allowed for rounding.
+        """
+        slack = 1e-3 * (self.high - self.low)
+        flat = values.reshape(-1, len(self.names))
+        beyond = (flat < self.low - slack) | (flat > self.high + slack)
+        if not beyond.any():
+            return None
+        row, column = (int(index) for index in np.argwhere(beyond)[0])
+        return (
+            f"{self.names[column]} = {flat[row, column]:g} lies outside of the values in training, "
+            f"{self.low[column]:g} to {self.high[column]:g}: forecasts are extrapolated"
+        )
+
+    def _warn_of_extrapolation(self, values: FloatArray) -> None:
+        message = self.outside(values)
+        if message is not None:
+            warnings.warn(message, stacklevel=3)
+
+    @cached_property
+    def _varying(self) -> IntArray:
+        return np.flatnonzero(self.high > self.low)
+
+    @cached_property
+    def _monomials(self) -> list[tuple[int, ...]]:
+        varying = int((self.high > self.low).sum())
+        return monomials(varying, self.degree)[1:] if varying else []
+
+    @cached_property
+    def _ends(self) -> FloatArray:
+        ends = np.stack([self.low, self.high])[:, self._varying]
+        return TRANSFORMS[self.transform](ends)
+
+    @property
+    def _centre(self) -> FloatArray:
+        centre: FloatArray = self._ends.mean(axis=0)
+        return centre
+
+    @property
+    def _half_range(self) -> FloatArray:
+        return np.asarray(np.abs(self._ends[1] - self._ends[0]) / 2)

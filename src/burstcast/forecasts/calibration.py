@@ -1,0 +1,145 @@
+"""Calibration: map from forecast values to frequencies of events in past forecasts.
+
+Isotonic regression: the best non-decreasing map in the sense of least squares, found by pooling
+adjacent violators (Ayer et al., Annals of Mathematical Statistics 26, 1955; for forecasts Zadrozny
+& Elkan, KDD 2002), and linear between the observed values. Ten training series hold few events, so
+that frequencies of rare values are mostly chance: where the forecast is a probability already, it
+counts like some forecasts that came true with this very frequency (a beta prior at each value).
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from burstcast.base.arrays import FloatArray
+from burstcast.forecasts.classification import ratio
+from burstcast.forecasts.outcomes import Outcomes
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """A map from forecast values to probabilities, linear between its knots, constant beyond."""
+
+    values: FloatArray  #: knots, rising, ``(knots,)``
+    #: probability of an event at each of them, never falling, ``(knots,)``
+    probabilities: FloatArray
+
+    def __call__(self, values: FloatArray) -> FloatArray:
+        """Probability of an event for each forecast value; NaN without any knot."""
+        if not self.values.size:
+            return np.full(np.shape(values), np.nan)
+        return np.asarray(np.interp(values, self.values, self.probabilities))
+
+
+UNCALIBRATED = Calibration(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+"""The identity: a share of votes is the probability."""
+
+
+def pool_adjacent_violators(values: FloatArray, weights: FloatArray) -> FloatArray:
+    """Non-decreasing sequence nearest to values, by weighted least squares.
+
+    ``values``, ``weights``: ``(count,)``; weights are positive. Shape ``(count,)``: neighbours that
+    violate the order share their weighted mean.
+    """
+    means: list[float] = []
+    sizes: list[float] = []
+    lengths: list[int] = []
+    for value, weight in zip(values.tolist(), weights.tolist(), strict=True):
+        mean, size, length = value, weight, 1
+        while means and means[-1] >= mean:
+            whole = sizes[-1] + size
+            mean = (sizes.pop() * means.pop() + size * mean) / whole
+            size, length = whole, length + lengths.pop()
+        means.append(mean)
+        sizes.append(size)
+        lengths.append(length)
+    return np.repeat(np.array(means), lengths)
+
+
+def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
+    """Calibrate by isotonic regression of the outcomes on the forecast values.
+
+    Parameters
+    ----------
+    outcomes
+        ``(levels,)``. Without any forecast the calibration has no knots.
+    prior
+        Number of forecasts, at each value, that the prior counts for: forecasts that came true with
+        this value as their frequency, so that values must be probabilities. 0: the regression
+        alone; towards the limit of many, the values as they are.
+
+    Raises
+    ------
+    ValueError
+        If the prior is negative or infinite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.forecasts.calibration import isotonic
+    >>> from burstcast.forecasts.outcomes import Outcomes
+    >>> votes = Outcomes(np.array([0.0, 0.5, 1.0]), np.array([80, 10, 10]), np.array([4, 3, 9]))
+    >>> isotonic(votes)(np.array([0.0, 0.5, 1.0])).round(2).tolist()
+    [0.05, 0.3, 0.9]
+    """
+    if not 0 <= prior < np.inf:
+        raise ValueError(f"a prior counts as 0 forecasts or more, not as {prior}")
+    weights = outcomes.points + np.float64(prior)
+    frequency = ratio(outcomes.events + prior * outcomes.levels, weights)
+    if not outcomes.levels.size:
+        return Calibration(np.empty(0), np.empty(0))
+    fitted = pool_adjacent_violators(frequency, weights)
+    # the ends of each constant stretch suffice
+    ends = np.concatenate([[True], np.diff(fitted) != 0, [True]])
+    knots = ends[:-1] | ends[1:]
+    return Calibration(outcomes.levels[knots], fitted[knots])
+
+
+def logistic(outcomes: Outcomes) -> Calibration:
+    """Calibrate probabilities by logistic regression of the outcomes on their log-odds.
+
+    A smooth map with two parameters, which does not join different probabilities as isotonic
+    regression does: for classifiers, whose probabilities are all different. Source: Platt, in
+    Advances in Large Margin Classifiers, MIT Press 1999, with his targets, which keep the
+    regression finite where events and quiet points are separated completely. Where events have no
+    larger probabilities than quiet points, all probabilities become the base rate.
+
+    ``outcomes``: ``(levels,)``, the levels in [0, 1]. Without any forecast the calibration has no
+    knots.
+    """
+    if not outcomes.levels.size:
+        return Calibration(np.empty(0), np.empty(0))
+    points, events = outcomes.points, outcomes.events
+    happened, quiet = int(events.sum()), int((points - events).sum())
+    # targets of events and of quiet points, and their sum at each level
+    high, low = (happened + 1) / (happened + 2), 1 / (quiet + 2)
+    wanted = events * high + (points - events) * low
+    ends = _probability(np.array([-_LARGEST_LOG_ODDS, _LARGEST_LOG_ODDS]))
+    odds = _log_odds(np.clip(outcomes.levels, *ends))
+    design = np.stack([odds, np.ones_like(odds)])
+    parameters = np.array([0.0, _log_odds(wanted.sum() / points.sum())])
+    for _ in range(_NEWTON_STEPS):
+        found = _probability(parameters @ design)
+        gradient = design @ (wanted - points * found)
+        curvature = (design * (points * found * (1 - found))) @ design.T
+        step = np.linalg.lstsq(curvature, gradient, rcond=None)[0]
+        parameters = parameters + step / max(1.0, float(np.abs(step).max()))
+    if parameters[0] <= 0:
+        parameters = np.array([0.0, _log_odds(wanted.sum() / points.sum())])
+    knots = np.linspace(-_LARGEST_LOG_ODDS, _LARGEST_LOG_ODDS, _KNOTS)
+    probabilities = _probability(parameters[0] * knots + parameters[1])
+    return Calibration(_probability(knots), probabilities)
+
+
+_LARGEST_LOG_ODDS, _KNOTS = 25.0, 501
+"""Range and number of the knots of a logistic calibration, evenly spaced in log-odds."""
+_NEWTON_STEPS = 60
+
+
+def _log_odds(probability: Any) -> Any:
+    return np.log(probability) - np.log1p(-probability)
+
+
+def _probability(log_odds: FloatArray) -> FloatArray:
+    return np.asarray(1.0 / (1.0 + np.exp(-log_odds)))

@@ -1,0 +1,121 @@
+"""Lead times of alarms before events.
+
+Forecasts are made at starting points along a series; each raises alarms for several windows ahead.
+A starting point is right about an event if one of its alarms is for a window that holds it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from burstcast.base import durations
+from burstcast.base.arrays import BoolArray, FloatArray, IntArray
+from burstcast.data.starting_points import SeriesPoints
+
+
+@dataclass(frozen=True)
+class LeadTimes:
+    """Lead times of alarms before each event, in steps; arrays of shape ``(events,)``.
+
+    Events that no starting point could have warned of are left out.
+    """
+
+    series: IntArray  #: row of each event's series
+    #: time from the first starting point after which all were right to the event; 0 if the last one
+    #: before it was not
+    stayed: IntArray
+    #: time from the first starting point that was right at all; 0 if there was none
+    first: IntArray
+    possible: IntArray  #: time from the first starting point that could have been right
+
+
+def lead_times(
+    alarms: BoolArray,
+    windows: Sequence[tuple[int, int]],
+    points: SeriesPoints,
+    scored: BoolArray,
+    events: SeriesPoints,
+) -> LeadTimes:
+    """Measure the lead time of alarms before each event.
+
+    Going back from an event, the starting points end where the observed washout already holds an
+    event (the one before is under way), or where no window reaches any more.
+
+    ``alarms``: Whether each starting point raises an alarm for each window, ``(points, windows)``.
+    ``windows``: First and last step of each window after the starting point. An event is in it if
+    it crosses the threshold after the first step and not after the last one. ``points``: Starting
+    points; within a series in the order of time. ``scored``: Whether no event is under way at a
+    point, ``(points,)``. ``events``: Starts of the events
+    (`burstcast.data.starting_points.crossing_points`).
+    """
+    begins, ends = np.array(windows, dtype=np.int64).reshape(-1, 2).T
+    found = []
+    for row in np.unique(events.series).tolist():
+        here = np.flatnonzero(points.series == row)
+        for event in events.step[events.series == row].tolist():
+            lead = event - points.step[here]
+            inside = (begins < lead[:, np.newaxis]) & (lead[:, np.newaxis] <= ends)
+            # from the event backwards, up to the first point at which another is under way
+            able = np.flatnonzero(inside.any(axis=1))[::-1]
+            free = np.logical_and.accumulate(scored[here[able]])
+            able = able[free]
+            if able.size == 0:
+                continue
+            right = (alarms[here[able]] & inside[able]).any(axis=1)
+            leads = lead[able]
+            stayed = np.logical_and.accumulate(right)
+            found.append(
+                (
+                    row,
+                    int(leads[stayed].max(initial=0)),
+                    int(leads[right].max(initial=0)),
+                    int(leads.max()),
+                )
+            )
+    columns = np.array(found, dtype=np.int64).reshape(-1, 4).T
+    return LeadTimes(*columns)
+
+
+@dataclass(frozen=True)
+class SeriesRatio:
+    """A score that is the ratio of two sums over series."""
+
+    metric: str
+    lead_time_lt: float | None  #: lead time that it belongs to, in Lyapunov times; None: to none
+    #: numerator, denominator: by series, ``(series,)``
+    numerator: FloatArray
+    denominator: FloatArray
+
+
+def lead_time_scores(
+    found: LeadTimes, series: int, lead_times_lt: Sequence[float], steps_per_lyapunov_time: int
+) -> list[SeriesRatio]:
+    """Scores of lead times.
+
+    ``lead_times_lt``: Lead times at which the share of warned events is evaluated. Returns
+    ``mean_lead_time_lt``, ``mean_first_alarm_lt`` and ``mean_possible_lead_time_lt``, over the
+    events, in Lyapunov times (`LeadTimes`); ``missed_fraction``, of events that the last starting
+    point before them was not right about; and for each lead time ``warned_fraction``: of the events
+    that could be warned of so early, those whose alarm came and stayed.
+    """
+
+    def total(of_events: npt.ArrayLike) -> FloatArray:
+        sums = np.bincount(found.series, weights=np.asarray(of_events), minlength=series)
+        return np.asarray(sums, dtype=np.float64)
+
+    unit, events = steps_per_lyapunov_time, total(np.ones(len(found.series)))
+    scores: dict[tuple[str, float | None], tuple[FloatArray, FloatArray]] = {
+        ("mean_lead_time_lt", None): (total(found.stayed / unit), events),
+        ("mean_first_alarm_lt", None): (total(found.first / unit), events),
+        ("mean_possible_lead_time_lt", None): (total(found.possible / unit), events),
+        ("missed_fraction", None): (total(found.stayed == 0), events),
+    }
+    for time in lead_times_lt:
+        steps = durations.steps(time, unit)
+        scores["warned_fraction", time] = (
+            total(found.stayed >= steps),
+            total(found.possible >= steps),
+        )
+    return [SeriesRatio(*name, *sums) for name, sums in scores.items()]

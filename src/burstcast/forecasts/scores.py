@@ -1,0 +1,51 @@
+"""All scores of probabilities at one prediction time, by name."""
+
+from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.resampled_score import ResampledScore
+from burstcast.forecasts.alarms import average_precision, counts_at, roc_area
+from burstcast.forecasts.brier import (
+    base_rate,
+    brier_score,
+    brier_skill,
+    calibration_error,
+    decomposition,
+)
+from burstcast.forecasts.outcomes import Outcomes
+
+
+def probability_scores(outcomes: Outcomes, threshold: float, bins: int) -> dict[str, FloatArray]:
+    """Score probabilities, and the alarms that they raise.
+
+    ``outcomes``: Summed over series, ``(levels,)``; of many resamples, ``(resamples, levels)``.
+    ``threshold``: Alarm threshold: alarms are raised at or above it. ``bins``: Number of bins of
+    the decomposition and of the calibration error. Returns scores of shape ``()`` or
+    ``(resamples,)``; NaN where undefined.
+    """
+    parts, counts = decomposition(outcomes, bins), counts_at(outcomes, threshold)
+    return {
+        "base_rate": base_rate(outcomes),
+        "brier_score": brier_score(outcomes),
+        "brier_skill": brier_skill(outcomes),
+        "reliability": parts.reliability,
+        "resolution": parts.resolution,
+        "uncertainty": parts.uncertainty,
+        "calibration_error": calibration_error(outcomes, bins),
+        "roc_area": roc_area(outcomes),
+        "average_precision": average_precision(outcomes),
+        "precision": counts.precision,
+        "recall": counts.recall,
+        "f_score": counts.f_score,
+    }
+
+
+def resampled_scores(
+    outcomes: Outcomes, weights: IntArray, threshold: float, bins: int
+) -> dict[str, ResampledScore]:
+    """`probability_scores` of all series, and of resamples.
+
+    ``outcomes``: By series, ``(series, levels)``. ``weights``: How often each series is in each
+    resample, ``(resamples, series)``.
+    """
+    values = probability_scores(outcomes.total(), threshold, bins)
+    samples = probability_scores(outcomes.resampled(weights), threshold, bins)
+    return {name: ResampledScore(value, samples[name]) for name, value in values.items()}

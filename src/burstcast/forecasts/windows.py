@@ -1,0 +1,101 @@
+"""Forecasts reduced for scoring: the first and largest observable of each window.
+
+The time after a starting point is cut into windows of one resolution (half a Lyapunov time). A
+prediction window, which is several of them, is scored from their summaries, whatever the event
+threshold is. Neighbouring windows share their common step.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Self
+
+import numpy as np
+
+from burstcast.base import durations
+from burstcast.base.arrays import BoolArray, FloatArray
+
+
+@dataclass(frozen=True)
+class WindowSummaries:
+    """First and largest observable in each window after each starting point."""
+
+    #: observable at the window's first step, ``(points, windows)``; not finite where the forecast
+    #: no longer is
+    first: FloatArray
+    #: largest observable in the window, both ends included, ``(points, windows)``; likewise
+    largest: FloatArray
+
+    @classmethod
+    def always_crossing(cls, shape: tuple[int, ...]) -> Self:
+        """Summaries that cross every threshold in every window: of a permanent alarm."""
+        most = np.finfo(np.float64).max
+        return cls(np.full(shape, -most), np.full(shape, most))
+
+
+@dataclass(frozen=True)
+class WindowForecasts(WindowSummaries):
+    """Window summaries of the single forecast from each starting point, and of an ensemble."""
+
+    diverged: BoolArray  #: whether the single forecast has diverged, ``(points,)``
+    #: member_first, member_largest: ``first`` and ``largest`` of the forecast of each member,
+    #: ``(points, members, windows)``. A forecaster that provides no ensemble has no members here.
+    member_first: FloatArray
+    member_largest: FloatArray
+
+    @property
+    def members(self) -> list[WindowSummaries]:
+        """Window summaries of each member; without an ensemble, of the single forecast."""
+        by_member = (self.member_first.swapaxes(0, 1), self.member_largest.swapaxes(0, 1))
+        return [WindowSummaries(*pair) for pair in zip(*by_member, strict=True)] or [self]
+
+
+def window_boundaries(
+    resolution_lt: float, windows: int, steps_per_lyapunov_time: int
+) -> tuple[int, ...]:
+    """Steps after the starting point at which the windows begin and end.
+
+    Window i reaches from boundary i to boundary i + 1, both included. The first boundary is one
+    resolution after the starting point: no prediction time is shorter.
+    """
+    durations.positive_steps(resolution_lt, steps_per_lyapunov_time, "the resolution of windows")
+    return tuple(
+        durations.steps((index + 1) * resolution_lt, steps_per_lyapunov_time)
+        for index in range(windows + 1)
+    )
+
+
+def summarise(observable: FloatArray, boundaries: tuple[int, ...]) -> WindowSummaries:
+    """Window summaries of observables that begin one step after the starting points.
+
+    ``observable``: ``(steps, points)``; entry 0 is one step after the starting point.
+    """
+    pairs = list(pairwise(boundaries))
+    return WindowSummaries(
+        first=np.stack([observable[start - 1] for start, _ in pairs], axis=1),
+        largest=np.stack([observable[start - 1 : end].max(axis=0) for start, end in pairs], axis=1),
+    )
+
+
+def crosses(
+    summaries: WindowSummaries, first_window: int, windows: int, threshold: float
+) -> BoolArray:
+    """Whether the observable crosses the threshold in a prediction window, ``(points,)``.
+
+    It does if it is below the threshold at the window's first step and at or above it later on. A
+    forecast that does not stay finite in the window crosses nothing.
+    """
+    span = slice(first_window, first_window + windows)
+    if first_window < 0 or first_window + windows > summaries.first.shape[1]:
+        raise IndexError("the prediction window reaches beyond the forecast")
+    below_at_first = summaries.first[:, first_window] < threshold
+    largest = summaries.largest[:, span].max(axis=1)
+    return np.asarray(below_at_first & (largest >= threshold) & np.isfinite(largest))
+
+
+def crosses_in_window(observable: FloatArray, start: int, end: int, threshold: float) -> BoolArray:
+    """Whether the observable crosses the threshold in one window (see `crosses`), ``(batch,)``.
+
+    ``observable``: ``(steps, batch)``; entry 0 is one step after the forecast was made. ``start``,
+    ``end``: Steps from the forecast to the first and to the last step of the window.
+    """
+    return crosses(summarise(observable, (start, end)), 0, 1, threshold)

@@ -1,0 +1,32 @@
+"""Evaluations of a search as files: a table of their records, and their errors beside it."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from burstcast.base.files.netcdf import Variable, read_netcdf
+from burstcast.base.files.units import NUMBER
+from burstcast.networks.scan import Evaluation
+
+
+def log_error_variables(evaluations: Sequence[Evaluation]) -> dict[str, Variable]:
+    """Variables of the errors in each interval, in the order of the rows of the table.
+
+    Strategies have different numbers of intervals: a row ends with NaN where it has fewer.
+    """
+    found = [one.validation.log_errors for one in evaluations]
+    errors = np.full((len(found), max(map(len, found))), np.nan)
+    for row, of_row in zip(errors, found, strict=True):
+        row[: len(of_row)] = of_row
+    meaning = "log10 of the mean square error of the observable in each interval"
+    return {"log_error": Variable(("row", "interval"), errors, NUMBER, meaning)}
+
+
+def read_evaluations(rows: Sequence[Mapping[Any, Any]], log_errors: str) -> list[Evaluation]:
+    """Evaluations from the rows of their table, and the file of `log_error_variables`."""
+    errors = read_netcdf(log_errors, "log_error")["log_error"]
+    return [
+        Evaluation.restore(row, tuple(of_row[~np.isnan(of_row)].tolist()))
+        for row, of_row in zip(rows, errors, strict=True)
+    ]

@@ -1,0 +1,51 @@
+"""Uncertainty of the objective of the search, and of differences between two points.
+
+All points are validated on the same intervals of the same data, so that effects of an interval on
+all points cancel in a difference: its standard error is far smaller than those of the objectives
+themselves, and still larger than many differences in a flat valley.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from burstcast.base.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class ObjectiveUncertainty:
+    """Standard errors of objectives over the validation intervals; arrays ``(points,)``."""
+
+    standard_error: FloatArray  #: standard error of each objective by itself
+    excess: FloatArray  #: excess of each objective over the best one; zero for the best
+    #: standard error of that difference, over the same intervals for both; zero for the best
+    paired_standard_error: FloatArray
+
+
+def objective_uncertainty(log_errors: FloatArray) -> ObjectiveUncertainty:
+    """Standard errors of objectives, and of their differences from the best one.
+
+    The intervals, which are Lyapunov times long, are assumed to be independent.
+
+    ``log_errors``: log10 of the mean square error of each point (and Tikhonov parameter) in each
+    interval, ``(points, intervals)``; the objective is the mean over the intervals. With a single
+    interval, all standard errors but the best point's paired one are NaN; so are differences and
+    errors of infinite objectives (diverged forecasts) where they are not defined.
+    """
+    if not len(log_errors):
+        raise ValueError("the search has no point")
+    best = int(np.argmin(log_errors.mean(axis=1)))
+    with np.errstate(invalid="ignore"):
+        excess = log_errors - log_errors[best]
+        excess[best] = 0.0
+        single, paired = _standard_errors(log_errors), _standard_errors(excess)
+    paired[best] = 0.0
+    return ObjectiveUncertainty(single, excess.mean(axis=1), paired)
+
+
+def _standard_errors(samples: FloatArray) -> FloatArray:
+    """Standard error of the mean of each row; NaN with a single column."""
+    count = samples.shape[1]
+    if count < 2:
+        return np.full(len(samples), np.nan)
+    return np.asarray(samples.std(axis=1, ddof=1) / np.sqrt(count))

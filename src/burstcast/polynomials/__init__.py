@@ -1,1 +1,0 @@
-"""Polynomial equations learnt from series."""

@@ -1,1 +1,0 @@
-"""Probabilities of events: calibration, Brier scores, alarms, lead times, committees."""

@@ -1,0 +1,297 @@
+"""Calibrations, logistic readouts and probabilities of points that were not learnt from."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+from sklearn.calibration import _SigmoidCalibration
+from sklearn.ensemble import HistGradientBoostingClassifier
+from sklearn.isotonic import IsotonicRegression, isotonic_regression
+
+from burstcast.forecasters._event_classifier import LabelledPoints
+from burstcast.forecasters._logistic_readout import event_probability, fit_logistic
+from burstcast.forecasters.analogues import Analogues
+from burstcast.forecasters.base import ForecastingCase
+from burstcast.forecasters.linear_inverse import LinearInverseModel
+from burstcast.forecasters.precursor import LearntPrecursor
+from burstcast.forecasts.alarm_rule import AlarmRule
+from burstcast.forecasts.brier import brier_score, calibration_error
+from burstcast.forecasts.calibration import (
+    UNCALIBRATED,
+    isotonic,
+    logistic,
+    pool_adjacent_violators,
+)
+from burstcast.forecasts.out_of_sample import out_of_sample_forecasts
+from burstcast.forecasts.out_of_sample_classifiers import out_of_sample_probabilities
+from burstcast.forecasts.outcomes import Outcomes
+from burstcast.forecasts.scores import resampled_scores
+from burstcast.forecasts.window_forecasts import window_forecasts
+from burstcast.systems.lorenz63 import Lorenz63
+from helpers_library import count_by_series, samples
+
+
+@given(st.lists(st.tuples(st.floats(-5, 5), st.floats(0.1, 10)), min_size=1, max_size=40))
+def test_pooling_is_that_of_scikit_learn(pairs):
+    values, weights = np.array(pairs).T
+    expected = isotonic_regression(values, sample_weight=weights)
+    np.testing.assert_allclose(pool_adjacent_violators(values, weights), expected, atol=1e-10)
+
+
+@given(
+    samples(),
+    st.just(0.0) | st.floats(0, 50),
+    st.lists(st.floats(-1, 2), min_size=1, max_size=20),
+)
+def test_the_calibration_is_that_of_scikit_learn(sample, prior, asked):
+    """A prior counts as forecasts that came true."""
+    whole = count_by_series(*sample).total()
+    values = np.concatenate([whole.levels] * 3)
+    outcome = np.repeat([1.0, 0.0, 1.0], len(whole.levels))
+    outcome[2 * len(whole.levels) :] = whole.levels
+    weights = np.concatenate(
+        [whole.events, whole.points - whole.events, np.full(len(whole.levels), prior)]
+    )
+    oracle = IsotonicRegression(out_of_bounds="clip").fit(values, outcome, sample_weight=weights)
+    asked = np.concatenate([whole.levels, asked])
+    found = isotonic(whole, prior)(asked)
+    np.testing.assert_allclose(found, oracle.predict(asked), atol=1e-10)
+
+
+@given(samples())
+def test_calibration_never_lowers_and_is_reliable_where_it_was_fitted(sample):
+    whole = count_by_series(*sample).total()
+    found = isotonic(whole)
+    np.testing.assert_array_equal(UNCALIBRATED(whole.levels), whole.levels)
+    assert (np.diff(found.values) > 0).all()
+    assert (np.diff(found.probabilities) >= 0).all()
+    calibrated = whole.at(found(whole.levels))
+    assert brier_score(calibrated) <= brier_score(whole) + 1e-12
+    # levels of their own are hit exactly on average
+    assert calibration_error(calibrated, 1000) < 1e-9
+
+
+def test_what_cannot_be_learnt_from():
+    whole = count_by_series(np.array([0.5]), np.array([True]), np.array([0])).total()
+    for prior in (-1, np.inf, np.nan):
+        with pytest.raises(ValueError, match="0 forecasts or more"):
+            isotonic(whole, prior)
+    training = np.random.default_rng(0).standard_normal((1, 30, 3))
+    with pytest.raises(ValueError, match="two training series"):
+        list(LinearInverseModel().fit(training, CASE).leave_one_out(training, CASE, 5))
+    points = labelled(series=1)
+    with pytest.raises(ValueError, match="two training series and two folds at least, not 1 and 9"):
+        out_of_sample_probabilities(precursor(9), points, LABELLED_CASE, *asked(points))
+
+
+def test_values_that_fall_are_refused_and_unknown_ones_do_not_hide_that():
+    whole = Outcomes(np.array([0.0, 0.5, 1.0]), np.array([3, 2, 1]), np.array([1, 1, 1]))
+    assert whole.at(np.array([0.2, np.nan, 0.2])).points.tolist() == [4]
+    for values in ([0.5, 0.4, 0.6], [0.5, np.nan, 0.4]):
+        with pytest.raises(ValueError, match="would change the order"):
+            whole.at(np.array(values))
+
+
+def test_without_any_forecast_no_probability_is_known():
+    none = count_by_series(np.zeros(0), np.zeros(0, dtype=bool), np.zeros(0, dtype=int)).total()
+    rule = AlarmRule.chosen(none, isotonic(none, 30))
+    assert np.isnan(rule.calibration(np.array([0.0, 0.5]))).all()
+    restored = AlarmRule.restore(json.loads(json.dumps(rule.record())))
+    assert np.isnan(restored.calibration(np.array([1.0]))).all()
+    # forecasts of the test series then do not count: all scores are undefined
+    test = count_by_series(np.array([0.5, 0.7]), np.array([True, False]), np.array([0, 1]))
+    scored = test.at(restored.calibration(test.levels))
+    assert scored.points.shape[1] == 0
+    weights = np.ones((3, len(scored.points)), dtype=np.int64)
+    for name, score in resampled_scores(scored, weights, restored.threshold, 11).items():
+        assert np.isnan(score.value), name
+
+
+# -- of probabilities that are all different -------------------------------------------------------
+def drawn(slope, points=2000, seed=1):
+    """Probabilities whose log-odds are those of the truth, times a slope, plus a half."""
+    generator = np.random.default_rng(seed)
+    odds = generator.normal(-2.0, 1.5, size=points)
+    happened = generator.random(points) < 1 / (1 + np.exp(-odds))
+    given = 1 / (1 + np.exp(-(slope * odds + 0.5)))
+    return given, happened, np.zeros(points, dtype=int)
+
+
+@pytest.mark.parametrize("slope", [0.5, 1.0, 3.0])
+def test_logistic_calibration_is_that_of_platt(slope):
+    given, happened, _ = sample = drawn(slope)
+    found = logistic(count_by_series(*sample).total())
+    odds = np.log(given) - np.log1p(-given)
+    oracle = _SigmoidCalibration().fit(odds, happened.astype(float))
+    # between its knots the calibration is linear
+    np.testing.assert_allclose(found(given), oracle.predict(odds), atol=5e-4)
+    assert (np.diff(found(np.sort(given))) > 0).all()
+
+
+def test_logistic_calibration_where_nothing_is_told_or_everything():
+    given, happened, rows = drawn(1.0, 300)
+    reversed_ = count_by_series(1 - given, happened, rows).total()
+    np.testing.assert_allclose(logistic(reversed_)(given), happened.mean(), atol=0.01)
+    apart = count_by_series(np.where(happened, 0.9, 0.1), happened, rows).total()
+    count = int(happened.sum())
+    ends = [1 / (302 - count), (count + 1) / (count + 2)]
+    np.testing.assert_allclose(logistic(apart)(np.array([0.1, 0.9])), ends, rtol=2e-3)
+    none = count_by_series(*(values[:0] for values in (given, happened, rows))).total()
+    assert np.isnan(logistic(none)(given)).all()
+
+
+# -- logistic regression of several events ---------------------------------------------------------
+
+
+def two_events(points=400):
+    generator = np.random.default_rng(5)
+    features = generator.normal(size=(points, 6)) * [1, 10, 0.1, 1, 1, 1] + [0, 3, 0, -2, 0, 0]
+    odds = np.stack([features[:, 0] - 2.0, 0.3 * features[:, 1] - features[:, 3] - 4.0], axis=1)
+    return features, generator.random(odds.shape) < 1 / (1 + np.exp(-odds))
+
+
+@pytest.mark.parametrize("penalty", [0.1, 5.0])
+def test_weights_minimise_the_penalised_loss(penalty):
+    features, happened = two_events()
+    weights = fit_logistic(features, happened, penalty)
+    scale = features.std(axis=0)
+    for event in range(2):
+
+        def loss(flat, event=event):
+            odds = features @ flat[:-1] + flat[-1]
+            signs = np.where(happened[:, event], 1.0, -1.0)
+            # the penalty is on weights of features of unit variance
+            return (
+                np.log1p(np.exp(-signs * odds)).sum()
+                + penalty / 2 * ((flat[:-1] * scale) ** 2).sum()
+            )
+
+        found = minimize(loss, np.zeros(7), method="BFGS", options={"gtol": 1e-7})
+        assert loss(weights[:, event]) <= found.fun + 1e-6
+        np.testing.assert_allclose(
+            weights[:, event] * [*scale, 1], found.x * [*scale, 1], atol=2e-3
+        )
+
+
+@pytest.mark.parametrize("penalty", [0.1, 5.0])
+def test_fewer_points_than_features_have_the_same_minimum(penalty):
+    """Doubled points count twice: with as many as features, the fit is in features themselves."""
+    generator = np.random.default_rng(7)
+    features = generator.normal(size=(60, 100)) @ np.diag(np.geomspace(1, 1e-3, 100)) + 2.0
+    features[:, 99] = 4.0  # constant
+    happened = generator.random((60, 2)) < 1 / (1 + np.exp(2.0 - 2 * features[:, :2]))
+    weights = fit_logistic(features, happened, penalty)
+    doubled = [np.concatenate([one, one]) for one in (features, happened)]
+    expected = fit_logistic(*doubled, 2 * penalty)
+    fresh = generator.normal(size=(500, 100)) * features.std(axis=0) + 2.0
+    found = event_probability(weights, fresh)
+    assert np.ptp(found) > 0.3
+    np.testing.assert_allclose(found, event_probability(expected, fresh), rtol=0, atol=1e-4)
+
+
+def test_probabilities_are_those_of_the_odds():
+    weights = np.array([[1.0, 0.0], [2.0, -1.0], [0.5, 3.0]])
+    found = event_probability(weights, np.array([[0.2, -0.3]]))
+    np.testing.assert_allclose(found, 1 / (1 + np.exp([[-(0.2 - 0.6 + 0.5), -(0.3 + 3.0)]])))
+
+
+def test_events_that_are_told_apart_stay_finite_and_a_constant_feature_is_no_trouble():
+    features, _ = two_events(60)
+    features[:, 5] = 4.0
+    happened = features[:, :1] > 0
+    weights = fit_logistic(features, happened, 1e-3)
+    assert np.isfinite(weights).all()
+    assert weights[5] == 0
+    assert ((event_probability(weights, features) > 0.5) == happened).all()
+
+
+# -- without what the series has taught ------------------------------------------------------------
+
+CASE = ForecastingCase(Lorenz63(), 0.01, 5, 20)
+BOUNDARIES = (2, 5, 9)
+
+
+@pytest.mark.parametrize(
+    "kind", [Analogues(neighbours=3), LinearInverseModel()], ids=["members", "single"]
+)
+def test_each_point_is_forecast_by_what_has_not_seen_its_series(kind):
+    """By a single forecast, and by the members of an ensemble."""
+
+    def observable(states):
+        return states[0]
+
+    generator = np.random.default_rng(0)
+    training = generator.standard_normal((4, 40, 3)).cumsum(axis=1)
+    washouts = generator.standard_normal((6, 4, 3))
+    series = np.array([2, 0, 3, 2, 0, 3])  # none in series 1, and not in order
+    points = observable, washouts, series, BOUNDARIES
+    found = out_of_sample_forecasts(kind.fit(training, CASE), training, CASE, 4, *points)
+    assert len(found.members) == (3 if kind.provides_ensemble else 1)
+    for row in (0, 2, 3):
+        anew = kind.fit(np.delete(training, row, axis=0), CASE)
+        expected = window_forecasts(anew, observable, washouts[series == row], BOUNDARIES)
+        for name, values in vars(expected).items():
+            np.testing.assert_array_equal(getattr(found, name)[series == row], values)
+
+
+LABELLED_CASE = ForecastingCase(Lorenz63(), 0.01, 1, 10)
+
+
+def precursor(folds):
+    return LearntPrecursor(lags_lt=(0.2,), folds=folds)
+
+
+def labelled(series=4, each=150):
+    generator = np.random.default_rng(3)
+    washouts = generator.normal(size=(series * each, 4, 3))
+    chance = generator.random((series * each, 2))
+    happened = washouts[:, -1, :2] + washouts[:, 1, 1:] + 0.3 * chance > 1.0
+    return LabelledPoints(washouts, happened, np.repeat(np.arange(series), each))
+
+
+def asked(points):
+    """Other points in the same series."""
+    generator = np.random.default_rng(4)
+    return generator.normal(size=(40, 4, 3)), np.repeat(np.unique(points.series), 10)
+
+
+def by_hand(points, washouts, left_out):
+    """Probabilities of scikit-learn's classifier on features cut by hand."""
+    learnt = ~np.isin(points.series, left_out)
+
+    def cut(some):
+        return np.hstack([some[:, 3], some[:, 1]])
+
+    columns = []
+    for window in range(2):
+        size = {"max_iter": 150, "max_leaf_nodes": 12, "learning_rate": 0.08}
+        classifier = HistGradientBoostingClassifier(**size, early_stopping=False, random_state=0)
+        classifier.fit(cut(points.washouts[learnt]), points.happened[learnt, window])
+        columns.append(classifier.predict_proba(cut(washouts))[:, 1])
+    return np.stack(columns, axis=1)
+
+
+@pytest.mark.parametrize(
+    ("folds", "parts"),
+    [(10, [[0], [1], [2], [3]]), (4, [[0], [1], [2], [3]]), (2, [[0, 2], [1, 3]])],
+)
+def test_each_fold_is_forecast_by_what_has_learnt_from_the_others(folds, parts):
+    points = labelled()
+    washouts, series = asked(points)
+    found = out_of_sample_probabilities(precursor(folds), points, LABELLED_CASE, washouts, series)
+    for part in parts:
+        here = np.isin(series, part)
+        np.testing.assert_array_equal(found[here], by_hand(points, washouts[here], part))
+
+
+def test_without_an_event_in_the_other_series_none_is_forecast():
+    points = labelled()
+    washouts, series = asked(points)
+    points.happened[points.series != 2, 1] = False
+    found = out_of_sample_probabilities(precursor(4), points, LABELLED_CASE, washouts, series)
+    assert (found[series == 2, 1] == 0).all()
+    assert (found[series != 2, 1] > 0).all()
+    assert (found[:, 0] > 0).all()

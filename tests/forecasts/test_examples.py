@@ -1,0 +1,362 @@
+"""Events, forecasts and outcomes that figures show, in made-up series whose events are known."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from burstcast.data.starting_points import SeriesPoints
+from burstcast.forecasts.example_events import (
+    EventCriterion,
+    ExampleEvent,
+    forecast_event,
+    isolated_events,
+    predicted_event,
+)
+from burstcast.forecasts.examples import (
+    HorizonExample,
+    evaluate_lead_times,
+    forecast_observable,
+    forecast_outcomes,
+    horizon_example,
+    outcome_examples,
+    stretch,
+)
+from burstcast.forecasts.horizon import HorizonSearch, prediction_horizons
+from burstcast.forecasts.windows import WindowSummaries
+from burstcast.systems.measured import MeasuredSeries
+from helpers_library import MadeUpForecaster
+
+CRITERION = EventCriterion(threshold=1.0, calm=0.5, quiet=10, longest=60, wanted_peak=2.0)
+
+
+def bump(length, *pulses):
+    """Observable that rests at 0.4 but for triangles (start, rise, fall, peak)."""
+    values = np.full(length, 0.4)
+    for start, rise, fall, peak in pulses:
+        up = 0.4 + (peak - 0.4) * np.arange(rise) / rise
+        down = peak - (peak - 0.4) * np.arange(fall + 1) / fall
+        values[start : start + rise + fall + 1] = np.concatenate([up, down])
+    return values
+
+
+def isolated_by_hand(row, values, criterion, before):
+    """Events of a series, by walking from each crossing to the calm steps on both sides."""
+    threshold, calm, quiet = criterion.threshold, criterion.calm, criterion.quiet
+    crossings = [n for n in range(1, len(values)) if values[n - 1] < threshold <= values[n]]
+    for crossing in crossings:
+        begin = end = crossing
+        while begin >= 0 and values[begin] > calm:
+            begin -= 1
+        while end < len(values) and values[end] > calm:
+            end += 1
+        # in steps, the quiet stretches must lie within the series
+        if begin < max(before, quiet) or end + quiet >= len(values):
+            continue
+        around = [*values[begin - quiet : begin], *values[end : end + quiet + 1]]
+        if max(around) >= threshold or sum(begin < one < end for one in crossings) > 1:
+            continue
+        peak = max(range(begin, end), key=lambda step: values[step])
+        middle = 0.5 * (calm + values[peak])
+        rise = next(step for step in range(begin, end) if values[step] >= middle)
+        fall = next(step for step in range(peak, end + 1) if values[step] < threshold)
+        if fall - begin <= criterion.longest:
+            yield ExampleEvent(row, (begin, rise, peak, fall), values[peak])
+
+
+@pytest.mark.parametrize("before", [0, 21, 40])
+@pytest.mark.parametrize(("quiet", "longest"), [(10, 60), (3, 25), (1, 60)])
+def test_isolated_events_are_those_of_a_walk_from_each_crossing(before, quiet, longest):
+    """In order of their distance from the wanted peak, equally good ones in their order."""
+    # smooth noise, skewed as the kinetic energy is, has excursions of every kind; of few values,
+    # so that some are the calm level, the threshold, the middle between them and equal peaks
+    generator = np.random.default_rng(7)
+    kernel = np.exp(-0.5 * np.square(np.arange(-30, 31) / 8))
+    noise = [np.convolve(row, kernel, "same") for row in generator.normal(size=(600, 200))]
+    values = np.round(0.5 * np.exp(0.15 * np.array(noise)), 1)
+    criterion = replace(CRITERION, quiet=quiet, longest=longest)
+    expected = [
+        event
+        for row, course in enumerate(values.tolist())
+        for event in isolated_by_hand(row, course, criterion, before)
+    ]
+    assert len(expected) > 20
+    found = isolated_events(values, criterion, before)
+    assert found == sorted(expected, key=lambda event: abs(event.peak - 2.0))
+
+
+def test_what_cannot_be_chosen():
+    with pytest.raises(ValueError, match="below"):
+        EventCriterion(threshold=1.0, calm=1.0, quiet=1, longest=5, wanted_peak=2.0)
+    known = Wrong(TRUTH, 0.0, np.zeros(3)), OBSERVED, OBSERVED
+    settings = {"washout": 3, "tolerance": 0.2}
+    assert predicted_event([], *known, lead=3, **settings) is None
+    event = ExampleEvent(0, (5, 10, 20, 30), 2.0)
+    with pytest.raises(IndexError, match="beyond its series"):
+        predicted_event([event], *known, lead=4, **settings)
+
+
+class Wrong(MadeUpForecaster):
+    """Knows the truth of every series, and fails in each by a given error from a given step on.
+
+    The second component of the state is the row of the series, the third the step.
+    """
+
+    def __init__(self, truth, error, failing_from):
+        self.truth, self.error, self.failing_from = truth, error, failing_from
+
+    def start(self, washout):
+        return washout[-1]
+
+    def advance(self, memory, steps):
+        series = memory[1].astype(int)
+        step = memory[2].astype(int) + 1 + np.arange(steps)[:, np.newaxis]
+        # beyond the end of a series the last value
+        value = self.truth[series, np.minimum(step, self.truth.shape[1] - 1)]
+        value = value + np.where(step >= self.failing_from[series], self.error, 0.0)
+        states = np.stack([value, np.broadcast_to(series, step.shape), step], axis=1)
+        return states, states[-1]
+
+
+PEAKS = (2.0, 1.9, 2.2)
+TRUTH = np.stack([bump(100, (30, 20, 10, peak)) for peak in PEAKS])
+OBSERVED = np.stack(
+    [TRUTH, np.broadcast_to(np.arange(3)[:, None], (3, 100)), np.tile(np.arange(100), (3, 1))],
+    axis=2,
+).astype(float)
+
+
+def choose(failing_from, lead=8, error=0.3):
+    events = isolated_events(TRUTH, CRITERION, before=lead + 2)
+    assert [event.series for event in events] == [0, 1, 2]
+    wrong, settings = Wrong(TRUTH, error, np.array(failing_from)), {"washout": 3, "tolerance": 0.2}
+    chosen = predicted_event(events, wrong, OBSERVED, OBSERVED, lead=lead, **settings)
+    breakdowns = [event.times[3] for event in events]
+    return chosen.series, breakdowns
+
+
+def test_the_best_predicted_event_is_chosen():
+    never = 1000
+    assert choose([never] * 3)[0] == 0
+    _, breakdowns = choose([never] * 3)
+    # lost at the very last step that counts, and one step later
+    assert choose([breakdowns[0], never, never])[0] == 1
+    assert choose([breakdowns[0] + 1, never, never])[0] == 0
+    assert choose([0, 0, never])[0] == 2
+    assert choose([0, 1000, 1000], error=0.1)[0] == 0
+    assert choose([40, 1000, 1000], error=np.nan)[0] == 1
+
+
+def test_the_whole_state_must_be_right():
+    events = isolated_events(TRUTH, CRITERION, before=10)
+    states = np.pad(OBSERVED, ((0, 0), (0, 0), (0, 1)))
+    wrong = states.copy()
+    wrong[0, events[0].times[3], 3] = 0.3
+
+    class FourthComponentZero(Wrong):
+        def advance(self, memory, steps):
+            forecast, _ = super().advance(memory, steps)
+            forecast = np.pad(forecast, ((0, 0), (0, 1), (0, 0)))
+            return forecast, forecast[-1]
+
+    forecaster = FourthComponentZero(TRUTH, 0.0, np.zeros(3))
+    settings = {"lead": 8, "washout": 3, "tolerance": 0.2}
+    assert predicted_event(events, forecaster, states, states, **settings).series == 0
+    assert predicted_event(events, forecaster, states, wrong, **settings).series == 1
+
+
+def test_without_a_predicted_event_the_longest_prediction_is_chosen_whatever_the_batches(
+    monkeypatch,
+):
+    assert choose([40, 50, 45])[0] == 1
+    assert choose([0, 0, 0])[0] == 0
+    monkeypatch.setattr("burstcast.forecasts.example_events.CANDIDATES_PER_BATCH", 1)
+    assert choose([40, 50, 45])[0] == 1
+    assert choose([0, 1000, 1000])[0] == 1
+
+
+def test_an_event_is_forecast_from_its_washout_to_after_its_breakdown():
+    space = MeasuredSeries(("value", "series", "step"), "value")
+    event = ExampleEvent(1, (31, 41, 50, 57), 1.9)
+    observed = OBSERVED + np.array([0.01, 0, 0])
+    settings = {"lead": 8, "washout": 3, "after": 4, "steps_per_lyapunov_time": 5}
+    wrong = Wrong(TRUTH, 0.3, np.full(3, 45))
+    found = forecast_event(event, wrong, space, observed, OBSERVED, **settings)
+    shown = np.arange(21, 62)  # the forecast starts from step 23
+    np.testing.assert_allclose(found.time_lt, (shown - 23) / 5)
+    np.testing.assert_array_equal(found.true, TRUTH[1, shown])
+    expected = TRUTH[1, shown] + np.where(shown >= 45, 0.3, 0.0)
+    expected[:3] = [np.nan, np.nan, TRUTH[1, 23] + 0.01]
+    np.testing.assert_array_equal(found.forecast, expected)
+    np.testing.assert_array_equal(shown[found.mark], event.times)
+    np.testing.assert_array_equal(found.true_state, OBSERVED[1, list(event.times)])
+    np.testing.assert_array_equal(found.forecast_state[:, 0], expected[found.mark])
+    none = forecast_event(None, wrong, space, observed, OBSERVED, **settings)
+    assert (none.true.shape, none.forecast_state.shape) == ((0,), (0, 3))
+
+
+# -- forecasts of the examples ---------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Drift(MadeUpForecaster):
+    """Counts on from the last value and drifts off by a constant in each step."""
+
+    drift: float
+
+    def start(self, washout):
+        return washout[-1].copy()
+
+    def advance(self, memory, steps):
+        rise = (1 + self.drift) * np.arange(1, steps + 1)
+        outputs = memory[np.newaxis] + rise[:, np.newaxis, np.newaxis]
+        return outputs, outputs[-1]
+
+
+def first_component(state):
+    return state[0]
+
+
+SEARCH = HorizonSearch(
+    longest_lead_time_lt=3.0,
+    lead_time_step_lt=0.5,
+    tolerance=1.0,
+    washout=3,
+    # odd: half a Lyapunov time is no whole number of steps
+    steps_per_lyapunov_time=5,
+)
+
+
+def ramp(after):
+    """An event at the end of a ramp of slope one, and what follows it."""
+    before = SEARCH.steps_before_event
+    truth = np.arange(before + 1 + after, dtype=np.float64)
+    return truth[: before + 1, np.newaxis], truth
+
+
+STARTS = [3.0, 2.5, 2.0, 1.5, 1.0, 0.5]
+
+
+@pytest.mark.parametrize("drift", [0.0, 0.12, 0.3, 5.0])
+def test_evaluations_agree_with_the_prediction_horizon(drift):
+    observed, truth = ramp(after=4)
+    event = SEARCH.steps_before_event
+    horizon = prediction_horizons(
+        Drift(drift), first_component, observed[np.newaxis], truth[np.newaxis, : event + 1], SEARCH
+    )[0]
+    found = evaluate_lead_times(Drift(drift), first_component, observed, truth, STARTS, SEARCH)
+    success = found.evaluation_horizon_lt == found.evaluation_lead_time_lt
+    assert (
+        found.evaluation_lead_time_lt[success][0]
+        if success.any()
+        else found.evaluation_horizon_lt[-1]
+    ) == horizon
+    # by hand: the error grows by the drift in each step and is lost at 1
+    steps = np.array([15, 12, 10, 7, 5, 2])
+    accurate = np.array([sum(drift * (n + 1) < 1 for n in range(count)) for count in steps])
+    expected = np.where(accurate == steps, STARTS, accurate / 5)
+    np.testing.assert_allclose(found.evaluation_horizon_lt, expected)
+
+
+def test_evaluations_begin_after_their_start_and_go_beyond_the_event():
+    observed, truth = ramp(after=4)
+    found = evaluate_lead_times(Drift(0.5), first_component, observed, truth, [2.0], SEARCH)
+    start = SEARCH.steps_before_event - 10
+    assert np.isnan(found.evaluation_forecast[0, : start + 1]).all()
+    np.testing.assert_allclose(
+        found.evaluation_forecast[0, start + 1 :], start + 1.5 * np.arange(1, 15)
+    )
+    # in Lyapunov times after the event, of five steps
+    np.testing.assert_allclose(found.evaluation_time_lt, (np.arange(len(truth)) - start - 10) / 5)
+    observed, truth = ramp(after=4)
+    whole = evaluate_lead_times(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
+    truth[-3:] = np.nan
+    cut = evaluate_lead_times(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
+    np.testing.assert_array_equal(whole.evaluation_forecast, cut.evaluation_forecast)
+    np.testing.assert_array_equal(whole.evaluation_horizon_lt, cut.evaluation_horizon_lt)
+
+
+def test_the_event_that_is_nearest_to_the_wanted_horizon_is_shown():
+    # starts in the order of the search; the horizon of one that reaches the event is its tau_e
+    horizons = np.array([2.5, 1.0, 0.5, 0.3])
+    assert horizon_example(horizons, STARTS, 1.1) == HorizonExample(1, (2.5, 2.0, 1.5, 1.0))
+    assert horizon_example(horizons, STARTS, 0.2) == HorizonExample(2, (2.0, 1.5, 1.0, 0.5))
+    # one with fewer evaluations than are shown, where there is no other
+    assert horizon_example(horizons, STARTS, 2.4, 6) == HorizonExample(2, tuple(STARTS))
+    assert horizon_example(horizons[:1], STARTS, 1.0) == HorizonExample(0, (3.0, 2.5))
+    assert horizon_example(horizons[3:], STARTS, 1.0) is None
+
+
+def test_outcomes_are_shown_beside_the_truth_and_points_kept_apart():
+    truth = np.arange(20.0).reshape(2, 10)
+    washouts = np.array([[[3.0], [4.0]], [[11.0], [12.0]]])
+    points = SeriesPoints(np.array([0, 1]), np.array([4, 2]))
+    how = {"before": 3, "reach": 4, "steps_per_lyapunov_time": 2}
+    outcomes = ["false positive", "true positive"]
+    found = forecast_outcomes(Drift(1.0), first_component, washouts, truth, points, outcomes, **how)
+    np.testing.assert_array_equal(found.outcome, [1, 0])
+    np.testing.assert_array_equal(found.example_time_lt, np.arange(-3, 5) / 2)
+    np.testing.assert_array_equal(
+        found.example_truth, [[1, 2, 3, 4, 5, 6, 7, 8], [np.nan, 10, 11, 12, 13, 14, 15, 16]]
+    )
+    np.testing.assert_array_equal(
+        found.example_forecast, [[np.nan] * 4 + [6, 8, 10, 12], [np.nan] * 4 + [14, 16, 18, 20]]
+    )
+    nobody = SeriesPoints(np.empty(0, dtype=int), np.empty(0, dtype=int))
+    none = forecast_outcomes(None, first_component, washouts[:0], truth, nobody, [], **how)
+    assert none.example_forecast.shape == none.example_truth.shape == (0, 8)
+    washouts = np.array([[[1.0], [2.0]], [[5.0], [7.0]], [[0.0], [0.0]]])
+    np.testing.assert_array_equal(
+        forecast_observable(Drift(0.0), first_component, washouts, 2), [[3, 4], [8, 9], [1, 2]]
+    )
+
+
+@pytest.mark.parametrize(
+    ("first", "count", "expected"),
+    [
+        (1, 2, [1, 2]),
+        (-2, 4, [np.nan, np.nan, 0, 1]),
+        (3, 3, [3, np.nan, np.nan]),
+        (9, 2, [np.nan, np.nan]),
+        (-5, 2, [np.nan, np.nan]),
+    ],
+)
+def test_stretch(first, count, expected):
+    np.testing.assert_array_equal(stretch(np.arange(4.0), first, count), expected)
+
+
+HIGH, LOW = 0.2, 0.05
+
+
+def windows(*largest):
+    """Summaries of points by the largest observable of five windows each; all begin low."""
+    table = np.array(largest, dtype=np.float64)
+    return WindowSummaries(first=np.full_like(table, LOW), largest=table)
+
+
+def test_a_miss_that_is_no_error_of_timing_comes_first():
+    burst_in_window = [LOW, LOW, HIGH, LOW, LOW]
+    truth = windows(burst_in_window, burst_in_window, burst_in_window)
+    early, never = [LOW, HIGH, LOW, LOW, LOW], [LOW] * 5
+    where = {"first_window": 2, "windows": 1, "threshold": 0.1}
+    quiet = np.full(3, LOW)
+    assert outcome_examples(windows(early, never, early), truth, quiet, **where) == {
+        "false negative": 1
+    }
+    assert outcome_examples(truth, windows(early, never, early), quiet, **where) == {
+        "false positive": 1
+    }
+    # a marginal one is better than none
+    marginal = outcome_examples(windows(early, early, early), truth, quiet, **where)
+    assert list(marginal) == ["false negative"]
+    # what had an event in its washout is not scored
+    began = np.array([LOW, HIGH, LOW])
+    assert outcome_examples(windows(early, never, early), truth, began, **where) == {
+        "false negative": 2
+    }
+    # a hit beside an early forecast is no miss, however tall
+    tall = [LOW, LOW, 2 * HIGH, LOW, LOW]
+    both = outcome_examples(
+        windows(tall, early), windows(tall, burst_in_window), quiet[:2], **where
+    )
+    assert both == {"true positive": 0, "false negative": 1}

@@ -1,0 +1,121 @@
+"""Precursors, where the true probabilities are known, and the ranking of starting points."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from sklearn.metrics import average_precision_score, roc_auc_score
+
+from burstcast.forecasters._precursor_model import Precursor, PrecursorTraining, precursor_features
+from burstcast.forecasts.ranking import ANY, ONSET, Window, ranking_scores
+from burstcast.forecasts.windows import WindowForecasts, WindowSummaries
+
+OPTIONS = PrecursorTraining()
+
+
+def points(count, seed):
+    """Features, true probabilities of two windows, and what happened."""
+    generator = np.random.default_rng(seed)
+    features = generator.normal(size=(count, 3))
+    logits = [2.0 * features[:, 0] - 1.0, features[:, 1] ** 2 - features[:, 2] - 2.0]
+    true = 1.0 / (1.0 + np.exp(-np.stack(logits, axis=1)))
+    return features, true, generator.random(true.shape) < true
+
+
+@pytest.mark.parametrize("classifier", ["boosting", "logistic"])
+def test_true_probabilities_are_found(classifier):
+    features, _, happened = points(20_000, 1)
+    fresh, true, _ = points(4_000, 2)
+    precursor = Precursor.fit(features, happened, replace(OPTIONS, classifier=classifier))
+    error = np.sqrt(np.mean((precursor.probabilities(fresh) - true) ** 2, axis=0))
+    assert (error < (0.06 if classifier == "boosting" else 0.02)).all()
+
+
+def test_features_are_the_present_and_the_lags():
+    washouts = np.arange(24.0).reshape(2, 4, 3)
+    found = precursor_features(washouts, (1, 3))
+    assert np.array_equal(found[1], [21, 22, 23, 18, 19, 20, 12, 13, 14])
+    with pytest.raises(ValueError, match="a lag of 4 steps takes a longer washout than 4"):
+        precursor_features(washouts, (4,))
+
+
+def test_a_precursor_is_restored_to_the_same_bits():
+    features, _, happened = points(500, 3)
+    for classifier in ("boosting", "logistic"):
+        options = replace(OPTIONS, classifier=classifier)
+        precursor = Precursor.fit(features, happened, options)
+        again = Precursor.restore(precursor.record(), options)
+        assert np.array_equal(again.probabilities(features), precursor.probabilities(features))
+
+
+def test_nothing_to_tell_apart_is_refused():
+    features, _, happened = points(100, 5)
+    happened[:, 1] = False
+    with pytest.raises(ValueError, match=r"none of the 100 .* in prediction window 1"):
+        Precursor.fit(features, happened, OPTIONS)
+    with pytest.raises(ValueError, match="each of the 100"):
+        Precursor.fit(features, ~happened, OPTIONS)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"classifier": "bosting"}, "did you mean 'boosting'"),
+        ({"lags": (0,)}, "lags must be"),
+        ({"lags": (2, 2)}, "lags must be"),
+    ],
+)
+def test_options_out_of_bounds(options, message):
+    with pytest.raises(ValueError, match=message):
+        PrecursorTraining(**options)
+
+
+# -- ranking ---------------------------------------------------------------------------------------
+
+
+def test_areas_are_those_of_scikit_learn():
+    generator = np.random.default_rng(0)
+    for _ in range(20):
+        strength = generator.integers(0, 9, 50).astype(float)
+        happened = generator.random(50) < 0.3
+        weights = generator.integers(0, 3, (4, 50))
+        found = ranking_scores(strength, happened, weights)
+        for row, weight in enumerate(weights):
+            average = average_precision_score(happened, strength, sample_weight=weight)
+            area = roc_auc_score(happened, strength, sample_weight=weight)
+            np.testing.assert_allclose(found["average_precision"][row], average)
+            np.testing.assert_allclose(found["roc_area"][row], area)
+
+
+def test_without_events_nothing_is_ranked():
+    strength, weights = np.arange(4.0), np.array([[1, 1, 0, 0], [1, 1, 1, 1]])
+    found = ranking_scores(strength, np.array([False, False, True, False]), weights)
+    assert np.isnan(found["roc_area"][0])
+    assert np.isnan(found["average_precision"][0])
+    assert found["roc_area"][1] == 2 / 3
+
+
+def forecasts(first, largest, members=0):
+    """Forecasts of three points in two windows."""
+    first, largest = np.array(first, dtype=float), np.array(largest, dtype=float)
+    none = np.empty((len(first), 0, first.shape[1]))
+    if members:
+        none = np.empty((len(first), members, first.shape[1]))
+    return WindowForecasts(first, largest, np.zeros(len(first), dtype=bool), none, none.copy())
+
+
+def test_onsets_are_no_events_under_way_and_members_are_averaged():
+    truth = WindowSummaries(np.array([[0.0], [3.0], [0.0]]), np.array([[4.0], [5.0], [1.0]]))
+    window = Window(0, 1, 2.5)
+    assert window.happened(truth, ONSET).tolist() == [True, False, False]
+    assert window.happened(truth, ANY).tolist() == [True, True, False]
+    one = forecasts([[0, 0], [3, 0], [1, 0]], [[1, 4], [5, 5], [2, 1]])
+    window = Window(0, 2, 2.5)
+    # the second is above the threshold when the window begins: the mean of 4 and 2
+    assert window.strength(one, ONSET).tolist() == [4, 3, 2]
+    assert window.strength(one, ANY).tolist() == [4, 5, 2]
+    assert Window(1, 1, 2.5).strength(one, ONSET).tolist() == [4, 5, 1]
+    one = forecasts([[0], [0]], [[9], [9]], members=2)
+    one.member_first[:] = 0
+    one.member_largest[:] = np.array([[1, 3], [np.inf, 5]])[:, :, np.newaxis]
+    assert Window(0, 1, 2).strength(one, ONSET).tolist() == [2, 3]

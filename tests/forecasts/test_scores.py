@@ -1,0 +1,231 @@
+"""Outcomes and scores of probabilities against scikit-learn and single forecasts."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sklearn.calibration import calibration_curve
+from sklearn.metrics import brier_score_loss
+
+from burstcast.base.resampling import bootstrap_weights
+from burstcast.forecasts.brier import (
+    base_rate,
+    bin_of,
+    binned,
+    brier_score,
+    brier_skill,
+    calibration_error,
+    decomposition,
+)
+from burstcast.forecasts.intervals import ratio_with_interval
+from burstcast.forecasts.outcomes import outcomes_by_series
+from burstcast.forecasts.reliability import reliability_diagram
+from burstcast.forecasts.scores import probability_scores, resampled_scores
+from burstcast.forecasts.votes import share_of_votes
+from burstcast.forecasts.windows import WindowSummaries, crosses
+from helpers_library import SERIES, count_by_series, informative_sample, samples
+
+
+@given(samples(), st.integers(0, 2**31))
+def test_counts_are_those_of_the_points(sample, seed):
+    probability, happened, series = sample
+    scored = np.random.default_rng(seed).random(len(series)) < 0.7
+    found = outcomes_by_series(probability, happened, scored, series, SERIES)
+    assert found.points.shape == found.events.shape == (SERIES, len(found.levels))
+    np.testing.assert_array_equal(found.levels, np.unique(probability[scored]))
+    for row in range(SERIES):
+        for column, level in enumerate(found.levels):
+            here = scored & (series == row) & (probability == level)
+            assert found.points[row, column] == here.sum()
+            assert found.events[row, column] == (here & happened).sum()
+
+
+@given(samples())
+def test_other_values_for_the_levels_are_those_of_the_points(sample):
+    probability, happened, series = sample
+    found = count_by_series(probability, happened, series)
+    other = found.at(np.round(found.levels, 1))
+    expected = count_by_series(np.round(probability, 1), happened, series)
+    for name in ("levels", "points", "events"):
+        np.testing.assert_array_equal(getattr(other, name), getattr(expected, name))
+
+
+def test_no_point_that_counts_and_what_cannot_be_counted():
+    nothing = np.zeros(3, dtype=bool)
+    found = outcomes_by_series(np.full(3, np.nan), nothing, nothing, np.arange(3), 3)
+    assert found.points.shape == (3, 0)
+    assert found.at(found.levels).total().points.shape == (0,)
+    with pytest.raises(ValueError, match="not finite"):
+        count_by_series(np.array([np.nan]), np.array([True]), np.array([0]))
+    found = count_by_series(np.array([0.1, 0.2]), np.array([True, False]), np.array([0, 1]))
+    with pytest.raises(ValueError, match="fall"):
+        found.at(np.array([0.5, 0.4]))
+
+
+def test_votes_are_counted_one_by_one():
+    generator = np.random.default_rng(0)
+    members = [WindowSummaries(*generator.random((2, 20, 4))) for _ in range(7)]
+    members[2].largest[5] = np.nan
+    share = share_of_votes(members, 1, 2, 0.6)
+    for point in range(20):
+        votes = [crosses(member, 1, 2, 0.6)[point] for member in members]
+        assert share[point] == sum(votes) / 7
+    assert set(share_of_votes(members[:1], 1, 2, 0.6)) == {0.0, 1.0}
+    with pytest.raises(ValueError, match="members"):
+        share_of_votes([], 1, 2, 0.6)
+
+
+# -- Brier score, decomposition and calibration error ----------------------------------------------
+
+BINS = st.integers(2, 20)
+
+
+@given(samples())
+def test_the_score_is_that_of_scikit_learn(sample):
+    probability, happened, series = sample
+    whole = count_by_series(probability, happened, series).total()
+    expected = brier_score_loss(happened, probability, labels=[False, True])
+    np.testing.assert_allclose(brier_score(whole), expected, rtol=1e-12, atol=1e-15)
+    assert base_rate(whole) == pytest.approx(happened.mean())
+
+
+@given(samples(), BINS)
+def test_the_parts_add_up_to_the_score(sample, bins):
+    whole = count_by_series(*sample).total()
+    parts = decomposition(whole, bins)
+    combined = parts.reliability - parts.resolution + parts.uncertainty
+    np.testing.assert_allclose(combined, brier_score(whole), rtol=0, atol=1e-13)
+    assert parts.reliability >= 0
+
+
+@given(samples(values=st.integers(0, 10).map(lambda votes: votes / 10)))
+def test_with_one_value_in_each_bin_the_parts_are_those_of_murphy(sample):
+    probability, happened, _ = sample
+    parts = decomposition(count_by_series(*sample).total(), 11)
+    rate, reliability, resolution = happened.mean(), 0.0, 0.0
+    for value in np.unique(probability):
+        here = probability == value
+        reliability += here.mean() * (value - happened[here].mean()) ** 2
+        resolution += here.mean() * (happened[here].mean() - rate) ** 2
+    np.testing.assert_allclose(parts.reliability, reliability, atol=1e-14)
+    np.testing.assert_allclose(parts.resolution, resolution, atol=1e-14)
+    np.testing.assert_allclose(parts.uncertainty, rate * (1 - rate), atol=1e-14)
+
+
+def test_skill_of_known_forecasts():
+    happened = np.arange(20) % 4 == 0
+    series = np.zeros(20, dtype=np.int64)
+
+    def skill(probability):
+        return brier_skill(count_by_series(probability, happened, series).total())
+
+    assert skill(happened.astype(float)) == 1
+    assert skill(np.full(20, 0.25)) == pytest.approx(0, abs=1e-15)
+    assert skill(np.zeros(20)) == pytest.approx(1 - 0.25 / (0.25 * 0.75))
+    quiet = count_by_series(np.full(4, 0.1), np.zeros(4, dtype=bool), series[:4]).total()
+    assert np.isnan(brier_skill(quiet))
+
+
+@pytest.mark.parametrize("bins", [5, 8, 16])
+def test_bins_are_those_of_scikit_learn(bins):
+    # values inside of bins: which of two bins has their common edge is a convention
+    generator = np.random.default_rng(2)
+    probability = generator.random(500)
+    happened = generator.random(500) < probability
+    whole = binned(count_by_series(probability, happened, np.zeros(500, int)).total(), bins)
+    frequency, mean = calibration_curve(happened, probability, n_bins=bins)
+    there = whole.points > 0
+    np.testing.assert_allclose(whole.frequency[there], frequency, rtol=1e-13)
+    np.testing.assert_allclose(whole.mean_probability[there], mean, rtol=1e-13)
+
+
+def test_bins_hold_their_lower_edge_and_shares_of_ten_have_one_each():
+    assert bin_of(np.array([0, 0.1, 0.2, 0.999, 1.0]), 10).tolist() == [0, 1, 2, 9, 9]
+    assert bin_of(np.arange(11) / 10, 11).tolist() == list(range(11))
+    for bins in range(2, 40):
+        assert bin_of(np.arange(bins) / bins, bins).tolist() == list(range(bins))
+    with pytest.raises(ValueError, match="between 0 and 1"):
+        bin_of(np.array([1.1]), 10)
+
+
+@given(samples(), BINS)
+def test_the_calibration_error_is_the_mean_gap(sample, bins):
+    probability, happened, _ = sample
+    chosen = bin_of(probability, bins)
+    gaps = [
+        abs(probability[chosen == one].mean() - happened[chosen == one].mean())
+        * (chosen == one).mean()
+        for one in np.unique(chosen)
+    ]
+    found = calibration_error(count_by_series(*sample).total(), bins)
+    np.testing.assert_allclose(found, sum(gaps), atol=1e-14)
+
+
+def test_each_resample_is_scored_as_if_its_series_were_the_data():
+    probability, happened, series = informative_sample()
+    probability, number = np.round(probability, 2), int(series.max()) + 1
+    scored = np.ones(len(series), dtype=bool)
+    outcomes = outcomes_by_series(probability, happened, scored, series, number)
+    weights = bootstrap_weights(number, 3, np.random.default_rng(5))
+    found = resampled_scores(outcomes, weights, 0.4, 10)
+    whole = probability_scores(outcomes.total(), 0.4, 10)
+    for name, score in found.items():
+        np.testing.assert_array_equal(score.value, whole[name])
+    for row, drawn in enumerate(weights):
+        points = np.concatenate(
+            [np.flatnonzero(series == one) for one in np.repeat(np.arange(number), drawn)]
+        )
+        again = outcomes_by_series(
+            probability[points], happened[points], scored[points], series[points], number
+        )
+        expected = probability_scores(again.total(), 0.4, 10)
+        for name, score in found.items():
+            np.testing.assert_allclose(score.samples[row], expected[name], err_msg=name)
+
+
+# -- intervals and the bars of the reliability diagram ---------------------------------------------
+
+
+def test_a_ratio_of_sums_is_resampled_series_by_series():
+    generator = np.random.default_rng(5)
+    top, bottom = generator.random(30), generator.random(30) + 1
+    weights = bootstrap_weights(30, 400, generator)
+    value, low, high = ratio_with_interval(top, bottom, weights, 0.9)
+    assert value == pytest.approx(top.sum() / bottom.sum())
+    ratios = [
+        sum(w * t for w, t in zip(row, top, strict=True))
+        / sum(w * b for w, b in zip(row, bottom, strict=True))
+        for row in weights
+    ]
+    assert [low, high] == pytest.approx(np.quantile(ratios, [0.05, 0.95]).tolist())
+
+
+def bars(probability, happened, series, resamples=400):
+    outcomes = count_by_series(probability, happened, series, 40)
+    generator = np.random.default_rng(1)
+    weights = bootstrap_weights(40, resamples, generator)
+    return reliability_diagram(outcomes, 5, weights, 0.9, generator)
+
+
+def test_the_bars_cover_a_reliable_forecaster_and_not_others():
+    generator = np.random.default_rng(11)
+    series = np.repeat(np.arange(40), 100)
+    probability = generator.random(4000)
+    covered = []
+    for _ in range(20):
+        diagram = bars(probability, generator.random(4000) < probability, series)
+        frequency = diagram.whole.frequency
+        covered += ((diagram.low <= frequency) & (frequency <= diagram.high)).tolist()
+    assert 0.8 < np.mean(covered) < 0.97  # of 100 bars that cover with a probability of 0.9
+    diagram = bars(probability, generator.random(4000) < probability**2, series)
+    assert (diagram.whole.frequency[1:4] < diagram.low[1:4]).all()
+
+
+def test_the_bars_have_the_width_of_a_binomial_distribution():
+    # one probability, series of the same size: the count of events is binomial
+    probability, series = np.full(4000, 0.3), np.repeat(np.arange(40), 100)
+    diagram = bars(probability, np.zeros(4000, dtype=bool), series, 2000)
+    deviation = np.sqrt(0.3 * 0.7 / 4000)
+    assert diagram.low[1] == pytest.approx(0.3 - 1.645 * deviation, abs=0.1 * deviation)
+    assert diagram.high[1] == pytest.approx(0.3 + 1.645 * deviation, abs=0.1 * deviation)
+    assert np.isnan(diagram.low[[0, 2, 3, 4]]).all()

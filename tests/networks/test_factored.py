@@ -1,0 +1,222 @@
+"""Readouts that are linear in factors of parameters."""
+
+import numpy as np
+import pytest
+import scipy.sparse
+
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.factored import FactoredStates, driven_neurons, factored_closed_loop
+from burstcast.networks.network import EchoStateNetwork
+from burstcast.networks.reservoir import Reservoir, make_reservoir
+from burstcast.networks.training import TrainingSeries, collect, train, train_leaving_one_out
+from burstcast.networks.validation import validate
+from burstcast.networks.validation_strategies.base import ValidationPlan
+from burstcast.networks.validation_strategies.registry import make_strategy
+
+WASHOUT, BETA = 20, 1e-6
+
+
+@pytest.fixture(scope="module")
+def dynamics(reservoir):
+    return Dynamics(reservoir, 0.5, 0.6)
+
+
+@pytest.fixture(scope="module")
+def training(signal):
+    """Series of five, the parameter of which switches at random."""
+    observed = np.ascontiguousarray(signal.transpose(2, 0, 1))
+    generator = np.random.default_rng(4)
+    changes = generator.random((5, 899)) < 0.03
+    factors = np.array([[-1.0, 1.0], [0.2, 0.04], [1.0, 1.0]])[np.cumsum(changes, axis=1) % 3]
+    return TrainingSeries(observed, np.ptp(observed, axis=(0, 1)), factors)
+
+
+@pytest.fixture(scope="module")
+def readout(dynamics, training):
+    return train(dynamics, training, washout=WASHOUT, tikhonov=BETA)
+
+
+@pytest.fixture(scope="module")
+def states(dynamics, training):
+    """Reservoir states from which closed loops start, before step 300."""
+    return collect(dynamics, training, washout=WASHOUT, keep=[300]).states[300]
+
+
+def states_after(dynamics, training):
+    """Reservoir states at each step, ``(series, steps, neurons)``, one input after the other."""
+    scaled = training.observed.transpose(1, 2, 0) / training.input_range[:, np.newaxis]
+    state, found = None, []
+    for step in range(training.length - 1):
+        state = dynamics.open_loop(scaled[step : step + 1], state)
+        found.append(state.T)
+    return np.stack(found, axis=1)
+
+
+def dense_readout(dynamics, training, rows=slice(None)):
+    """Ridge regression on all features written out, the bias column among them."""
+    states = states_after(dynamics, training)[rows, WASHOUT - 1 :]
+    factors = training.factors[rows, WASHOUT - 1 :]
+    driven = states[:, :, driven_neurons(dynamics.reservoir)]
+    blocks = [states, *(factors[..., [one]] * driven for one in range(factors.shape[2])), factors]
+    features = np.concatenate([*blocks, np.ones((*states.shape[:2], 1))], axis=2)
+    features = features.reshape(-1, features.shape[2])
+    targets = training.observed[rows, WASHOUT:].reshape(len(features), -1)
+    # the normal equations as an augmented least-squares problem, which squares no condition number
+    augmented = np.vstack([features, np.sqrt(BETA) * np.eye(features.shape[1])])
+    right = np.vstack([targets, np.zeros((features.shape[1], targets.shape[1]))])
+    return np.linalg.lstsq(augmented, right)[0], features, targets
+
+
+def test_the_readout_is_that_of_dense_least_squares_also_without_one_series(
+    dynamics, training, readout
+):
+    expected, features, targets = dense_readout(dynamics, training)
+    assert readout.weights.shape == expected.shape
+    np.testing.assert_allclose(readout.weights, expected, rtol=1e-5, atol=1e-6)
+    # and what matters: the same fit, which the plain readout does not reach
+    error = np.sqrt(np.mean((features @ readout.weights - targets) ** 2))
+    assert error == pytest.approx(np.sqrt(np.mean((features @ expected - targets) ** 2)), rel=1e-9)
+    found = list(train_leaving_one_out(dynamics, training, washout=WASHOUT, tikhonov=BETA))
+    for row in (0, 3):
+        others = [other for other in range(5) if other != row]
+        expected, _, _ = dense_readout(dynamics, training, others)
+        np.testing.assert_allclose(found[row].weights, expected, rtol=1e-4, atol=1e-5)
+
+
+def test_without_factors_it_is_the_plain_readout_bit_for_bit(dynamics, training):
+    plain = TrainingSeries(training.observed, training.input_range)
+    none = TrainingSeries(training.observed, training.input_range, training.factors[..., :0])
+    expected = train(dynamics, plain, washout=WASHOUT, tikhonov=BETA)
+    found = train(dynamics, none, washout=WASHOUT, tikhonov=BETA)
+    assert np.array_equal(found.weights, expected.weights)
+    states = 0.1 * np.random.default_rng(1).normal(size=(dynamics.reservoir.neurons, 3))
+    network = EchoStateNetwork(dynamics, found, training.input_range)
+    outputs, last = network.forecast(states, 30, np.empty((30, 0, 3)))
+    plain_outputs, plain_last = network.forecast(states, 30)
+    assert np.array_equal(outputs, plain_outputs)
+    assert np.array_equal(last, plain_last)
+
+
+def test_a_constant_factor_changes_no_forecast(dynamics, training):
+    """[r, q r, q] with one q spans what [r] spans: the fit is the plain one, up to beta."""
+    constant = np.full((*training.factors.shape[:2], 1), 0.5)
+    told = TrainingSeries(training.observed, training.input_range, constant)
+    plain = TrainingSeries(training.observed, training.input_range)
+    found = train(dynamics, told, washout=WASHOUT, tikhonov=BETA)
+    layout = FactoredStates.of(dynamics.reservoir, 1)
+    # the two blocks share beta: together they are regularised by beta / (1 + q^2)
+    expected = train(dynamics, plain, washout=WASHOUT, tikhonov=BETA / 1.25)
+    states = states_after(dynamics, plain)[:, WASHOUT:].reshape(-1, layout.neurons)
+    rows = np.column_stack([states, np.ones(len(states))])
+    combined = layout.weights_at(found.weights, np.array([0.5]))
+    np.testing.assert_allclose(rows @ combined, rows @ expected.weights, atol=1e-5)
+
+
+def test_the_closed_loop_under_a_schedule_is_that_of_a_plain_loop(
+    dynamics, training, readout, states
+):
+    """Step by step in numpy: r <- tanh(W_in [u; b] + W r), u = [r; q r; q; 1] W_out."""
+    factors = training.factors[:, 299 : 299 + 60].transpose(1, 2, 0)
+    found, last = factored_closed_loop(
+        dynamics, readout.weights, training.input_range, states, factors
+    )
+    reservoir, layout = dynamics.reservoir, FactoredStates.of(dynamics.reservoir, 2)
+    recurrent = dynamics.spectral_radius * reservoir.recurrent.toarray()
+    state = states
+    for step, in_force in enumerate(factors):
+        features = layout.features(state, in_force)
+        output = readout.weights[:-1].T @ features + readout.weights[-1][:, np.newaxis]
+        np.testing.assert_allclose(found[step], output, atol=1e-6)
+        inputs = np.vstack(
+            [output / training.input_range[:, np.newaxis], np.full((1, 5), reservoir.input_bias)]
+        )
+        fed = reservoir.input_weight[:, np.newaxis] * inputs[reservoir.input_column]
+        state = np.tanh(dynamics.input_scaling * fed + recurrent @ state)
+    np.testing.assert_allclose(last, state, atol=1e-6)
+
+
+def test_loops_do_not_depend_on_their_batch_not_even_where_one_diverges(
+    dynamics, training, readout, states
+):
+    factors = training.factors[:, 299:349].transpose(1, 2, 0)
+    arguments = dynamics, readout.weights, training.input_range
+    together, last = factored_closed_loop(*arguments, states, factors)
+    lost = np.where(np.arange(5) == 2, np.nan, states)
+    found, _ = factored_closed_loop(*arguments, lost, factors)
+    assert np.isnan(found[..., 2]).all()
+    for one in (0, 1, 3, 4):
+        only = slice(one, one + 1)
+        alone, alone_last = factored_closed_loop(*arguments, states[:, only], factors[..., only])
+        assert np.array_equal(alone[..., 0], together[..., one])
+        assert np.array_equal(alone_last[:, 0], last[:, one])
+        assert np.array_equal(found[..., one], together[..., one])
+
+
+def test_under_constant_factors_it_is_a_plain_network(dynamics, training, readout, states):
+    network = EchoStateNetwork(dynamics, readout, training.input_range)
+    values = np.array([0.2, 0.04])
+    factors = np.tile(values[:, np.newaxis], (40, 1, 5))
+    expected, _ = network.forecast(states, 40, factors)
+    assert np.array_equal(network.under(values).forecast(states, 40)[0], expected)
+
+
+def test_neurons_that_no_input_reaches():
+    """0 sees an input, 1 the bias, 2 the bias and neuron 0, 3 the bias and neuron 1."""
+    recurrent = scipy.sparse.csr_array(
+        ([0.5, -0.5], ([2, 3], [0, 1])), shape=(5, 5), dtype=np.float64
+    )
+    column = np.array([0, 1, 1, 1, 0], dtype=np.int32)
+    weight = np.array([1.0, 1.0, 1.0, 1.0, 0.0])
+    reservoir = Reservoir(column, weight, recurrent, 1, 0.1)
+    assert driven_neurons(reservoir).tolist() == [0, 2]
+
+
+def test_neurons_that_are_not_driven_are_those_that_settle():
+    reservoir = make_reservoir(300, 3, 2, 0.1, np.random.default_rng(2))
+    dynamics = Dynamics(reservoir, 0.5, 0.6)
+    inputs = np.random.default_rng(3).normal(size=(200, 3, 1))
+    first = dynamics.open_loop(inputs[:150])
+    moved = (first != dynamics.open_loop(inputs[150:], first)).ravel()
+    driven = driven_neurons(reservoir)
+    assert 0 < 300 - len(driven) < 100
+    assert set(np.flatnonzero(moved)) == set(driven)
+
+
+def test_recycle_validation_is_that_of_plain_closed_loops(dynamics, training, readout):
+    plan = ValidationPlan(washout=WASHOUT, interval=25, series=3, intervals=4)
+    (validation,) = validate(
+        dynamics, training, lambda state: state[0], plan, [BETA], [make_strategy("RV")]
+    )
+    network = EchoStateNetwork(dynamics, readout, training.input_range)
+    expected = []
+    for start in plan.starts(10**6):
+        for row in range(3):
+            washout = training.observed[row, :start, :, np.newaxis]
+            states = network.washout(washout)
+            in_force = training.factors[row, start - 1 : start + 24, :, np.newaxis]
+            outputs, _ = network.forecast(states, 25, in_force)
+            truth = training.observed[row, start : start + 25, 0]
+            expected.append(np.log10(np.mean((outputs[:, 0, 0] - truth) ** 2)))
+    np.testing.assert_allclose(validation.log_errors, expected, rtol=1e-9)
+
+
+def test_single_shot_validation_has_the_factors_of_its_interval(dynamics, training):
+    """The objective is worse with another interval's factors: they are told apart."""
+    plan = ValidationPlan(washout=WASHOUT, interval=25, series=4, intervals=4)
+    strategies = [make_strategy("SSV"), make_strategy("RV")]
+
+    def objectives(of_training):
+        found = validate(dynamics, of_training, lambda x: x[0], plan, [BETA], strategies)
+        return [one.objective for one in found]
+
+    shuffled = TrainingSeries(training.observed, training.input_range, training.factors[::-1])
+    assert len(objectives(training)) == 2
+    assert objectives(training) != objectives(shuffled)
+
+
+def test_factors_and_weights_that_do_not_fit_are_refused(dynamics, training):
+    with pytest.raises(ValueError, match=r"factors of the shape \(5, 899, factors\)"):
+        TrainingSeries(training.observed, training.input_range, training.factors[:, 1:])
+    layout = FactoredStates.of(dynamics.reservoir, 1)
+    with pytest.raises(ValueError, match="has no 151 weights"):
+        layout.weights_at(np.zeros((151, 4)), np.zeros(1))

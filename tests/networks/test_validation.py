@@ -1,0 +1,294 @@
+"""Validation strategies: their folds, and their objectives against a textbook implementation."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.hyperparameters import HyperparameterPoint
+from burstcast.networks.network_search import best
+from burstcast.networks.reservoir import make_reservoir
+from burstcast.networks.scan import Evaluation
+from burstcast.networks.training import TrainingSeries
+from burstcast.networks.validation import DIVERGED_ERROR, Validation, validate
+from burstcast.networks.validation_strategies import base, registry
+from burstcast.networks.validation_strategies.base import ValidationPlan, use_of_series
+from burstcast.networks.validation_strategies.recycle import RecycleValidation
+from burstcast.networks.validation_strategies.registry import (
+    available_strategies,
+    make_strategy,
+    strategy_module,
+)
+from burstcast.networks.validation_strategies.single_shot import SingleShotValidation
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
+from helpers_library import textbook_step
+
+NEURONS, DIMENSION = 40, 3
+SERIES, LENGTH = 4, 260
+PLAN = ValidationPlan(washout=15, interval=24, series=3, intervals=5)
+
+
+def chaotic_series():
+    """Noisy series of the Lorenz system."""
+    generator = np.random.default_rng(6)
+    start = np.array([1.0, 1.0, 20.0])[:, np.newaxis] + generator.random((3, SERIES))
+    states = integrate(Lorenz63(), start, 0.01, 5 * (LENGTH + 40), stride=5)[41:]
+    series = np.ascontiguousarray(states.transpose(2, 0, 1)) / 20
+    return series + 0.005 * generator.normal(size=series.shape)
+
+
+OBSERVED = chaotic_series()
+RANGE = np.ptp(OBSERVED, axis=(0, 1))
+TRAINING = TrainingSeries(OBSERVED, RANGE)
+DYNAMICS = Dynamics(
+    make_reservoir(NEURONS, DIMENSION, 6, 0.1, np.random.default_rng(2)), 0.6, 0.9, "scipy"
+)
+
+
+def observable(states):
+    return 0.5 * (states**2).sum(axis=0)
+
+
+class Textbook:
+    """The paper's network, one series and one step at a time."""
+
+    def __init__(self, dynamics, observed, input_range, washout):
+        self.dynamics, self.observed = dynamics, observed
+        self.range, self.washout = input_range, washout
+
+    def step(self, state, value):
+        return textbook_step(self.dynamics, value / self.range, state)
+
+    def open_loop(self, series, stop):
+        """State that predicts step ``stop``: it has seen all the steps before."""
+        state = np.zeros(self.dynamics.reservoir.neurons)
+        for step in range(stop):
+            state = self.step(state, self.observed[series, step])
+        return state
+
+    def rows(self, stops):
+        """States with bias, and targets, from the washout to the step before each series' stop."""
+        states, targets = [], []
+        for series, stop in enumerate(stops):
+            state = self.open_loop(series, self.washout)
+            for step in range(self.washout, stop):
+                states.append(np.append(state, 1.0))
+                targets.append(self.observed[series, step])
+                state = self.step(state, self.observed[series, step])
+        return np.array(states), np.array(targets)
+
+    def weights(self, stops, tikhonov):
+        """Ridge regression by QR of the states themselves, which forms no Gram matrix."""
+        states, targets = self.rows(stops)
+        stacked = np.vstack([states, np.sqrt(tikhonov) * np.eye(states.shape[1])])
+        padded = np.vstack([targets, np.zeros((states.shape[1], targets.shape[1]))])
+        q, r = np.linalg.qr(stacked)
+        return np.linalg.solve(r, q.T @ padded)
+
+    def log_error(self, weights, series, start, interval):
+        """log10 of the mean square error of k over one closed loop from step ``start`` on."""
+        state = self.open_loop(series, start)
+        errors = []
+        for step in range(start, start + interval):
+            prediction = np.append(state, 1.0) @ weights
+            truth = self.observed[series, step]
+            errors.append((0.5 * prediction @ prediction - 0.5 * truth @ truth) ** 2)
+            state = self.step(state, prediction)
+        return np.log10(sum(errors) / interval)
+
+
+def textbook_objective(strategy, tikhonov, plan):
+    length = OBSERVED.shape[1]
+    network = Textbook(DYNAMICS, OBSERVED, RANGE, plan.washout)
+    if strategy == "SSV":
+        cut = length - plan.interval
+        weights = network.weights([cut] * SERIES, tikhonov)
+        return network.log_error(weights, 0, cut, plan.interval)
+    starts = [plan.washout + number * plan.interval for number in range(plan.intervals)]
+    weights = network.weights([length] * SERIES, tikhonov)
+    errors = [
+        network.log_error(weights, series, start, plan.interval)
+        for series in range(plan.series)
+        for start in starts
+    ]
+    return sum(errors) / len(errors)
+
+
+def validations(tikhonov=(1e-6,), strategies=("SSV", "RV"), plan=PLAN, training=TRAINING):
+    made = [make_strategy(name) for name in strategies]
+    return validate(DYNAMICS, training, observable, plan, tikhonov, made)
+
+
+ALL = ("SSV", "RV")
+
+
+# of which the last interval reaches the very end
+TO_THE_END = ValidationPlan(20, 30, 2, 8)
+
+
+# without regularisation rounding counts for more
+@pytest.mark.parametrize(("tikhonov", "tolerance"), [(1e-6, 1e-6), (1e-12, 1e-3)])
+@pytest.mark.parametrize(("strategy", "plan"), [("SSV", PLAN), ("RV", PLAN), ("RV", TO_THE_END)])
+def test_objective_of_the_textbook(strategy, plan, tikhonov, tolerance):
+    expected = textbook_objective(strategy, tikhonov, plan)
+    assert TO_THE_END.starts(LENGTH)[-1] + TO_THE_END.interval == LENGTH
+    for strategies in (ALL, (strategy,)):
+        made = validations((tikhonov,), strategies, plan)
+        found = {result.strategy: result for result in made}
+        assert found[strategy].objective == pytest.approx(expected, abs=tolerance)
+
+
+def test_each_strategy_alone_is_what_it_is_in_the_shared_loop():
+    beta = (1e-6, 1e-9)
+    shared = validations(beta)
+    assert [(result.strategy, result.tikhonov) for result in shared] == [
+        ("SSV", 1e-6),
+        ("SSV", 1e-9),
+        ("RV", 1e-6),
+        ("RV", 1e-9),
+    ]
+    assert validations(beta, ["SSV"]) == shared[:2]
+    assert validations(beta, ["RV", "SSV"]) == shared[2:] + shared[:2]
+    # without the snapshot the panels are others, and so is the rounding
+    for alone, together in zip(validations(beta, ["RV"]), shared[2:], strict=True):
+        assert alone.objective == pytest.approx(together.objective, abs=1e-6)
+
+
+def test_single_shot_validation_does_not_see_what_it_is_validated_on():
+    changed = OBSERVED.copy()
+    changed[1:, -PLAN.interval :] += 1.0  # the end of the other series: neither trained nor scored
+    (original,) = validations(strategies=["SSV"])
+    (same,) = validations(strategies=["SSV"], training=TrainingSeries(changed, RANGE))
+    assert same == original
+    changed[0, -PLAN.interval :] *= 1.01  # its own interval changes the score, not the network
+    (other,) = validations(strategies=["SSV"], training=TrainingSeries(changed, RANGE))
+    assert other.objective != original.objective
+    assert other.reciprocal_condition == original.reciprocal_condition
+
+
+def test_the_papers_intervals():
+    at_400 = ValidationPlan(washout=30, interval=122, series=3, intervals=30)
+    (recycle,) = RecycleValidation().folds(at_400, 10, 4001)
+    assert len(recycle.starts) * len(recycle.series) == 90
+    assert np.diff(recycle.starts).tolist() == [122] * 29
+    assert recycle.starts[0] == 30
+    (single_shot,) = SingleShotValidation().folds(at_400, 10, 4001)
+    assert (single_shot.series, single_shot.starts) == (range(1), (4001 - 122,))
+    for steps in (74, 79, 82):
+        plan = ValidationPlan(steps // 2, 2 * steps, series=4, intervals=22)
+        (recycle,) = RecycleValidation().folds(plan, 10, 4001)
+        assert len(recycle.starts) * len(recycle.series) == 88
+
+
+@pytest.mark.parametrize(
+    ("strategy", "plan", "message"),
+    [
+        ("RV", ValidationPlan(15, 24, 5, 5), "5 series .* there are only 4"),
+        ("RV", ValidationPlan(15, 24, 3, 11), "11 validation intervals .* only 10"),
+        ("SSV", ValidationPlan(100, 160, 1, 1), "leave nothing to train on"),
+        ("SSV", replace(PLAN, single_shot_lead=245), "leave nothing to train on"),
+    ],
+)
+def test_plans_that_do_not_fit_are_refused(strategy, plan, message):
+    with pytest.raises(ValueError, match=message):
+        validations(strategies=[strategy], plan=plan)
+
+
+def test_lost_forecasts_count_as_a_large_error_and_stay_finite(monkeypatch):
+    def lost(self, weights, input_range, states, steps):
+        outputs = np.full((steps, DIMENSION, states.shape[1]), 1.0)
+        outputs[:, :, 0] = np.nan
+        outputs[:, :, 1] = 1e200
+        return outputs, states
+
+    monkeypatch.setattr(Dynamics, "closed_loop", lost)
+    (found,) = validations(strategies=["RV"])
+    starts = PLAN.starts(10**6)
+    truth = [
+        [0.5 * (step**2).sum() for step in OBSERVED[series, start : start + PLAN.interval]]
+        for start in starts
+        for series in range(PLAN.series)
+    ]
+    logs = np.log10(((1.5 - np.array(truth)) ** 2).mean(axis=1))
+    logs[:2] = np.log10(DIVERGED_ERROR)
+    assert found.objective == pytest.approx(logs.mean(), rel=1e-12)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e8])
+def test_errors_of_networks_with_an_offset_have_no_unit(scale, monkeypatch):
+    """A bound in units of the observable would take all forecasts for diverged ones."""
+    offset = scale * OBSERVED.mean(axis=(0, 1))
+    observed = scale * OBSERVED
+    training = TrainingSeries(observed, np.ptp(observed, axis=(0, 1)), input_offset=offset)
+    plain = TrainingSeries(OBSERVED - OBSERVED.mean(axis=(0, 1)), np.ptp(OBSERVED, axis=(0, 1)))
+    strategy = [make_strategy("RV")]
+    variance = OBSERVED[..., 0].var()
+
+    def first(states):
+        return states[0]
+
+    (found,) = validate(DYNAMICS, training, first, PLAN, [1e-3], strategy)
+    (expected,) = validate(DYNAMICS, plain, first, PLAN, [1e-3], strategy)
+    logs = np.array(expected.log_errors) - np.log10(variance)
+    np.testing.assert_allclose(found.log_errors, logs, rtol=0, atol=1e-6)
+
+    def lost(self, weights, input_range, states, steps):
+        return np.full((steps, DIMENSION, states.shape[1]), 1e99), states
+
+    monkeypatch.setattr(Dynamics, "closed_loop", lost)
+    (diverged,) = validate(DYNAMICS, training, first, PLAN, [1e-3], strategy)
+    assert diverged.objective == np.log10(DIVERGED_ERROR)
+
+
+def test_the_best_is_the_first_of_the_smallest():
+    results = []
+    for tikhonov, error in ((1e-6, -2.0), (1e-9, -3.0), (1e-12, -3.0)):
+        validation = Validation("RV", tikhonov, (error,), "cholesky", 1e-9)
+        results.append(Evaluation(0, "grid", HyperparameterPoint(1.0, 1.0), validation))
+    assert best(results) is results[1]
+
+
+# -- how strategies are found, and their folds -----------------------------------------------------
+
+SMALL = ValidationPlan(washout=5, interval=10, series=2, intervals=3)
+
+
+def test_strategies_are_found_by_their_names(monkeypatch):
+    assert available_strategies() == ["RV", "SSV"]
+    assert isinstance(make_strategy("RV"), RecycleValidation)
+    assert strategy_module("RV") == "burstcast.networks.validation_strategies.recycle"
+    with pytest.raises(ValueError, match=r"unknown validation strategy 'SV' .*mean 'SSV'.* RV, SS"):
+        make_strategy("SV")
+    assert base.ValidationStrategy not in registry._classes().values()
+    monkeypatch.setattr(SingleShotValidation, "name", "RV")
+    with pytest.raises(TypeError, match="both define 'RV'"):
+        available_strategies()
+
+
+@pytest.mark.parametrize("name", available_strategies())
+def test_folds_never_train_on_a_step_twice_and_keep_within_the_series(name):
+    series, length = 4, 40
+    folds = make_strategy(name).folds(SMALL, series, length)
+    assert folds
+    for fold in folds:
+        rows = [row for block in fold.trained for row in block.series]
+        assert len(rows) == len(set(rows))
+        assert set(rows) <= set(range(series))
+        assert all(SMALL.washout < block.stop <= length for block in fold.trained)
+        assert all(SMALL.washout <= start <= length - SMALL.interval for start in fold.starts)
+
+
+def test_use_of_a_series():
+    assert use_of_series(make_strategy("SSV").folds(SMALL, 4, 40), 0) == (30, [30])
+    assert use_of_series(make_strategy("SSV").folds(SMALL, 4, 40), 1) == (30, [])
+    assert use_of_series(make_strategy("RV").folds(SMALL, 4, 40), 1) == (40, [5, 15, 25])
+    assert use_of_series([], 1) == (0, [])  # neither trained on nor validated
+
+
+def test_the_single_shot_may_start_within_the_training_data():
+    (own,) = make_strategy("SSV").folds(SMALL, 4, 40)
+    (authors,) = make_strategy("SSV").folds(replace(SMALL, single_shot_lead=1), 4, 40)
+    assert (own.starts, authors.starts) == ((30,), (29,))
+    assert own.trained == authors.trained

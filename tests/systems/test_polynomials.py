@@ -1,0 +1,203 @@
+"""Monomials, regression in integral form and polynomial systems, piece by piece."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sklearn.preprocessing import PolynomialFeatures
+
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.polynomial_basis import denoised, monomials
+from burstcast.systems.polynomial_regression import (
+    _moments,
+    factored_coefficients,
+    gregory_weights,
+    polynomial_coefficients,
+)
+from burstcast.systems.polynomial_system import PolynomialSystem
+
+
+@given(dimension=st.integers(1, 5), degree=st.integers(1, 3))
+def test_monomials_without_noise_are_those_of_scikit_learn(dimension, degree):
+    states = np.random.default_rng(1).normal(size=(7, dimension))
+    values = denoised(states, np.zeros(dimension), monomials(dimension, degree))
+    expected = PolynomialFeatures(degree).fit_transform(states)
+    np.testing.assert_allclose(values.T, expected, rtol=1e-12)
+
+
+def test_noise_leaves_the_mean_of_the_monomials_as_it_is():
+    state, deviation = np.array([0.7, -1.3]), np.array([0.5, 0.8])
+    # exact means over Gaussian noise, by quadrature
+    nodes, weights = np.polynomial.hermite_e.hermegauss(12)
+    weights = weights / weights.sum()
+    first, second = np.meshgrid(nodes, nodes, indexing="ij")
+    observed = state + deviation * np.stack([first, second], axis=-1)
+    basis = monomials(2, 3)
+    means = np.einsum("mij,i,j->m", denoised(observed, deviation**2, basis), weights, weights)
+    expected = [math.prod(state[list(factors)]) for factors in basis]
+    np.testing.assert_allclose(means, expected, atol=1e-12)
+
+
+@given(intervals=st.integers(1, 40))
+def test_quadrature_is_exact_for_polynomials(intervals):
+    weights = gregory_weights(intervals)
+    points = np.arange(intervals + 1) / intervals
+    corrections = min(5, (intervals + 1) // 2)
+    for power in range(corrections + 1):
+        integral = weights @ points**power / intervals
+        assert integral == pytest.approx(1 / (power + 1), rel=1e-10)
+
+
+def test_noise_biases_no_coefficient():
+    """dx/dt = 3 - x^2 from many starts, with noise of a fifth of the standard deviation."""
+    system = PolynomialSystem(np.array([[3.0], [0.0], [-1.0]]), 2, Lorenz63())
+    start = np.linspace(-1.0, 2.5, 2000)[np.newaxis]
+    true = integrate(system, start, 0.05, 30).transpose(2, 0, 1)
+    deviation = 0.2 * true.std(axis=(0, 1))
+    observed = true + deviation * np.random.default_rng(9).standard_normal(true.shape)
+    corrected, plain = (
+        polynomial_coefficients(observed, known, 0.05, 2, 10, 4.0)
+        for known in (deviation, 0 * deviation)
+    )
+    np.testing.assert_allclose(corrected[:, 0], [3.0, 0.0, -1.0], atol=0.01)
+    assert np.abs(plain[:, 0] - [3.0, 0.0, -1.0]).max() > 0.1
+
+
+def test_a_polynomial_system_is_the_sum_of_its_terms():
+    generator = np.random.default_rng(6)
+    coefficients = generator.normal(size=(20, 3)) * (generator.random((20, 3)) < 0.5)
+    system, states = PolynomialSystem(coefficients, 3, Lorenz63()), generator.normal(size=(3, 4, 5))
+    features = PolynomialFeatures(3).fit_transform(states.reshape(3, -1).T)
+    expected = (features @ coefficients).T.reshape(states.shape)
+    np.testing.assert_allclose(system.right_hand_side(states), expected, rtol=1e-12, atol=1e-12)
+    assert system.dimension == 3
+    np.testing.assert_array_equal(system.observable(states), Lorenz63().observable(states))
+    with pytest.raises(ValueError, match="have 20 coefficients, not 19"):
+        PolynomialSystem(coefficients[1:], 3, Lorenz63())
+
+
+def switching_factors(series, time, count, generator):
+    """Factors that change at random steps."""
+    values = generator.normal(size=(3, count))
+    changes = generator.random((series, time - 1)) < 0.06
+    return values[np.cumsum(changes, axis=1) % 3]
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_factored_coefficients_are_those_of_least_squares(count):
+    """Numpy's least squares of increments on [integrals, q integrals, ...], window by window."""
+    generator = np.random.default_rng(8)
+    series = generator.standard_normal((3, 200, 2)).cumsum(axis=1)
+    factors = switching_factors(3, 200, count, generator)
+    basis, weights = monomials(2, 2), gregory_weights(6)
+    rows, increments = [], []
+    for states, of_series in zip(series, factors, strict=True):
+        values = np.array([np.prod(states[:, list(one)], axis=1) for one in basis])
+        for start in range(200 - 6):
+            inside = of_series[start : start + 6]
+            if (inside == inside[0]).all():
+                integral = 0.5 * values[:, start : start + 7] @ weights
+                rows.append(np.concatenate([integral, *(q * integral for q in inside[0])]))
+                increments.append(states[start + 6] - states[start])
+    assert len(rows) == 3 * 194 if count == 0 else 100 < len(rows) < 3 * 194
+    expected = np.linalg.lstsq(np.array(rows), np.array(increments))[0]
+    found = factored_coefficients(series, np.zeros(2), 0.5, 2, 6, 0.0, factors)
+    np.testing.assert_allclose(found.reshape(-1, 2), expected, rtol=1e-6, atol=1e-9)
+
+
+def test_the_noise_of_factored_moments_is_taken_out():
+    """Gram matrices and products of noisy series have the means of the true ones."""
+    generator = np.random.default_rng(9)
+    true = generator.standard_normal((1, 120, 2)).cumsum(axis=1) / 4
+    factors = switching_factors(1, 120, 1, generator)
+    deviation = np.array([0.3, 0.5])
+
+    def moments(series, noise):
+        return _moments([(series[0], factors[0])], noise, 2, 5)
+
+    exact = moments(true, np.zeros(2))
+    noisy = [
+        moments(true + deviation * generator.standard_normal(true.shape), deviation)
+        for _ in range(1500)
+    ]
+    for name in ("gram", "cross"):
+        samples = np.array([getattr(one, name) for one in noisy])
+        error = samples.std(axis=0) / math.sqrt(len(samples))
+        expected = getattr(exact, name)
+        assert (np.abs(samples.mean(axis=0) - expected) <= 5 * error + 1e-9).all()
+
+
+def lorenz(count):
+    """Series of Lorenz's system, sampled every 0.02 time units."""
+    start = np.random.default_rng(3).normal(size=(3, count)) + np.array([[1.0], [1.0], [25.0]])
+    return integrate(Lorenz63(), start, 0.01, 1200, stride=2)[200:].transpose(2, 0, 1)
+
+
+@pytest.mark.parametrize("value", [-0.4, 0.7])
+def test_without_factors_the_equations_are_the_plain_ones(value):
+    """No factor: bit for bit. A constant one: its terms cannot be told apart, their sum can."""
+    series = lorenz(4)
+    noise = np.full(3, 1e-3)
+    plain = polynomial_coefficients(series, noise, 0.02, 2, 5, 4.0)
+    none = factored_coefficients(series, noise, 0.02, 2, 5, 4.0, np.empty((4, 400, 0)))
+    assert np.array_equal(none[0], plain)
+    whole = polynomial_coefficients(series, noise, 0.02, 2, 5, 0.0)
+    constant = np.full((4, 400, 1), value)
+    found = factored_coefficients(series, noise, 0.02, 2, 5, 0.0, constant)
+    np.testing.assert_allclose(found[0] + value * found[1], whole, rtol=1e-5, atol=1e-6)
+
+
+def test_coefficients_that_depend_on_a_parameter_are_found():
+    """The Lorenz system at three values of rho: one term of it is linear in rho."""
+    start = np.random.default_rng(3).normal(size=(3, 4)) + np.array([[1.0], [1.0], [25.0]])
+    rho = (25.0, 28.0, 32.0)
+    series = np.concatenate(
+        [integrate(Lorenz63(rho=one), start, 0.0025, 4 * 2000, stride=4)[100:] for one in rho],
+        axis=2,
+    ).transpose(2, 0, 1)
+    noise = 1e-3 * series.std(axis=(0, 1))
+    observed = series + noise * np.random.default_rng(4).standard_normal(series.shape)
+    scaled = (np.repeat(rho, 4) - 28.5) / 3.5
+    factors = np.repeat(scaled[:, np.newaxis, np.newaxis], series.shape[1] - 1, axis=1)
+    found = factored_coefficients(observed, noise, 0.01, 2, 10, 4.0, factors)
+    basis = monomials(3, 2)
+    slope = np.zeros_like(found[1])
+    slope[basis.index((0,)), 1] = 3.5
+    assert np.flatnonzero(found[1]).tolist() == np.flatnonzero(slope).tolist()
+    np.testing.assert_allclose(found[1], slope, atol=0.02)
+    assert found[0][basis.index((0,)), 1] == pytest.approx(28.5, abs=0.05)
+
+
+SERIES = np.random.default_rng(1).normal(size=(2, 300, 3))
+CONSTANT = SERIES * [1.0, 0.0, 1.0] + [0.0, 2.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("series", "factors", "message"),
+    [
+        (np.zeros((2, 30, 9)), np.zeros((2, 29, 0)), "too few for 55 coefficients"),
+        (CONSTANT, SERIES[:, 1:, :0], "component 1 is constant"),
+        (SERIES, SERIES[..., :1], r"factors of the shape \(2, 299, factors\)"),
+        (SERIES, SERIES[:, 1:, :1], "too few for 20 coefficients"),
+    ],
+)
+def test_too_few_constant_or_restless_series_are_refused(series, factors, message):
+    with pytest.raises(ValueError, match=message):
+        factored_coefficients(series, np.zeros(series.shape[2]), 1.0, 2, 12, 0.0, factors)
+
+
+@pytest.mark.parametrize("centre", [(1e4, -3e5, 2e6), (0.0, 1e5, 0.0)])
+def test_the_zero_of_a_unit_does_not_matter(centre):
+    """The vector field on the attractor is the same, whatever offset the components have."""
+    series = lorenz(6)
+    noise = np.zeros(3)
+    plain = polynomial_coefficients(series, noise, 0.02, 2, 8, 4.0)
+    moved = polynomial_coefficients(series + np.array(centre), noise, 0.02, 2, 8, 4.0)
+    states = series[:, ::50].reshape(-1, 3).T
+    rates = PolynomialSystem(plain, 2, Lorenz63()).right_hand_side(states)
+    shifted = states + np.array(centre)[:, np.newaxis]
+    found = PolynomialSystem(moved, 2, Lorenz63()).right_hand_side(shifted)
+    np.testing.assert_allclose(found, rates, atol=1e-2 * np.abs(rates).max())
