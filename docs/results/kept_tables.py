@@ -16,7 +16,7 @@ import pandas as pd
 
 from burstcast.base.files.tables import read_table
 from burstcast.control.setting_names import option_words
-from burstcast.figures.published import intervals_of_control, published_percentiles
+from burstcast.figures.parts.published import intervals_of_control, published_percentiles
 
 KEPT = Path(__file__).parent
 PUBLISHED = KEPT.parents[1] / "resources" / "published_percentiles.csv"

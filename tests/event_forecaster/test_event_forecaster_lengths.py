@@ -19,7 +19,7 @@ from burstcast.networks.readout import Moments
 from burstcast.networks.reservoir import make_reservoir
 from burstcast.networks.training import TrainingSeries, collect
 from burstcast.systems.lorenz63 import Lorenz63
-from burstcast.systems.polynomial_regression import polynomial_coefficients
+from burstcast.systems.polynomials.regression import polynomial_coefficients
 
 pytestmark = pytest.mark.filterwarnings("ignore:signs of a weak forecaster")
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from burstcast.base.files.tables import read_table
-from burstcast.figures.published import (
+from burstcast.figures.parts.published import (
     compare,
     intervals_of_control,
     published_percentiles,

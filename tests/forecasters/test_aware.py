@@ -39,7 +39,7 @@ from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.parameters import Parameters, SystemParameters, integrate_scheduled
-from burstcast.systems.polynomial_basis import monomials
+from burstcast.systems.polynomials.basis import monomials
 from helpers_library import MadeUpForecaster
 
 RHO = SystemParameters.of(Lorenz63(), ["rho"])

@@ -19,8 +19,8 @@ from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast.systems.polynomial_basis import monomials
-from burstcast.systems.polynomial_system import PolynomialSystem
+from burstcast.systems.polynomials.basis import monomials
+from burstcast.systems.polynomials.system import PolynomialSystem
 from kolmogorov_flow import KolmogorovFlow
 
 LORENZ = ForecastingCase(Lorenz63(), 0.01, 1, 60)

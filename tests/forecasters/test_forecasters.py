@@ -34,7 +34,7 @@ from burstcast.networks.training import TrainingSeries, train
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast.systems.polynomial_system import PolynomialSystem
+from burstcast.systems.polynomials.system import PolynomialSystem
 from helpers_library import textbook_step
 
 SYSTEM = MoehlisFaisstEckhardt(reynolds=400.0)

@@ -10,7 +10,7 @@ from comparisons import beside_published, sides
 from kept_tables import PUBLISHED, Tables
 from make_page import DOCS, PUBLISHED_VALUES, UnsupportedError, pages, published_values, said
 
-from burstcast.figures.published import published_percentiles
+from burstcast.figures.parts.published import published_percentiles
 
 CASES = {400: "Re400", 600: "Re600", 800: "Re800", 1000: "Re1000"}
 HALF_WIDTH = 0.02  # of all intervals, relative

@@ -10,14 +10,14 @@ from sklearn.preprocessing import PolynomialFeatures
 
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
-from burstcast.systems.polynomial_basis import denoised, monomials
-from burstcast.systems.polynomial_regression import (
+from burstcast.systems.polynomials.basis import denoised, monomials
+from burstcast.systems.polynomials.regression import (
     _moments,
     factored_coefficients,
     gregory_weights,
     polynomial_coefficients,
 )
-from burstcast.systems.polynomial_system import PolynomialSystem
+from burstcast.systems.polynomials.system import PolynomialSystem
 
 
 @given(dimension=st.integers(1, 5), degree=st.integers(1, 3))

@@ -23,7 +23,7 @@ from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lorenz96 import Lorenz96
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast.systems.polynomial_system import PolynomialSystem
+from burstcast.systems.polynomials.system import PolynomialSystem
 from burstcast.systems.registry import available_systems, make_system, system_module
 from burstcast_workflow.commands.command_line import main
 from kolmogorov_flow import KolmogorovFlow

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast.figures.ranked import shown_once
+from burstcast.figures.parts.ranked import shown_once
 from burstcast.tables.latex import escape, latex_number, to_latex
 from burstcast.tables.parameters import data_parameters, network_parameters, side_by_side
 from burstcast.tables.percentiles import percentiles

@@ -11,7 +11,7 @@ from matplotlib.ticker import MultipleLocator
 
 from burstcast.base.declared import at, read
 from burstcast.figures.parts import looks, medians, style
-from burstcast.figures.published import published_beside
+from burstcast.figures.parts.published import published_beside
 from burstcast.figures.registry import figure
 
 _METRICS = ("precision", "recall", "f_score")

@@ -15,7 +15,7 @@ from matplotlib.patheffects import withStroke
 
 from burstcast.base.declared import at, read
 from burstcast.figures.parts import looks, medians, style
-from burstcast.figures.published import published_beside, published_reductions
+from burstcast.figures.parts.published import published_beside, published_reductions
 from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
 

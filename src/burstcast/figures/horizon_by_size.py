@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from burstcast.base.declared import read
 from burstcast.figures.parts import medians, style
-from burstcast.figures.published import published_beside
+from burstcast.figures.parts.published import published_beside
 from burstcast.figures.registry import figure
 
 

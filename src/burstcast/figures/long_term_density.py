@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from burstcast.base.declared import at, read
 from burstcast.figures.parts import errors, frame, looks, medians, style
-from burstcast.figures.published import published_beside
+from burstcast.figures.parts.published import published_beside
 from burstcast.figures.registry import figure
 from burstcast.statistics.reductions import LongTermStatistics
 

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from burstcast.base.declared import read
 from burstcast.base.names import described
 from burstcast.figures.parts import looks, medians, style
-from burstcast.figures.ranked import SAME_EVERYWHERE, shown_once
+from burstcast.figures.parts.ranked import SAME_EVERYWHERE, shown_once
 from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
 from burstcast.forecasts.ranking import ONSET

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from burstcast.base.declared import at, read
 from burstcast.figures.parts import errors, looks, medians, style
-from burstcast.figures.published import published_beside
+from burstcast.figures.parts.published import published_beside
 from burstcast.figures.registry import figure
 from burstcast.statistics.profiles import velocity_profiles
 from burstcast.statistics.reductions import LongTermStatistics

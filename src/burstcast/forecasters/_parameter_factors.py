@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from burstcast.base.arrays import FloatArray, IntArray
-from burstcast.systems.polynomial_basis import monomials
+from burstcast.systems.polynomials.basis import monomials
 
 TRANSFORMS: Mapping[str, Callable[[FloatArray], FloatArray]] = {
     "identity": np.positive,

@@ -1,7 +1,7 @@
 """Learnt equations: polynomials of the state, quadratic ones by default.
 
 That the dynamics are polynomials of an observed state is prior knowledge; which ones, is learnt
-from the noisy training series (`burstcast.systems.polynomial_regression`).
+from the noisy training series (`burstcast.systems.polynomials.regression`).
 """
 
 from dataclasses import dataclass
@@ -13,8 +13,8 @@ from burstcast.data.observation_noise import observation_noise
 from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters._options import ObservationOptions, QuadraticOptions
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
-from burstcast.systems.polynomial_regression import SIGNIFICANCE, polynomial_coefficients
-from burstcast.systems.polynomial_system import PolynomialSystem
+from burstcast.systems.polynomials.regression import SIGNIFICANCE, polynomial_coefficients
+from burstcast.systems.polynomials.system import PolynomialSystem
 
 
 def window_steps(window_lt: float, steps_per_lyapunov_time: int, length: int) -> int:

@@ -24,9 +24,9 @@ from burstcast.forecasters._parameter_factors import ParameterFactors
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.forecasters.quadratic import window_steps
 from burstcast.systems.parameters import Parameters, stretches
-from burstcast.systems.polynomial_basis import monomials
-from burstcast.systems.polynomial_regression import SIGNIFICANCE, factored_coefficients
-from burstcast.systems.polynomial_system import PolynomialSystem
+from burstcast.systems.polynomials.basis import monomials
+from burstcast.systems.polynomials.regression import SIGNIFICANCE, factored_coefficients
+from burstcast.systems.polynomials.system import PolynomialSystem
 from burstcast.systems.state_space import StateSpace
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from burstcast.base.arrays import FloatArray
 from burstcast.systems.base import DynamicalSystem
-from burstcast.systems.polynomial_basis import Monomial, monomials
+from burstcast.systems.polynomials.basis import Monomial, monomials
 from burstcast.systems.state_space import StateSpace
 
 
@@ -12,7 +12,7 @@ class PolynomialSystem(DynamicalSystem):
     """dx_i/dt = sum over m of coefficients[m, i] monomial_m(x).
 
     ``coefficients``: ``(monomials, dimension)``, in the order of
-    `burstcast.systems.polynomial_basis.monomials`. Terms whose coefficient is zero cost nothing.
+    `burstcast.systems.polynomials.basis.monomials`. Terms whose coefficient is zero cost nothing.
     ``observed``: What the equations stand for, whose observable they have.
     """
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.base.series_lengths import samples_of, series_lengths
-from burstcast.systems.polynomial_basis import denoised, monomials
+from burstcast.systems.polynomials.basis import denoised, monomials
 
 SIGNIFICANCE = 4
 """Least size of a coefficient, in standard errors, without which its term is left out."""
@@ -84,7 +84,7 @@ def polynomial_coefficients(
     ``noise``: Standard deviation of the noise in each component, ``(dimension,)``.
     ``significance``: A term stays if its coefficient is so many standard errors away from zero, at
     least; 0 keeps all terms. Shape ``(monomials, dimension)``, in the order of
-    `burstcast.systems.polynomial_basis.monomials`; zero for terms that are left out.
+    `burstcast.systems.polynomials.basis.monomials`; zero for terms that are left out.
     """
     none = np.empty((series.shape[0], max(0, series.shape[1] - 1), 0))
     coefficients: FloatArray = factored_coefficients(

@@ -1,0 +1,1 @@
+"""Polynomial equations learnt from series."""
