@@ -68,9 +68,9 @@ def own_moduli(tmp_path, monkeypatch):
 
 
 def test_a_class_of_ones_own_is_found_by_module_and_class(own_moduli):
-    found = own_class(f"{own_moduli}:Moduli", Encoder, "encoder")
-    assert found is sys.modules["own_moduli"].Moduli
-    assert encoder_class(f"{own_moduli}:Moduli") is found
+    value = own_class(f"{own_moduli}:Moduli", Encoder, "encoder")
+    assert value is sys.modules["own_moduli"].Moduli
+    assert encoder_class(f"{own_moduli}:Moduli") is value
     # a class that the module imports has its name there, too
     assert encoder_class(f"{own_moduli}:IdentityEncoder") is IdentityEncoder
     assert "own_moduli:Moduli" not in available_encoders()
@@ -240,11 +240,11 @@ def checked(**values):
     ],
 )
 def test_values_have_the_types_of_their_options(name, given, expected):
-    found = checked(**{name: given})[name]
-    assert found == expected
-    assert type(found) is type(expected)
+    value = checked(**{name: given})[name]
+    assert value == expected
+    assert type(value) is type(expected)
     if isinstance(expected, tuple):
-        assert [type(entry) for entry in found] == [type(entry) for entry in expected]
+        assert [type(entry) for entry in value] == [type(entry) for entry in expected]
 
 
 @pytest.mark.parametrize(

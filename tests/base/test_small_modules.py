@@ -78,12 +78,12 @@ VALUES = st.sampled_from([0.0, 0.09, 0.1, 0.2, np.nan])
 
 @given(npst.arrays(np.float64, (3, 12), elements=VALUES))
 def test_upward_crossings_start_where_the_threshold_is_reached_from_below(observable):
-    found = upward_crossings(observable, 0.1)
+    crossings = upward_crossings(observable, 0.1)
     for row in range(3):
         for step in range(12):
             reached = observable[row, step] >= 0.1
             above_before = step == 0 or observable[row, step - 1] >= 0.1
-            assert found[row, step] == (reached and not above_before)
+            assert crossings[row, step] == (reached and not above_before)
 
 
 @given(npst.arrays(np.float64, (3, 4, 5), elements=VALUES), st.sampled_from([0, 1, 2, -1]))
@@ -110,7 +110,7 @@ def test_the_first_laminar_step_is_that_of_a_plain_loop(axis):
     observable = np.random.default_rng(1).uniform(size=(40, 40))
     observable[:3], observable[:, :3] = 0.1, 0.1
     series = np.moveaxis(observable, axis, 0).T
-    steps = [next((i for i, k in enumerate(one) if k > 0.97), -1) for one in series]
+    steps = [next((i for i, k in enumerate(values) if k > 0.97), -1) for values in series]
     assert -1 in steps
     assert max(steps) > 3
     assert first_laminar_step(observable, 0.97, axis=axis).tolist() == steps
@@ -175,8 +175,8 @@ STORED = [810069763, 687754866, 766571384]
 def test_streams_are_uncorrelated():
     draws = np.array([random_streams.stream(1, "noise", row).normal(size=4000) for row in range(8)])
     correlation = np.corrcoef(draws)
-    for one, other in itertools.combinations(range(8), 2):
-        assert abs(correlation[one, other]) < 5 / np.sqrt(4000)
+    for values, other in itertools.combinations(range(8), 2):
+        assert abs(correlation[values, other]) < 5 / np.sqrt(4000)
 
 
 def test_what_is_no_name_is_refused():

@@ -73,8 +73,8 @@ def test_equations_are_those_of_vorticity_in_physical_space(flow):
     viscosity = np.fft.ifft2(-(KX**2 + KY**2) * np.fft.fft2(w)).real / flow.reynolds
     n = flow.forcing_wavenumber
     expected = viscosity - np.fft.ifft2(advection).real - n * np.cos(n * y)
-    found = on_a_grid(flow, flow.right_hand_side(state))[0]
-    assert np.abs(found - expected).max() < 1e-12 * max(1.0, np.abs(expected).max()) * POINTS
+    result = on_a_grid(flow, flow.right_hand_side(state))[0]
+    assert np.abs(result - expected).max() < 1e-12 * max(1.0, np.abs(expected).max()) * POINTS
 
 
 def test_observable_energy_and_budget_are_means_over_the_plane(states):
@@ -195,14 +195,14 @@ def test_trajectory_is_that_of_a_pseudospectral_code_for_the_vorticity(states):
 
     w, step = scipy.fft.fft2(FLOW.vorticity(states[:, 0], points).reshape(32, 32)), 0.01
     for _ in range(300):
-        one = rate(w)
-        two = rate(w + step / 2 * one)
-        three = rate(w + step / 2 * two)
-        four = rate(w + step * three)
-        w = w + step / 6 * (one + 2 * two + 2 * three + four)
+        slope_1 = rate(w)
+        slope_2 = rate(w + step / 2 * slope_1)
+        slope_3 = rate(w + step / 2 * slope_2)
+        slope_4 = rate(w + step * slope_3)
+        w = w + step / 6 * (slope_1 + 2 * slope_2 + 2 * slope_3 + slope_4)
     later = integrate(FLOW, states[:, :1], 0.025, 120, 120)[-1, :, 0]
-    found = FLOW.vorticity(later, points).reshape(32, 32)
-    assert np.abs(found - scipy.fft.ifft2(w).real).max() < 1e-6 * np.abs(found).max()
+    result = FLOW.vorticity(later, points).reshape(32, 32)
+    assert np.abs(result - scipy.fft.ifft2(w).real).max() < 1e-6 * np.abs(result).max()
     assert np.abs(later - states[:, 0]).max() > 0.05
 
 
@@ -211,8 +211,10 @@ def test_truncation_converges(states):
 
     def truncated(largest, amplitudes, of):
         flow = KolmogorovFlow(largest_wavenumber=largest)
-        known = dict(zip(of.component_names, amplitudes, strict=True))
-        return flow, np.array([known.get(name, np.zeros(2)) for name in flow.component_names])
+        amplitude_of = dict(zip(of.component_names, amplitudes, strict=True))
+        return flow, np.array(
+            [amplitude_of.get(name, np.zeros(2)) for name in flow.component_names]
+        )
 
     def later(largest):
         flow, start = truncated(largest, states[:, :2], FLOW)
@@ -281,11 +283,11 @@ def test_sixty_invariants_and_triads_by_hand():
     for vector, amplitude in {(1, 0): 2j, (0, 2): 3.0, (1, 2): 1 + 1j, (1, -2): 0.5}.items():
         state[places.index(vector)] = np.real(amplitude)
         state[half + places.index(vector)] = np.imag(amplitude)
-    found = dict(zip(FEW.invariant_names, FEW.invariants(state), strict=True))
+    result = dict(zip(FEW.invariant_names, FEW.invariants(state), strict=True))
     triad, opposite = 2j * 3 * (1 - 1j), 2j * 3 * 0.5
-    assert found["triad_real"] + 1j * found["triad_imaginary"] == pytest.approx(triad)
-    assert found["triad_m_real"] + 1j * found["triad_m_imaginary"] == pytest.approx(opposite)
-    assert (found["mean_flow_real"], found["modulus_1_2"]) == pytest.approx((3.0, np.sqrt(2)))
+    assert result["triad_real"] + 1j * result["triad_imaginary"] == pytest.approx(triad)
+    assert result["triad_m_real"] + 1j * result["triad_m_imaginary"] == pytest.approx(opposite)
+    assert (result["mean_flow_real"], result["modulus_1_2"]) == pytest.approx((3.0, np.sqrt(2)))
 
 
 def test_invariants_from_sensors_are_those_of_the_estimate(training):

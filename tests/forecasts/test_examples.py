@@ -54,7 +54,7 @@ def isolated_by_hand(row, values, criterion, before):
         if begin < max(before, quiet) or end + quiet >= len(values):
             continue
         around = [*values[begin - quiet : begin], *values[end : end + quiet + 1]]
-        if max(around) >= threshold or sum(begin < one < end for one in crossings) > 1:
+        if max(around) >= threshold or sum(begin < crossing < end for crossing in crossings) > 1:
             continue
         peak = max(range(begin, end), key=lambda step: values[step])
         middle = 0.5 * (calm + values[peak])
@@ -81,19 +81,19 @@ def test_isolated_events_are_those_of_a_walk_from_each_crossing(before, quiet, l
         for event in isolated_by_hand(row, course, criterion, before)
     ]
     assert len(expected) > 20
-    found = isolated_events(values, criterion, before)
-    assert found == sorted(expected, key=lambda event: abs(event.peak - 2.0))
+    result = isolated_events(values, criterion, before)
+    assert result == sorted(expected, key=lambda event: abs(event.peak - 2.0))
 
 
 def test_what_cannot_be_chosen():
     with pytest.raises(ValueError, match="below"):
         EventCriterion(threshold=1.0, calm=1.0, quiet=1, longest=5, wanted_peak=2.0)
-    known = Wrong(TRUTH, 0.0, np.zeros(3)), OBSERVED, OBSERVED
+    forecasting = Wrong(TRUTH, 0.0, np.zeros(3)), OBSERVED, OBSERVED
     settings = {"washout": 3, "tolerance": 0.2}
-    assert predicted_event([], *known, lead=3, **settings) is None
+    assert predicted_event([], *forecasting, lead=3, **settings) is None
     event = ExampleEvent(0, (5, 10, 20, 30), 2.0)
     with pytest.raises(IndexError, match="beyond its series"):
-        predicted_event([event], *known, lead=4, **settings)
+        predicted_event([event], *forecasting, lead=4, **settings)
 
 
 class Wrong(MadeUpForecaster):
@@ -181,16 +181,16 @@ def test_an_event_is_forecast_from_its_washout_to_after_its_breakdown():
     observed = OBSERVED + np.array([0.01, 0, 0])
     settings = {"lead": 8, "washout": 3, "after": 4, "steps_per_lyapunov_time": 5}
     wrong = Wrong(TRUTH, 0.3, np.full(3, 45))
-    found = forecast_event(event, wrong, space, observed, OBSERVED, **settings)
+    result = forecast_event(event, wrong, space, observed, OBSERVED, **settings)
     shown = np.arange(21, 62)  # the forecast starts from step 23
-    np.testing.assert_allclose(found.time_lt, (shown - 23) / 5)
-    np.testing.assert_array_equal(found.true, TRUTH[1, shown])
+    np.testing.assert_allclose(result.time_lt, (shown - 23) / 5)
+    np.testing.assert_array_equal(result.true, TRUTH[1, shown])
     expected = TRUTH[1, shown] + np.where(shown >= 45, 0.3, 0.0)
     expected[:3] = [np.nan, np.nan, TRUTH[1, 23] + 0.01]
-    np.testing.assert_array_equal(found.forecast, expected)
-    np.testing.assert_array_equal(shown[found.mark], event.times)
-    np.testing.assert_array_equal(found.true_state, OBSERVED[1, list(event.times)])
-    np.testing.assert_array_equal(found.forecast_state[:, 0], expected[found.mark])
+    np.testing.assert_array_equal(result.forecast, expected)
+    np.testing.assert_array_equal(shown[result.mark], event.times)
+    np.testing.assert_array_equal(result.true_state, OBSERVED[1, list(event.times)])
+    np.testing.assert_array_equal(result.forecast_state[:, 0], expected[result.mark])
     none = forecast_event(None, wrong, space, observed, OBSERVED, **settings)
     assert (none.true.shape, none.forecast_state.shape) == ((0,), (0, 3))
 
@@ -244,30 +244,30 @@ def test_evaluations_agree_with_the_prediction_horizon(drift):
     horizon = prediction_horizons(
         Drift(drift), first_component, observed[np.newaxis], truth[np.newaxis, : event + 1], SEARCH
     )[0]
-    found = evaluate_lead_times(Drift(drift), first_component, observed, truth, STARTS, SEARCH)
-    success = found.evaluation_horizon_lt == found.evaluation_lead_time_lt
+    result = evaluate_lead_times(Drift(drift), first_component, observed, truth, STARTS, SEARCH)
+    success = result.evaluation_horizon_lt == result.evaluation_lead_time_lt
     assert (
-        found.evaluation_lead_time_lt[success][0]
+        result.evaluation_lead_time_lt[success][0]
         if success.any()
-        else found.evaluation_horizon_lt[-1]
+        else result.evaluation_horizon_lt[-1]
     ) == horizon
     # by hand: the error grows by the drift in each step and is lost at 1
     steps = np.array([15, 12, 10, 7, 5, 2])
     accurate = np.array([sum(drift * (n + 1) < 1 for n in range(count)) for count in steps])
     expected = np.where(accurate == steps, STARTS, accurate / 5)
-    np.testing.assert_allclose(found.evaluation_horizon_lt, expected)
+    np.testing.assert_allclose(result.evaluation_horizon_lt, expected)
 
 
 def test_evaluations_begin_after_their_start_and_go_beyond_the_event():
     observed, truth = ramp(after=4)
-    found = evaluate_lead_times(Drift(0.5), first_component, observed, truth, [2.0], SEARCH)
+    result = evaluate_lead_times(Drift(0.5), first_component, observed, truth, [2.0], SEARCH)
     start = SEARCH.steps_before_event - 10
-    assert np.isnan(found.evaluation_forecast[0, : start + 1]).all()
+    assert np.isnan(result.evaluation_forecast[0, : start + 1]).all()
     np.testing.assert_allclose(
-        found.evaluation_forecast[0, start + 1 :], start + 1.5 * np.arange(1, 15)
+        result.evaluation_forecast[0, start + 1 :], start + 1.5 * np.arange(1, 15)
     )
     # in Lyapunov times after the event, of five steps
-    np.testing.assert_allclose(found.evaluation_time_lt, (np.arange(len(truth)) - start - 10) / 5)
+    np.testing.assert_allclose(result.evaluation_time_lt, (np.arange(len(truth)) - start - 10) / 5)
     observed, truth = ramp(after=4)
     whole = evaluate_lead_times(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
     truth[-3:] = np.nan
@@ -293,14 +293,16 @@ def test_outcomes_are_shown_beside_the_truth_and_points_kept_apart():
     points = SeriesPoints(np.array([0, 1]), np.array([4, 2]))
     how = {"before": 3, "reach": 4, "steps_per_lyapunov_time": 2}
     outcomes = ["false positive", "true positive"]
-    found = forecast_outcomes(Drift(1.0), first_component, washouts, truth, points, outcomes, **how)
-    np.testing.assert_array_equal(found.outcome, [1, 0])
-    np.testing.assert_array_equal(found.example_time_lt, np.arange(-3, 5) / 2)
+    result = forecast_outcomes(
+        Drift(1.0), first_component, washouts, truth, points, outcomes, **how
+    )
+    np.testing.assert_array_equal(result.outcome, [1, 0])
+    np.testing.assert_array_equal(result.example_time_lt, np.arange(-3, 5) / 2)
     np.testing.assert_array_equal(
-        found.example_truth, [[1, 2, 3, 4, 5, 6, 7, 8], [np.nan, 10, 11, 12, 13, 14, 15, 16]]
+        result.example_truth, [[1, 2, 3, 4, 5, 6, 7, 8], [np.nan, 10, 11, 12, 13, 14, 15, 16]]
     )
     np.testing.assert_array_equal(
-        found.example_forecast, [[np.nan] * 4 + [6, 8, 10, 12], [np.nan] * 4 + [14, 16, 18, 20]]
+        result.example_forecast, [[np.nan] * 4 + [6, 8, 10, 12], [np.nan] * 4 + [14, 16, 18, 20]]
     )
     nobody = SeriesPoints(np.empty(0, dtype=int), np.empty(0, dtype=int))
     none = forecast_outcomes(None, first_component, washouts[:0], truth, nobody, [], **how)

@@ -105,8 +105,8 @@ def test_horizons_are_those_of_the_papers_procedure(data, starts, between_checks
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(horizon, "STEPS_BETWEEN_CHECKS", between_checks)
         patch.setattr(horizon, "EVENTS_PER_BATCH", data.draw(st.integers(1, 5)))
-        found = prediction_horizons(Drifting(), first, *events(speeds), search)
-    np.testing.assert_allclose(found, expected, rtol=1e-13)
+        horizons = prediction_horizons(Drifting(), first, *events(speeds), search)
+    np.testing.assert_allclose(horizons, expected, rtol=1e-13)
 
 
 def test_the_equations_predict_from_as_far_as_one_looks():
@@ -119,8 +119,8 @@ def test_the_equations_predict_from_as_far_as_one_looks():
     observed = np.ascontiguousarray(states[:, : search.steps_before_event + 1])
     truth = system.observable(observed.transpose(2, 0, 1))
     forecaster = EquationsFromTruth(system=system, time_step=0.25, sampling_stride=4)
-    found = prediction_horizons(forecaster, system.observable, observed, truth, search)
-    assert found.tolist() == [3.0] * 12
+    horizons = prediction_horizons(forecaster, system.observable, observed, truth, search)
+    assert horizons.tolist() == [3.0] * 12
 
 
 def test_a_forecast_is_given_up_once_it_is_lost(monkeypatch):

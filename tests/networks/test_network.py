@@ -51,16 +51,16 @@ def test_the_spectral_radius_of_known_matrices_depends_on_no_global_random_state
 
 def test_a_seed_makes_one_reservoir_and_every_neuron_may_be_connected_with_all_others():
     seed = ReservoirSeed(random_seed=2022, neurons=250, seed=5, connectivity=20, input_bias=0.1)
-    one, two = seed.reservoir(9), seed.reservoir(9)
-    assert (one.neurons, one.dimension, one.input_bias) == (250, 9, 0.1)
-    assert (one.input_column == two.input_column).all()
-    assert (one.input_weight == two.input_weight).all()
-    assert (one.recurrent != two.recurrent).nnz == 0
+    first, again = seed.reservoir(9), seed.reservoir(9)
+    assert (first.neurons, first.dimension, first.input_bias) == (250, 9, 0.1)
+    assert (first.input_column == again.input_column).all()
+    assert (first.input_weight == again.input_weight).all()
+    assert (first.recurrent != again.recurrent).nnz == 0
     for change in ({"seed": 6}, {"random_seed": 1}):
         other = replace(seed, **change).reservoir(9)
-        assert (one.recurrent != other.recurrent).nnz > 0
-        assert (one.input_weight != other.input_weight).any()
-        assert (one.input_column != other.input_column).any()
+        assert (first.recurrent != other.recurrent).nnz > 0
+        assert (first.input_weight != other.input_weight).any()
+        assert (first.input_column != other.input_column).any()
     reservoir = make_reservoir(5, 2, 4, 0.1, np.random.default_rng(0))
     # each weight is drawn with the probability d / (neurons - 1), which is one
     assert reservoir.recurrent.nnz == 5 * 5

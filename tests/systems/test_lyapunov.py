@@ -309,15 +309,15 @@ def test_exponents_are_the_published_ones(name):
     spectrum = lyapunov_spectrum(
         system, states, time_step, steps, interval, alignment_steps=steps // 4
     ).exponents
-    found = mean_with_interval(spectrum, 0.999)
-    margin = (found.high - found.low)[0] / 2
+    estimate = mean_with_interval(spectrum, 0.999)
+    margin = (estimate.high - estimate.low)[0] / 2
     assert margin < 0.1 * leading
-    assert abs(found.mean[0] - leading) < margin + 0.005 * leading
-    assert abs(found.mean[1]) < 0.05 * leading
-    assert abs(found.mean[2] - last) < margin + 0.005 * abs(last)
+    assert abs(estimate.mean[0] - leading) < margin + 0.005 * leading
+    assert abs(estimate.mean[1]) < 0.05 * leading
+    assert abs(estimate.mean[2] - last) < margin + 0.005 * abs(last)
     if divergence is not None:
         np.testing.assert_allclose(spectrum.sum(axis=1), divergence, rtol=1e-3)
     growth = perturbation_growth(
         system, states, time_step, steps, 1e-8, 1e-4, generator, steps // 4
     )
-    assert growth.exponents.mean() == pytest.approx(found.mean[0], abs=margin)
+    assert growth.exponents.mean() == pytest.approx(estimate.mean[0], abs=margin)

@@ -245,5 +245,5 @@ def test_profiles_from_moments_are_averages_of_the_fields(grid, modes):
 
 def test_the_box_is_that_of_the_equations_unless_it_is_said():
     equations, modes = MoehlisFaisstEckhardt(400.0), MoehlisFaisstEckhardtModes()
-    lengths = [(one.length_x, one.length_z) for one in (equations, modes)]
+    lengths = [(flow.length_x, flow.length_z) for flow in (equations, modes)]
     assert lengths == [BOXES[0], BOXES[0]]

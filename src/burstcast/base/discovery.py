@@ -41,7 +41,9 @@ def concrete_classes(package: ModuleType, name: str, base: type[Base]) -> list[t
     A class whose name begins with an underscore is the module's own and is not found.
     """
     module = imported(f"{package.__name__}.{name}")
-    return [found for found in classes_in(module, base) if not inspect.isabstract(found)]
+    return [
+        candidate for candidate in classes_in(module, base) if not inspect.isabstract(candidate)
+    ]
 
 
 def classes_in(module: ModuleType, base: type[Base]) -> list[type[Base]]:
@@ -78,22 +80,22 @@ def own_class(name: str, base: type[Base], noun: str) -> type[Base]:
     """
     module_name, _, class_name = name.partition(":")
     module = imported(module_name)
-    found = getattr(module, class_name, None)
+    candidate = getattr(module, class_name, None)
     place = f"{module_name} ({getattr(module, '__file__', None) or 'a namespace package'})"
-    if found is None:
-        names = [candidate.__name__ for candidate in classes_in(module, base)]
+    if candidate is None:
+        names = [member.__name__ for member in classes_in(module, base)]
         raise ValueError(
             f"the module {place} has no class {class_name}{suggestion(class_name, names)}; "
             f"its {noun}s are {', '.join(names) or 'none'}"
         )
-    if not (inspect.isclass(found) and issubclass(found, base)):
+    if not (inspect.isclass(candidate) and issubclass(candidate, base)):
         raise ValueError(
             f"{class_name} of {place} is no {noun}: it must be a subclass of "
             f"{base.__module__}.{base.__qualname__}"
         )
-    if inspect.isabstract(found):
-        raise ValueError(unfinished(found))
-    return found
+    if inspect.isabstract(candidate):
+        raise ValueError(unfinished(candidate))
+    return candidate
 
 
 def unfinished(candidate: type) -> str:

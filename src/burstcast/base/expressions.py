@@ -46,9 +46,9 @@ class Expression:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of quantities in it, in the order of their first use."""
-        found: dict[str, None] = {}
-        self._collect(self._tree, found)
-        return tuple(found)
+        names: dict[str, None] = {}
+        self._collect(self._tree, names)
+        return tuple(names)
 
     def __call__(self, values: Mapping[str, FloatArray]) -> FloatArray:
         """Evaluate it.
@@ -75,26 +75,26 @@ class Expression:
                 node.id = ast.get_source_segment(text, node) or node.id
         return tree
 
-    def _collect(self, node: ast.expr, found: dict[str, None]) -> None:
+    def _collect(self, node: ast.expr, names: dict[str, None]) -> None:
         """Collect the names below a node; refuse what is not understood."""
         if isinstance(node, ast.Name):
             if node.id in FUNCTIONS:
                 raise ValueError(f"{self.text!r}: {node.id} is a function: give it an argument")
-            found[node.id] = None
+            names[node.id] = None
         elif isinstance(node, ast.Constant):
             if not isinstance(node.value, int | float) or isinstance(node.value, bool):
                 self._refuse(node)
             if node.value > sys.float_info.max:
                 raise ValueError(f"{self.text!r} has a number that is beyond all doubles")
         elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd | ast.USub):
-            self._collect(node.operand, found)
+            self._collect(node.operand, names)
         elif isinstance(node, ast.BinOp) and type(node.op) in (*_OPERATIONS, ast.Pow):
-            self._collect(node.left, found)
-            self._collect(node.right, found)
+            self._collect(node.left, names)
+            self._collect(node.right, names)
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             if node.func.id not in FUNCTIONS or len(node.args) != 1 or node.keywords:
                 self._refuse(node)
-            self._collect(node.args[0], found)
+            self._collect(node.args[0], names)
         else:
             self._refuse(node)
 

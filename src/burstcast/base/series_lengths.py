@@ -15,10 +15,10 @@ def padded(series: Sequence[FloatArray]) -> FloatArray:
     >>> padded([np.ones((3, 1)), np.ones((1, 1))])[:, :, 0].tolist()
     [[1.0, 1.0, 1.0], [1.0, nan, nan]]
     """
-    found = np.full((len(series), max(map(len, series)), series[0].shape[1]), np.nan)
+    filled = np.full((len(series), max(map(len, series)), series[0].shape[1]), np.nan)
     for row, states in enumerate(series):
-        found[row, : len(states)] = states
-    return found
+        filled[row, : len(states)] = states
+    return filled
 
 
 def series_lengths(states: FloatArray) -> IntArray | None:

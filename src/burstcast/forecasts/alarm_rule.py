@@ -54,5 +54,5 @@ def rules_of(
     chosen: Mapping[str, Any], alarm: str, prediction_time_lt: float
 ) -> dict[str, AlarmRule]:
     """Rules of an alarm: by `CALIBRATED` probabilities, and, if it has any, by `VOTES`."""
-    found = chosen["alarms"][alarm][f"{prediction_time_lt:g}"]
-    return {name: AlarmRule.restore(record) for name, record in found.items()}
+    records = chosen["alarms"][alarm][f"{prediction_time_lt:g}"]
+    return {name: AlarmRule.restore(record) for name, record in records.items()}

@@ -120,9 +120,9 @@ def logistic(outcomes: Outcomes) -> Calibration:
     design = np.stack([odds, np.ones_like(odds)])
     parameters = np.array([0.0, _log_odds(wanted.sum() / points.sum())])
     for _ in range(_NEWTON_STEPS):
-        found = _probability(parameters @ design)
-        gradient = design @ (wanted - points * found)
-        curvature = (design * (points * found * (1 - found))) @ design.T
+        fitted = _probability(parameters @ design)
+        gradient = design @ (wanted - points * fitted)
+        curvature = (design * (points * fitted * (1 - fitted))) @ design.T
         step = np.linalg.lstsq(curvature, gradient, rcond=None)[0]
         parameters = parameters + step / max(1.0, float(np.abs(step).max()))
     if parameters[0] <= 0:

@@ -226,12 +226,12 @@ def evaluate_event(
     before = search.steps_before_event
     shown = before + 1 + durations.steps(after_lt, search.steps_per_lyapunov_time)
     truth, starts = np.full(shown, np.nan), tuple[float, ...]()
-    known = np.full(observed.shape[1:], np.nan)
+    before_event = np.full(observed.shape[1:], np.nan)
     if example is not None:
         series, step = int(points.series[example.event]), int(points.step[example.event])
         truth = stretch(truth_of(series), step - before, shown)
-        known, starts = observed[example.event], example.lead_times_lt
-    return evaluate_lead_times(forecaster, observable, known, truth, starts, search)
+        before_event, starts = observed[example.event], example.lead_times_lt
+    return evaluate_lead_times(forecaster, observable, before_event, truth, starts, search)
 
 
 def forecast_observable(

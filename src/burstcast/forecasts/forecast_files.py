@@ -16,35 +16,38 @@ from burstcast.forecasts.windows import WindowForecasts
 
 
 def point_variables(
-    found: ObservedPoints, true_states: FloatArray, name: str
+    observations: ObservedPoints, true_states: FloatArray, name: str
 ) -> dict[str, Variable]:
     """Variables of a set of starting points.
 
     ``found``: The points, what is observed up to them, and what truly follows. ``true_states``:
     True states of the series that the points lie in, ``(series, time, component)``.
     """
-    points, truth = found.points, found.truth
+    points, truth = observations.points, observations.truth
     each, in_windows = ("point",), ("point", "window")
     return {
         "series": Variable(each, points.series, NUMBER, "row among the series of this set"),
         "step": Variable(each, points.step, NUMBER, "step of the starting point"),
         "washout": Variable(
             ("point", "washout_step", "component"),
-            found.washouts,
+            observations.washouts,
             COMPONENT,
             "observed states up to the starting point",
         ),
         "true_washout": Variable(
             ("point", "washout_step", "component"),
-            segments(true_states, points, found.washouts.shape[1] - 1, 0),
+            segments(true_states, points, observations.washouts.shape[1] - 1, 0),
             COMPONENT,
             "true states up to the starting point, for forecasters that see them",
         ),
         "observable_now": Variable(
-            each, found.seen[:, -1], OBSERVABLE, f"observed {name} at the starting point"
+            each, observations.seen[:, -1], OBSERVABLE, f"observed {name} at the starting point"
         ),
         "washout_maximum": Variable(
-            each, found.seen.max(axis=1), OBSERVABLE, f"largest observed {name} of the washout"
+            each,
+            observations.seen.max(axis=1),
+            OBSERVABLE,
+            f"largest observed {name} of the washout",
         ),
         "first": Variable(
             in_windows, truth.first, OBSERVABLE, f"true {name} at the first step of each window"
@@ -56,18 +59,18 @@ def point_variables(
 
 
 def schedule_variables(
-    found: ObservedPoints, schedules: FloatArray, horizon: int
+    observations: ObservedPoints, schedules: FloatArray, horizon: int
 ) -> dict[str, Variable]:
     """Variable of the parameters in force over the washouts and the forecasts of points.
 
     ``schedules``: Schedules of the series that the points lie in, from each sample to the next,
     ``(series, time - 1, parameters)``.
     """
-    washout = found.washouts.shape[1]
+    washout = observations.washouts.shape[1]
     return {
         "parameter": Variable(
             ("point", "step_in_force", "parameter_name"),
-            segments(schedules, found.points, washout - 1, horizon - 1),
+            segments(schedules, observations.points, washout - 1, horizon - 1),
             None,
             "value of each parameter in force from each sample of the washout and of the forecast "
             "to the next",

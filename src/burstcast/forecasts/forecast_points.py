@@ -45,8 +45,12 @@ class ForecastPoints:
 
     def classifier(self, alarm: AlarmSource) -> EventProbabilities | None:
         """Probabilities that a classifier gives; None where alarms come from anything else."""
-        found = [self.forecasts[name] for name in alarm.forecasters]
-        return found[0] if len(found) == 1 and isinstance(found[0], EventProbabilities) else None
+        forecasts = [self.forecasts[name] for name in alarm.forecasters]
+        return (
+            forecasts[0]
+            if len(forecasts) == 1 and isinstance(forecasts[0], EventProbabilities)
+            else None
+        )
 
     def values(
         self, alarm: AlarmSource, prediction_time_lt: float, event_threshold: float
@@ -58,12 +62,12 @@ class ForecastPoints:
         if classifier := self.classifier(alarm):
             return classifier.at(prediction_time_lt, event_threshold)
         forecasts = [
-            one
+            forecast
             for name in alarm.forecasters
-            if isinstance(one := self.forecasts[name], WindowForecasts)
+            if isinstance(forecast := self.forecasts[name], WindowForecasts)
         ]
         if forecasts:
-            members = [member for one in forecasts for member in one.members]
+            members = [member for forecast in forecasts for member in forecast.members]
             voters = members if alarm.committee else forecasts
             return share_of_votes(voters, *self.windows(prediction_time_lt), event_threshold)
         now: FloatArray = self.data["observable_now"]
@@ -78,7 +82,7 @@ class ForecastPoints:
         self,
         prediction_times_lt: Sequence[float],
         event_threshold: float,
-        known: FloatArray | None = None,
+        exogenous: FloatArray | None = None,
     ) -> LabelledPoints:
         """Points without an event under way, labelled for training a classifier.
 
@@ -90,10 +94,10 @@ class ForecastPoints:
             self.data["washout"][scored],
             happened[scored],
             self.data["series"][scored],
-            None if known is None else known[scored],
+            None if exogenous is None else exogenous[scored],
         )
 
-    def known(
+    def exogenous_features(
         self, prediction_times_lt: Sequence[float], steps_per_lyapunov_time: int
     ) -> FloatArray | None:
         """Features of what is known in advance (`known_features`); None where nothing is."""

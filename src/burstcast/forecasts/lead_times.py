@@ -51,7 +51,7 @@ def lead_times(
     (`burstcast.data.starting_points.crossing_points`).
     """
     begins, ends = np.array(windows, dtype=np.int64).reshape(-1, 2).T
-    found = []
+    measured = []
     for row in np.unique(events.series).tolist():
         here = np.flatnonzero(points.series == row)
         for event in events.step[events.series == row].tolist():
@@ -66,7 +66,7 @@ def lead_times(
             right = (alarms[here[able]] & inside[able]).any(axis=1)
             leads = lead[able]
             stayed = np.logical_and.accumulate(right)
-            found.append(
+            measured.append(
                 (
                     row,
                     int(leads[stayed].max(initial=0)),
@@ -74,7 +74,7 @@ def lead_times(
                     int(leads.max()),
                 )
             )
-    columns = np.array(found, dtype=np.int64).reshape(-1, 4).T
+    columns = np.array(measured, dtype=np.int64).reshape(-1, 4).T
     return LeadTimes(*columns)
 
 
@@ -90,7 +90,7 @@ class SeriesRatio:
 
 
 def lead_time_scores(
-    found: LeadTimes, series: int, lead_times_lt: Sequence[float], steps_per_lyapunov_time: int
+    measured: LeadTimes, series: int, lead_times_lt: Sequence[float], steps_per_lyapunov_time: int
 ) -> list[SeriesRatio]:
     """Scores of lead times.
 
@@ -102,20 +102,20 @@ def lead_time_scores(
     """
 
     def total(of_events: npt.ArrayLike) -> FloatArray:
-        sums = np.bincount(found.series, weights=np.asarray(of_events), minlength=series)
+        sums = np.bincount(measured.series, weights=np.asarray(of_events), minlength=series)
         return np.asarray(sums, dtype=np.float64)
 
-    unit, events = steps_per_lyapunov_time, total(np.ones(len(found.series)))
+    unit, events = steps_per_lyapunov_time, total(np.ones(len(measured.series)))
     scores: dict[tuple[str, float | None], tuple[FloatArray, FloatArray]] = {
-        ("mean_lead_time_lt", None): (total(found.stayed / unit), events),
-        ("mean_first_alarm_lt", None): (total(found.first / unit), events),
-        ("mean_possible_lead_time_lt", None): (total(found.possible / unit), events),
-        ("missed_fraction", None): (total(found.stayed == 0), events),
+        ("mean_lead_time_lt", None): (total(measured.stayed / unit), events),
+        ("mean_first_alarm_lt", None): (total(measured.first / unit), events),
+        ("mean_possible_lead_time_lt", None): (total(measured.possible / unit), events),
+        ("missed_fraction", None): (total(measured.stayed == 0), events),
     }
     for time in lead_times_lt:
         steps = durations.steps(time, unit)
         scores["warned_fraction", time] = (
-            total(found.stayed >= steps),
-            total(found.possible >= steps),
+            total(measured.stayed >= steps),
+            total(measured.possible >= steps),
         )
     return [SeriesRatio(*name, *sums) for name, sums in scores.items()]

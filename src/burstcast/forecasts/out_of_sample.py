@@ -43,5 +43,5 @@ def out_of_sample_forecasts(
                 window_forecasts(refitted, observable, washouts[here], boundaries, in_force)
             )
     order = np.argsort(np.concatenate(rows))
-    found = joined(parts)
-    return WindowForecasts(**{name: values[order] for name, values in vars(found).items()})
+    forecasts = joined(parts)
+    return WindowForecasts(**{name: values[order] for name, values in vars(forecasts).items()})

@@ -13,7 +13,7 @@ def out_of_sample_probabilities(
     case: ForecastingCase,
     washouts: FloatArray,
     series: IntArray,
-    known: FloatArray | None = None,
+    exogenous: FloatArray | None = None,
 ) -> FloatArray:
     """Probabilities at points of training series by classifiers that have not learnt from them.
 
@@ -35,15 +35,15 @@ def out_of_sample_probabilities(
             "probabilities of training points by classifiers that have not learnt from them take "
             f"two training series and two folds at least, not {len(rows)} and {classifier.folds}"
         )
-    found = np.empty((len(washouts), points.happened.shape[1]))
+    probabilities = np.empty((len(washouts), points.happened.shape[1]))
     for fold in range(count):
         here = np.isin(series, rows[fold::count])
         others = ~np.isin(points.series, rows[fold::count])
         share = points.happened[others].sum(axis=0) / max(1, others.sum())
-        found[here] = share
+        probabilities[here] = share
         both = (share > 0) & (share < 1)
         if here.any() and both.any():
             fitted = classifier.fit(points.of(others, both), case)
-            further = None if known is None else known[here]
-            found[np.ix_(here, both)] = fitted.probabilities(washouts[here], further)
-    return found
+            further = None if exogenous is None else exogenous[here]
+            probabilities[np.ix_(here, both)] = fitted.probabilities(washouts[here], further)
+    return probabilities

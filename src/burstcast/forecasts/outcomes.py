@@ -45,11 +45,11 @@ class Outcomes:
         ``values``: New value of each level, never falling, ``(levels,)``; forecasts of a level
         whose value is not known, NaN, do not count.
         """
-        known = ~np.isnan(values)
-        if (np.diff(values[known]) < 0).any():
+        defined = ~np.isnan(values)
+        if (np.diff(values[defined]) < 0).any():
             raise ValueError("values that fall would change the order of the forecasts")
-        points, events = self.points[..., known], self.events[..., known]
-        levels, first = np.unique(values[known], return_index=True)
+        points, events = self.points[..., defined], self.events[..., defined]
+        levels, first = np.unique(values[defined], return_index=True)
         if not levels.size:
             return Outcomes(levels, points, events)
         return Outcomes(
@@ -77,7 +77,7 @@ def outcomes_by_series(
     cell = rows * levels.size + column
 
     def tally(cells: IntArray) -> IntArray:
-        found = np.bincount(cells, minlength=shape[0] * shape[1]).astype(np.int64)
-        return found.reshape(shape)
+        counts = np.bincount(cells, minlength=shape[0] * shape[1]).astype(np.int64)
+        return counts.reshape(shape)
 
     return Outcomes(levels, tally(cell), tally(cell[true]))

@@ -43,20 +43,20 @@ class Window:
         A forecast of an onset that is above the threshold when the window begins says nothing about
         an onset within it, and ranks with the mean of all others; so does one that is not finite.
         """
-        found = [self._strength(member, event) for member in forecasts.members]
-        return np.asarray(np.mean(found, axis=0))
+        strengths = [self._strength(member, event) for member in forecasts.members]
+        return np.asarray(np.mean(strengths, axis=0))
 
     def _strength(self, forecast: WindowSummaries, event: str) -> FloatArray:
         largest = self._largest(forecast.largest)
-        known = np.isfinite(largest)
+        usable = np.isfinite(largest)
         if event == ONSET:
-            known &= forecast.first[:, self.first] < self.threshold
-        mean = largest[known].mean() if known.any() else 0.0
-        return np.where(known, largest, mean)
+            usable &= forecast.first[:, self.first] < self.threshold
+        mean = largest[usable].mean() if usable.any() else 0.0
+        return np.where(usable, largest, mean)
 
     def _largest(self, values: FloatArray) -> FloatArray:
-        found: FloatArray = values[:, self.first : self.first + self.count].max(axis=1)
-        return found
+        largest: FloatArray = values[:, self.first : self.first + self.count].max(axis=1)
+        return largest
 
 
 def ranking_scores(

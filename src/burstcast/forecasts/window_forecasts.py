@@ -42,10 +42,12 @@ def window_forecasts(
         by_member = np.empty((2, 0, points, len(boundaries) - 1))
         if members > 1:
             of_members = for_members(ahead, members)
-            found, _ = _summaries(
+            summaries, _ = _summaries(
                 forecaster, observable, side_by_side(ensemble), boundaries, of_members
             )
-            by_member = np.stack([found.first, found.largest]).reshape(2, members, points, -1)
+            by_member = np.stack([summaries.first, summaries.largest]).reshape(
+                2, members, points, -1
+            )
         batches.append(
             WindowForecasts(single.first, single.largest, diverged, *by_member.swapaxes(1, 2))
         )
@@ -96,9 +98,9 @@ def _summaries(
         in_force = None if parameters is None else parameters[..., batch]
         some = np.ascontiguousarray(memory[..., batch])
         outputs, _ = forecaster.advance_under(some, boundaries[-1], in_force)
-        found = summarise(observable(outputs.transpose(1, 0, 2)), boundaries)
-        first.append(found.first)
-        largest.append(found.largest)
+        summaries = summarise(observable(outputs.transpose(1, 0, 2)), boundaries)
+        first.append(summaries.first)
+        largest.append(summaries.largest)
         diverged.append(forecaster.diverged(outputs))
     summaries = WindowSummaries(np.concatenate(first), np.concatenate(largest))
     return summaries, np.concatenate(diverged)

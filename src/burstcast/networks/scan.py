@@ -61,8 +61,8 @@ class Evaluation:
 
 def leak_rate_of(record: Mapping[Any, Any]) -> float:
     """Leak rate of a record or a row of a table of them: 1 where it has none."""
-    said = record.get("leak_rate")
-    return 1.0 if said is None or said != said else float(said)
+    leak_rate = record.get("leak_rate")
+    return 1.0 if leak_rate is None or leak_rate != leak_rate else float(leak_rate)
 
 
 def scan(

@@ -15,9 +15,9 @@ def log_error_variables(evaluations: Sequence[Evaluation]) -> dict[str, Variable
 
     Strategies have different numbers of intervals: a row ends with NaN where it has fewer.
     """
-    found = [one.validation.log_errors for one in evaluations]
-    errors = np.full((len(found), max(map(len, found))), np.nan)
-    for row, of_row in zip(errors, found, strict=True):
+    log_errors = [evaluation.validation.log_errors for evaluation in evaluations]
+    errors = np.full((len(log_errors), max(map(len, log_errors))), np.nan)
+    for row, of_row in zip(errors, log_errors, strict=True):
         row[: len(of_row)] = of_row
     meaning = "log10 of the mean square error of the observable in each interval"
     return {"log_error": Variable(("row", "interval"), errors, NUMBER, meaning)}

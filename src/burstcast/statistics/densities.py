@@ -87,10 +87,10 @@ def slots(values: FloatArray, edges: FloatArray) -> IntArray:
     """
     if not np.isfinite(values).all():
         raise ValueError("a value that is not finite cannot be counted in a histogram")
-    found = np.searchsorted(edges, values, side="right")
+    indices = np.searchsorted(edges, values, side="right")
     # the last bin holds its upper edge, too
-    found[values == edges[-1]] = len(edges) - 1
-    return found
+    indices[values == edges[-1]] = len(edges) - 1
+    return indices
 
 
 def from_slots(edges: FloatArray, counts: IntArray) -> Histogram:
@@ -109,8 +109,10 @@ def histogram(values: FloatArray, edges: FloatArray) -> Histogram:
     [2, 1]
     """
     check_edges(edges)
-    found = slots(values, edges)
-    return from_slots(edges, np.bincount(found.ravel(), minlength=len(edges) + 1).astype(np.int64))
+    indices = slots(values, edges)
+    return from_slots(
+        edges, np.bincount(indices.ravel(), minlength=len(edges) + 1).astype(np.int64)
+    )
 
 
 def mean_density(histograms: Sequence[Histogram]) -> FloatArray:
@@ -148,10 +150,10 @@ def density_interval(
     """
     drawn, places = np.unique(np.concatenate(rows), return_inverse=True)
     weights = bootstrap_weights(max(len(drawn), 1), resamples, generator)
-    ends = np.cumsum([len(own) for own in rows])[:-1]
+    ends = np.cumsum([len(flows) for flows in rows])[:-1]
     densities = []
-    for own, places_of in zip(counts, np.split(places, ends), strict=True):
-        sums = (weights[:, places_of] @ own).astype(np.float64)
+    for flows, places_of in zip(counts, np.split(places, ends), strict=True):
+        sums = (weights[:, places_of] @ flows).astype(np.float64)
         inside = sums.sum(axis=1, keepdims=True)
         densities.append(sums / np.where(inside > 0, inside, np.nan) / np.diff(edges))
     with warnings.catch_warnings():

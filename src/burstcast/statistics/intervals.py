@@ -26,11 +26,11 @@ def resampled_measures(
     sample has no run that counts.
     """
     rows = np.arange(len(runs))[kept]
-    found = [
+    resampled = [
         compare(reference, runs.merged(np.repeat(rows, sample[kept])), matrices)
         for sample in weights
     ]
     return {
-        name: np.array([getattr(measures, name) for measures in found])
+        name: np.array([getattr(measures, name) for measures in resampled])
         for name in Measures.__dataclass_fields__
     }

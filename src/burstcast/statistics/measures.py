@@ -44,9 +44,9 @@ def compare(
     errors = [float("nan")] * 3
     if matrices is not None and candidate.moments.count > 0:
         true = velocity_profiles(matrices, reference.moments)
-        found = velocity_profiles(matrices, candidate.moments)
+        profiles = velocity_profiles(matrices, candidate.moments)
         errors = [
-            normalised_root_mean_square_error(getattr(true, name), getattr(found, name))
+            normalised_root_mean_square_error(getattr(true, name), getattr(profiles, name))
             for name in ("u", "uu", "uv")
         ]
     return Measures(

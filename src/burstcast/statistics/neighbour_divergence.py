@@ -316,20 +316,20 @@ class _Neighbours:
         neighbour = np.full(len(chosen), -1)
         waiting, count = np.arange(len(chosen)), 2
         while len(waiting) and count <= min(_MOST_CANDIDATES, len(candidates)):
-            found = np.asarray(tree.query(candidates[chosen[waiting]], k=count)[1])
+            neighbours = np.asarray(tree.query(candidates[chosen[waiting]], k=count)[1])
             at = chosen[waiting][:, np.newaxis] % starts
-            others, later = np.divmod(found, starts)
+            others, later = np.divmod(neighbours, starts)
             distinct = (others != chosen[waiting][:, np.newaxis] // starts) | (
                 np.abs(later - at) > window
             )
             has = distinct.any(axis=1)
-            neighbour[waiting[has]] = found[has, distinct[has].argmax(axis=1)]
+            neighbour[waiting[has]] = neighbours[has, distinct[has].argmax(axis=1)]
             waiting, count = waiting[~has], 4 * count
-        known = neighbour >= 0
-        if not known.any():
+        paired = neighbour >= 0
+        if not paired.any():
             raise NoExponentError("no state has a neighbour: the series are too short")
-        series, step = np.divmod(chosen[known], starts)
-        other_series, other_step = np.divmod(neighbour[known], starts)
+        series, step = np.divmod(chosen[paired], starts)
+        other_series, other_step = np.divmod(neighbour[paired], starts)
         distance = np.empty((len(series), steps + 1))
         for ahead in range(steps + 1):
             apart = states[series, step + ahead] - states[other_series, other_step + ahead]
@@ -402,8 +402,8 @@ def _saturation(
 ) -> float:
     """Mean logarithm of the distance of two states at random."""
     flat, along = (array.reshape(-1, states.shape[2]) for array in (states, directions))
-    one, other = generator.integers(len(flat), size=(2, _RANDOM_PAIRS))
-    distance = _across(flat[one] - flat[other], along[one])
+    first, second = generator.integers(len(flat), size=(2, _RANDOM_PAIRS))
+    distance = _across(flat[first] - flat[second], along[first])
     return float(np.log(distance[distance > 0]).mean())
 
 

@@ -107,8 +107,8 @@ class SeriesAccumulator:
         if not np.isfinite(states).all():
             raise ValueError("a state that is not finite has no moments")
         width = self._counts.shape[1]
-        found = slots(observable, self._edges) + width * np.arange(len(rows))
-        counts = np.bincount(found.ravel(), minlength=width * len(rows))
+        indices = slots(observable, self._edges) + width * np.arange(len(rows))
+        counts = np.bincount(indices.ravel(), minlength=width * len(rows))
         self._counts[rows] += counts.reshape(len(rows), width)
         sums = self._sums[:, rows]
         if len(sums) >= _MANY_COMPONENTS:
@@ -116,8 +116,8 @@ class SeriesAccumulator:
                 sums += state
             self._sums[:, rows] = sums
             for column, row in enumerate(rows):
-                one = np.ascontiguousarray(states[:, :, column])
-                self._product_sums[:, row] += (one.T @ one)[self._first, self._second]
+                trajectory = np.ascontiguousarray(states[:, :, column])
+                self._product_sums[:, row] += (trajectory.T @ trajectory)[self._first, self._second]
             return
         product_sums = self._product_sums[:, rows]
         for start in range(0, len(states), STEPS_PER_BLOCK):

@@ -40,9 +40,9 @@ class Lifetimes:
 
         ``training``: Number of training series, the first that were kept.
         """
-        own = kept[:training]
-        first = max(kept[kept < own.min()], default=-1) + 1
-        generated = slice(first, own.max() + 1)
+        chosen = kept[:training]
+        first = max(kept[kept < chosen.min()], default=-1) + 1
+        generated = slice(first, chosen.max() + 1)
         return replace(self, steps=self.steps[generated], escaped=self.escaped[generated])
 
 

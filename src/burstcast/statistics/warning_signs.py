@@ -75,7 +75,7 @@ def optimum_on_edge(
     if not (len(values) and high > low):
         return []
     place = np.log(np.asarray(values) / low) / np.log(high / low)
-    found = []
+    findings = []
     for side, bound, there in (
         ("lower", low, place <= EDGE_TOLERANCE),
         ("upper", high, place >= 1.0 - EDGE_TOLERANCE),
@@ -83,8 +83,8 @@ def optimum_on_edge(
         is_edge = side == "upper" or low > negligible
         if is_edge and there.mean() >= EDGE_SHARE:
             text = f"{name} at its {side} bound {bound:g} in {there.sum()} of {there.size} networks"
-            found.append(Finding("optimum_on_edge", text))
-    return found
+            findings.append(Finding("optimum_on_edge", text))
+    return findings
 
 
 def few_events(events: int, asked: int, threshold: float, largest: float) -> list[Finding]:
@@ -142,14 +142,14 @@ def no_better_than_permanent_alarm(
     ``f_scores``: Median F-scores of an ensemble at these times; NaN where they are undefined.
     ``permanent``: F-scores of a permanent alarm; NaN where nothing happened.
     """
-    found = [
+    points = [
         (time, score, other)
         for time, score, other in zip(prediction_times_lt, f_scores, permanent, strict=True)
         if score <= other
     ]
-    if not found:
+    if not points:
         return []
-    listed = ", ".join(f"{time:g} LT {score:.2f} ({other:.2f})" for time, score, other in found)
+    listed = ", ".join(f"{time:g} LT {score:.2f} ({other:.2f})" for time, score, other in points)
     text = f"F-scores no better than the F-scores of a permanent alarm, in brackets: {listed}"
     return [Finding("no_better_than_permanent_alarm", text)]
 
@@ -160,7 +160,7 @@ def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> list[Fin
     ``lost``, ``diverged``: Shares of each network's runs that laminarise, settle or diverge, and
     that diverge.
     """
-    found = []
+    findings = []
     for shares, limit, what in (
         (np.asarray(diverged), DIVERGED_RUNS, "diverge"),
         (np.asarray(lost), LOST_RUNS, "leave the chaotic phase"),
@@ -171,8 +171,8 @@ def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> list[Fin
                 f"in {there.sum()} of {there.size} forecasters, up to {shares.max():.0%} of the "
                 f"long runs {what}"
             )
-            found.append(Finding("lost_long_runs", text))
-    return found
+            findings.append(Finding("lost_long_runs", text))
+    return findings
 
 
 def ill_conditioned_readout(solvers: Sequence[str]) -> list[Finding]:
@@ -194,18 +194,18 @@ def exponents_differ(
     ``leading``, ``growth``: By QR factorisation and by the growth of perturbations: mean, ends of
     the interval; NaN where it was not computed.
     """
-    found = []
+    findings = []
     # of measured series there is none by growth
     if np.isfinite(growth[0]) and max(leading[1], growth[1]) > min(leading[2], growth[2]):
         text = (
             f"by QR factorisation {leading[0]:.4g} ({leading[1]:.4g} to {leading[2]:.4g}), by the "
             f"growth of perturbations {growth[0]:.4g} ({growth[1]:.4g} to {growth[2]:.4g})"
         )
-        found.append(Finding("exponents_differ", text))
+        findings.append(Finding("exponents_differ", text))
     if published is not None and abs(leading[0] - published) > EXPONENT_DIFFERENCE * published:
         text = f"computed {leading[0]:.4g}, published {published:.4g}"
-        found.append(Finding("exponents_differ", text))
-    return found
+        findings.append(Finding("exponents_differ", text))
+    return findings
 
 
 def no_exponent(estimated: float) -> list[Finding]:
@@ -223,41 +223,41 @@ def no_exponent(estimated: float) -> list[Finding]:
 
 
 def own_exponents_differ(
-    estimated: tuple[float, float, float], own: Sequence[float]
+    estimated: tuple[float, float, float], learnt: Sequence[float]
 ) -> list[Finding]:
     """An exponent estimated from series, the unit of time, that forecasters' own flows contradict.
 
     ``own``: Leading Lyapunov exponents of the own flows of an ensemble's forecasters; NaN where
     there is none.
     """
-    known = np.asarray(own)[np.isfinite(own)]
-    if not known.size or known.min() <= estimated[0] <= known.max():
+    exponents = np.asarray(learnt)[np.isfinite(learnt)]
+    if not exponents.size or exponents.min() <= estimated[0] <= exponents.max():
         return []
-    median = float(np.median(known))
+    median = float(np.median(exponents))
     if median <= 0 or abs(median - estimated[0]) <= OWN_EXPONENT_DIFFERENCE * estimated[0]:
         return []
     text = (
         f"estimated from the series {estimated[0]:.4g} ({estimated[1]:.4g} to {estimated[2]:.4g}), "
-        f"of forecasters' own flows {median:.4g} ({known.min():.4g} to {known.max():.4g} of "
-        f"{known.size}). To count in the forecasters' exponent: "
+        f"of forecasters' own flows {median:.4g} ({exponents.min():.4g} to {exponents.max():.4g} "
+        f"of {exponents.size}). To count in the forecasters' exponent: "
         f"lyapunov: {{published_exponent: {median:.4g}}}"
     )
     return [Finding("own_exponents_differ", text)]
 
 
-def no_chaos_learnt(estimated: float, own: Sequence[float]) -> list[Finding]:
+def no_chaos_learnt(estimated: float, learnt: Sequence[float]) -> list[Finding]:
     """Forecasters whose own flows are not chaotic: the median of their exponents is not positive.
 
     ``estimated``: Leading Lyapunov exponent that was estimated from the series. ``own``: Leading
     Lyapunov exponents of the own flows of an ensemble's forecasters; NaN where there is none.
     """
-    known = np.asarray(own)[np.isfinite(own)]
-    if not known.size or np.median(known) > 0:
+    exponents = np.asarray(learnt)[np.isfinite(learnt)]
+    if not exponents.size or np.median(exponents) > 0:
         return []
     text = (
         f"the forecasters have learnt no chaos: the leading exponents of their own flows are "
-        f"{known.min():.4g} to {known.max():.4g} (of {known.size}), estimated from the series "
-        f"{estimated:.4g}"
+        f"{exponents.min():.4g} to {exponents.max():.4g} (of {exponents.size}), "
+        f"estimated from the series {estimated:.4g}"
     )
     return [Finding("no_chaos_learnt", text)]
 
@@ -324,7 +324,8 @@ def slow_trend(
     if not strong.any():
         return []
     listed = ", ".join(
-        f"{names[one]} by {drift[one]:+.2g}" for one in np.flatnonzero(strong).tolist()
+        f"{names[component]} by {drift[component]:+.2g}"
+        for component in np.flatnonzero(strong).tolist()
     )
     share = (start[training:].mean() - start[:training].mean()) / np.ptp(start)
     between = f", {share:.0%} of that from training to the others" if training < len(start) else ""

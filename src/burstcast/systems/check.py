@@ -32,8 +32,8 @@ def check_system(system: DynamicalSystem, generator: np.random.Generator) -> str
     start = _initial_states(system, generator)
     if problems := list(interface_problems(system, start)):
         raise UnsoundError(problems)
-    said = type(system).case_defaults.get("ensemble", {})
-    time_step = said.get("time_step") or _rough_time_step(system, start)
+    ensemble = type(system).case_defaults.get("ensemble", {})
+    time_step = ensemble.get("time_step") or _rough_time_step(system, start)
     (reached,) = _finite(partial(integrate, system, start, time_step, _STEPS, _STEPS))[-1:]
     if lost := int((~np.isfinite(system.observable(reached))).sum()):
         raise UnsoundError(
@@ -89,16 +89,16 @@ def _shape_problem(
         before = given.copy()
         try:
             with np.errstate(all="ignore"):
-                found = np.asarray(function(given))
+                result = np.asarray(function(given))
         except Exception as error:  # whatever the system raises
             return f"{name} fails for states {given.shape}: {type(error).__name__}: {error}"
         expected = (*leading, *given.shape[1:])
-        if found.shape != expected:
+        if result.shape != expected:
             return (
-                f"{name} returns the shape {found.shape} for states {given.shape}, not {expected}"
+                f"{name} returns the shape {result.shape} for states {given.shape}, not {expected}"
             )
-        if found.dtype != np.float64:
-            return f"{name} returns numbers of type {found.dtype}, not float64"
+        if result.dtype != np.float64:
+            return f"{name} returns numbers of type {result.dtype}, not float64"
         if not np.array_equal(given, before, equal_nan=True):
             return f"{name} changes the states that it is given"
     return None
@@ -122,11 +122,15 @@ def _batch_problem(
 
 
 def _initial_states(system: DynamicalSystem, generator: np.random.Generator) -> FloatArray:
-    said = type(system).case_defaults.get("ensemble", {})
-    if said.get("initial_state") is not None:
-        states = np.repeat(np.array(said["initial_state"], dtype=np.float64)[:, None], 16, axis=1)
-        component = (said.get("perturbed_component") or 1) - 1
-        states[component] += (said.get("perturbation") or 0.01) * generator.random(_TRAJECTORIES)
+    ensemble = type(system).case_defaults.get("ensemble", {})
+    if ensemble.get("initial_state") is not None:
+        states = np.repeat(
+            np.array(ensemble["initial_state"], dtype=np.float64)[:, None], 16, axis=1
+        )
+        component = (ensemble.get("perturbed_component") or 1) - 1
+        states[component] += (ensemble.get("perturbation") or 0.01) * generator.random(
+            _TRAJECTORIES
+        )
         return states
     if has_own(system, "sample_initial_states"):
         try:

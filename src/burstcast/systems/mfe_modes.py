@@ -168,9 +168,9 @@ class MoehlisFaisstEckhardtModes:
         """Averages over x and z at the heights ``y``, see `ProfileMatrices`."""
         u, v, _ = self._velocity_terms()
         # the constant 1 as a field of one term: its products with u are u itself
-        one = _Term(mode=0, coefficient=1.0, x=_ONE, y=_ONE, z=_ONE)
+        unity = _Term(mode=0, coefficient=1.0, x=_ONE, y=_ONE, z=_ONE)
         return ProfileMatrices(
-            u=_mean_products(u, [one], y)[:, :, 0],
+            u=_mean_products(u, [unity], y)[:, :, 0],
             uu=_mean_products(u, u, y),
             uv=_mean_products(u, v, y),
         )

@@ -29,13 +29,13 @@ class Parameters:
 
     names: tuple[str, ...]  #: one name for each parameter, in the order of a schedule's second axis
     #: values in force where there is no schedule; empty where nothing is known without one
-    own: tuple[float, ...]
+    defaults: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        if not self.names or len(self.own) not in (0, len(self.names)):
+        if not self.names or len(self.defaults) not in (0, len(self.names)):
             raise ValueError(
                 f"parameters need a value for each name, one at least: not the names "
-                f"{list(self.names)} and the values {list(self.own)}"
+                f"{list(self.names)} and the values {list(self.defaults)}"
             )
 
     def system(self, values: Sequence[float]) -> DynamicalSystem:
@@ -50,7 +50,7 @@ class Parameters:
         >>> Parameters(("reynolds",), (400.0,)).constant(2, 3).shape
         (2, 1, 3)
         """
-        values = self.own if values is None else values
+        values = self.defaults if values is None else values
         if not len(values):
             raise ValueError(
                 f"{', '.join(self.names)}: values over the whole forecast must be given, for "
@@ -89,17 +89,18 @@ class SystemParameters(Parameters):
     @classmethod
     def of(cls, system: DynamicalSystem, names: Sequence[str]) -> "SystemParameters":
         """Parameters of a system by the names of its fields."""
-        known: list[str] = []
+        field_names: list[str] = []
         if is_dataclass(system):
-            known = [one.name for one in fields(system) if one.init]
+            field_names = [parameter.name for parameter in fields(system) if parameter.init]
         for name in names:
-            if name not in known:
+            if name not in field_names:
                 raise ValueError(
-                    f"{type(system).__name__} has no parameter {name!r}{suggestion(name, known)}; "
-                    f"its parameters are {', '.join(known) or 'none'}"
+                    f"{type(system).__name__} has no parameter {name!r}"
+                    f"{suggestion(name, field_names)}; its parameters are "
+                    f"{', '.join(field_names) or 'none'}"
                 )
-        own = tuple(float(getattr(system, name)) for name in names)
-        return cls(tuple(names), own, free=system)
+        defaults = tuple(float(getattr(system, name)) for name in names)
+        return cls(tuple(names), defaults, free=system)
 
     def system(self, values: Sequence[float]) -> DynamicalSystem:
         """Equations with these values in place of the system's own."""
@@ -154,7 +155,7 @@ def integrate_scheduled(
     parameters.check(schedule, steps, state.shape[1])
     different, which = values_in(schedule)
     if len(different) < 2:
-        values = different[0].tolist() if len(different) else parameters.own
+        values = different[0].tolist() if len(different) else parameters.defaults
         return integrate(parameters.system(values), state, time_step, steps * stride, stride)
     systems = [parameters.system(values) for values in different.tolist()]
     choice = np.repeat(which, stride, axis=0)

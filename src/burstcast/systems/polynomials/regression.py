@@ -161,8 +161,12 @@ def _about_zero(coefficients: FloatArray, centre: FloatArray, degree: int) -> Fl
     expanded = np.zeros((len(basis), len(basis)))
     for row, factors in enumerate(basis):
         for chosen in product((True, False), repeat=len(factors)):
-            left = tuple(one for one, kept in zip(factors, chosen, strict=True) if kept)
-            others = [-centre[one] for one, kept in zip(factors, chosen, strict=True) if not kept]
+            left = tuple(component for component, kept in zip(factors, chosen, strict=True) if kept)
+            others = [
+                -centre[component]
+                for component, kept in zip(factors, chosen, strict=True)
+                if not kept
+            ]
             expanded[place[left], row] += math.prod(others)
     return expanded @ coefficients
 
@@ -260,7 +264,7 @@ def _squared_noise(
         ]
     )
     place = {factors: row for row, factors in enumerate(products)}
-    rows = np.array([[place[tuple(sorted(one + other))] for other in basis] for one in basis])
+    rows = np.array([[place[tuple(sorted(first + second))] for second in basis] for first in basis])
     return np.array(
         [(values * share) @ values.T - sums[rows, stretch] for stretch, share in enumerate(shares)]
     )
