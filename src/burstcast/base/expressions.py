@@ -1,7 +1,6 @@
 """Arithmetic expressions of named quantities: read from text, evaluated on arrays.
 
-Only what is listed here is understood: names, numbers, ``+ - * / **``, brackets, and the functions
-of `FUNCTIONS`. Nothing else is ever run, whatever the text says.
+Only names, numbers, ``+ - * / **``, brackets, and `FUNCTIONS` are understood; no other code is run.
 """
 
 import ast
@@ -51,11 +50,9 @@ class Expression:
         return tuple(names)
 
     def __call__(self, values: Mapping[str, FloatArray]) -> FloatArray:
-        """Evaluate it.
+        """Value for arrays of one shape, by name; each index by itself, in the text's order.
 
-        ``values``: A value for each of `names`, all of one shape. Each index is evaluated
-        independently of all others, operation by operation as the text says. Returns an array of
-        their shape. Where there is no value (the root of a negative number), it is NaN.
+        It is NaN where there is none (the root of a negative number).
         """
         shape = np.shape(values[self.names[0]])
         with np.errstate(all="ignore"):

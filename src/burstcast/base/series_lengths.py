@@ -22,10 +22,7 @@ def padded(series: Sequence[FloatArray]) -> FloatArray:
 
 
 def series_lengths(states: FloatArray) -> IntArray | None:
-    """Samples of each series, ``(series,)``; None if no series is filled up.
-
-    ``states``: ``(series, time, component)``.
-    """
+    """Samples of each of ``(series, time, component)``; None if no series is filled up."""
     if not np.isnan(states[:, -1]).any():
         return None
     return np.asarray((~np.isnan(states[..., 0])).sum(axis=1), dtype=np.int64)

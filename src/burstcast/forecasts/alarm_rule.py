@@ -24,10 +24,7 @@ class AlarmRule:
 
     @classmethod
     def chosen(cls, outcomes: Outcomes, calibration: Calibration) -> Self:
-        """Rule with the best threshold for probabilities that a calibration makes.
-
-        ``outcomes``: What followed which forecast, not of those to be judged, summed over series.
-        """
+        """Rule with the best threshold for a calibration, by outcomes summed over series."""
         levels = outcomes.at(calibration(outcomes.levels))
         return cls(calibration, best_threshold(levels.levels, levels.points))
 

@@ -55,20 +55,15 @@ class ForecastPoints:
     def values(
         self, alarm: AlarmSource, prediction_time_lt: float, event_threshold: float
     ) -> FloatArray:
-        """Values that raise alarms, ``(points,)``.
-
-        They are shares of votes, probabilities of a classifier, or scores of a baseline.
-        """
+        """Votes, probabilities, or scores of a baseline, that raise alarms, ``(points,)``."""
         if classifier := self.classifier(alarm):
             return classifier.at(prediction_time_lt, event_threshold)
-        forecasts = [
-            forecast
-            for name in alarm.forecasters
-            if isinstance(forecast := self.forecasts[name], WindowForecasts)
-        ]
-        if forecasts:
-            members = [member for forecast in forecasts for member in forecast.members]
-            voters = members if alarm.committee else forecasts
+        voters: list[WindowSummaries] = []
+        for name in alarm.forecasters:
+            forecast = self.forecasts[name]
+            if isinstance(forecast, WindowForecasts):
+                voters += forecast.members if alarm.committee else [forecast]
+        if voters:
             return share_of_votes(voters, *self.windows(prediction_time_lt), event_threshold)
         now: FloatArray = self.data["observable_now"]
         return now if alarm.identifier == "observable_now" else np.zeros(len(now))
@@ -84,10 +79,7 @@ class ForecastPoints:
         event_threshold: float,
         exogenous: FloatArray | None = None,
     ) -> LabelledPoints:
-        """Points without an event under way, labelled for training a classifier.
-
-        ``known`` has further features of all points, as `known` returns them.
-        """
+        """Points without an event under way, labelled for training a classifier."""
         times, scored = prediction_times_lt, self.scored(event_threshold)
         happened = np.stack([self.happened(time, event_threshold) for time in times], axis=1)
         return LabelledPoints(

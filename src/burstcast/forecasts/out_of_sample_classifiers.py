@@ -15,18 +15,12 @@ def out_of_sample_probabilities(
     series: IntArray,
     exogenous: FloatArray | None = None,
 ) -> FloatArray:
-    """Probabilities at points of training series by classifiers that have not learnt from them.
+    """Probabilities ``(points, windows)`` by classifiers that have not learnt from the series.
 
-    The training series are dealt out to folds, and points in a series of one fold get the
-    probabilities of a classifier that has learnt from all other folds. Where no event, or nothing
-    but events, follow the points of those in a window, the probability is 0, or 1.
-
-    ``classifier``, ``points``, ``case``: What is fitted, to what, and what it knows
-    (`EventClassifier.fit`). Its option ``folds`` is the number of folds; with as many as training
-    series, or more, each series is left out alone. ``washouts``: Observed states up to the points
-    that are forecast, ``(points, steps, dimension)``. ``series``: Row of the training
-    series of each of them, ``(points,)``. ``known``: Further features of each of them, as of
-    ``points``. Shape ``(points, windows)``.
+    The training series are dealt out to ``classifier.folds`` folds, or as many as there are series.
+    Where no event, or nothing but events, follow the points of the other folds in a window, the
+    probability is 0, or 1. ``points``, ``case``: See `EventClassifier.fit`. ``series``: Training
+    series of each washout. ``exogenous``: Further features of each, as of ``points``.
     """
     rows = np.unique(np.concatenate([points.series, series]))
     count = min(classifier.folds, len(rows))

@@ -24,10 +24,8 @@ def window_forecasts(
 ) -> WindowForecasts:
     """Forecast from many starting points and keep the window summaries.
 
-    Forecasts that overflow raise no warning; they predict no event.
-
-    ``parameters``: Schedule over washout and forecast, from each state to the next, ``(points,
-    steps - 1 + boundaries[-1], parameters)``; None: the case's own values.
+    Forecasts that overflow raise no warning; they predict no event. ``parameters``: Schedule over
+    washout and forecast, ``(points, steps - 1 + boundaries[-1], parameters)``; None: the defaults.
     """
     batches = []
     for start in range(0, len(washouts), POINTS_PER_BATCH):
@@ -66,11 +64,9 @@ def joined(parts: list[WindowForecasts]) -> WindowForecasts:
 def member_forecasts(
     forecaster: Forecaster, washout: FloatArray, steps: int, parameters: FloatArray | None = None
 ) -> FloatArray:
-    """Forecast states by every member of an ensemble, ``(steps, dimension, members, batch)``.
+    """Forecast states by each member of an ensemble, ``(steps, dimension, members, batch)``.
 
-    Overflows and ``parameters`` are as in `window_forecasts`.
-
-    ``washout``: Observed states up to the starting points, ``(steps, dimension, batch)``.
+    ``washout``: ``(steps, dimension, batch)``. ``parameters``: As of `window_forecasts`.
     """
     past, ahead = schedules_of(parameters, len(washout))
     ensemble = forecaster.ensemble_under(washout, past)

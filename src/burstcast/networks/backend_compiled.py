@@ -36,8 +36,7 @@ _ROOM = ("fed", "old", "new")
 def _tanh(code: Lanes, x: str) -> str:
     """Hyperbolic tangent, off by at most seven units in the last place (0.6 in the mean).
 
-    The Pade approximant [9/10] of tanh(x / 4) = p / q, and twice
-    tanh(2 y) = 2 tanh(y) / (1 + tanh(y)^2), that is (p, q) <- (2 p q, p^2 + q^2). It needs one
+    The Pade approximant [9/10] of tanh(x / 4) = p / q, and twice (p, q) <- (2 p q, p^2 + q^2): one
     division and no table. Beyond 20, tanh is one to the last place.
     """
     y = code.multiply(code.clamp(x, 20.0), code.fill(0.25))
@@ -57,8 +56,7 @@ def _tanh(code: Lanes, x: str) -> str:
 def _advance(code: Lanes, leaking: bool, old: str, new: str, first: str, last: str) -> None:
     """Compute the new states of the neurons ``first`` to ``last - 1`` of a tile.
 
-    Rows have an even number of entries, which are summed in two chains. A leaking neuron goes
-    from x to x + a (tanh - x).
+    Rows have an even number of entries, summed in two chains. A leak goes to x + a (tanh - x).
     """
 
     def neuron(i: str) -> None:
@@ -90,8 +88,8 @@ def _advance(code: Lanes, leaking: bool, old: str, new: str, first: str, last: s
 def _read_out(code: Lanes, squares: bool, states: str, first: str, last: str) -> None:
     """Add the share of the neurons ``first`` to ``last - 1`` to the outputs of a tile.
 
-    ``weights`` is ``(neurons, rows)``, with an even number of rows. With squares, those of the odd
-    neurons count; ``first`` is even.
+    ``weights`` is ``(neurons, rows)``, with an even number of rows. With squares, ``first`` is
+    even.
     """
 
     def pair(row: str) -> None:
@@ -126,11 +124,10 @@ def _read_out(code: Lanes, squares: bool, states: str, first: str, last: str) ->
 def _drive(width: int, leaking: bool) -> Lanes:
     """Drive a tile of trajectories by data.
 
-    ``inputs`` points to the first trajectory in ``(steps, dimension, batch)``; ``old`` holds the
-    states; ``fed``, ``(dimension + 1, width)``, holds the bias in its last row. If ``recording`` is
-    one, ``record``, ``(neurons, steps, batch)``, receives the state after each input. The final
-    states are in ``new`` after an odd number of steps, in ``old`` after an even one. ``bytes`` is
-    the number of bytes of the tile's trajectories in a row of the batch.
+    ``inputs`` and ``record`` point to the first trajectory in ``(steps, dimension, batch)`` and
+    ``(neurons, steps, batch)``; ``old`` holds the states; ``fed``, ``(dimension + 1, width)``, the
+    bias in its last row. The final states are in ``new`` after an odd number of steps, in ``old``
+    after an even one. ``bytes`` is the number of bytes of the tile's trajectories.
     """
     code = Lanes(
         width,
@@ -158,11 +155,11 @@ def _drive(width: int, leaking: bool) -> Lanes:
 
 
 def _forecast(width: int, leaking: bool, squares: bool) -> Lanes:
-    """Forecast a tile of trajectories.
+    """Forecast a tile of trajectories; arguments as of `_drive`.
 
     ``outputs`` points to the first trajectory in ``(steps, dimension, batch)``; ``read`` is room
-    for the outputs of the tile, with as many rows as ``output_bias`` and ``weights`` have (an even
-    number). The rest is as in `_drive`.
+    for the outputs of the tile, with as many rows as ``output_bias`` and ``weights`` (an even
+    number).
     """
     code = Lanes(
         width,
@@ -291,10 +288,7 @@ class CompiledBackend(Backend):
 
 
 def _even_rows(matrix: scipy.sparse.csr_array) -> tuple[Int32Array, Int32Array, FloatArray]:
-    """Row starts, columns and values with an even number of entries in each row.
-
-    An odd row gets one more entry, zero, in the column of the row itself.
-    """
+    """Row starts, columns and values, with a zero more on the diagonal in rows of odd length."""
     neurons = matrix.shape[0]
     length = np.diff(matrix.indptr)
     row_start = np.concatenate([[0], np.cumsum(length + length % 2)]).astype(np.int32)

@@ -1,9 +1,7 @@
-"""Dynamics of the reservoir in numpy and scipy: the plain implementation.
+"""Dynamics of the reservoir in numpy and scipy: the reference for the compiled one.
 
-It is the reference for `burstcast.networks.backend_compiled`, and the fallback where that does not
-run. The state of a trajectory is bit for bit the same whatever batch it is part of: every product
-is one of a sparse matrix with a batch, summed in the order of the row's entries. (A product of BLAS
-would depend on the size of the batch.)
+A trajectory is bit for bit the same whatever batch it is part of: every product is one of a sparse
+matrix with a batch, summed in the order of the row's entries, unlike products of BLAS.
 """
 
 import numpy as np

@@ -34,10 +34,7 @@ class StatePanel:
 
     @property
     def columns(self) -> FloatArray:
-        """The states as a matrix ``(neurons, (stop - start) * batch)``, for a Gram matrix.
-
-        Its transpose is column-major. The batch varies fastest.
-        """
+        """The states as a matrix ``(neurons, (stop - start) * batch)``, the batch fastest."""
         return self.states.reshape(self.states.shape[0], -1)
 
 

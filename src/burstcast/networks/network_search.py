@@ -1,8 +1,4 @@
-"""The search for a network's hyperparameters: from the scan of a grid on, by Bayesian optimisation.
-
-The workflow runs the scan and the search as jobs of their own, where networks share what they can;
-`burstcast.EventForecaster` runs one after the other.
-"""
+"""The search for a network's hyperparameters, from the scan of a grid on."""
 
 from collections.abc import Sequence
 
@@ -38,19 +34,15 @@ def search(
     ]
     leak_rate = best(trace).point.leak_rate
     on_grid: dict[HyperparameterPoint, float] = {}
-    for evaluation in (
-        evaluation for evaluation in trace if evaluation.point.leak_rate == leak_rate
-    ):
-        on_grid[evaluation.point] = min(
-            evaluation.objective, on_grid.get(evaluation.point, float("inf"))
-        )
+    for evaluation in trace:
+        point = evaluation.point
+        if point.leak_rate == leak_rate:
+            on_grid[point] = min(evaluation.objective, on_grid.get(point, float("inf")))
 
     def objective(point: HyperparameterPoint) -> float:
         number = trace[-1].number + 1
-        evaluated = [
-            Evaluation(number, "bayesian", point, validation)
-            for validation in validator(point, [strategy])
-        ]
+        validations = validator(point, [strategy])
+        evaluated = [Evaluation(number, "bayesian", point, result) for result in validations]
         trace.extend(evaluated)
         return best(evaluated).objective
 

@@ -11,10 +11,7 @@ from burstcast.networks.scan import Evaluation
 
 
 def log_error_variables(evaluations: Sequence[Evaluation]) -> dict[str, Variable]:
-    """Variables of the errors in each interval, in the order of the rows of the table.
-
-    Strategies have different numbers of intervals: a row ends with NaN where it has fewer.
-    """
+    """Variables of the errors in each interval, by row of the table; filled up with NaN."""
     log_errors = [evaluation.validation.log_errors for evaluation in evaluations]
     errors = np.full((len(log_errors), max(map(len, log_errors))), np.nan)
     for row, of_row in zip(errors, log_errors, strict=True):

@@ -246,8 +246,8 @@ class _Growth:
         """Fit growth that saturates, above a floor, to the mean logarithm of the distance.
 
         Without the floor, a distance d grows by ``rate * d * (1 - (d / saturated) ** power)`` a
-        step; squares of the distance and of the floor add up. The first point is left out:
-        neighbours were chosen by it, noise included.
+        step; squares of distance and floor add up. The first point, by which neighbours were
+        chosen, is left out.
         """
         steps = np.arange(1, curve.size)
 
@@ -274,10 +274,7 @@ class _Growth:
 
 
 def correlation_steps(series: FloatArray) -> int:
-    """Steps until the autocorrelation of series ``(series, time, component)`` is below 1 / e.
-
-    A quarter of the series if it is not before that.
-    """
+    """Steps until the autocorrelation of series is below 1 / e; a quarter of them at most."""
     departures = series - series.mean(axis=(0, 1))
     variance = np.square(departures).mean()
     most = int(series.shape[1] // 4)
@@ -347,11 +344,7 @@ class _Neighbours:
 def _departure_from_noise(
     series: FloatArray, log_distance: FloatArray, window: int, generator: np.random.Generator
 ) -> float:
-    """How much closer neighbours stay than in surrogates, in standard deviations of these.
-
-    The smaller one of the departures from both kinds of surrogates. ``log_distance``: Mean
-    logarithm of the distance of neighbours after 0, 1, 2, ... steps.
-    """
+    """How much closer neighbours stay than in surrogates of either kind, in standard deviations."""
     departures = []
     for normal in (False, True):
         means = []
@@ -371,10 +364,9 @@ def surrogate(series: FloatArray, generator: np.random.Generator, *, normal: boo
 
     The phases of the Fourier transform are drawn, the same for all components, and the given values
     are put in the order of the result. The line from the first to the last value of each series
-    stays, so that a random walk has no jump at its ends.
-
-    ``normal``: Whether values are first replaced by those of a normal distribution with the same
-    ranks, which turns a function of normal noise into that noise. A random walk stays one without.
+    stays, so that a random walk has no jump at its ends. ``normal``: Whether values are first
+    replaced by normal ones of the same ranks, which turns a function of normal noise into that
+    noise.
     """
     flat = series.reshape(-1, series.shape[2])
     values = (

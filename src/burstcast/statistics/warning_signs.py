@@ -1,7 +1,6 @@
 """Warning signs of weak results: each function tests for one and returns its findings.
 
-What counts as a sign stands here, once, with its reason. None of them is an error: a finding is for
-a person to look at.
+None of them is an error: a finding is for a person to look at.
 """
 
 from collections.abc import Sequence
@@ -69,8 +68,7 @@ def optimum_on_edge(
 ) -> list[Finding]:
     """Optima of an ensemble's networks on the edges of the search range, on a logarithmic scale.
 
-    ``low``, ``high``: Bounds of the search, positive; if they are equal, there is no edge.
-    ``negligible``: Value below which all values do the same: a lower bound there is no edge.
+    If the bounds are equal, there is no edge; nor is a lower bound below a ``negligible`` value.
     """
     if not (len(values) and high > low):
         return []
@@ -88,11 +86,7 @@ def optimum_on_edge(
 
 
 def few_events(events: int, asked: int, threshold: float, largest: float) -> list[Finding]:
-    """No events, or too few for averages over them.
-
-    ``events``, ``asked``: Events that there are to forecast, and how many were asked for.
-    ``threshold``, ``largest``: Threshold of an event, and largest value of the observable.
-    """
+    """No events, or too few, of those that were asked for, for averages over them."""
     if largest < threshold:
         text = (
             f"no event: the threshold {threshold:g} is above all of the observable, {largest:.4g}"
@@ -120,11 +114,7 @@ def few_positives(prediction_times_lt: Sequence[float], positives: Sequence[int]
 
 
 def nothing_to_calibrate_with(washout_maxima: FloatArray, threshold: float) -> list[Finding]:
-    """No starting point in the training series from which a forecast counts.
-
-    ``washout_maxima``: Largest observable of the washout of each starting point, ``(points,)``.
-    ``threshold``: Event threshold; a washout that reaches it is of no use for a forecast.
-    """
+    """No starting point whose largest washout observable is below the event threshold."""
     if (washout_maxima < threshold).any():
         return []
     text = (
@@ -137,11 +127,7 @@ def nothing_to_calibrate_with(washout_maxima: FloatArray, threshold: float) -> l
 def no_better_than_permanent_alarm(
     prediction_times_lt: Sequence[float], f_scores: Sequence[float], permanent: Sequence[float]
 ) -> list[Finding]:
-    """F-scores that an alarm at every time has as well.
-
-    ``f_scores``: Median F-scores of an ensemble at these times; NaN where they are undefined.
-    ``permanent``: F-scores of a permanent alarm; NaN where nothing happened.
-    """
+    """Median F-scores of an ensemble that an alarm at every time has as well; NaN: undefined."""
     points = [
         (time, score, other)
         for time, score, other in zip(prediction_times_lt, f_scores, permanent, strict=True)
@@ -155,11 +141,7 @@ def no_better_than_permanent_alarm(
 
 
 def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> list[Finding]:
-    """Long runs that leave the chaotic phase, or diverge.
-
-    ``lost``, ``diverged``: Shares of each network's runs that laminarise, settle or diverge, and
-    that diverge.
-    """
+    """Shares of each network's long runs that leave the chaotic phase, or diverge."""
     findings = []
     for shares, limit, what in (
         (np.asarray(diverged), DIVERGED_RUNS, "diverge"),
@@ -189,11 +171,7 @@ def exponents_differ(
     growth: tuple[float, float, float],
     published: float | None,
 ) -> list[Finding]:
-    """Leading Lyapunov exponents that contradict one another.
-
-    ``leading``, ``growth``: By QR factorisation and by the growth of perturbations: mean, ends of
-    the interval; NaN where it was not computed.
-    """
+    """Leading exponents by QR and by growth, with their intervals, that contradict one another."""
     findings = []
     # of measured series there is none by growth
     if np.isfinite(growth[0]) and max(leading[1], growth[1]) > min(leading[2], growth[2]):
@@ -209,10 +187,7 @@ def exponents_differ(
 
 
 def no_exponent(estimated: float) -> list[Finding]:
-    """No Lyapunov exponent that could be estimated from series.
-
-    ``estimated``: Leading Lyapunov exponent; NaN where the series show none.
-    """
+    """No Lyapunov exponent that could be estimated from series: it is NaN."""
     if not np.isnan(estimated):
         return []
     text = (
@@ -225,11 +200,7 @@ def no_exponent(estimated: float) -> list[Finding]:
 def own_exponents_differ(
     estimated: tuple[float, float, float], learnt: Sequence[float]
 ) -> list[Finding]:
-    """An exponent estimated from series, the unit of time, that forecasters' own flows contradict.
-
-    ``own``: Leading Lyapunov exponents of the own flows of an ensemble's forecasters; NaN where
-    there is none.
-    """
+    """An estimate, the unit of time, that exponents of an ensemble's own flows contradict."""
     exponents = np.asarray(learnt)[np.isfinite(learnt)]
     if not exponents.size or exponents.min() <= estimated[0] <= exponents.max():
         return []
@@ -246,11 +217,7 @@ def own_exponents_differ(
 
 
 def no_chaos_learnt(estimated: float, learnt: Sequence[float]) -> list[Finding]:
-    """Forecasters whose own flows are not chaotic: the median of their exponents is not positive.
-
-    ``estimated``: Leading Lyapunov exponent that was estimated from the series. ``own``: Leading
-    Lyapunov exponents of the own flows of an ensemble's forecasters; NaN where there is none.
-    """
+    """Forecasters without chaos: the median exponent of their own flows is not positive."""
     exponents = np.asarray(learnt)[np.isfinite(learnt)]
     if not exponents.size or np.median(exponents) > 0:
         return []
@@ -272,10 +239,9 @@ def outside_bins(below: int, above: int, inside: int) -> list[Finding]:
 
 
 def noise_drowns_components(states: FloatArray, noise: float) -> list[Finding]:
-    """Components that change less from sample to sample than the noise does.
+    """Components of series that change less from sample to sample than the noise does.
 
-    ``states``: Training series without noise, ``(series, time, component)``. ``noise``: Its
-    standard deviation, in standard deviations of each component.
+    ``noise``: Its standard deviation, in standard deviations of each component.
     """
     increments = np.sqrt(np.mean(np.diff(states, axis=1) ** 2, axis=(0, 1)))
     levels = noise * states.std(axis=(0, 1))
@@ -303,10 +269,9 @@ def slow_trend(
 ) -> list[Finding]:
     """Components whose means drift over a record: straight lines through the means of its series.
 
-    Means of neighbouring series are alike. The standard error of a slope is raised for that, by the
-    correlation of each residual with the next, as for an autoregressive process of first order.
-
-    ``start``: Time of the first sample of each series, ``(series,)``.
+    The standard error of a slope is raised by the correlation of each residual with the next, as
+    for an autoregressive process of first order. ``start``: Time of the first sample,
+    ``(series,)``.
     """
     if len(start) < 4 or not np.ptp(start):
         return []

@@ -12,7 +12,7 @@ import numpy as np
 from burstcast.base.arrays import FloatArray
 from burstcast.base.discovery import UnsoundError
 from burstcast.systems.base import DynamicalSystem, has_own
-from burstcast.systems.compiled import compiled_steps, hindrance
+from burstcast.systems.compiled import hindrance
 from burstcast.systems.differentiation import derivative_method
 from burstcast.systems.flow_map import FlowMap
 from burstcast.systems.integration import integrate
@@ -26,8 +26,7 @@ _STEPS = 400
 def check_system(system: DynamicalSystem, generator: np.random.Generator) -> str:
     """Report on a system's integrator and derivatives, after some steps of 16 trajectories.
 
-    Raises `UnsoundError` with all violations of the interface, or where states do not stay
-    finite.
+    Raises `UnsoundError` with all violations of the interface, or where states do not stay finite.
     """
     start = _initial_states(system, generator)
     if problems := list(interface_problems(system, start)):
@@ -50,10 +49,7 @@ def check_system(system: DynamicalSystem, generator: np.random.Generator) -> str
 
 
 def interface_problems(system: DynamicalSystem, states: FloatArray) -> Iterator[str]:
-    """Violations of the interface by a system, with one message for each.
-
-    ``states``: States ``(dimension, batch)`` to try it with.
-    """
+    """Violations of the interface by a system, tried with states ``(dimension, batch)``."""
     dimension = len(states)
     functions: list[tuple[str, Callable[[FloatArray], FloatArray], tuple[int, ...]]] = [
         ("observable", system.observable, ())
@@ -67,9 +63,8 @@ def interface_problems(system: DynamicalSystem, states: FloatArray) -> Iterator[
     sound = True
     for name, function, leading in functions:
         problem = _shape_problem(name, function, states, leading)
-        if problem is None:
-            problem = _batch_problem(name, function, states)
-        if problem is not None:
+        problem = problem or _batch_problem(name, function, states)
+        if problem:
             sound = False
             yield problem
     if sound and has_own(system, "jacobian") and not has_own(system, "flow_map"):
@@ -141,11 +136,7 @@ def _initial_states(system: DynamicalSystem, generator: np.random.Generator) -> 
 
 
 def _rough_time_step(system: DynamicalSystem, states: FloatArray) -> float:
-    """A twentieth of the fastest time scale at these states and along their first steps.
-
-    With an integrator of the system's own, which copes with stiffness, of the time scale on which
-    states change; 1 for a map.
-    """
+    """A twentieth of the fastest time scale along the first steps, or of changes; 1 for a map."""
     if isinstance(system, FlowMap):
         return 1.0
     if has_own(system, "flow_map"):
@@ -173,20 +164,13 @@ def _finite(run: Callable[[], FloatArray]) -> FloatArray:
         ) from error
 
 
-def _is_compiled(system: DynamicalSystem, time_step: float) -> bool:
-    try:
-        return compiled_steps((system,), time_step, False) is not None
-    except TypeError:  # no hash
-        return False
-
-
 def _integrator(system: DynamicalSystem, time_step: float) -> str:
-    compiled = _is_compiled(system, time_step)
+    reason = hindrance(system, time_step)
     if has_own(system, "flow_map"):
-        return "its own integrator" + (", compiled" if compiled else "")
-    if compiled:
+        return "its own integrator" + ("" if reason else ", compiled")
+    if reason is None:
         return "Runge-Kutta scheme, compiled"
-    return f"Runge-Kutta scheme, in numpy; not compiled: {hindrance(system, time_step)}"
+    return f"Runge-Kutta scheme, in numpy; not compiled: {reason}"
 
 
 def _derivatives(system: DynamicalSystem, states: FloatArray) -> str:

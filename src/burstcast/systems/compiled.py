@@ -244,12 +244,10 @@ class CompiledSteps:
         largest: FloatArray | None,
     ) -> None:
         samples, _, row = states.shape
-        self._run(
-            states.ctypes.data,
-            None if choice is None else choice.ctypes.data,
-            None if largest is None else largest.ctypes.data,
-            *(row, trajectories, samples, stride),
-        )
+        choice_address = None if choice is None else choice.ctypes.data
+        largest_address = None if largest is None else largest.ctypes.data
+        addresses = (states.ctypes.data, choice_address, largest_address)
+        self._run(*addresses, row, trajectories, samples, stride)
 
 
 def compiled_steps(
@@ -264,10 +262,7 @@ def compiled_steps(
 
 
 def hindrance(system: DynamicalSystem, time_step: float) -> str | None:
-    """Why a system is integrated by numpy: the operation that cannot be compiled, with its line.
-
-    None if the system is compiled.
-    """
+    """The operation that cannot be compiled, with its line; None if the system is compiled."""
     try:
         return _attempt((system,), time_step, False)[1]
     except TypeError:  # no hash

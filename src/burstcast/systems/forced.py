@@ -9,11 +9,7 @@ from burstcast.systems.base import DynamicalSystem, EnergyBudget, has_own
 
 
 def forced_system(system: DynamicalSystem, force: Sequence[float]) -> DynamicalSystem:
-    """A system with a constant force on its right-hand side, integrated by the system's scheme.
-
-    A system that is integrated by a `flow_map` of its own must say how the force enters that
-    (`DynamicalSystem.forced`).
-    """
+    """A system with a constant force on its right-hand side (see `DynamicalSystem.forced`)."""
     return system.forced(force) if has_own(system, "forced") else ForcedSystem(system, force)
 
 

@@ -151,8 +151,6 @@ def integrate_observed(
     """Integrate like `integrate`, drop a transient, and watch the observable at every step.
 
     A burst that peaks between two kept states is seen: this is how laminarisation is detected.
-
-    ``transient_steps``: Number of steps before anything is kept or watched.
     """
     check_batch(system, state, time_step)
     _check_steps(steps, stride)

@@ -152,10 +152,7 @@ class MoehlisFaisstEckhardt(DynamicalSystem):
         object.__setattr__(self, "_growth", -_viscous_rates(alpha, gamma) / self.reynolds)
 
     def right_hand_side(self, state: FloatArray) -> FloatArray:
-        """Time derivative of the amplitudes; both of shape ``(9, ...)``.
-
-        Complex states are differentiated likewise (for complex-step derivatives).
-        """
+        """Time derivative of the amplitudes; both of shape ``(9, ...)``, real or complex."""
         c = self._quadratic
         growth = self._growth.reshape((9,) + (1,) * (state.ndim - 1))
         derivative = np.multiply(state, growth, order="C")
@@ -274,11 +271,9 @@ class MoehlisFaisstEckhardt(DynamicalSystem):
     def energy_budget(self, state: FloatArray) -> EnergyBudget:
         """Input of the body force and viscous dissipation, both of shape ``(...)``.
 
-        The amplitude equations times the amplitudes, summed: the quadratic terms are advection,
-        which only exchanges energy between the modes (sum_ijk T_ijk a_i a_j a_k = 0 for modes
-        without divergence and without flow through the walls), so that dk/dt = I - D with the
-        input I = (beta^2 / Re) a_1 of the force and the dissipation D = (1 / Re) sum_i d_i a_i^2,
-        where d_i is the mean squared gradient of mode i.
+        The quadratic terms only exchange energy between the modes, so that dk/dt = I - D with I =
+        (beta^2 / Re) a_1 and D = (1 / Re) sum_i d_i a_i^2, where d_i is the mean squared gradient
+        of mode i.
         """
         rates = -self._growth
         dissipation = rates[0] * np.square(state[0])

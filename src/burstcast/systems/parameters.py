@@ -43,13 +43,7 @@ class Parameters:
         raise ValueError(f"no equations are known for the parameters {', '.join(self.names)}")
 
     def constant(self, steps: int, batch: int, values: Sequence[float] | None = None) -> FloatArray:
-        """Schedule of constant values, ``(steps, parameters, batch)``; by default the case's own.
-
-        Examples
-        --------
-        >>> Parameters(("reynolds",), (400.0,)).constant(2, 3).shape
-        (2, 1, 3)
-        """
+        """Schedule of constant values, ``(steps, parameters, batch)``; by default the defaults."""
         values = self.defaults if values is None else values
         if not len(values):
             raise ValueError(
@@ -112,11 +106,7 @@ class SystemParameters(Parameters):
 
 
 def stretches(schedule: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
-    """Stretches of a schedule over which no trajectory's values change.
-
-    ``schedule``: ``(steps, parameters, batch)``. Returns steps of each stretch in the order of
-    time, and the values over it, ``(parameters, batch)``.
-    """
+    """Stretches of a schedule without a change: their steps, and values ``(parameters, batch)``."""
     steps = len(schedule)
     changed = (schedule[1:] != schedule[:-1]).any(axis=(1, 2))
     for start, stop in pairwise([0, *(np.flatnonzero(changed) + 1).tolist(), steps]):
@@ -125,11 +115,9 @@ def stretches(schedule: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
 
 
 def values_in(values: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Different values in a schedule.
+    """Different values of a schedule, or of one step of it, ``(number, parameters)``.
 
-    ``values``: ``(steps, parameters, batch)``, or ``(parameters, batch)``. Returns the different
-    values ``(number, parameters)``, and which of them each step and trajectory has, ``(steps,
-    batch)`` or ``(batch,)``.
+    Returns also which of them each step and trajectory has, ``(steps, batch)`` or ``(batch,)``.
     """
     last = np.moveaxis(values, -2, -1)
     different, which = np.unique(
@@ -145,11 +133,9 @@ def integrate_scheduled(
     time_step: float,
     stride: int = 1,
 ) -> FloatArray:
-    """Integrate a batch of trajectories under parameters that change in time.
+    """Integrate a batch under parameters that change in time, ``(steps + 1, dimension, batch)``.
 
-    ``schedule``: Values in force during each step of the result, ``(steps, parameters, batch)``:
-    ``stride`` integration steps each. Shape ``(steps + 1, dimension, batch)``; the first entry is
-    the initial state.
+    ``schedule``: Values during each step of the result, ``stride`` integration steps each.
     """
     steps = len(schedule)
     parameters.check(schedule, steps, state.shape[1])

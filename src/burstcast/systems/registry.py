@@ -36,8 +36,7 @@ def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
     """Make the system ``name`` with these parameters.
 
     ``name``: Name of a module of `burstcast.systems` ("mfe", "lorenz63", ...), or module and class
-    of one's own, "my_flows.kuramoto:KuramotoSivashinsky". ``parameters``: Values of the fields of
-    the system's class; those with a default may be left out.
+    of a user, "my_flows.kuramoto:KuramotoSivashinsky".
     """
     return made("system", name, "parameter", system_class(name), parameters)
 

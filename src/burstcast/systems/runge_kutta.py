@@ -48,10 +48,7 @@ def _takes_powers(system: DynamicalSystem) -> bool:
 
 
 def step(system: DynamicalSystem, state: FloatArray, time_step: float) -> FloatArray:
-    """One integration step; states of shape ``(dimension, ...)``.
-
-    Of the fourth-order Runge-Kutta scheme, unless the system has an integrator of its own.
-    """
+    """One step of the Runge-Kutta scheme, or of the system's integrator, ``(dimension, ...)``."""
     if has_own(system, "flow_map"):
         return system.flow_map(state, time_step)
     if state.dtype != object:  # symbols have powers of their own

@@ -1,11 +1,9 @@
 """Functions written in LLVM's intermediate language and compiled to machine code.
 
-LLVM is the compiler below numba. Its instructions here work on vectors, with one number (a lane)
-for each of several trajectories that are adjacent in memory. They are carried out as written, in
-order, each rounded as IEEE 754 requires: results have the same bits on every processor. A processor
-whose registers hold fewer numbers takes several instructions for one.
-
-Compilation takes some hundredths of a second in each process; nothing is cached on disk.
+Instructions work on vectors, with one number (a lane) for each of several trajectories that are
+adjacent in memory. They are carried out as written, in order, each rounded as IEEE 754 requires:
+results have the same bits on every processor. Compilation takes some hundredths of a second in each
+process; nothing is cached on disk.
 """
 
 import ctypes
@@ -212,10 +210,10 @@ class Lanes:
         kind: str = "",
         step: int = 1,
     ) -> list[str]:
-        """Append a loop: ``for index in range(start, stop, step)``; return the carried values.
+        """Append ``for index in range(start, stop, step)``; returns the carried values.
 
-        ``body``: Appends the instructions of the loop; it is called with the index and the carried
-        values, and returns the next carried values.
+        ``body``: Appends the loop's instructions, of the index and the carried values; returns the
+        next ones.
         """
         kind = kind or self.vector
         self._names += 1
