@@ -84,7 +84,7 @@ class Places:
 
     def mutants(self) -> list[Mutant]:
         """All of them, in the order of the source."""
-        return [mutants for node in self.tree.body for mutants in self._of_statement(node, False)]
+        return [mutant for node in self.tree.body for mutant in self._of_statement(node, False)]
 
     def _of_statement(self, node: ast.stmt, inside: bool) -> Iterator[Mutant]:
         if isinstance(node, ast.Raise | ast.Assert | ast.Import | ast.ImportFrom):
@@ -309,13 +309,13 @@ def load_libraries() -> None:
 
 def passes(tests: Sequence[str], seconds: float, every: bool = False) -> tuple[bool, list[str]]:
     """Whether tests pass in a process of their own, and the failures that they tell."""
-    outcome = FOUND / "output.txt"
+    output = FOUND / "output.txt"
     child = os.fork()
     if child == 0:
         os.setsid()
         sys.dont_write_bytecode = True  # what is compiled of a mutant must not outlive it
         os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
-        with outcome.open("w") as file:
+        with output.open("w") as file:
             os.dup2(file.fileno(), 1)
             os.dup2(file.fileno(), 2)
         import pytest
@@ -336,7 +336,7 @@ def passes(tests: Sequence[str], seconds: float, every: bool = False) -> tuple[b
             os.waitpid(child, 0)
             return False, ["takes too long"]
         time.sleep(0.02)
-    lines = [line for line in outcome.read_text(errors="replace").splitlines() if line.strip()]
+    lines = [line for line in output.read_text(errors="replace").splitlines() if line.strip()]
     if any(line.startswith("ERROR: not found") for line in lines) and "::" in "".join(tests):
         # the name of a test has the number of a process in it, say: all tests of the files
         return passes(sorted({test.partition("::")[0] for test in tests}), seconds, every)
@@ -356,9 +356,9 @@ def outcome(mutant: Mutant, tests: Tests, options: argparse.Namespace) -> tuple[
         path.write_bytes(source[: mutant.start] + mutant.new.encode() + source[mutant.end :])
         for stage in filter(None, stages):
             seconds = sum(tests.seconds.get(test, 60.0) for test in stage)
-            passed, outcome = passes(stage, 30.0 + 4.0 * seconds, options.every)
+            passed, reasons = passes(stage, 30.0 + 4.0 * seconds, options.every)
             if not passed:
-                return "killed", outcome
+                return "killed", reasons
     finally:
         path.write_bytes(source)
         os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns))
@@ -374,9 +374,8 @@ def sample(modules: Sequence[str], seed: int, number: int) -> list[Mutant]:
     every = [mutant for file in files for mutant in Places(file).mutants()]
     chance = random.Random(seed)
     chance.shuffle(every)
-    return list({(entry.path, entry.start): entry for entry in reversed(every)}.values())[::-1][
-        :number
-    ]
+    first_of_place = {(mutant.path, mutant.start): mutant for mutant in reversed(every)}
+    return list(first_of_place.values())[::-1][:number]
 
 
 def run(options: argparse.Namespace) -> None:
@@ -417,9 +416,8 @@ def report() -> None:
     print(
         f"{len(entries)} mutants, {len(entries) - len(survivors)} killed, {len(survivors)} survived"
     )
-    for entry in sorted(
-        survivors, key=lambda entry: (entry["mutant"]["path"], entry["mutant"]["start"])
-    ):
+    survivors.sort(key=lambda entry: (entry["mutant"]["path"], entry["mutant"]["start"]))
+    for entry in survivors:
         print(f"{entry['mutant']['path']} {entry['mutant']['what']} | {entry['by'][0]}")
 
 

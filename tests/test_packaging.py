@@ -190,19 +190,6 @@ SOURCE = Path(burstcast.__file__).parents[1]
 OTHERS = ["snakemake", "pydantic", "matplotlib", "skimage", "burstcast_workflow"]
 
 
-def test_dataclasses_are_frozen():
-    """What has been checked when it was made stays so, and can be a key; an estimator is fitted."""
-    thawed = [
-        f"{path.stem}.{node.name}"
-        for path in (SOURCE / "burstcast").rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.ClassDef)
-        for decorator in map(ast.unparse, node.decorator_list)
-        if decorator.startswith("dataclass") and "frozen=True" not in decorator
-    ]
-    assert thawed == ["forecaster.EventForecaster"]
-
-
 IMPORT_ALL = """
 import importlib, importlib.util, json, sys
 names, others = json.loads(sys.argv[1])

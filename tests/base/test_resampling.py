@@ -96,14 +96,6 @@ def test_analysis_of_variance_is_that_of_nested_least_squares(seed, shape, scatt
     np.testing.assert_allclose(numbers, expected, rtol=1e-6, atol=1e-9)
 
 
-def test_known_components_of_variance_are_found():
-    generator = np.random.default_rng(0)
-    rows, columns = 3.0 * generator.normal(size=(300, 1)), generator.normal(size=(1, 200))
-    analysis = analysis_of_variance(rows + columns + 0.5 * generator.normal(size=(300, 200)))
-    deviations = [score.standard_deviation for score in (*analysis.factors, analysis.residual)]
-    np.testing.assert_allclose(deviations, [3.0, 1.0, 0.5], rtol=0.12)
-
-
 @pytest.mark.parametrize("values", [np.empty((0, 2)), np.array([[1.0, np.nan]])])
 def test_a_design_with_holes_is_refused(values):
     with pytest.raises(ValueError, match="every cell"):

@@ -1,10 +1,8 @@
 """Modules that stand alone: durations, events, laminarisation, random streams, names."""
 
-import ast
 import itertools
 import math
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-import burstcast
 from burstcast.base import durations, random_streams
 from burstcast.base.events import upward_crossings
 from burstcast.base.laminarisation import first_laminar_step, is_laminar
@@ -94,8 +91,6 @@ def test_time_may_be_any_axis(observable, axis):
 
 # -- laminarisation --------------------------------------------------------------------------------
 
-LIBRARY = Path(burstcast.__file__).parent
-
 
 def test_a_value_above_the_threshold_is_laminar_and_the_threshold_itself_is_not():
     above = np.nextafter(0.48, 1)
@@ -115,18 +110,6 @@ def test_the_first_laminar_step_is_that_of_a_plain_loop(axis):
     assert max(steps) > 3
     assert first_laminar_step(observable, 0.97, axis=axis).tolist() == steps
     assert (first_laminar_step(observable, None, axis=axis) == -1).all()
-
-
-def test_the_criterion_is_written_once():
-    order = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
-    compared = [
-        ast.unparse(node)
-        for path in LIBRARY.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.Compare) and isinstance(node.ops[0], order)
-    ]
-    assert len(compared) > 100
-    assert [text for text in compared if "laminarisation_threshold" in text] == []
 
 
 # -- random streams --------------------------------------------------------------------------------

@@ -8,7 +8,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from burstcast.control.actuation import ActuatorShare, actuated_system, reversed_actuation
-from burstcast.systems.forced import ForcedSystem, forced_system
 from burstcast.systems.integration import integrate
 from exponential_scheme import SemilinearSystem
 from helpers_library import FirstObserved
@@ -98,14 +97,3 @@ def test_a_force_against_scipy():
     expected = scipys(lambda y: system.right_hand_side(y) + force, 2.0, start, "LSODA", 1e-10)
     np.testing.assert_allclose(states, expected, rtol=1e-5, atol=1e-7)
     assert not np.allclose(states, free, atol=1e-3)
-
-
-def test_a_force_is_refused_where_a_class_replaces_the_scheme():
-    class Frozen(DampedTriad):
-        def flow_map(self, state, time_step):
-            return state
-
-    with pytest.raises(ValueError, match="Frozen has an integrator of its own"):
-        forced_system(Frozen(), [1.0, 0.0, 0.0])
-    with pytest.raises(ValueError, match="DampedTriad has an integrator of its own"):
-        ForcedSystem(DampedTriad(), [1.0, 0.0, 0.0])  # of the Runge-Kutta scheme

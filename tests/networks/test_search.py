@@ -225,25 +225,26 @@ def test_standard_errors_are_those_of_scipy_and_the_best_has_no_excess():
         assert ratio == pytest.approx(paired, rel=1e-10)
 
 
-def test_one_interval_says_nothing_about_its_error():
-    result = objective_uncertainty(LOG_ERRORS[:, :1])
-    best = int(np.argmin(LOG_ERRORS[:, 0]))
-    for point in range(3):
-        assert math.isnan(result.standard_error[point])
-        assert math.isnan(result.paired_standard_error[point]) == (point != best)
-    result = objective_uncertainty(np.array([[-5.0], [-5.1], [-5.1]]))
-    np.testing.assert_array_equal(result.paired_standard_error, [np.nan, 0, np.nan])
+NAN, INF = np.nan, np.inf
+
+
+@pytest.mark.parametrize(
+    ("errors", "single", "excess", "paired"),
+    [
+        # one interval says nothing about its error; closed loops that diverge have infinite ones
+        ([[-5.0], [-5.1], [-5.1]], [NAN] * 3, [pytest.approx(0.1), 0, 0], [NAN, 0, NAN]),
+        ([[INF] * 3] * 2, [NAN, NAN], [0, NAN], [0, NAN]),
+        ([[INF] * 3, [2.0] * 3], [NAN, 0], [INF, 0], [NAN, 0]),
+    ],
+)
+def test_what_is_not_defined_is_not_a_number(errors, single, excess, paired):
+    result = objective_uncertainty(np.array(errors))
+    expected = {"standard_error": single, "excess": excess, "paired_standard_error": paired}
+    for name, values in expected.items():
+        for value, wanted in zip(getattr(result, name), values, strict=True):
+            assert value == wanted or np.isnan([value, wanted]).all()
+
+
+def test_a_search_without_points_is_refused():
     with pytest.raises(ValueError, match="no point"):
         objective_uncertainty(np.empty((0, 5)))
-
-
-def test_infinite_errors_have_no_standard_error_and_no_difference():
-    """Closed loops that diverge have them."""
-    errors = np.full((2, 3), np.inf)
-    result = objective_uncertainty(errors)
-    np.testing.assert_array_equal(result.standard_error, [np.nan, np.nan])
-    np.testing.assert_array_equal(result.excess, [0, np.nan])
-    np.testing.assert_array_equal(result.paired_standard_error, [0, np.nan])
-    result = objective_uncertainty(np.vstack([errors[:1], [1.0, 2.0, 3.0]]))
-    np.testing.assert_array_equal(result.excess, [np.inf, 0])
-    np.testing.assert_array_equal(result.paired_standard_error, [np.nan, 0])

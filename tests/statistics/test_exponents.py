@@ -5,7 +5,6 @@ import re
 import numpy as np
 import pytest
 
-from burstcast.data.dataset import generate_ensemble, initial_states
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.esn import NetworkForecaster
@@ -28,7 +27,6 @@ from burstcast.statistics.neighbour_divergence import (
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lyapunov import kaplan_yorke_dimension, lyapunov_spectrum
-from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from helpers_library import MadeUpForecaster
 
 ROTATION = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3))).Q
@@ -367,16 +365,3 @@ def test_a_surrogate_is_noise_with_the_spectra_and_values_of_the_series(normal):
     rise = [np.diff(series[..., 2], axis=1) for series in (lorenz, noise)]
     skewness = [(first**3).mean() / first.std() ** 3 for first in rise]
     assert abs(skewness[0]) > 5 * abs(skewness[1])
-
-
-def test_shear_flow():
-    """Re = 400, whose published exponent is 0.0163."""
-    start = [1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0]
-    generator = np.random.default_rng(3)
-    starts = initial_states(np.array(start, float), 3, 0.01, 16, generator)
-    steps = {"time_step": 0.25, "sampling_stride": 4, "transient_steps": 800, "kept_steps": 10000}
-    system = MoehlisFaisstEckhardt(400.0)
-    (flow,) = generate_ensemble(system, starts, **steps, laminarisation_threshold=0.48)
-    assert len(flow.states) >= 10
-    result = estimate(flow.states[:10], 1.0)
-    assert result.exponent == pytest.approx(0.0163, rel=0.2)

@@ -8,7 +8,6 @@ import scipy.stats
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.statistics import long_term
 from burstcast.statistics.long_term import (
     Fate,
@@ -19,7 +18,6 @@ from burstcast.statistics.long_term import (
 )
 from burstcast.statistics.reductions import reduce_series
 from burstcast.statistics.survival import Lifetimes, escape_rate, survival_curve
-from burstcast.systems.lorenz63 import Lorenz63
 from helpers_library import MadeUpForecaster
 
 EDGES = np.linspace(0.0, 1.0, 11)
@@ -220,24 +218,6 @@ def test_what_rests_is_a_fixed_point_from_its_first_step_but_not_the_observable_
     values = np.where(time < 900, 0.2, 0.2 + 0.1 * np.sin(time))
     result, _ = run(copies(np.stack([values, np.sin(time)], axis=1)))
     assert (result.fates == Fate.KEPT).all()
-
-
-def test_equations_have_the_statistics_of_their_own_trajectories():
-    system = Lorenz63()
-    forecaster = EquationsFromTruth(system=system, time_step=0.01, sampling_stride=2)
-    washouts = np.random.default_rng(2).normal(0, 5, (5, 4, 3)) + np.array([0, 0, 20])
-    edges = np.linspace(-30, 30, 31)
-    result = run_long_term(
-        forecaster, system.observable, washouts, LongTermSettings(700, edges, None, None)
-    )
-    states, _ = forecaster.advance(np.ascontiguousarray(washouts[:, -1].T), 700)
-    series = states.transpose(2, 0, 1)
-    expected = reduce_series([series], system.observable, edges).merged(slice(None))
-    np.testing.assert_array_equal(result.statistics.histogram.counts, expected.histogram.counts)
-    mean_product = result.statistics.moments.mean_product
-    np.testing.assert_array_equal(mean_product, expected.moments.mean_product)
-    # the flow contracts towards the attractor, on which xy averages to beta z
-    assert mean_product[0, 1] == pytest.approx(8 / 3 * result.statistics.moments.mean[2], rel=0.05)
 
 
 def test_starting_points_are_shared_out_evenly_as_many_as_there_is_room_for():

@@ -245,18 +245,6 @@ def test_textbook_values_and_fixed_points():
     np.testing.assert_allclose(system.right_hand_side(points), 0.0, atol=1e-13)
 
 
-def test_series_of_an_ensemble_begin_apart_and_cover_many_turns():
-    ensemble = Lorenz63.case_defaults["ensemble"]
-    assert ensemble["initial_state"][ensemble["perturbed_component"] - 1] == 20.0
-    # starts are spread over a tenth of what z covers, 1 to 48
-    assert ensemble["perturbation"] == 5.0
-    assert ensemble["time_step"] * ensemble["sampling_stride"] == 0.02
-    assert (ensemble["transient"], ensemble["duration"]) == (20.0, 80.0)
-    # z is positive; its fixed points with lobes around them are at rho - 1, that below at 0
-    assert Lorenz63.case_defaults["density"]["range"] == [0.0, 50.0]
-    assert Lorenz63.case_defaults["fixed_point"] == {"variation": 0.1, "above": 0.0}
-
-
 # -- the check of a system -------------------------------------------------------------------------
 
 ROOT = Path(__file__).parents[2]
