@@ -173,10 +173,17 @@ class Row:
         ]
 
 
-HEAD = (
-    "stage | work | neurons | seconds | ns per neuron-step | GFLOP/s | of dgemm | "
-    "textbook x | numpy/scipy x"
-).split(" | ")
+HEAD = [
+    "stage",
+    "work",
+    "neurons",
+    "seconds",
+    "ns per neuron-step",
+    "GFLOP/s",
+    "of dgemm",
+    "textbook x",
+    "numpy/scipy x",
+]
 
 
 # What is done by ReservoirPy, too: forecasts, and steps of each.

@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.forecasts.example_events import (
@@ -126,32 +128,32 @@ OBSERVED = np.stack(
 ).astype(float)
 
 
-def choose(failing_from, lead=8, error=0.3):
-    events = isolated_events(TRUTH, CRITERION, before=lead + 2)
-    assert [event.series for event in events] == [0, 1, 2]
-    wrong, settings = Wrong(TRUTH, error, np.array(failing_from)), {"washout": 3, "tolerance": 0.2}
-    chosen = predicted_event(events, wrong, OBSERVED, OBSERVED, lead=lead, **settings)
-    breakdowns = [event.times[3] for event in events]
-    return chosen.series, breakdowns
+EVENTS = isolated_events(TRUTH, CRITERION, before=10)
+BREAKDOWNS = [event.times[3] for event in EVENTS]
+FAILING = st.sampled_from([0, 23, 40, 45, 50, 1000, *BREAKDOWNS, *np.add(BREAKDOWNS, 1).tolist()])
 
 
-def test_the_best_predicted_event_is_chosen():
-    never = 1000
-    assert choose([never] * 3)[0] == 0
-    _, breakdowns = choose([never] * 3)
-    # lost at the very last step that counts, and one step later
-    assert choose([breakdowns[0], never, never])[0] == 1
-    assert choose([breakdowns[0] + 1, never, never])[0] == 0
-    assert choose([0, 0, never])[0] == 2
-    assert choose([0, 1000, 1000], error=0.1)[0] == 0
-    assert choose([40, 1000, 1000], error=np.nan)[0] == 1
+@given(st.tuples(FAILING, FAILING, FAILING), st.sampled_from([0.1, 0.3, np.nan]), st.integers(1, 3))
+def test_the_event_with_the_longest_prediction_up_to_its_breakdown_is_chosen(failing, error, batch):
+    """The first of the best: a prediction is lost at its first step beyond the tolerance."""
+    shares = []
+    for event, first in zip(EVENTS, failing, strict=True):
+        steps = range(event.times[0] - 7, event.times[3] + 1)
+        wrong = [step for step in steps if step >= first and not error < 0.2]
+        shares.append(((min(wrong) if wrong else steps.stop) - steps.start) / len(steps))
+    wrong = Wrong(TRUTH, error, np.array(failing))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("burstcast.forecasts.example_events.CANDIDATES_PER_BATCH", batch)
+        chosen = predicted_event(
+            EVENTS, wrong, OBSERVED, OBSERVED, lead=8, washout=3, tolerance=0.2
+        )
+    assert chosen is EVENTS[shares.index(max(shares))]
 
 
 def test_the_whole_state_must_be_right():
-    events = isolated_events(TRUTH, CRITERION, before=10)
     states = np.pad(OBSERVED, ((0, 0), (0, 0), (0, 1)))
     wrong = states.copy()
-    wrong[0, events[0].times[3], 3] = 0.3
+    wrong[0, EVENTS[0].times[3], 3] = 0.3
 
     class FourthComponentZero(Wrong):
         def advance(self, memory, steps):
@@ -161,18 +163,8 @@ def test_the_whole_state_must_be_right():
 
     forecaster = FourthComponentZero(TRUTH, 0.0, np.zeros(3))
     settings = {"lead": 8, "washout": 3, "tolerance": 0.2}
-    assert predicted_event(events, forecaster, states, states, **settings).series == 0
-    assert predicted_event(events, forecaster, states, wrong, **settings).series == 1
-
-
-def test_without_a_predicted_event_the_longest_prediction_is_chosen_whatever_the_batches(
-    monkeypatch,
-):
-    assert choose([40, 50, 45])[0] == 1
-    assert choose([0, 0, 0])[0] == 0
-    monkeypatch.setattr("burstcast.forecasts.example_events.CANDIDATES_PER_BATCH", 1)
-    assert choose([40, 50, 45])[0] == 1
-    assert choose([0, 1000, 1000])[0] == 1
+    assert predicted_event(EVENTS, forecaster, states, states, **settings).series == 0
+    assert predicted_event(EVENTS, forecaster, states, wrong, **settings).series == 1
 
 
 def test_an_event_is_forecast_from_its_washout_to_after_its_breakdown():
@@ -313,18 +305,12 @@ def test_outcomes_are_shown_beside_the_truth_and_points_kept_apart():
     )
 
 
-@pytest.mark.parametrize(
-    ("first", "count", "expected"),
-    [
-        (1, 2, [1, 2]),
-        (-2, 4, [np.nan, np.nan, 0, 1]),
-        (3, 3, [3, np.nan, np.nan]),
-        (9, 2, [np.nan, np.nan]),
-        (-5, 2, [np.nan, np.nan]),
-    ],
-)
-def test_stretch(first, count, expected):
-    np.testing.assert_array_equal(stretch(np.arange(4.0), first, count), expected)
+@given(st.integers(-9, 9), st.integers(0, 9))
+def test_a_stretch_is_cut_out_of_the_series_and_nothing_beyond_it(first, count):
+    beyond = np.pad(np.arange(4.0), 20, constant_values=np.nan)
+    np.testing.assert_array_equal(
+        stretch(np.arange(4.0), first, count), beyond[20 + first : 20 + first + count]
+    )
 
 
 HIGH, LOW = 0.2, 0.05
