@@ -4,30 +4,28 @@ Source: Rosenstein, Collins & De Luca, "A practical method for calculating large
 exponents from small data sets", Physica D 65 (1993). The logarithm of the distance of states to
 their nearest neighbours, averaged over many, grows linearly at first, by the leading exponent.
 
-Three things hide that growth in series of finite length, and two of them are taken out here:
+Three things hide that growth in series of finite length:
 
-* Neighbours are apart along the flow, too, which does not grow: in weak chaos it hides the rest
-  for some Lyapunov times. Distances are taken across the flow.
-* Distances saturate, the sooner the more dimensions the attractor has, and noise is a floor below
-  them. Growth that saturates above a floor is fitted to the mean logarithm, by two laws
-  (`POWERS`) and up to two levels (`FITTED`); the estimate is the mean of the four.
-* Neighbours take time until they point in the direction that grows fastest. Nothing is done about
-  it.
+* Neighbours are apart along the flow, too, which does not grow. Distances are taken across the
+  flow.
+* Distances saturate, and noise is a floor below them. Growth that saturates above a floor is
+  fitted to the mean logarithm, by two laws (`POWERS`) and up to two levels (`FITTED`); the estimate
+  is the mean of the four.
+* Neighbours take time until they point in the direction that grows fastest. This is not corrected.
 
-Neighbouring states of noise part as well, and any series has a rate at which they do. An exponent
-is given only where neighbours stay together for longer than those of surrogates: noise with the
-spectra, cross-spectra and distributions of the series (Theiler et al., "Testing for nonlinearity in
-time series: the method of surrogate data", Physica D 58 (1992)). In trials the mean logarithm of
-the distance over the fit was 10 to 270 standard deviations of the surrogates below their mean in
-nine sets of chaotic series, from 400 samples of one series on, and at most 4 in 17 sets of white
-noise, random walks, autoregressive noise and functions of noise.
+Neighbouring states of noise part as well. An exponent is given only where neighbours stay together
+for longer than those of surrogates: noise with the spectra, cross-spectra and distributions of the
+series (Theiler et al., "Testing for nonlinearity in time series: the method of surrogate data",
+Physica D 58 (1992)). In trials the mean logarithm of the distance was 10 to 270 standard deviations
+of the surrogates below their mean in nine sets of chaotic series, and at most 4 in 17 sets of
+noise.
 
-The interval holds the scatter over series, the differences of the four fits, and the error that is
-left then, `METHOD_ERROR`. What came of ten series of 4000 samples, some 25 to 80 Lyapunov
-times each (the pair: 6000 and 84), beside exponents of the equations:
+The interval holds the scatter over series, the differences of the four fits, and the remaining
+error, `METHOD_ERROR`. Estimates from ten series of 4000 samples, some 25 to 80 Lyapunov times each
+(the pair: 6000 and 84), and exponents of the equations:
 
 ===============================================  ========  ================  ==========  ======
-series                                           estimate  interval (95 %)   1 % noise   known
+series                                           estimate  interval (95 %)   1 % noise   true
 ===============================================  ========  ================  ==========  ======
 four species (Lotka-Volterra; Vano et al. 2006)  0.0194    0.0155 to 0.0234  0.0165      0.0204
 bursting neuron (Hindmarsh-Rose)                 0.0147    0.0115 to 0.0177  0.0116      0.0133
@@ -44,9 +42,9 @@ Chen                                             2.04      1.62 to 2.46      1.8
 Thomas                                           0.0643    0.0493 to 0.0801  0.0667      0.0349
 ===============================================  ========  ================  ==========  ======
 
-Thomas' system, in which distances of any size grow faster than infinitesimal ones, is the one that
-the interval misses. One component of a flow of many dimensions is not enough: of the kinetic energy
-of the shear flow alone it is 3.5 times the exponent.
+The interval misses Thomas' system, in which distances of any size grow faster than infinitesimal
+ones. One component of a flow of many dimensions is not enough: the kinetic energy of the shear flow
+alone yields 3.5 times the exponent.
 """
 
 from dataclasses import dataclass
