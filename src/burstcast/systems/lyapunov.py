@@ -338,8 +338,8 @@ def _propagated(
     columns = np.empty((2, dimension, batch, number))
     columns[0] = state[:, :, np.newaxis]
     columns[1] = tangent.transpose(1, 0, 2)
-    columns = columns.reshape(2 * dimension, batch * number)
-    end = integrate(flow, columns, time_step, steps, steps)[-1]
+    joined = columns.reshape(2 * dimension, batch * number)
+    end = integrate(flow, joined, time_step, steps, steps)[-1]
     states, tangents = end.reshape(2, dimension, batch, number)
     # contiguous: numpy factorises stacks of strided matrices more slowly
     return np.ascontiguousarray(states[:, :, 0]), np.ascontiguousarray(tangents.transpose(1, 0, 2))
