@@ -1,6 +1,5 @@
 """Lyapunov exponents against exact and published ones, and the two methods against each other."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -225,80 +224,3 @@ def test_shear_flow_has_the_published_exponents(reynolds, published, expected):
     by_qr = spectrum.exponents.mean(axis=0)
     assert by_qr[0] == pytest.approx(growth[:100].mean(), abs=5e-5)
     assert abs(by_qr[2]) < 5e-4  # the direction of the flow itself
-
-
-# -- of classical systems, from right-hand sides alone ---------------------------------------------
-
-TRAJECTORIES = 24
-
-
-@dataclass(frozen=True)
-class Equations(FirstObserved, DynamicalSystem):
-    """Three equations, given as a function; no Jacobian."""
-
-    rates: Callable[[FloatArray, FloatArray, FloatArray], tuple]
-
-    dimension: ClassVar[int] = 3
-
-    def right_hand_side(self, state):
-        derivative = np.empty_like(state)
-        for row, rate in enumerate(self.rates(*state)):
-            derivative[row] = rate
-        return derivative
-
-
-# A classical system: its equations, where it starts, a time step; published: its leading exponent,
-# its divergence, its last exponent (of the simple flows what is missing to the divergence).
-SYSTEMS = {
-    "Lorenz": (
-        lambda x, y, z: (10 * (y - x), x * (28 - z) - y, x * y - 8 / 3 * z),
-        *((1.0, 1.0, 20.0), 0.01, 0.9056, -41 / 3, -14.5723),
-    ),
-    "Roessler": (
-        lambda x, y, z: (-y - z, x + 0.2 * y, 0.2 + z * (x - 5.7)),
-        *((-9.0, 0.0, 0.0), 0.03, 0.0714, None, -5.3943),
-    ),
-    "Thomas": (
-        lambda x, y, z: (np.sin(y) - 0.18 * x, np.sin(z) - 0.18 * y, np.sin(x) - 0.18 * z),
-        *((0.1, 0.0, 0.0), 0.1, 0.0349, -0.54, -0.5749),
-    ),
-    "Chen": (
-        lambda x, y, z: (35 * (y - x), -7 * x - x * z + 28 * y, x * y - 3 * z),
-        *((-10.0, 0.0, 37.0), 0.004, 2.0272, -10.0, -12.0272),
-    ),
-    # J. C. Sprott, Some simple chaotic flows, Phys. Rev. E 50, R647 (1994), table I; the others:
-    # J. C. Sprott, Chaos and Time-Series Analysis, Oxford University Press (2003), appendix A
-    "Sprott B": (
-        lambda x, y, z: (y * z, x - y, 1 - x * y),
-        *((0.05, 0.05, 0.05), 0.05, 0.210, -1.0, -1.210),
-    ),
-}
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", SYSTEMS)
-def test_exponents_are_the_published_ones(name):
-    """Which J. C. Sprott computed by another method; the divergence one reads off the equations."""
-    rates, start, time_step, leading, divergence, last = SYSTEMS[name]
-    system, generator = Equations(rates), np.random.default_rng(11)
-    start = np.repeat(np.array(start)[:, np.newaxis], TRAJECTORIES, axis=1)
-    start += 1e-2 * generator.standard_normal(start.shape)
-    # until neighbours have forgotten one another, and for some thousand Lyapunov times in all
-    settle, steps = round(25 / leading / time_step), round(120 / leading / time_step)
-    states = integrate(system, start, time_step, settle, settle)[-1]
-    interval = max(1, round(0.2 / abs(last) / time_step))
-    spectrum = lyapunov_spectrum(
-        system, states, time_step, steps, interval, alignment_steps=steps // 4
-    ).exponents
-    estimate = mean_with_interval(spectrum, 0.999)
-    margin = (estimate.high - estimate.low)[0] / 2
-    assert margin < 0.1 * leading
-    assert abs(estimate.mean[0] - leading) < margin + 0.005 * leading
-    assert abs(estimate.mean[1]) < 0.05 * leading
-    assert abs(estimate.mean[2] - last) < margin + 0.005 * abs(last)
-    if divergence is not None:
-        np.testing.assert_allclose(spectrum.sum(axis=1), divergence, rtol=1e-3)
-    growth = perturbation_growth(
-        system, states, time_step, steps, 1e-8, 1e-4, generator, steps // 4
-    )
-    assert growth.mean() == pytest.approx(estimate.mean[0], abs=margin)

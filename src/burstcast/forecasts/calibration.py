@@ -55,8 +55,9 @@ def pool_adjacent_violators(values: FloatArray, weights: FloatArray) -> FloatArr
 def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
     """Calibrate by isotonic regression of the outcomes on the forecast values.
 
-    ``prior``: Number of forecasts, at each value, that came true with this value as their
-    frequency, so that values must be probabilities. 0: the regression alone.
+    ``prior``: Number of forecasts at each value that the prior counts for: forecasts that came true
+    with this value as their frequency, so that values must be probabilities. 0: the regression
+    alone.
 
     Examples
     --------

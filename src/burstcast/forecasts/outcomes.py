@@ -37,7 +37,7 @@ class Outcomes:
         )
 
     def at(self, values: FloatArray) -> "Outcomes":
-        """Outcomes with new values, never falling, for the levels; NaN does not count."""
+        """Outcomes with new values, never falling, for the levels; levels of NaN are left out."""
         defined = ~np.isnan(values)
         if (np.diff(values[defined]) < 0).any():
             raise ValueError("values that fall would change the order of the forecasts")

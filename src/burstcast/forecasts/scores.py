@@ -39,7 +39,7 @@ def probability_scores(outcomes: Outcomes, threshold: float, bins: int) -> dict[
 def resampled_scores(
     outcomes: Outcomes, weights: IntArray, threshold: float, bins: int
 ) -> dict[str, ResampledScore]:
-    """`probability_scores` of all series ``(series, levels)``, and of ``(resamples, series)``."""
+    """`probability_scores` of all series, ``(series, levels)``, and of resamples of them."""
     values = probability_scores(outcomes.total(), threshold, bins)
     samples = probability_scores(outcomes.resampled(weights), threshold, bins)
     return {name: ResampledScore(value, samples[name]) for name, value in values.items()}

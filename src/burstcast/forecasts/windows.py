@@ -89,5 +89,5 @@ def crosses(
 
 
 def crosses_in_window(observable: FloatArray, start: int, end: int, threshold: float) -> BoolArray:
-    """Whether ``(steps, batch)`` observables cross the threshold from step ``start`` to ``end``."""
+    """Whether observables ``(steps, batch)`` cross the threshold from step ``start`` to ``end``."""
     return crosses(summarise(observable, (start, end)), 0, 1, threshold)

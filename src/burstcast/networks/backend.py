@@ -27,10 +27,10 @@ class Backend(abc.ABC):
     def open_loop(
         self, inputs: FloatArray, states: FloatArray, record: FloatArray | None
     ) -> FloatArray:
-        """Drive the states by data; ``record``, ``(neurons, steps, batch)``, receives them all."""
+        """Final states, driven by data; ``record`` receives the state after each input."""
 
     @abc.abstractmethod
     def closed_loop(
         self, weights: FloatArray, input_range: FloatArray, states: FloatArray, steps: int
     ) -> tuple[FloatArray, FloatArray]:
-        """Let the network drive itself: outputs and final states."""
+        """Outputs and final states of a network that drives itself."""

@@ -45,7 +45,7 @@ class ClosedLoopTangent:
     def advance(
         self, states: FloatArray, tangent: FloatArray, steps: int
     ) -> tuple[FloatArray, FloatArray]:
-        """States ``(neurons, batch)`` and perturbations ``(neurons, number, batch)`` later on."""
+        """States ``(neurons, batch)`` and perturbations ``(neurons, n, batch)`` after steps."""
         shape = tangent.shape
         for _ in range(steps):
             before = states

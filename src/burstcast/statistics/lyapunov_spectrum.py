@@ -33,10 +33,9 @@ def forecaster_spectrum(
 ) -> LyapunovSpectrum:
     """Leading Lyapunov exponents of a forecaster along long runs, ``(runs, exponents)``.
 
-    The perturbations align over the first quarter of a run, as for the flow's own exponents
-    (`alignment_of`). ``washouts``: Observed states up to the start of each run, ``(runs, steps,
-    dimension)``. NaN for exponents that are missing (a forecaster has no more than components of
-    its memory) or unresolved.
+    The perturbations align over the first quarter of a run (`alignment_of`). ``washouts``: Observed
+    states up to the start of each run, ``(runs, steps, dimension)``. NaN for exponents that are
+    missing (a forecaster has no more than components of its memory) or unresolved.
     """
     alignment = alignment_of(steps, orthonormalisation_steps)
     intervals = (steps - alignment) // orthonormalisation_steps

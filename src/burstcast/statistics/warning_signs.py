@@ -99,7 +99,7 @@ def optimum_on_edge(
 
 @_sign
 def few_events(events: int, asked: int, threshold: float, largest: float) -> Iterator[str]:
-    """No events, or too few, of those that were asked for, for averages over them."""
+    """No events, or too few for averages over them."""
     if largest < threshold:
         yield f"no event: the threshold {threshold:g} is above all of the observable, {largest:.4g}"
     elif events < min(FEW_EVENTS, asked):

@@ -324,7 +324,7 @@ class _TangentMap(_TangentFlow):
 def with_perturbations(
     system: DynamicalSystem, state: FloatArray, tangent: FloatArray, time_step: float, steps: int
 ) -> tuple[FloatArray, FloatArray]:
-    """States ``(dimension, batch)`` and perturbations ``(dimension, number, batch)`` later on."""
+    """States ``(dimension, batch)`` and perturbations ``(dimension, n, batch)`` after steps."""
     columns = np.ascontiguousarray(tangent.transpose(2, 0, 1))
     state, columns = _propagated(tangent_flow(system), state, columns, time_step, steps)
     return state, np.ascontiguousarray(columns.transpose(1, 2, 0))

@@ -117,7 +117,7 @@ class ValidationStrategy(abc.ABC):
 
 
 def use_of_series(folds: Sequence[Fold], row: int) -> tuple[int, list[int]]:
-    """Step before which folds train on a series, and the first steps of its intervals."""
+    """Step up to which folds train on a series, and the first steps of its validation intervals."""
     stops = [block.stop for fold in folds for block in fold.trained if row in block.series]
     starts = {start for fold in folds if row in fold.series for start in fold.starts}
     return max(stops, default=0), sorted(starts)
