@@ -1,6 +1,5 @@
 """How others get burstcast: container, conda, catalog; the library alone, without a compiler."""
 
-import ast
 import json
 import os
 import pkgutil
@@ -256,18 +255,6 @@ def test_the_library_stands_alone_saves_and_loads(environment, tmp_path):
     assert len(names) > 50
     run_alone(environment, tmp_path, IMPORT_ALL, json.dumps([names, OTHERS]))
     run_alone(environment, tmp_path, SAVE_AND_LOAD)
-
-
-def test_no_function_of_the_library_imports_the_workflow():
-    imported = set()
-    for path in (SOURCE / "burstcast").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Import):
-                imported |= {alias.name.partition(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom):
-                imported.add(node.module.partition(".")[0])
-    assert "numpy" in imported
-    assert not imported & {"burstcast_workflow", "snakemake", "pydantic", "yaml"}
 
 
 @pytest.mark.long
