@@ -16,8 +16,8 @@ def forced_system(system: DynamicalSystem, force: Sequence[float]) -> DynamicalS
 class ForcedSystem(DynamicalSystem):
     """A system with a constant force added to its right-hand side (see `forced_system`).
 
-    It is not a dataclass: the force is a vector over the components, and an array among the fields
-    of a system would be taken for a parameter that differs between the trajectories of a batch.
+    It is not a dataclass: with an array among its fields it would have no hash, and not be
+    compiled.
     """
 
     def __init__(self, system: DynamicalSystem, force: Sequence[float]) -> None:
