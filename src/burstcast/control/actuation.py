@@ -94,7 +94,7 @@ class ActuationValues:
         """Values of parameters by name: of the equations, or the share of the actuator alone."""
         if list(names) == [SHARE]:
             return cls((0.0,), (strength,), (-strength,))
-        off, on = (SystemParameters.of(one, names).own for one in (system, actuated))
+        off, on = (SystemParameters.of(one, names).defaults for one in (system, actuated))
         return cls(off, on)
 
     def schedule(self, acting: ByteArray | BoolArray) -> FloatArray:

@@ -86,13 +86,9 @@ def accurate_steps(
 ) -> IntArray:
     """Steps during which each forecast stays within the tolerance of the truth (paper, eq. 11).
 
-    A forecast ends as soon as it leaves the tolerance.
-
     ``washouts``: ``(steps, dimension, batch)``. ``truth``: True observable from one step after the
-    starting point, ``(steps, batch)``. ``tolerance``: Error that counts as lost, in the
-    observable's units. ``parameters``: Schedule over washout and forecast, as of
-    `burstcast.forecasts.window_forecasts.window_forecasts`; None: the case's own values. Returns
-    accurate steps, ``(batch,)``; all the steps of ``truth`` where the forecast never leaves it.
+    starting point, ``(steps, batch)``. ``parameters``: Schedule over washout and forecast, as of
+    `burstcast.forecasts.window_forecasts.window_forecasts`.
     """
     steps, batch = truth.shape
     accurate = np.full(batch, steps, dtype=np.int64)
@@ -126,17 +122,15 @@ def prediction_horizons(
     search: HorizonSearch,
     parameters: FloatArray | None = None,
 ) -> FloatArray:
-    """PH_ee of each event.
+    """PH_ee of each event, in Lyapunov times, ``(events,)``.
 
     The forecast starts tau_e before the event. If it stays within the tolerance up to the event,
     PH_ee is tau_e; if not, tau_e is shortened and the forecast repeated. If even the shortest tau_e
     fails, PH_ee is the time for which that forecast is accurate.
 
     ``observed``: Observed states up to the event, ``(events, search.steps_before_event + 1,
-    dimension)``. ``truth``: True observable of the same steps, ``(events, search.steps_before_event
-    + 1)``. ``parameters``: Schedule of the same steps, from each to the next, ``(events,
-    search.steps_before_event, parameters)``; None: the case's own values. Returns prediction
-    horizons in Lyapunov times, ``(events,)``.
+    dimension)``. ``truth``: True observable of the same steps. ``parameters``: Schedule from each
+    of them to the next.
     """
     if observed.shape[1] != search.steps_before_event + 1 or truth.shape != observed.shape[:2]:
         raise ValueError("the segments before the events do not fit the search for the horizon")

@@ -1,7 +1,4 @@
-"""Forecasts of each training series by a forecaster that was fitted without it.
-
-Probabilities that are calibrated with them depend on the training series alone.
-"""
+"""Forecasts of each training series by a forecaster that was fitted without it."""
 
 from collections.abc import Callable
 
@@ -27,10 +24,8 @@ def out_of_sample_forecasts(
 ) -> WindowForecasts:
     """Forecast from starting points in the training series, refitted without the point's series.
 
-    ``training``, ``case``, ``washout``, ``parameters``: Arguments of `Forecaster.leave_one_out`.
     ``washouts``, ``series``: Washout of each point, ``(points, steps, dimension)``, and row of its
-    training series, ``(points,)``. ``schedules``: Schedule of each point, as of
-    `burstcast.forecasts.window_forecasts.window_forecasts`.
+    training series. ``parameters``, ``schedules``: Of the training series, and of each point.
     """
     rows, parts = [], []
     refitted_without = forecaster.leave_one_out(training, case, washout, parameters)
@@ -43,5 +38,5 @@ def out_of_sample_forecasts(
                 window_forecasts(refitted, observable, washouts[here], boundaries, in_force)
             )
     order = np.argsort(np.concatenate(rows))
-    found = joined(parts)
-    return WindowForecasts(**{name: values[order] for name, values in vars(found).items()})
+    forecasts = joined(parts)
+    return WindowForecasts(**{name: values[order] for name, values in vars(forecasts).items()})

@@ -24,10 +24,8 @@ def window_forecasts(
 ) -> WindowForecasts:
     """Forecast from many starting points and keep the window summaries.
 
-    Forecasts that overflow raise no warning; they predict no event.
-
-    ``parameters``: Schedule over washout and forecast, from each state to the next, ``(points,
-    steps - 1 + boundaries[-1], parameters)``; None: the case's own values.
+    Forecasts that overflow raise no warning; they predict no event. ``parameters``: Schedule over
+    washout and forecast, ``(points, steps - 1 + boundaries[-1], parameters)``; None: the defaults.
     """
     batches = []
     for start in range(0, len(washouts), POINTS_PER_BATCH):
@@ -42,10 +40,12 @@ def window_forecasts(
         by_member = np.empty((2, 0, points, len(boundaries) - 1))
         if members > 1:
             of_members = for_members(ahead, members)
-            found, _ = _summaries(
+            summaries, _ = _summaries(
                 forecaster, observable, side_by_side(ensemble), boundaries, of_members
             )
-            by_member = np.stack([found.first, found.largest]).reshape(2, members, points, -1)
+            by_member = np.stack([summaries.first, summaries.largest]).reshape(
+                2, members, points, -1
+            )
         batches.append(
             WindowForecasts(single.first, single.largest, diverged, *by_member.swapaxes(1, 2))
         )
@@ -64,11 +64,9 @@ def joined(parts: list[WindowForecasts]) -> WindowForecasts:
 def member_forecasts(
     forecaster: Forecaster, washout: FloatArray, steps: int, parameters: FloatArray | None = None
 ) -> FloatArray:
-    """Forecast states by every member of an ensemble, ``(steps, dimension, members, batch)``.
+    """Forecast states by each member of an ensemble, ``(steps, dimension, members, batch)``.
 
-    Overflows and ``parameters`` are as in `window_forecasts`.
-
-    ``washout``: Observed states up to the starting points, ``(steps, dimension, batch)``.
+    ``washout``: ``(steps, dimension, batch)``. ``parameters``: As of `window_forecasts`.
     """
     past, ahead = schedules_of(parameters, len(washout))
     ensemble = forecaster.ensemble_under(washout, past)
@@ -96,9 +94,9 @@ def _summaries(
         in_force = None if parameters is None else parameters[..., batch]
         some = np.ascontiguousarray(memory[..., batch])
         outputs, _ = forecaster.advance_under(some, boundaries[-1], in_force)
-        found = summarise(observable(outputs.transpose(1, 0, 2)), boundaries)
-        first.append(found.first)
-        largest.append(found.largest)
+        summaries = summarise(observable(outputs.transpose(1, 0, 2)), boundaries)
+        first.append(summaries.first)
+        largest.append(summaries.largest)
         diverged.append(forecaster.diverged(outputs))
     summaries = WindowSummaries(np.concatenate(first), np.concatenate(largest))
     return summaries, np.concatenate(diverged)

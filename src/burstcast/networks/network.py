@@ -72,24 +72,10 @@ class EchoStateNetwork:
         )
 
     def washout(self, inputs: FloatArray, states: FloatArray | None = None) -> FloatArray:
-        """States of the reservoir after it has been driven by data.
+        """States ``(neurons, batch)`` after data ``(steps, dimension, batch)``.
 
-        Parameters
-        ----------
-        inputs
-            Data in their own units, shape ``(steps, dimension, batch)``. They end with the starting
-            point of the forecast itself.
-        states
-            Initial states, shape ``(neurons, batch)``; None: zero.
-
-        Returns
-        -------
-        States, shape ``(neurons, batch)``.
-
-        Raises
-        ------
-        ValueError
-            If a shape does not fit or a value is not finite.
+        The data end with the starting point of the forecast itself. ``states``: Initial states;
+        None: zero.
         """
         centred = self._centred(inputs) / self.input_range[:, np.newaxis]
         return self.dynamics.open_loop(centred, states)
@@ -97,30 +83,12 @@ class EchoStateNetwork:
     def forecast(
         self, states: FloatArray, steps: int, factors: FloatArray | None = None
     ) -> tuple[FloatArray, FloatArray]:
-        """Autonomous forecast from the states after a washout.
+        """Autonomous forecast from the states ``(neurons, batch)`` after a washout.
 
-        Parameters
-        ----------
-        states
-            Shape ``(neurons, batch)``; not changed.
-        steps
-            Length of the forecast.
-        factors
-            Factors in force during each step, ``(steps, factors, batch)``, of a network that was
-            trained with factors.
-
-        Returns
-        -------
-        outputs
-            Shape ``(steps, dimension, batch)``, in the units of the data; the first lies one step
-            after the last input of the washout.
-        states
-            Shape ``(neurons, batch)``; a call with them continues the forecast.
-
-        Raises
-        ------
-        ValueError
-            If a shape does not fit or a state is not finite.
+        ``factors``: Factors during each step, ``(steps, factors, batch)``, of a network that was
+        trained with them. Returns outputs, ``(steps, dimension, batch)``, of which the first lies
+        one step after the last input of the washout, and states, with which a call continues the
+        forecast.
         """
         weights = self.readout.weights
         if factors is not None:
@@ -134,31 +102,16 @@ class EchoStateNetwork:
         return outputs, states
 
     def under(self, factors: FloatArray) -> "EchoStateNetwork":
-        """Plain network that a network trained with factors is under constant ones.
-
-        Parameters
-        ----------
-        factors
-            ``(factors,)``.
-        """
+        """Plain network that a network trained with factors is under constant ones."""
         layout = FactoredStates.of(self.dynamics.reservoir, len(factors))
         weights = layout.weights_at(self.readout.weights, factors)
         return replace(self, readout=replace(self.readout, weights=weights))
 
     def diverged(self, outputs: FloatArray, bound: float) -> BoolArray:
-        """Whether the forecasts of a batch have diverged.
+        """Whether forecasts ``(steps, dimension, batch)`` have diverged, ``(batch,)``.
 
-        Parameters
-        ----------
-        outputs
-            Forecasts, shape ``(steps, dimension, batch)``.
-        bound
-            In training ranges of the component.
-
-        Returns
-        -------
-        Shape ``(batch,)``: whether any value is not finite, or further from the offset (from zero,
-        if there is none) than ``bound`` times its component's training range.
+        They have if a value is not finite, or further from the offset than ``bound`` training
+        ranges.
         """
         largest = bound * self.input_range[:, np.newaxis]
         # Negated, so that nan counts as diverged.

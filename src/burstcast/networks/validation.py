@@ -1,9 +1,7 @@
 """Validation of one point of the hyperparameter space, by any strategy.
 
 Source: section "Validation" and the appendix "Training and validation sets" of the paper. One open
-loop over the training series serves all the strategies that train on all series alike: the moments
-of the Single Shot Validation are a snapshot of the moments of the Recycle Validation, taken one
-validation interval before the series end.
+loop over the training series serves all strategies that train on all series alike.
 """
 
 import functools
@@ -235,10 +233,7 @@ def _log_errors(
     truth: FloatArray,
     unit: float,
 ) -> FloatArray:
-    """log10 of the mean square error of the observable over each interval, ``(intervals,)``.
-
-    ``unit``: What the errors are divided by.
-    """
+    """log10 of the mean square error of the observable over each interval, over ``unit``."""
     outputs, _ = network.forecast(states, truth.shape[0], factors)
     with np.errstate(over="ignore", invalid="ignore"):
         error = np.mean((observable(outputs.transpose(1, 0, 2)) - truth) ** 2, axis=0)

@@ -485,7 +485,7 @@ class Simulated(Case):
             if self.actuation is None:
                 raise ValueError("training.actuation needs a case with an actuation")
             system = actuated_system(system, self.actuation.parameters, None, share)
-        return [*SystemParameters.of(system, names).own]
+        return [*SystemParameters.of(system, names).defaults]
 
 
 class MeasuredSteps(Steps):

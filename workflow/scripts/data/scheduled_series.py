@@ -20,7 +20,7 @@ def schedule_series(*, ensemble: str, scheduled_series: str, settings: Switched)
             raise ValueError("data.known: nothing of it varies in the training series")
         series, observed = ScheduledSeries(free, known), settings.observed_rows(ensemble, 0, free)
     else:
-        series = ScheduledSeries.constant(free, settings.known_parameters.own)
+        series = ScheduledSeries.constant(free, settings.known_parameters.defaults)
         observed = settings.observed_rows(ensemble, 0, free)
     variables = scheduled_variables(series, observed)
     write_netcdf(scheduled_series, variables, {**settings.provenance, "actuated": int(actuated)})

@@ -32,14 +32,14 @@ def event_probabilities(
     classifier, case = settings.unfitted(), settings.forecasting_case()
     assert isinstance(classifier, EventClassifier)
     steps, points = settings.lyapunov_time, settings.forecast_points(training_set)
-    known = points.known(times, steps)
+    known = points.exogenous_features(times, steps)
     learnt = points.labelled(times, threshold, known)
     with concerning(f"case {settings.case}"):
         learnt.check(times)
     fitted = classifier.fit(learnt, case)
     test, kept = map(settings.forecast_points, (evaluation_set, calibration_set))
     # an actuation of the test series alone is not known to what has learnt without one
-    told = [None if known is None else one.known(times, steps) for one in (test, kept)]
+    told = [None if known is None else one.exogenous_features(times, steps) for one in (test, kept)]
     tested = fitted.probabilities(test.data["washout"], told[0])
     if settings.calibration_series:
         calibrating = fitted.probabilities(kept.data["washout"], told[1])
