@@ -151,11 +151,11 @@ def draw_references(
     without sizes are horizontal lines. ``neurons``: Size that is shown against another column.
     """
     kinds = set(percentiles["forecaster"].dropna()) - {"esn", *leave_out}
-    for kind in looks.ordered_forecasters(kinds):
+    for kind, look in looks.forecaster_lines(kinds).items():
         rows = select(percentiles, forecaster=kind, metric=metric)
         if x != "neurons":
             rows = rows[rows["neurons"].isna() | (rows["neurons"] == neurons)]
-        line = {**looks.forecaster_line(kind), "linewidth": 1.0, "zorder": 1.5}
+        line = {**look, "linewidth": 1.0, "zorder": 1.5}
         for _, curve in rows.groupby("validation", dropna=False):
             if curve[x].isna().all():
                 axes.axhline(float(curve["p50"].iloc[0]), **line)

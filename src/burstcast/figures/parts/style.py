@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -167,6 +168,40 @@ def bar_handle(label: str, *, caps: bool = True) -> Line2D:
         markeredgewidth=0.6,
         label=label,
     )
+
+
+def label_ends(figure: Figure, panels: Iterable[Axes], *, gap: float = 9.0) -> None:
+    """Write the labels of curves to the right of their panels, at the heights of the curves' ends.
+
+    For panels with their final limits. ``gap``: Least distance of two labels, points.
+    """
+    figure.draw_without_rendering()  # places the panels
+    for panel in panels:
+        curves = []
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
+            line: Any = handle[0] if isinstance(handle, ErrorbarContainer) else handle
+            defined = line.get_xydata()[np.isfinite(line.get_xydata()).all(axis=1)]
+            if len(defined):
+                height = panel.transData.transform(defined[-1])[1] - panel.bbox.y0
+                curves.append((np.clip(height, 0.0, panel.bbox.height), label, line.get_color()))
+        curves.sort(key=lambda curve: curve[0])
+        ends = np.array([height for height, *_ in curves]) * 72.0 / figure.dpi
+        room = gap * np.arange(len(curves))
+        # labels that are too near move up and down by the same
+        upwards = np.maximum.accumulate(ends - room) + room
+        downwards = np.minimum.accumulate((ends - room)[::-1])[::-1] + room
+        heights = 0.5 * (upwards + downwards) * figure.dpi / 72.0 / panel.bbox.height
+        for height, (_, label, colour) in zip(heights, curves, strict=True):
+            panel.annotate(
+                label,
+                (1, height),
+                (4, 0),
+                "axes fraction",
+                "offset points",
+                va="center",
+                color=colour,
+                fontsize=7.5,
+            )
 
 
 def columns_that_fit(handles: Sequence[Artist], most: int) -> int:
