@@ -37,6 +37,9 @@ PURPLE = "#CC79A7"
 GREY = "#6E6E6E"
 LIGHT_GREY = "#DADADA"
 
+_LABEL_LINE = 9.0
+"""Height of a line of text of a label at the end of a curve, points."""
+
 # A user's own matplotlibrc must not change a figure: every setting starts from Matplotlib's
 # defaults, except settings of interactive windows, which a figure does not have.
 _INTERACTIVE = ("backend", "interactive", "toolbar", "timezone", "tk.", "webagg.", "macosx.")
@@ -170,10 +173,10 @@ def bar_handle(label: str, *, caps: bool = True) -> Line2D:
     )
 
 
-def label_ends(figure: Figure, panels: Iterable[Axes], *, gap: float = 9.0) -> None:
+def label_ends(figure: Figure, panels: Iterable[Axes]) -> None:
     """Write the labels of curves to the right of their panels, at the heights of the curves' ends.
 
-    For panels with their final limits. ``gap``: Least distance of two labels, points.
+    For panels with their final limits. Labels that would lie on each other are moved apart.
     """
     figure.draw_without_rendering()  # places the panels
     for panel in panels:
@@ -185,23 +188,17 @@ def label_ends(figure: Figure, panels: Iterable[Axes], *, gap: float = 9.0) -> N
                 height = panel.transData.transform(defined[-1])[1] - panel.bbox.y0
                 curves.append((np.clip(height, 0.0, panel.bbox.height), label, line.get_color()))
         curves.sort(key=lambda curve: curve[0])
-        ends = np.array([height for height, *_ in curves]) * 72.0 / figure.dpi
-        room = gap * np.arange(len(curves))
-        # labels that are too near move up and down by the same
-        upwards = np.maximum.accumulate(ends - room) + room
-        downwards = np.minimum.accumulate((ends - room)[::-1])[::-1] + room
-        heights = 0.5 * (upwards + downwards) * figure.dpi / 72.0 / panel.bbox.height
+        lines_of_text = np.array([1 + label.count("\n") for _, label, _ in curves])
+        # distances of the middles of the labels from the lowest one, pixels
+        room = _LABEL_LINE * figure.dpi / 72 * (np.cumsum(lines_of_text) - 0.5 * lines_of_text)
+        free = np.array([height for height, *_ in curves]) - room
+        upwards = np.maximum.accumulate(free)
+        downwards = np.minimum.accumulate(free[::-1])[::-1]
+        heights = (np.maximum(0.5 * (upwards + downwards), -room[:1]) + room) / panel.bbox.height
         for height, (_, label, colour) in zip(heights, curves, strict=True):
-            panel.annotate(
-                label,
-                (1, height),
-                (4, 0),
-                "axes fraction",
-                "offset points",
-                va="center",
-                color=colour,
-                fontsize=7.5,
-            )
+            place: Any = {"xycoords": "axes fraction", "textcoords": "offset points"}
+            place |= {"xytext": (4, 0), "va": "center", "linespacing": 1.0}
+            panel.annotate(label, (1, height), color=colour, fontsize=7.5, **place)
 
 
 def columns_that_fit(handles: Sequence[Artist], most: int) -> int:
