@@ -90,13 +90,11 @@ def _most_runs(runs: pd.DataFrame) -> pd.DataFrame:
 def _looks(runs: pd.DataFrame) -> dict[str, Any]:
     """Look of each strategy and forecaster of a row, in the order of the legend."""
     first = runs.drop_duplicates("label")
-    strategies = looks.ordered_strategies(first["strategy"])
     forecasters = looks.ordered_forecasters(first["forecaster"])
-    first = first.sort_values(
-        ["strategy", "forecaster"],
-        key=lambda names: names.map((strategies if names.name == "strategy" else forecasters).index),
-        kind="stable",
-    )
+    first = first.sort_values("forecaster", key=lambda names: names.map(forecasters.index))
+    strategies = looks.ordered_strategies(first["strategy"])
+    by_strategy = {"key": lambda names: names.map(strategies.index), "kind": "stable"}
+    first = first.sort_values("strategy", **by_strategy)
     return {
         str(run["label"]): {**look, "marker": looks.strategy(run["strategy"])[1], "markersize": 4.0}
         for run, look in zip(first.to_dict("records"), looks.categories(len(first)), strict=True)

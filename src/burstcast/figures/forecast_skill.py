@@ -1,5 +1,5 @@
-"""F-score of the alarms, whose threshold was chosen on the calibration series (left), and Brier skill
-of the calibrated probabilities (right), against prediction time: a row for each family of
+"""F-score of the alarms, whose threshold was chosen on the calibration series (left), and Brier
+skill of the calibrated probabilities (right), against prediction time: a row for each family of
 forecasters. The grey band, the same in all rows, is the committee of networks: the share of these
 networks that forecast an event. Bands: bootstrap intervals over the test series; of a network,
 medians over the networks of an ensemble of the scores and of the ends of their intervals. Skills
@@ -40,7 +40,7 @@ def draw(
         for axes, (family, kinds) in zip(panels[:, column], rows, strict=True):
             _draw_band(axes, curves[curves["forecaster"] == _COMMITTEE], style.LIGHT_GREY, 0.8)
             for kind, look in zip(kinds, looks.categories(len(kinds)), strict=True):
-                _draw_curve(axes, curves[curves["forecaster"] == kind], look, forecaster_label(kind))
+                _draw_curve(axes, curves[curves["forecaster"] == kind], look, kind)
             axes.set_title(family, loc="center")
             axes.set_ylabel(label)
             axes.set_ylim(_LIMITS[metric])
@@ -57,11 +57,10 @@ def draw(
     return figure
 
 
-def _draw_curve(axes: Axes, rows: pd.DataFrame, look: looks.MarkerStyle, label: str) -> None:
+def _draw_curve(axes: Axes, rows: pd.DataFrame, look: looks.MarkerStyle, kind: str) -> None:
     if not rows.empty:
-        axes.plot(
-            rows[_TIME], rows["value"], color=look["color"], linestyle=look["linestyle"], label=label
-        )
+        line = {**look, "marker": "", "label": forecaster_label(kind)}
+        axes.plot(rows[_TIME], rows["value"], **line)
         _draw_band(axes, rows, look["color"], 0.2)
 
 

@@ -1,6 +1,5 @@
 """Mean prediction horizon of extreme events against reservoir size: medians (lines) and quartiles
-(bands) over the networks of an ensemble. Thin bars: the bootstrap interval of one network's mean
-over the events, in the median. In grey: forecasters to compare with.
+(bands) over the networks of an ensemble. In grey: forecasters to compare with.
 """
 
 import numpy as np
@@ -18,7 +17,6 @@ from burstcast.figures.registry import figure
 def draw(
     *,
     percentiles: pd.DataFrame = read("case/tables/horizon_percentiles.csv"),
-    intervals: pd.DataFrame = read("case/tables/horizon_intervals.csv"),
     published: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw the mean PH_ee, one curve for each validation strategy, at the sizes of the table."""
@@ -33,7 +31,6 @@ def draw(
     references = len(axes.get_legend_handles_labels()[0])
     for validation, look, rows in medians.validations(networks, metric=metric):
         medians.draw(axes, rows, "neurons", look, label=validation)
-        medians.draw_single_intervals(axes, intervals, metric, validation, look)
         if theirs is not None:
             rows = medians.select(theirs, validation=validation, metric=metric)
             medians.draw_published(axes, rows[rows["neurons"].isin(sizes)], "neurons", look)

@@ -39,7 +39,8 @@ def draw(
     rows = onsets[onsets["metric"] == _METRIC]
     rows = shown_once(rows[~rows["alarm"].isin(_LEFT_OUT)])
     means = rows.groupby(["case", "alarm"])["value"].transform("mean")
-    rows = rows.assign(mean=means).sort_values(["mean", "prediction_time_lt"], ascending=[False, True])
+    order = ["mean", "prediction_time_lt"]
+    rows = rows.assign(mean=means).sort_values(order, ascending=[False, True])
     by_equations = rows["forecaster"].str.startswith(_EQUATIONS)
     learnt = rows[~by_equations]
     best = learnt.drop_duplicates("forecaster")[["case", "alarm"]]

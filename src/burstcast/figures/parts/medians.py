@@ -1,4 +1,4 @@
-"""Curves of medians over networks with their quartiles; intervals of one network; references."""
+"""Curves of medians over networks with their quartiles; other forecasters; published values."""
 
 from collections.abc import Collection, Iterable, Iterator
 from typing import Any
@@ -8,7 +8,6 @@ import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.transforms import offset_copy
 
 from burstcast.base.arrays import FloatArray
 from burstcast.figures.parts import looks, style
@@ -28,8 +27,8 @@ LABELS = {
 PREDICTION_TIME = "Prediction time [LT]"
 NEURONS = "Neurons"
 
-_PUBLISHED, _BAND, _BARS, _SINGLE = "published", "band", "bars", "single"
-"""Marks of published values, bands and bars over an ensemble, and bars of one network."""
+_PUBLISHED, _BAND, _BARS = "published", "band", "bars"
+"""Marks of published values, and of bands and bars over an ensemble."""
 
 
 def select(table: pd.DataFrame, **values: object) -> pd.DataFrame:
@@ -105,35 +104,6 @@ def draw(
             position, median, yerr=bar, capsize=2.0, elinewidth=0.8, capthick=0.8, **keywords
         )
         bars[2][0].set_gid(_BARS)
-
-
-def draw_single_intervals(
-    axes: Axes, intervals: pd.DataFrame, metric: str, validation: str, look: looks.MarkerStyle
-) -> None:
-    """Draw how far one network's value may be off, as thin bars against reservoir size.
-
-    Quartiles over networks do not tell that. The bar of a size has the medians over its networks,
-    of the kind ``esn``.
-    """
-    shown = (intervals["metric"] == metric) & (intervals["validation"] == validation)
-    rows = intervals[shown & (intervals["forecaster"] == "esn")].dropna(subset=["low", "high"])
-    if rows.empty:
-        return
-    ends = rows.groupby("neurons")[["low", "high"]].median()
-    bars = axes.vlines(
-        ends.index.to_numpy(dtype=np.float64),
-        ends["low"],
-        ends["high"],
-        color=look["color"],
-        linewidth=0.8,
-        alpha=0.8,
-        zorder=1.8,
-        # beside quartiles that are bars themselves
-        transform=offset_copy(axes.transData, axes.get_figure(root=True), x=3, units="points"),
-    )
-    bars.set_gid(_SINGLE)
-    low_and_high = ends.reset_index().melt("neurons")
-    axes.update_datalim(low_and_high[["neurons", "value"]].to_numpy(dtype=np.float64))
 
 
 def draw_references(
@@ -233,8 +203,6 @@ def spread_handles(
         handles.append(style.band_handle(over, color))
     elif _BARS in drawn:
         handles.append(style.bar_handle(over))
-    if _SINGLE in drawn:
-        handles.append(style.bar_handle("interval of one network", caps=False))
     return handles
 
 
