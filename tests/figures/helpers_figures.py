@@ -110,22 +110,6 @@ def texts_outside(figure: Figure, texts: Sequence[DrawnText]) -> list[str]:
     ]
 
 
-def interval_rows(percentiles: pd.DataFrame) -> pd.DataFrame:
-    """Intervals of three networks around the medians of a table of percentiles, and wider."""
-    rest = percentiles.drop(columns=["p25", "p50", "p75", "networks"], errors="ignore")
-    return pd.concat(
-        [
-            rest.assign(
-                seed=seed,
-                low=(0.7 + 0.02 * seed) * percentiles["p50"],
-                high=(1.3 + 0.02 * seed) * percentiles["p50"],
-            )
-            for seed in range(3)
-        ],
-        ignore_index=True,
-    )
-
-
 def as_published(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
     """Percentiles in the form of the published ones."""
     training = rows["forecaster"] == "training"
@@ -564,8 +548,7 @@ ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
         **{"examples": EXAMPLES, "threshold": THRESHOLD, "washout_lt": 0.5, "symbol": "k"}
     },
     "horizon_by_size": lambda: {
-        "percentiles": (rows := percentile_rows({"mean_horizon_lt": 4.5})),
-        "intervals": interval_rows(rows),
+        "percentiles": percentile_rows({"mean_horizon_lt": 4.5}),
     },
     "by_reynolds": lambda: {
         "horizons": [reynolds_rows("mean_horizon_lt", None)],
@@ -586,14 +569,12 @@ ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
     "profile_errors": lambda: {
         **LONG_TERM,
         **{name: FLOW[name] for name in ("system", "parameters")},
-        "percentiles": (rows := statistics_rows()),
-        "intervals": interval_rows(rows),
+        "percentiles": statistics_rows(),
         "points": 21,
     },
     "long_term_density": lambda: {
         **LONG_TERM,
-        "percentiles": (rows := statistics_rows()),
-        "intervals": interval_rows(rows),
+        "percentiles": statistics_rows(),
         "threshold": THRESHOLD,
         **NAMED,
     },

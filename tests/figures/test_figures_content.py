@@ -1,5 +1,6 @@
 """What the figures show is what they were given."""
 
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -20,21 +21,19 @@ from helpers_figures import (
     drawn,
     drawn_texts,
     frontier_rows,
-    interval_rows,
     overlapping_texts,
     own_flow,
     percentile_rows,
     plane_event,
     plane_states,
+    ranking_rows,
     reliability_rows,
     reynolds_rows,
     score_rows,
     statistics_rows,
 )
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from sklearn.decomposition import PCA
 
 from burstcast.data.encoders.base import EncodingCase
@@ -42,10 +41,15 @@ from burstcast.data.encoders.pod import PodEncoder
 from burstcast.figures.control_tradeoff import over_flows
 from burstcast.figures.encoder_loss import kept
 from burstcast.figures.parts import medians
-from burstcast.figures.parts.alarm_scores import alarms_shown, median_network, times_shown
+from burstcast.figures.parts.alarm_scores import alarms_shown, median_networks, times_shown
 from burstcast.figures.parts.frame import axis_floor, axis_limits, observable_label, true_runs
-from burstcast.figures.parts.looks import ordered_validations, validation
-from burstcast.figures.parts.style import BLUE, columns_that_fit, render
+from burstcast.figures.parts.looks import (
+    families,
+    forecaster_lines,
+    ordered_validations,
+    validation,
+)
+from burstcast.figures.parts.style import columns_that_fit, label_ends, new_figure, render
 from burstcast.figures.reliability import FEW_FORECASTS
 from burstcast.forecasters._labels import forecaster_label
 from kolmogorov_flow import KolmogorovFlow
@@ -68,8 +72,6 @@ def scores_of(table: pd.DataFrame, **changes: Any) -> Figure:
 
 
 def horizons_of(table: pd.DataFrame, **changes: Any) -> Figure:
-    networks = table[table["forecaster"] == "esn"]
-    changes = {"intervals": interval_rows(networks), **changes}
     return drawn("horizon_by_size", percentiles=table, **changes)
 
 
@@ -89,7 +91,10 @@ def test_scores_adapt_to_the_campaign(
 ) -> None:
     table = percentile_rows(SCORES, sizes, validations, PREDICTION_TIMES)
     figure = scores_of(table)
-    assert len(figure.axes) == (9 if len(sizes) > 1 else 3)
+    assert len(figure.axes) == 3 * min(len(sizes), 3)
+    if len(sizes) > 4:  # of six sizes, the smallest, the largest, and two between them
+        labels = figure.axes[8].get_legend_handles_labels()[1]
+        assert labels == ["500", "1500", "2000", "3000"]
     for name in validations:
         chosen = medians.select(table, metric="precision", validation=name, neurons=500.0)
         assert lines_with(figure.axes[0], list(chosen["p50"])) == 1
@@ -128,17 +133,11 @@ def test_other_networks_are_drawn_at_their_sizes() -> None:
     others = networks[networks["validation"] == "RV"].assign(forecaster="esn_true_washout")
     others["p50"] = [1.25, 1.75]
     both = pd.concat([networks, others])
-    figure = horizons_of(both, intervals=interval_rows(both))
+    figure = horizons_of(both)
     (line,) = [
         line for line in figure.axes[0].get_lines() if line.get_label() == "network, true washout"
     ]
     assert line.get_xydata().tolist() == [[500.0, 1.25], [1000.0, 1.75]]
-    bars = [
-        [shown.get_segments() for shown in one.axes[0].collections if shown.get_gid()]
-        for one in (figure, horizons_of(networks))
-    ]
-    assert bars[0]
-    np.testing.assert_array_equal(*bars)
     scores = percentile_rows(SCORES, prediction_times=PREDICTION_TIMES)
     figure = scores_of(pd.concat([scores, scores.assign(forecaster="esn_true_washout", p50=0.25)]))
     assert lines_with(figure.axes[0], [0.25] * len(PREDICTION_TIMES)) == 2
@@ -153,7 +152,6 @@ def test_references_have_a_column_of_the_legend_for_their_long_names():
     frames = {text.words: text.frame for text in drawn_texts(figure)}
     columns = [frames[forecaster_label(kind)].x0 for kind in kinds]
     assert columns == pytest.approx([columns[0]] * 4)
-    assert frames["RV"].x0 == pytest.approx(frames["interval of one network"].x0)
     assert frames["RV"].x0 > max(frames[forecaster_label(kind)].x1 for kind in kinds)
 
 
@@ -282,16 +280,14 @@ def test_published_values_by_reynolds_are_those_that_we_have_as_well() -> None:
 # -- probabilities ---------------------------------------------------------------------------------
 
 
-def test_single_networks_are_medians_of_scores_and_ends_and_others_as_they_are() -> None:
+def test_networks_that_differ_by_seeds_are_medians_of_scores_and_ends():
     rows = alarm_rows("prediction_time_lt", (1.0, 2.0))
-    median = median_network(rows, "prediction_time_lt")
-    single = rows[rows["forecaster"] == "esn"]
-    at_two = single.loc[single["prediction_time_lt"] == 2.0, ["value", "low", "high"]]
-    shown = median[(median["forecaster"] == "esn") & (median["prediction_time_lt"] == 2.0)]
-    expected = at_two.median().to_numpy()
-    np.testing.assert_allclose(shown[["value", "low", "high"]].to_numpy()[0], expected)
-    others = rows[rows["forecaster"] != "esn"].reset_index(drop=True)
-    pd.testing.assert_frame_equal(median[median["forecaster"] != "esn"], others)
+    medians_of = median_networks(rows, "prediction_time_lt").set_index(["forecaster"])
+    for kind in ("esn", "equations"):
+        at_two = rows[(rows["forecaster"] == kind) & (rows["prediction_time_lt"] == 2.0)]
+        expected = at_two[["value", "low", "high"]].median().to_numpy()
+        shown = medians_of.loc[kind].query("prediction_time_lt == 2")[["value", "low", "high"]]
+        np.testing.assert_allclose(shown.to_numpy()[0], expected)
 
 
 def test_alarms_of_one_size_and_strategy_and_of_everybody_else_are_shown() -> None:
@@ -310,13 +306,36 @@ def test_prediction_times_that_are_not_in_the_table_are_not_shown() -> None:
     assert times_shown(table, [3.0]) == [2.0]
 
 
-def test_everybody_has_a_curve_of_skill() -> None:
+def test_every_forecaster_has_a_curve_of_skill_beside_three_others_at_most() -> None:
     scores = score_rows("f_score", "brier_skill")
     votes = scores.assign(probability="votes", value=scores["value"] / 2)
-    committee = scores[(scores["forecaster"] == "esn_committee") & (scores["metric"] == "f_score")]
-    for panel in drawn("forecast_skill", scores=pd.concat([scores, votes])).axes:
-        assert lines_with(panel, committee["value"].tolist()) == 1
-        assert len(panel.get_lines()) == scores["forecaster"].nunique()
+    new = scores[scores["forecaster"] == "analogues"].assign(forecaster="lstm", value=0.42)
+    new = new[new["metric"] == "f_score"]
+    everything = pd.concat([scores, votes, new])
+    figure = drawn("forecast_skill", scores=everything)
+    curves = [len(axes.get_lines()) for axes in figure.axes]
+    assert max(curves) <= 4
+    assert sum(curves) == 2 * scores["forecaster"].nunique() + 1
+    for kind in ("equations_filtered", "lstm"):
+        values = everything[
+            (everything["forecaster"] == kind)
+            & (everything["metric"] == "f_score")
+            & (everything["probability"] == "calibrated")
+        ]["value"]
+        assert sum(lines_with(axes, list(values)) for axes in figure.axes[::2]) == 1
+    assert {forecaster_label(kind) for kind in everything["forecaster"]} <= set(texts(figure))
+
+
+def test_a_new_kind_of_forecaster_looks_like_no_other() -> None:
+    kinds = ["equations_noisy", "persistence", "lstm", "transformer"]
+    lines = forecaster_lines(kinds)
+    assert list(lines) == kinds
+    assert len({(str(line["color"]), str(line["linestyle"])) for line in lines.values()}) == 4
+    assert families(kinds) == [
+        ("equations", ["equations_noisy"]),
+        ("other forecasters", ["lstm", "transformer"]),
+        ("without a forecast", ["persistence"]),
+    ]
 
 
 def test_reliability_is_drawn_of_those_who_tell_probabilities() -> None:
@@ -376,32 +395,45 @@ def test_bars_of_control_are_intervals_over_flows():
     assert bars[0, 1] < 0 < bars[1, 1]
 
 
+def curve_of(axes: Axes, label: str) -> np.ndarray:
+    """Points of a curve with bars: positions and values, ``(2, points)``."""
+    (bars,) = (bars for bars in axes.containers if bars.get_label() == label)
+    return np.transpose(bars.lines[0].get_xydata())
+
+
 def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_conditions() -> None:
     figure = drawn("control_frontier")
     rules, frontier, by_delay, by_strength, by_noise = figure.axes
-    assert "delay" in by_delay.get_xlabel().lower()
-    # of the network, along the horizon, with decisions every 0.25 LT
-    curves = [line for line in frontier.get_lines() if line.get_linestyle() != "None"]
-    (slow,) = (line for line in curves if line.get_xdata()[0] == 0.125 and line.get_color() == BLUE)
-    assert list(slow.get_xdata()) == pytest.approx([0.125, 0.0625, 0.0375])
-    assert list(slow.get_ydata()) == pytest.approx([4e-2, 2e-3, 0.0])
-    # rules have a panel of their own
-    assert lines_with(rules, [0.01, 0.06]) > 0
-    assert lines_with(frontier, [0.01, 0.06]) == 0
+    names = ("reactive", "the paper's strategy, network", "receding horizon, network")
+    committee = "receding horizon, committee of networks"
+    assert {*names, committee, "interval over flows"} <= set(texts(figure))
+    # the run that leaves nothing and acts least betters all others; a small marker is any run
+    assert curve_of(frontier, names[2]).tolist() == [pytest.approx([0.033]), [0.0]]
+    assert curve_of(frontier, committee).tolist() == [pytest.approx([0.025]), [0.0]]
+    assert lines_with(frontier, [4e-2, 4e-2, 2e-3, 2e-3, 0.0, 0.0]) == 1
+    # rules have a panel of their own, and no run of theirs betters another
+    np.testing.assert_allclose(curve_of(rules, "reactive"), [[0.24, 0.5], [0.06, 0.01]])
     # the runs without delay belong to the curve over delays
-    assert lines_with(by_delay, [2e-3, 4e-2, 4e-2]) == 1
-    assert lines_with(by_strength, [4e-2, 4e-2, 2e-3]) == 1
-    assert lines_with(by_noise, [2e-3, 4e-2, 4e-2]) == 1
-    # nothing left has a place on the axis, and the bound above it
+    for panel, shares in (
+        (by_delay, [2e-3, 4e-2, 4e-2]),
+        (by_strength, [4e-2, 4e-2, 2e-3]),
+        (by_noise, [2e-3, 4e-2, 4e-2]),
+    ):
+        np.testing.assert_allclose(curve_of(panel, names[2])[1], shares)
+    assert "delay" in by_delay.get_xlabel().lower()
+    # nothing left has a place on the axis
     low, high = frontier.get_ylim()
     assert low < 0 < high
-    said = set(texts(figure))
-    assert {"reactive", "echo state network", "interval over flows"} <= said
-    assert "receding horizon, 2 LT" in said
-    # a committee beside them, and by what share of the votes it acts
-    (voted,) = (line for line in curves if list(line.get_xdata()) == [0.045, 0.025])
-    assert list(voted.get_ydata()) == [5e-4, 0.0]
-    assert {"committee of networks", "receding horizon, every 0.25 LT, 0.5 of the votes"} <= said
+
+
+def test_of_many_forecasters_those_with_most_runs_are_shown() -> None:
+    table = frontier_rows()
+    few = table[(table["forecaster"] == "equations") & (table["strategy"] == "receding_horizon")]
+    few = few[few["horizon_lt"] == 3.0]
+    others = [few.assign(forecaster=f"kind{number}") for number in range(3)]
+    for axes in drawn("control_frontier", scores=pd.concat([table, *others])).axes:
+        assert len(axes.containers) <= 4
+        assert "receding horizon, kind2" not in [bars.get_label() for bars in axes.containers]
 
 
 def test_the_frontier_of_strategies_that_act_as_often_has_ticks() -> None:
@@ -430,8 +462,8 @@ def test_the_frontier_leaves_out_other_spans_starts_spells_of_quiet_and_networks
 def test_the_frontier_tells_apart_what_is_observed() -> None:
     table = frontier_rows()
     seen = table.assign(observed=None), table.assign(observed="modes_4", value=0.5 * table["value"])
-    said = " ".join(texts(drawn("control_frontier", scores=pd.concat(seen))))
-    assert "observed modes 4" in said
+    shown = texts(drawn("control_frontier", scores=pd.concat(seen)))
+    assert {"reactive", "reactive, observed modes 4"} <= set(shown)
 
 
 def test_strategies_under_one_condition_alone_are_not_compared_under_several() -> None:
@@ -587,21 +619,6 @@ def test_the_network_schematic_prints_the_numbers_in_use() -> None:
 # -- bands and bars --------------------------------------------------------------------------------
 
 
-def test_bars_are_the_intervals_of_single_networks():
-    table = percentile_rows({"mean_horizon_lt": 4.5}, validations=("RV",))
-    intervals = interval_rows(table)
-    (axes,) = horizons_of(table).axes
-    bars = [
-        collection.get_segments()
-        for collection in axes.collections
-        if isinstance(collection, LineCollection)
-    ]
-    (segments,) = (found for found in bars if len(found) == table["neurons"].nunique())
-    expected = intervals.groupby("neurons")[["low", "high"]].median()
-    np.testing.assert_allclose([segment[:, 1] for segment in segments], expected.to_numpy())
-    np.testing.assert_allclose([segment[0, 0] for segment in segments], expected.index)
-
-
 def test_quartiles_of_one_network_are_no_band():
     rows = pd.DataFrame({"neurons": [100.0, 200.0, 300.0], "p50": [0.5, 0.6, 0.7]})
     for spread, entries in ((0.1, 1), (0.0, 0)):
@@ -620,18 +637,6 @@ def test_two_sizes_are_not_joined_by_a_line():
         assert (axes.lines[0].get_linestyle() != "None") is joined
 
 
-def test_an_axis_holds_the_intervals_of_single_networks():
-    axes = Figure().subplots()
-    ends = {"low": [0.1, 0.2], "high": [0.8, 0.9]}
-    keys = {"forecaster": "esn", "neurons": [100.0, 200.0], "metric": "f_score", "validation": "RV"}
-    axes.plot([100.0, 200.0], [0.5, 0.5])
-    rows = pd.DataFrame({**keys, **ends})
-    medians.draw_single_intervals(axes, rows, "f_score", "RV", validation("RV"))
-    low, high = axes.get_ylim()
-    assert low < 0.1
-    assert high > 0.9
-
-
 def test_errors_beside_each_other_have_axes_of_one_kind() -> None:
     table = statistics_rows()
     of_u = (table["metric"] == "nrmse_u") & (table["forecaster"] == "floor")
@@ -642,13 +647,27 @@ def test_errors_beside_each_other_have_axes_of_one_kind() -> None:
 
 
 def test_a_legend_has_as_many_columns_as_have_room():
-    def handles(*lengths):
-        return [Line2D([], [], label="x" * length) for length in lengths]
+    for lengths, columns in (
+        ((10, 10, 10), 3),
+        ((60, 60, 60), 2),
+        ((60, 60, 10, 10, 10, 10), 3),  # short ones beside long ones
+        ((90, 90, 90), 1),
+    ):
+        assert columns_that_fit(["x" * length for length in lengths], 3) == columns
 
-    assert columns_that_fit(handles(10, 10, 10), 3) == 3
-    assert columns_that_fit(handles(60, 60, 60), 3) == 2
-    assert columns_that_fit(handles(60, 60, 10, 10, 10, 10), 3) == 3  # short ones beside long ones
-    assert columns_that_fit(handles(90, 90, 90), 3) == 1
+
+def test_labels_at_the_ends_of_curves_lie_at_their_heights_and_not_on_each_other():
+    figure = new_figure(3.4, 2.4)
+    axes = figure.subplots()
+    for label, end in (("low", 0.2), ("high", 0.9), ("higher", 0.91), ("ends sooner", np.nan)):
+        axes.plot([0, 1, 2], [0.0, 0.5, end], label=label)
+    axes.set_ylim(0, 1)
+    label_ends(figure, [axes])
+    heights = {text.get_text(): text.xy[1] for text in axes.texts}
+    assert heights["low"] == pytest.approx(0.2)
+    assert heights["ends sooner"] == pytest.approx(0.5)
+    assert heights["high"] < 0.9 < 0.91 < heights["higher"]
+    assert overlapping_texts(drawn_texts(figure)) == []
 
 
 # -- the networks' own flow ------------------------------------------------------------------------
@@ -751,10 +770,10 @@ def test_burst_forecast_decodes_channels_and_finds_the_true_state_in_its_series(
 
 
 def test_lost_skill_draws_onsets_of_committees_and_says_each_alarm_once():
-    equations, learnt = drawn("lost_skill").axes
-    labels = [[bars.get_label() for bars in axes.containers] for axes in (equations, learnt)]
-    assert labels[0] == ["flow: equations, true state", "sensors: equations, filtered"]
-    assert labels[1] == [
+    equations, others = drawn("lost_skill").axes
+    labels = [[bars.get_label() for bars in axes.containers] for axes in (equations, others)]
+    assert labels[0] == ["flow: true state", "sensors: filtered"]
+    assert [" ".join(label.split()) for label in labels[1]] == [
         "published precursor",
         "invariants: committee of networks, 50 neurons",
         "invariants: network, 90 neurons",
@@ -764,3 +783,17 @@ def test_lost_skill_draws_onsets_of_committees_and_says_each_alarm_once():
     line = equations.containers[0].lines[0]
     np.testing.assert_allclose(line.get_xdata(), [0.5, 1, 2])
     np.testing.assert_allclose(line.get_ydata(), 0.9 * np.exp(-0.3 * np.array([0.5, 1, 2])))
+
+
+def test_lost_skill_shows_each_kind_at_its_best_and_four_curves_in_a_panel():
+    table = ranking_rows()
+    now = table[(table["alarm"] == "observable_now") & (table["case"] == "flow")]
+    more = [
+        now.assign(alarm=f"kind{number}", forecaster=f"kind{number}", case=case)
+        for number, case in product(range(2), ("flow", "sensors"))
+    ]
+    more[0]["value"] += 0.01  # the first is better in the flow
+    figure = drawn("lost_skill", tables=[table, *more])
+    assert [len(axes.containers) for axes in figure.axes] == [2, 4, 2]
+    assert "flow: kind0" in texts(figure)
+    assert "sensors: kind0" not in texts(figure)
