@@ -205,6 +205,37 @@ LONG_TERM: dict[str, Any] = {
 }
 
 
+def search_rows() -> pd.DataFrame:
+    """A search whose objective is least near (0.3, 2), with two Tikhonov parameters a point."""
+    grid = [("grid", *point) for point in product((0.1, 0.3, 1.0), (0.1, 1.0, 10.0))]
+    rows = []
+    for source, radius, scaling in [*grid, ("bayesian", 0.3, 2.0), ("bayesian", 0.5, 3.0)]:
+        distance = np.log10(radius / 0.3) ** 2 + np.log10(scaling / 2.0) ** 2
+        for tikhonov, worse in ((1e-6, 0.5), (1e-9, 0.0)):
+            rows.append((source, radius, scaling, tikhonov, distance - 4.0 + worse))
+    columns = ["source", "spectral_radius", "input_scaling", "tikhonov", "objective"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def growing_errors() -> dict[str, Any]:
+    """Forecasts whose errors grow by e in a Lyapunov time, from less for larger networks."""
+    generator = np.random.default_rng(1)
+    truth, signs = generator.normal(0.0, 1.0, (200, 8)), generator.choice([-1.0, 1.0], (200, 8))
+    time_lt = 0.5 * np.arange(1, 9)
+    forecasts = []
+    for size, seed in product((500, 1000, 1500, 2000, 3000), range(3)):
+        errors = (1.0 + 0.1 * seed) * 10 / size * np.exp(time_lt)
+        name = f"esn-N{size}-RV-seed{seed}"
+        forecasts.append({"forecaster": name, "first": truth + signs * errors})
+    others = [{"forecaster": "esn-N500-SSV-seed0", "first": truth}]
+    return {
+        "truth": truth,
+        "forecasts": forecasts + others,
+        "summary": {"mean_observable": 0.0},
+        **{"threshold": 1.0, "tolerance": 0.2, "resolution_lt": 0.5, "validation": "RV"},
+    }
+
+
 def ranking_rows() -> pd.DataFrame:
     """Rows of the table ranking: made up, each forecaster a little worse than the one before."""
     sources = [
@@ -529,6 +560,8 @@ ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
         **{"inputs": 9, "neurons": 2000, "connectivity": 20, "input_bias": 0.1},
         "hyperparameters": {"spectral_radius": 0.29, "input_scaling": 0.33, "tikhonov": 1e-9},
     },
+    "hyperparameter_search": lambda: {"trace": search_rows()},
+    "error_growth": growing_errors,
     "prediction_schematic": lambda: {
         **{"examples": EXAMPLES, "threshold": THRESHOLD, "symbol": "k"},
         **{"prediction_time_lt": 2.0, "washout_lt": 0.5, "window_lt": 1.0},

@@ -21,6 +21,7 @@ from helpers_figures import (
     drawn,
     drawn_texts,
     frontier_rows,
+    growing_errors,
     overlapping_texts,
     own_flow,
     percentile_rows,
@@ -30,9 +31,11 @@ from helpers_figures import (
     reliability_rows,
     reynolds_rows,
     score_rows,
+    search_rows,
     statistics_rows,
 )
 from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
 from sklearn.decomposition import PCA
 
@@ -211,6 +214,35 @@ def test_published_reductions_are_those_of_networks() -> None:
     assert lines_with(figure.axes[0], [1 - 0.3 / 1.02] * 3) == 1
     assert "published" in texts(figure)
     assert "published" not in texts(drawn("control_tradeoff"))
+
+
+# -- the search, and the growth of errors ----------------------------------------------------------
+
+
+def test_the_search_shows_the_best_objective_of_each_point_and_marks_the_least() -> None:
+    axes = drawn("hyperparameter_search").axes[0]
+    grid, bayesian = [shown for shown in axes.collections if isinstance(shown, PathCollection)]
+    assert len(grid.get_offsets()) == 9
+    assert bayesian.get_offsets().tolist() == [[0.3, 2.0], [0.5, 3.0]]
+    assert float(np.min(bayesian.get_array())) == -4.0
+    assert [line.get_xydata().tolist() for line in axes.get_lines()] == [[[0.3, 2.0]]]
+    line = search_rows().query("spectral_radius == 0.3")
+    assert drawn("hyperparameter_search", trace=line).axes  # of one spectral radius: no shades
+
+
+def test_errors_grow_as_they_do_and_forecasts_are_valid_until_they_are_too_large() -> None:
+    figure = drawn("error_growth")
+    error, valid = figure.axes
+    assert [text.get_text() for text in valid.texts] == [
+        f"{size} neurons" for size in (500, 1500, 2000, 3000)
+    ]
+    time_lt = 0.5 * np.arange(1, 9)
+    truth = growing_errors()["truth"]
+    unrelated = np.median(np.abs(truth - np.roll(truth, 100, axis=0)))
+    assert lines_with(error, list(1.1 * 10 / 2000 * np.exp(time_lt) / unrelated)) == 1
+    # errors of all starting points are the same: all are valid, or none
+    for size in (500, 2000):
+        assert lines_with(valid, list(1.1 * 10 / size * np.exp(time_lt) <= 0.2)) == 1
 
 
 # -- Reynolds numbers ------------------------------------------------------------------------------

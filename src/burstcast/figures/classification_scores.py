@@ -66,8 +66,7 @@ def draw(
                 panel = panels["time"][row]
                 _draw_curve(panel, networks, theirs, at_time, "neurons", look, validation)
         if "strategy" in columns:
-            places = np.linspace(0, len(sizes) - 1, min(len(sizes), looks.MOST_CURVES))
-            some = sizes[places.round().astype(int)]
+            some = looks.few_of(sizes)
             for size, look in zip(some, looks.sequence(len(some)), strict=True):
                 at_size = {"metric": metric, "validation": sizes_validation, "neurons": float(size)}
                 panel = panels["strategy"][row]

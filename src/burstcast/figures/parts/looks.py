@@ -7,6 +7,7 @@ from typing import Any, TypedDict
 import matplotlib
 import numpy as np
 
+from burstcast.base.arrays import FloatArray
 from burstcast.figures.parts.style import (
     BLACK,
     BLUE,
@@ -197,6 +198,12 @@ def validation(name: str) -> MarkerStyle:
 def ordered_validations(names: Iterable[str]) -> list[str]:
     """Strategies in the order of the paper (SSV before RV), unknown ones after them by name."""
     return _ordered(names, _VALIDATIONS)
+
+
+def few_of(values: FloatArray) -> FloatArray:
+    """Smallest and largest of sorted values, and some between them: as many as curves of a panel."""
+    places = np.linspace(0, len(values) - 1, min(len(values), MOST_CURVES))
+    return values[places.round().astype(int)]
 
 
 def categories(count: int) -> list[MarkerStyle]:
