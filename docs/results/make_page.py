@@ -1,7 +1,7 @@
 """docs/results.md and a page for each campaign, from tables that were kept: ``make results``.
 
 Pages are the templates in ``pages``, rendered with tables and numbers; no number is typed. Beside
-them are two figures and published_values.csv.
+them are four figures and published_values.csv.
 """
 
 import re
@@ -136,5 +136,11 @@ if __name__ == "__main__":
         ("readout", drawings.draw_readouts(Tables(KEPT / "readout"))),
         ("late_actuator", drawings.draw_late_actuator(Tables(KEPT / "aware"))),
         ("published_scores", drawings.draw_published_scores(Tables(KEPT / "paper"))),
+        (
+            "forecasters",
+            drawings.draw_forecasters(
+                *(Tables(KEPT / name) for name in ("paper", "readout", "beyond_the_paper"))
+            ),
+        ),
     ):
         (DOCS / "images" / f"{name}.png").write_bytes(render(figure, "png"))
