@@ -2,7 +2,7 @@
 network that examples are taken from: log10 of the mean square error of the observable in the
 validation intervals, with the best Tikhonov parameter of each point. Squares: the grid; circles:
 points that Bayesian optimisation chose after it; star: the minimum, which the network has. Shades
-between the points are interpolated, and end at the objective that half of the points exceed.
+between the points are interpolated, and end at the objective that half of the grid exceeds.
 """
 
 import numpy as np
@@ -25,7 +25,8 @@ def draw(*, trace: pd.DataFrame = read("example/search.csv")) -> Figure:
     """Draw the points of a search, and the objective between them."""
     points = trace.sort_values("objective", kind="stable").drop_duplicates(_AXES)
     radius, scaling = (points[name].to_numpy(dtype=np.float64) for name in _AXES)
-    least, most = float(points["objective"].min()), float(points["objective"].median())
+    grid = points.loc[points["source"] == "grid", "objective"]
+    least, most = float(points["objective"].min()), float(grid.median())
     figure = style.new_figure(style.SINGLE_COLUMN, 2.8)
     axes = figure.subplots()
     shades = {"cmap": "viridis", "vmin": least, "vmax": most}
