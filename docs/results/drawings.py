@@ -112,7 +112,7 @@ def draw_forecasters(paper: Tables, readouts: Tables, beyond: Tables) -> Figure:
     panels = figure.subplots(1, 3, sharey=True)
     for axes, time in zip(panels, (1.0, 3.0, 5.0), strict=True):
         for place, (_, tables, where) in enumerate(sources):
-            row = tables.one(**f_scores, prediction_time_lt=time, **where)
+            row = tables.row(**f_scores, prediction_time_lt=time, **where)
             ends = [[row.p50 - row.low], [row.high - row.p50]]
             axes.errorbar(row.p50, place, xerr=ends, color=style.BLUE, marker="o", capsize=2)
             if tables is paper:

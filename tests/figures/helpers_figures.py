@@ -93,9 +93,9 @@ def overlapping_texts(texts: Sequence[DrawnText]) -> list[tuple[str, str]]:
     """Pairs of texts that lie on each other by more than a hair."""
     pairs = []
     for first, second in combinations(texts, 2):
-        one, two = first.frame, second.frame
-        width = min(one.x1, two.x1) - max(one.x0, two.x0)
-        height = min(one.y1, two.y1) - max(one.y0, two.y0)
+        frame, other = first.frame, second.frame
+        width = min(frame.x1, other.x1) - max(frame.x0, other.x0)
+        height = min(frame.y1, other.y1) - max(frame.y0, other.y0)
         if width > 1.5 and height > 1.5:
             pairs.append((first.words, second.words))
     return pairs
@@ -401,11 +401,11 @@ def parameter_rows() -> dict[str, list[pd.DataFrame]]:
             f_score = score - 0.1 * (time - 1) - 1e-4 * (value - 400)
             scores.append((case, kind, time, "f_score", *around(f_score, 0.05, 0.04)))
     keys = ["case", "forecaster", "prediction_time_lt"]
-    found = pd.DataFrame(scores, columns=[*keys, "metric", "f_score", "low", "high"])
+    f_scores = pd.DataFrame(scores, columns=[*keys, "metric", "f_score", "low", "high"])
     escape = [f"escape_rate{end}" for end in ("", "_low", "_high")]
     tables = {
-        "scores": found[[*keys, "f_score"]],
-        "intervals": found.drop(columns="f_score"),
+        "scores": f_scores[[*keys, "f_score"]],
+        "intervals": f_scores.drop(columns="f_score"),
         "survivals": pd.DataFrame(rates, columns=[*keys[:2], *escape]),
     }
     return {name: [rows.assign(neurons=np.nan)] for name, rows in tables.items()}
@@ -499,11 +499,11 @@ def reliability_rows() -> pd.DataFrame:
     rows = []
     for (kind, good), probability in product(ALARMS.items(), ("calibrated", "votes")):
         levels = {"esn_committee": 11, "esn": 0, "climatology": 1}.get(kind, 2)
-        told = np.linspace(0, 10, levels).astype(int)
+        bins_used = np.linspace(0, 10, levels).astype(int)
         size = SIZE if kind == "esn_committee" else NO_SIZE
         keys = {"case": "Re400", "forecaster": kind, "probability": probability, **size}
         for number, mean in enumerate(np.linspace(0, 1, 11)):
-            count = (7000 if number == 0 else 40) if number in told else 0
+            count = (7000 if number == 0 else 40) if number in bins_used else 0
             shown = {
                 "mean_probability": mean,
                 "observed_frequency": mean * (good if probability == "votes" else 0.95),

@@ -415,10 +415,12 @@ def test_bars_of_control_are_intervals_over_flows():
     )
     late = strategies.assign(delay_lt=1.0, low=9.0, high=9.9)  # another strategy than the paper's
     all_strategies = pd.concat([strategies, late])
-    found = over_flows(quartiles, all_strategies).set_index("metric")
-    assert found.loc["reduction", ["p25", "p75"]].tolist() == pytest.approx([1 - 1.37, 1 - 0.91])
-    assert found.loc["control_fraction", ["p25", "p75"]].tolist() == [0.08, 0.11]
-    assert found["p50"].tolist() == quartiles["p50"].tolist()
+    intervals = over_flows(quartiles, all_strategies).set_index("metric")
+    assert intervals.loc["reduction", ["p25", "p75"]].tolist() == pytest.approx(
+        [1 - 1.37, 1 - 0.91]
+    )
+    assert intervals.loc["control_fraction", ["p25", "p75"]].tolist() == [0.08, 0.11]
+    assert intervals["p50"].tolist() == quartiles["p50"].tolist()
     shown = quartiles.assign(p50=-0.1)
     figure = drawn("control_tradeoff", percentiles=shown, strategies=all_strategies)
     # the bar holds zero, which quartiles of three networks exclude
@@ -624,17 +626,17 @@ NOTHING = {
 
 @pytest.mark.parametrize("name", NOTHING)
 def test_a_figure_of_what_did_not_occur_says_so(name: str) -> None:
-    (said,) = texts(drawn(name, **NOTHING[name]))
-    assert said.startswith("No ")
+    (reason,) = texts(drawn(name, **NOTHING[name]))
+    assert reason.startswith("No ")
 
 
 def test_densities_of_no_flow_say_so() -> None:
     table = ARGUMENTS["control_density"]()["densities"][0]
     names = [name for name in table if name.startswith("density")]
-    (said,) = texts(
+    (reason,) = texts(
         drawn("control_density", densities=[table.assign(**dict.fromkeys(names, np.nan))])
     )
-    assert said.startswith("No flow was free of events")
+    assert reason.startswith("No flow was free of events")
 
 
 def test_strategies_come_in_the_papers_order() -> None:
@@ -757,13 +759,15 @@ def test_all_modes_hold_all_and_few_leading_ones_what_their_coefficients_say():
         states, EncodingCase(flow, {"modes": flow.dimension, "symmetrised": False})
     )
     numbers = np.array([1, 5, flow.dimension])
-    found = kept(encoder, flow, states[0].T, numbers)
-    assert [found[name][-1] for name in found] == pytest.approx([1.0, 1.0, 1.0])
+    shares = kept(encoder, flow, states[0].T, numbers)
+    assert [shares[name][-1] for name in shares] == pytest.approx([1.0, 1.0, 1.0])
     pca = PCA().fit(states[0])
     np.testing.assert_allclose(
-        found["variance"], np.cumsum(pca.explained_variance_ratio_)[numbers - 1]
+        shares["variance"], np.cumsum(pca.explained_variance_ratio_)[numbers - 1]
     )
-    for number, mean, correlation in zip(numbers, found["mean"], found["correlation"], strict=True):
+    for number, mean, correlation in zip(
+        numbers, shares["mean"], shares["correlation"], strict=True
+    ):
         few = PCA(number).fit(states[0])
         decoded = flow.observable(few.inverse_transform(few.transform(states[0])).T)
         true = flow.observable(states[0].T)

@@ -32,7 +32,7 @@ def draw(
     published: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw the data, the training set and the best network, and the measures of all networks."""
-    true, trained = (LongTermStatistics.from_arrays(one).histogram for one in (data, training))
+    true, trained = (LongTermStatistics.from_arrays(file).histogram for file in (data, training))
     best = errors.best_of(data, long_term)
     shown = [(true, looks.TRUTH, "True"), (trained, looks.TRAINING, "Train")]
     if best is not None:

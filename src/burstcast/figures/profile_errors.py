@@ -47,7 +47,7 @@ def draw(
     modes = flow_modes(make_system(system, parameters))
     assert modes is not None
     matrices = modes.profile_matrices(y)
-    true, trained = (LongTermStatistics.from_arrays(one) for one in (data, training))
+    true, trained = (LongTermStatistics.from_arrays(file) for file in (data, training))
     best = errors.best_of(data, long_term)
     shown = [(true, looks.TRUTH, "True"), (trained, looks.TRAINING, "Train")]
     if best is not None:
@@ -55,8 +55,8 @@ def draw(
     figure = style.new_figure(style.DOUBLE_COLUMN, 4.0)
     panels = figure.subplots(2, 3)
     for statistics, look, name in shown:
-        found = velocity_profiles(matrices, statistics.moments)
-        for axes, profile in zip(panels[0], (found.u, found.uu, found.uv), strict=True):
+        profiles = velocity_profiles(matrices, statistics.moments)
+        for axes, profile in zip(panels[0], (profiles.u, profiles.uu, profiles.uv), strict=True):
             axes.plot(profile, y, label=name, **look)
     for axes, label in zip(panels[0], _LABELS.values(), strict=True):
         axes.set_xlabel(label)

@@ -34,8 +34,8 @@ def data_parameters(
         ("", "Length of each time series", series_duration),
         ("", "Number of time series in the training set", training_series),
     ]
-    known = [(*names, latex_number(value)) for *names, value in rows if value is not None]
-    return pd.DataFrame(known, columns=_COLUMNS)
+    with_values = [(*names, latex_number(value)) for *names, value in rows if value is not None]
+    return pd.DataFrame(with_values, columns=_COLUMNS)
 
 
 def network_parameters(

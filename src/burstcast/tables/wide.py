@@ -93,14 +93,14 @@ def wide_table(
     """
     if table.duplicated([*rows, columns]).any():
         raise ValueError(f"two rows have the same {', '.join([*rows, columns])}")
-    found: dict[tuple[object, ...], dict[str, object]] = {}
+    cells_of_rows: dict[tuple[object, ...], dict[str, object]] = {}
     for record in table.to_dict("records"):
         key = tuple(record[name] for name in rows)
-        row = found.setdefault(key, dict(zip(rows, key, strict=True)))
+        row = cells_of_rows.setdefault(key, dict(zip(rows, key, strict=True)))
         value, low, high = (float(record[name]) for name in interval)
         row[record[columns]] = cell(value, low, high, specs.get(str(record["metric"])))
     names = list(dict.fromkeys(table[columns]))
-    result = pd.DataFrame(list(found.values()), columns=[*rows, *names])
+    result = pd.DataFrame(list(cells_of_rows.values()), columns=[*rows, *names])
     return result.fillna(dict.fromkeys(names, "--"))
 
 
@@ -112,9 +112,9 @@ def cell(value: float, low: float, high: float, spec: str | None) -> str:
     if not np.isfinite(value):
         return "--"
     texts = [
-        latex_number(one, digits=3) if spec is None else f"${one:{spec}}$"
-        for one in (value, low, high)
-        if np.isfinite(one)
+        latex_number(end, digits=3) if spec is None else f"${end:{spec}}$"
+        for end in (value, low, high)
+        if np.isfinite(end)
     ]
     return texts[0] if len(texts) < 3 or low == high else "{} ({} to {})".format(*texts)
 

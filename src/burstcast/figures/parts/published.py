@@ -145,8 +145,8 @@ def _compared(
     value = rows["published_p50"]
     inside = value.between(rows["low"], rows["high"])
     inside |= several & value.between(rows["p25"], rows["p75"])
-    known = rows["low"].notna() | (several & rows["p50"].notna())
-    return rows.assign(kind=name, inside=inside.astype("boolean").where(known))
+    decided = rows["low"].notna() | (several & rows["p50"].notna())
+    return rows.assign(kind=name, inside=inside.astype("boolean").where(decided))
 
 
 def _with_keys(table: pd.DataFrame) -> pd.DataFrame:
