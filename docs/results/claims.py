@@ -126,7 +126,7 @@ def verdict(kind: str, paper: float, low: float, high: float, digit: float = 0.0
 def reaches(kind: str, paper: float, ours: Any) -> str:
     """Whether the lower end of ours, or only its median, is that large, by the margin."""
     least = paper - MARGINS[kind][1]
-    return "yes" if ours.low >= least else "nearly" if ours.p50 >= least else "no"
+    return _graded(ours.low >= least, nearly=ours.p50 >= least)
 
 
 def larger(first: Any, other: Any) -> str:
@@ -141,7 +141,13 @@ def larger(first: Any, other: Any) -> str:
 
 def _beyond(difference: float, half: float) -> str:
     """Whether a difference is positive beyond half its interval; nearly if it is positive alone."""
-    return "yes" if difference > half else "nearly" if difference > 0 else "no"
+    return _graded(difference > half, nearly=difference > 0)
+
+
+def _graded(agrees: bool, *, nearly: bool) -> str:
+    if agrees:
+        return "yes"
+    return "nearly" if nearly else "no"
 
 
 def _error_of_median(row: Any) -> float:
@@ -315,7 +321,8 @@ def five_times_ahead(tables: Tables) -> Finding:
     recalls = {n: _f(tables, 5, metric="recall", neurons=n, **RV) for n in tables.sizes(CASE)}
     size, recall = max(recalls.items(), key=lambda item: item[1].p50)
     right = _f(tables, 5, metric="precision", neurons=size, **RV)
-    ours = f"5 LT ahead {_with_ends(recall)} of the events, {_with_ends(right)} of the alarms are right"
+    shares = f"{_with_ends(recall)} of the events, {_with_ends(right)} of the alarms are right"
+    ours = f"5 LT ahead {shares}"
     return Finding(
         "up to more than 5 LT", ours, reaches("precision, recall, F-score", 1 / 3, recall)
     )
@@ -388,7 +395,7 @@ def score_falls(tables: Tables) -> Finding:
     _, margin = MARGINS["precision, recall, F-score"]
     return Finding(
         "lower than at 400, similar to each other",
-        ", ".join(map(_said, (first, *others))),
+        ", ".join(map(_with_ends, (first, *others))),
         all_of([*(_grows(row, first) for row in others), max(middles) - min(middles) <= margin]),
     )
 
@@ -419,10 +426,7 @@ def _improves(tables: Tables, metrics: dict[str, str], digits: int) -> Finding:
     for metric, title in metrics.items():
         ours = [_error(tables, metric, neurons=n, **RV) for n in tables.sizes(CASE)]
         training = _error(tables, metric, **TRAINING).p50
-        holds += [
-            "yes" if row.p75 < training else "nearly" if row.p50 < training else "no"
-            for row in ours
-        ]
+        holds += [_graded(row.p75 < training, nearly=row.p50 < training) for row in ours]
         values = ", ".join(f"{row.p50:.{digits}g}" for row in ours)
         texts.append(f"{values} (training set {training:.{digits}g})")
         published = published_value("statistics", metric, reynolds=400, **TRAINING)
@@ -553,7 +557,7 @@ def rarer(tables: Tables) -> Finding:
             middle, low, high = (free.p50 / end for end in (left.p50, left.high, left.low))
             factors.append((middle, low, high, case))
         factor, low, high, case = max(factors)
-        verdicts.append("yes" if low >= AN_ORDER else "nearly" if factor >= AN_ORDER else "no")
+        verdicts.append(_graded(low >= AN_ORDER, nearly=factor >= AN_ORDER))
         texts.append(f"{time:g} LT ahead by {factor:.1f} ({low:.1f} to {high:.1f}, {case})")
     return Finding(
         "by up to one order of magnitude",

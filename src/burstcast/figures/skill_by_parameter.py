@@ -54,7 +54,7 @@ def draw(
     f_scores = f_scores[f_scores["neurons"].isna() | (f_scores["neurons"] == neurons)]
     escapes = escapes[escapes["neurons"].isna() | (escapes["neurons"] == neurons)]
     times = [time for time in prediction_times_lt if time in set(f_scores["prediction_time_lt"])]
-    of_columns = [*(f_scores[f_scores["prediction_time_lt"] == time] for time in times), escapes]
+    of_columns = [f_scores[f_scores["prediction_time_lt"] == time] for time in times] + [escapes]
     families = looks.families({*f_scores["forecaster"]} - {"permanent_alarm"})
     figure = style.new_figure(style.DOUBLE_COLUMN, 1.0 + 1.9 * len(families))
     grid = figure.subplots(len(families), len(of_columns), sharex=True, sharey="col", squeeze=False)

@@ -33,8 +33,8 @@ def medians_over_seeds(
 ) -> dict[str, Scores]:
     """Scores by forecaster, with the median over networks that differ by their seeds.
 
-    ``scores_of_seeds``: Forecasters or controllers, and their scores by name. By identifier, in the order in
-    which they come; "median of" networks by what these share.
+    ``scores_of_seeds``: Forecasters or controllers, and their scores by name. Returns them by
+    identifier, in the order in which they come; "median of" networks by what these share.
     """
     alike: dict[ForecasterName, list[tuple[str, Scores]]] = {}
     for name, scores in scores_of_seeds:

@@ -25,8 +25,8 @@ def data_parameters(
 
     ``system``: Parameters of the equations: symbol (LaTeX in math mode), explanation, value.
     """
-    rows = [
-        *((f"${name}$", explanation, value) for name, explanation, value in system),
+    rows = [(f"${name}$", explanation, value) for name, explanation, value in system]
+    rows += [
         ("$dt$", "Integration time step", time_step),
         (f"${symbol}_l$", "Laminarisation threshold", laminarisation_threshold),
         (f"${symbol}_e$", "Extreme event threshold", event_threshold),
