@@ -92,10 +92,10 @@ class Tables:
         ``left``, ``acting``: Remaining share of the exceedance, share of the time under actuation.
         ``condition``, ``means``: Condition and strategy in words.
         """
-        rows = self.rows(name, **where)
-        keys = [column for column in rows if column not in RESULTS]
+        table = self.rows(name, **where)
+        keys = [column for column in table if column not in RESULTS]
         rows = []
-        for _, run in rows.groupby(keys, dropna=False, sort=False):
+        for _, run in table.groupby(keys, dropna=False, sort=False):
             row = {str(key): run[key].iloc[0] for key in keys}
             for metric, value, low, high in run[[*RESULTS]].itertuples(index=False):
                 short = {"relative_exceedance": "left", "control_fraction": "acting"}

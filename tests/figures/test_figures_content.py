@@ -52,7 +52,7 @@ from burstcast.figures.parts.looks import (
     ordered_validations,
     validation,
 )
-from burstcast.figures.parts.style import columns_that_fit, label_ends, new_figure, render
+from burstcast.figures.parts.style import label_ends, new_figure, render
 from burstcast.figures.reliability import FEW_FORECASTS
 from burstcast.forecasters._labels import forecaster_label
 from kolmogorov_flow import KolmogorovFlow
@@ -677,16 +677,6 @@ def test_errors_beside_each_other_have_axes_of_one_kind() -> None:
     for shown, scale in ((table, "linear"), (far, "log")):
         panels = drawn("profile_errors", percentiles=shown).axes[3:]
         assert [panel.get_yscale() for panel in panels] == [scale] * 3
-
-
-def test_a_legend_has_as_many_columns_as_have_room():
-    for lengths, columns in (
-        ((10, 10, 10), 3),
-        ((60, 60, 60), 2),
-        ((60, 60, 10, 10, 10, 10), 3),  # short ones beside long ones
-        ((90, 90, 90), 1),
-    ):
-        assert columns_that_fit(["x" * length for length in lengths], 3) == columns
 
 
 def test_labels_at_the_ends_of_curves_lie_at_their_heights_and_not_on_each_other():

@@ -193,8 +193,8 @@ def test_every_claim_can_fail(claim, like_the_paper):
 
 
 def claim(text):
-    (claim_,) = (each for each in CLAIMS if each.text.startswith(text))
-    return claim_
+    (claim_of_text,) = (each for each in CLAIMS if each.text.startswith(text))
+    return claim_of_text
 
 
 def test_an_order_of_magnitude_is_looked_up_for_each_prediction_time(like_the_paper):
@@ -205,9 +205,8 @@ def test_an_order_of_magnitude_is_looked_up_for_each_prediction_time(like_the_pa
     table.to_csv(path, index=False)
     finding = claim("the density's tail").find(Tables(like_the_paper))
     assert finding.agrees == "2 yes, 1 no"
-    assert (
-        finding.why == "by 10 or more 1 LT ahead at 4 of 4, 2 LT ahead at 1 of 4 Reynolds numbers"
-    )
+    why = "by 10 or more 1 LT ahead at 4 of 4, 2 LT ahead at 1 of 4 Reynolds numbers"
+    assert finding.why == why
 
 
 @pytest.mark.parametrize(

@@ -169,9 +169,9 @@ def test_intervals_are_over_training_sets(readouts):
     assert means["readout"].tolist() == ["as in the paper"] * 2 + ["squares"] * 2
     for row in means.to_dict("records"):
         of = rows[(rows["forecaster"] == row["forecaster"]) & (rows["neurons"] == row["neurons"])]
-        means = of.groupby("case")["f_score"].mean()
-        low, high = stats.t.interval(0.95, 2, means.mean(), stats.sem(means))
-        expected = [means.mean(), low, high, means.min(), means.max()]
+        sets = of.groupby("case")["f_score"].mean()
+        low, high = stats.t.interval(0.95, 2, sets.mean(), stats.sem(sets))
+        expected = [sets.mean(), low, high, sets.min(), sets.max()]
         assert [row[name] for name in ("mean", "low", "high", "min", "max")] == pytest.approx(
             expected
         )
@@ -212,8 +212,8 @@ def test_only_cases_with_the_same_series_are_ranked_beside_each_other(tmp_path):
         for alarm in ("equations_filtered", "climatology")
     ]
     pd.DataFrame(rows).to_csv(tmp_path / "ranking.csv", index=False)
-    rows = onsets(Tables(tmp_path), "turbulence")
-    assert rows[["case", "alarm"]].to_numpy().tolist() == [
+    shown = onsets(Tables(tmp_path), "turbulence")
+    assert shown[["case", "alarm"]].to_numpy().tolist() == [
         ["sensors", "equations_filtered"],
         ["any", "climatology"],
         ["turbulence", "equations_filtered"],
@@ -226,8 +226,7 @@ def test_the_most_expensive_rules_and_the_sum(tmp_path):
         for rule, minutes in (("cheap", 1), ("dear", 9), ("middle", 3))
     ]
     pd.DataFrame(rows).to_csv(tmp_path / "rule_costs.csv", index=False)
-    rows = rows_of(costs(Tables(tmp_path), 2))
-    assert rows == {
+    assert rows_of(costs(Tables(tmp_path), 2)) == {
         "dear": ["2", "9", "5"],
         "middle": ["2", "3", "5"],
         "**all**": ["6", "13", "5"],

@@ -47,7 +47,7 @@ def draw(
         "truth": states[event["series"], event["first_step"] + marks].T,
         "forecast": decoded,
     }
-    fields = {name: planes.vorticity_fields(flow, states) for name, states in fields.items()}
+    fields = {name: planes.vorticity_fields(flow, shown) for name, shown in fields.items()}
     figure, evolution, lower = planes.evolution_above_fields(
         5.4,
         2.3,

@@ -3,7 +3,6 @@ ensemble. In grey: forecasters to compare with.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -71,9 +70,22 @@ def draw(
                 at_size = {"metric": metric, "validation": sizes_validation, "neurons": float(size)}
                 panel = panels["strategy"][row]
                 _draw_curve(panel, networks, theirs, at_size, _TIME, look, f"{size:g}")
-    _finish(figure, panels, sizes)
-    for column, head in columns.items():
-        panels[column][0].set_title(head, loc="center")
+    lowest = min((panel.dataLim.y0 for panel in grid.flat if panel.has_data()), default=0.0)
+    grid[0, 0].set_ylim(max(0.0, np.floor(10 * lowest) / 10), 1.02)
+    more = [*medians.spread_handles(grid.flat), *medians.published_handles(grid.flat)]
+    style.legend_above(figure, panels["size"], more, columns=4 if len(columns) > 1 else 2)
+    medians.say_where_empty(grid.flat)
+    for column, (top, _, bottom) in panels.items():
+        top.set_title(columns[column], loc="center")
+        bottom.set_xlabel(medians.NEURONS if column == "time" else medians.PREDICTION_TIME)
+        if column == "time":
+            top.set_xticks(sizes, [f"{size:g}" for size in sizes])
+            top.margins(x=0.08)
+            medians.thin_size_labels(bottom, sizes)
+        else:
+            top.xaxis.set_major_locator(MultipleLocator(1))
+    if "strategy" in columns and panels["strategy"][2].has_data():
+        panels["strategy"][2].legend(title="neurons", loc="best", ncols=2 if len(sizes) > 3 else 1)
     style.letter_panels(list(grid.flat))
     return figure
 
@@ -90,36 +102,3 @@ def _draw_curve(
     """Draw the chosen rows of our networks, and of the published ones."""
     medians.draw(axes, medians.select(networks, **chosen), x, look, label=label)
     medians.draw_published(axes, medians.select(theirs, **chosen), x, look)
-
-
-def _finish(figure: Figure, panels: dict[str, Any], sizes: np.ndarray[Any, Any]) -> None:
-    """Set limits, ticks and legends; ``panels`` has the columns, each with three panels."""
-    every = [panel for column in panels.values() for panel in column]
-    lowest = min((panel.dataLim.y0 for panel in every if panel.has_data()), default=0.0)
-    every[0].set_ylim(max(0.0, np.floor(10 * lowest) / 10), 1.02)
-    # a metric that is undefined everywhere leaves its panel without curves
-    drawn = [panel.get_legend_handles_labels() for panel in panels["size"]]
-    entries = {label: handle for panel in drawn for handle, label in zip(*panel, strict=True)}
-    handles = [
-        *entries.values(),
-        *medians.spread_handles(every),
-        *medians.published_handles(every),
-    ]
-    if len(handles) > 3:  # more would hide the curves
-        columns = min(len(handles), 4) if len(panels) > 1 else 2
-        figure.legend(handles=handles, loc="outside upper center", ncols=columns)
-    elif handles:
-        panels["size"][2].legend(handles=handles, loc="best")
-    medians.say_where_empty(every)
-    for column, (top, _, bottom) in panels.items():
-        bottom.set_xlabel(medians.NEURONS if column == "time" else medians.PREDICTION_TIME)
-        if column != "time":
-            top.xaxis.set_major_locator(MultipleLocator(1))
-    if "time" in panels:
-        panels["time"][0].set_xticks(sizes)
-        panels["time"][0].margins(x=0.08)
-        if len(sizes) > 4:
-            panels["time"][0].set_xticks(sizes, [f"{size:g}" for size in sizes], rotation=0)
-            medians.thin_size_labels(panels["time"][2], sizes)
-    if "strategy" in panels and panels["strategy"][2].has_data():
-        panels["strategy"][2].legend(title="neurons", loc="best", ncols=2 if len(sizes) > 3 else 1)

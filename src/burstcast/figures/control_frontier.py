@@ -73,10 +73,7 @@ def draw(
     _finish(panels, pd.concat([shown for _, shown, _ in contents]))
     for axes in panels[::columns]:
         axes.set_ylabel(rf"Exceedance left, $P({symbol} \geq {symbol}_e)$")
-    bars = style.bar_handle("interval over flows")
-    labels = [label for _, shown, _ in contents for label in dict.fromkeys(shown["label"])]
-    labels = [*dict.fromkeys(labels), str(bars.get_label())]
-    style.legend_above(figure, panels, [bars], columns=style.columns_that_fit(labels, 3))
+    style.legend_above(figure, panels, [style.bar_handle("interval over flows")], columns=2)
     style.letter_panels(panels)
     return figure
 

@@ -201,17 +201,6 @@ def label_ends(figure: Figure, panels: Iterable[Axes]) -> None:
             panel.annotate(label, (1, height), color=colour, fontsize=7.5, **place)
 
 
-def columns_that_fit(labels: Sequence[str], most: int) -> int:
-    """Columns of a legend that have room side by side in a figure of double width."""
-    lengths = [len(label) for label in labels]
-    for columns in range(most, 1, -1):
-        # inches of the letters of each column, and of lines with the spaces around them
-        widths = [0.045 * max(part, default=0) for part in np.array_split(lengths, columns)]
-        if sum(widths) + 0.5 * columns <= DOUBLE_COLUMN:
-            return columns
-    return 1
-
-
 def legend_above(
     figure: Figure, axes: Iterable[Axes], more: Sequence[Artist] = (), columns: int | None = None
 ) -> None:
