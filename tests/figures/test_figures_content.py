@@ -146,18 +146,6 @@ def test_other_networks_are_drawn_at_their_sizes() -> None:
     assert lines_with(figure.axes[0], [0.25] * len(PREDICTION_TIMES)) == 2
 
 
-def test_references_have_a_column_of_the_legend_for_their_long_names():
-    kinds = ("esn_aware", "quadratic", "quadratic_aware", "quadratic_aware_filtered")
-    metric = {"metric": "mean_horizon_lt", "p25": 4.4, "p50": 4.4, "p75": 4.4}
-    rows = [{"forecaster": kind, "neurons": np.nan, "validation": None, **metric} for kind in kinds]
-    rows.append({"forecaster": "esn", "neurons": 1000.0, "validation": "RV", **metric})
-    figure = horizons_of(pd.DataFrame(rows).assign(case="Re400"))
-    frames = {text.words: text.frame for text in drawn_texts(figure)}
-    columns = [frames[forecaster_label(kind)].x0 for kind in kinds]
-    assert columns == pytest.approx([columns[0]] * 4)
-    assert frames["RV"].x0 > max(frames[forecaster_label(kind)].x1 for kind in kinds)
-
-
 # -- published values ------------------------------------------------------------------------------
 
 
@@ -652,21 +640,18 @@ def test_the_network_schematic_prints_the_numbers_in_use() -> None:
 # -- bands and bars --------------------------------------------------------------------------------
 
 
-def test_quartiles_of_one_network_are_no_band():
+def test_quartiles_of_one_network_are_no_band_and_two_sizes_are_no_line():
     rows = pd.DataFrame({"neurons": [100.0, 200.0, 300.0], "p50": [0.5, 0.6, 0.7]})
-    for spread, entries in ((0.1, 1), (0.0, 0)):
+    for count, spread, entries, joined in (
+        (3, 0.1, 1, True),
+        (3, 0.0, 0, True),
+        (2, 0.1, 1, False),
+    ):
         axes = Figure().subplots()
         quartiles = rows.assign(p25=rows["p50"] - spread, p75=rows["p50"] + spread)
-        medians.draw(axes, quartiles, "neurons", validation("RV"))
+        medians.draw(axes, quartiles.iloc[:count], "neurons", validation("RV"))
         assert len(medians.spread_handles([axes])) == entries
-        assert lines_with(axes, [0.5, 0.6, 0.7]) == 1
-
-
-def test_two_sizes_are_not_joined_by_a_line():
-    rows = pd.DataFrame({"neurons": [300, 700, 900], "p25": 0.1, "p50": 0.2, "p75": 0.3})
-    for count, joined in ((2, False), (3, True)):
-        axes = Figure().subplots()
-        medians.draw(axes, rows.iloc[:count], "neurons", validation("RV"))
+        assert lines_with(axes, [0.5, 0.6, 0.7][:count]) == 1
         assert (axes.lines[0].get_linestyle() != "None") is joined
 
 
