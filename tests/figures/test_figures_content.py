@@ -222,7 +222,7 @@ def test_errors_grow_as_they_do_and_forecasts_are_valid_until_they_are_too_large
     figure = drawn("error_growth")
     error, valid = figure.axes
     assert [text.get_text() for text in valid.texts] == [
-        f"{size} neurons" for size in (500, 1500, 2000, 3000)
+        f"{size} neurons" for size in (500, 1000, 2000, 3000)
     ]
     time_lt = 0.5 * np.arange(1, 9)
     truth = growing_errors()["truth"]

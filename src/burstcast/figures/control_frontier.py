@@ -86,15 +86,16 @@ def _most_runs(runs: pd.DataFrame) -> pd.DataFrame:
 
 def _looks(runs: pd.DataFrame) -> dict[str, Any]:
     """Look of each strategy and forecaster of a row, in the order of the legend."""
-    first = runs.drop_duplicates("label")
-    forecasters = looks.ordered_forecasters(first["forecaster"])
-    first = first.sort_values("forecaster", key=lambda names: names.map(forecasters.index))
-    strategies = looks.ordered_strategies(first["strategy"])
-    by_strategy = {"key": lambda names: names.map(strategies.index), "kind": "stable"}
-    first = first.sort_values("strategy", **by_strategy)
+    strategies = looks.ordered_strategies(runs["strategy"])
+    forecasters = looks.ordered_forecasters(runs["forecaster"])
+
+    def place(run: dict[Any, Any]) -> tuple[int, int]:
+        return strategies.index(run["strategy"]), forecasters.index(run["forecaster"])
+
+    first = sorted(runs.drop_duplicates("label").to_dict("records"), key=place)
     return {
-        str(run["label"]): {**look, "marker": looks.strategy(run["strategy"])[1], "markersize": 4.0}
-        for run, look in zip(first.to_dict("records"), looks.categories(len(first)), strict=True)
+        run["label"]: {**look, "marker": looks.strategy(run["strategy"])[1], "markersize": 4.0}
+        for run, look in zip(first, looks.categories(len(first)), strict=True)
     }
 
 
