@@ -28,10 +28,7 @@ _EQUATIONS = "equations"
 
 
 @figure(section="forecasts", position=80, cases="encoded")
-def draw(
-    *,
-    tables: Sequence[pd.DataFrame] = read("encoded_cases/tables/ranking.csv"),
-) -> Figure:
+def draw(*, tables: Sequence[pd.DataFrame] = read("encoded_cases/tables/ranking.csv")) -> Figure:
     """Draw all forecasters of a flow and of the cases made from it."""
     ranking = pd.concat(list(tables), ignore_index=True)
     onsets = ranking[ranking["event"] == ONSET]

@@ -159,12 +159,7 @@ def _draw_velocity(
 
 
 def _draw_vectors(
-    axes: Axes3D,
-    x: FloatArray,
-    y: FloatArray,
-    z: FloatArray,
-    velocity: FloatArray,
-    largest: float,
+    axes: Axes3D, x: FloatArray, y: FloatArray, z: FloatArray, velocity: FloatArray, largest: float
 ) -> None:
     """Draw the in-plane velocity on the far side of the box and on its left end."""
     scale = 1.1 * float(np.ptp(x)) / (_ARROWS * largest)

@@ -15,7 +15,6 @@ from burstcast.tables.latex import escape, latex_number, to_latex
 
 Layout = Mapping[str, Any]
 
-WHO = "forecaster"
 PERCENTILES, INTERVAL = ("p50", "p25", "p75"), ("value", "low", "high")
 
 
@@ -61,8 +60,9 @@ def wide_tables(
         chosen = chosen[whole] if whole.any() else chosen
     interval = PERCENTILES if "p50" in chosen.columns else INTERVAL
     for case, of_case in chosen.groupby("case", sort=False):
-        row_keys = [WHO, *layout["more_rows"]]  # seeds only where the case has networks
-        named = of_case.assign(**{WHO: [_who(row) for row in of_case.to_dict("records")]})
+        row_keys = ["forecaster", *layout["more_rows"]]  # seeds only where the case has networks
+        words = [_in_words(row) for row in of_case.to_dict("records")]
+        named = of_case.assign(forecaster=words)
         if "strategy" in row_keys:
             named["strategy"] = _plans(named, layout["conditions"])
         for key in row_keys:
@@ -137,7 +137,7 @@ def _long_form(rows: pd.DataFrame, metrics: Sequence[str], keys: Sequence[str]) 
     )
 
 
-def _who(row: Mapping[Any, Any]) -> str:
+def _in_words(row: Mapping[Any, Any]) -> str:
     """Forecaster in words: "network, 700 neurons, RV"."""
     neurons, validation = row.get("neurons"), row.get("validation")
     parts = [forecaster_label(str(row["forecaster"]))]

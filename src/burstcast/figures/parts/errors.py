@@ -28,9 +28,7 @@ def best_of(data: Mapping[str, Any], long_term: Sequence[Mapping[str, Any]]) -> 
 
 
 def draw(
-    panels: Mapping[str, Axes],
-    percentiles: pd.DataFrame,
-    published: pd.DataFrame | None,
+    panels: Mapping[str, Axes], percentiles: pd.DataFrame, published: pd.DataFrame | None
 ) -> None:
     """Draw statistics' errors against reservoir size, with the training set and the floor.
 

@@ -8,15 +8,7 @@ import matplotlib
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
-from burstcast.figures.parts.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    VERMILLION,
-)
+from burstcast.figures.parts.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILLION
 from burstcast.forecasters._labels import forecaster_label
 
 Dashes = str | tuple[float, tuple[float, ...]]

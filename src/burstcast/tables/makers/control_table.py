@@ -13,8 +13,7 @@ COUNTS = tuple(field.name for field in fields(WindowCounts))
 
 @declaring
 def make(
-    *,
-    flows: Sequence[Gathered] = gathered("control_runs/flows.nc", " ".join([*RECORDS, *COUNTS])),
+    *, flows: Sequence[Gathered] = gathered("control_runs/flows.nc", " ".join([*RECORDS, *COUNTS]))
 ) -> dict[str, Rows]:
     """One row for each forecaster and prediction time."""
     rows: Rows = []

@@ -11,8 +11,7 @@ NAMES = ("spectral_radius", "input_scaling", "tikhonov", "objective", "solver")
 
 @declaring
 def make(
-    *,
-    hyperparameters: Sequence[Gathered] = gathered("searched_networks/hyperparameters.json"),
+    *, hyperparameters: Sequence[Gathered] = gathered("searched_networks/hyperparameters.json")
 ) -> dict[str, Rows]:
     """One row for each network; leak rates where any network leaks."""
     rows = []

@@ -16,9 +16,7 @@ COMPARED_METRICS = ("brier_skill", "average_precision", "f_score")
 
 @declaring
 def make(
-    *,
-    case: CaseProbabilities = made_by(case_probabilities),
-    bins: int = at("probability.bins"),
+    *, case: CaseProbabilities = made_by(case_probabilities), bins: int = at("probability.bins")
 ) -> dict[str, Rows]:
     """The scores with their intervals, and paired differences between forecasters."""
     rows: Rows = []

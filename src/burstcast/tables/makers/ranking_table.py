@@ -57,11 +57,7 @@ def make(
 
 
 def _strengths(
-    case: CaseProbabilities,
-    time: float,
-    window: Window,
-    event: str,
-    theory: FloatArray | None,
+    case: CaseProbabilities, time: float, window: Window, event: str, theory: FloatArray | None
 ) -> Iterator[tuple[dict[str, Any], FloatArray]]:
     """Key columns of all that rank points, and the strength of each point."""
     for alarm in case.alarms:
