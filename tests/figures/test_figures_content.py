@@ -47,6 +47,7 @@ from burstcast.figures.parts import medians
 from burstcast.figures.parts.alarm_scores import alarms_shown, median_networks, times_shown
 from burstcast.figures.parts.frame import axis_floor, axis_limits, observable_label, true_runs
 from burstcast.figures.parts.looks import (
+    controller_lines,
     families,
     forecaster_lines,
     ordered_validations,
@@ -350,6 +351,8 @@ def test_a_new_kind_of_forecaster_looks_like_no_other() -> None:
     lines = forecaster_lines(kinds)
     assert list(lines) == kinds
     assert len({(str(line["color"]), str(line["linestyle"])) for line in lines.values()}) == 4
+    controllers = controller_lines([*kinds, "esn", "random"])
+    assert len({(line["color"], line["marker"]) for line in controllers.values()}) == 6
     assert families(kinds) == [
         ("equations", ["equations_noisy"]),
         ("other forecasters", ["lstm", "transformer"]),

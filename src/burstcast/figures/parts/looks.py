@@ -129,12 +129,20 @@ _CONTROLLERS = {
     "equations": MarkerStyle(color=BLACK, linestyle=_DASHES, linewidth=1.2, marker="s"),
     "random": MarkerStyle(color=GREY, linestyle=(0, (1.0, 1.0)), linewidth=1.2, marker="^"),
 }
-_OTHER_CONTROLLER = MarkerStyle(color=PURPLE, linestyle="-", linewidth=1.2, marker="D")
+_OTHER_CONTROLLERS = ((PURPLE, "D"), (GREEN, "v"), (ORANGE, "P"), (VERMILLION, "X"), (_SKY, "<"))
 
 
-def controller_line(kind: str) -> MarkerStyle:
-    """Line and marker of a kind of forecaster that triggers the paper's control."""
-    return _CONTROLLERS.get(kind, _OTHER_CONTROLLER)
+def controller_lines(kinds: Iterable[str]) -> dict[str, MarkerStyle]:
+    """Lines and markers of kinds of forecasters that trigger the paper's control."""
+    others = cycle(_OTHER_CONTROLLERS)
+    lines = {}
+    for kind in kinds:
+        if kind in _CONTROLLERS:
+            lines[kind] = _CONTROLLERS[kind]
+        else:
+            colour, marker = next(others)
+            lines[kind] = MarkerStyle(color=colour, linestyle="-", linewidth=1.2, marker=marker)
+    return lines
 
 
 # -- strategies of control -------------------------------------------------------------------------
