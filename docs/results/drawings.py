@@ -100,7 +100,7 @@ def draw_readouts(tables: Tables) -> Figure:
 def draw_forecasters(paper: Tables, readouts: Tables, beyond: Tables) -> Figure:
     """Draw F-scores of forecasters with their intervals, Re = 400, beside the published ones."""
     f_scores = {"name": "classification", "metric": "f_score", "case": "Re400"}
-    sources = [
+    sources: list[tuple[str, Tables, dict[str, Any]]] = [
         ("network, 500 neurons", paper, {"neurons": 500, **RV}),
         ("network, 2000 neurons", paper, {"neurons": 2000, **RV}),
         ("network with squares, 500 neurons", readouts, {"neurons": 500} | SQUARES),

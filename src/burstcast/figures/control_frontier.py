@@ -112,7 +112,12 @@ def _draw_frontier(axes: Axes, runs: pd.DataFrame, curves: Mapping[str, Any]) ->
         rows = runs[runs["label"] == label]
         if rows.empty:
             continue
-        small = {**look, "linestyle": "none", "markersize": 2.2, "markeredgewidth": 0.5}
+        small: dict[str, Any] = {
+            **look,
+            "linestyle": "none",
+            "markersize": 2.2,
+            "markeredgewidth": 0.5,
+        }
         axes.plot(rows[f"value_{ACTING}"], rows[f"value_{LEFT}"], **small, markerfacecolor="white")
         best = control_runs.undominated(rows)
         _draw_curve(axes, best, best[f"value_{ACTING}"], {**look, "label": label})

@@ -6,6 +6,8 @@ medians over the networks of an ensemble of the scores and of the ends of their 
 below -0.1 are cut off.
 """
 
+from typing import Any
+
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -59,7 +61,7 @@ def draw(
 
 def _draw_curve(axes: Axes, rows: pd.DataFrame, look: looks.MarkerStyle, kind: str) -> None:
     if not rows.empty:
-        line = {**look, "marker": "", "label": forecaster_label(kind)}
+        line: dict[str, Any] = {**look, "marker": "", "label": forecaster_label(kind)}
         axes.plot(rows[_TIME], rows["value"], **line)
         _draw_band(axes, rows, look["color"], 0.2)
 

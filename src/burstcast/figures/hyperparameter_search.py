@@ -5,6 +5,8 @@ points that Bayesian optimisation chose after it; star: the minimum, which the n
 between the points are interpolated, and end at the objective that half of the grid exceeds.
 """
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -29,7 +31,7 @@ def draw(*, trace: pd.DataFrame = read("example/search.csv")) -> Figure:
     least, most = float(points["objective"].min()), float(grid.median())
     figure = style.new_figure(style.SINGLE_COLUMN, 2.8)
     axes = figure.subplots()
-    shades = {"cmap": "viridis", "vmin": least, "vmax": most}
+    shades: dict[str, Any] = {"cmap": "viridis", "vmin": least, "vmax": most}
     if len(set(radius)) > 1 and len(set(scaling)) > 1 and most > least:
         triangles = Triangulation(np.log(radius), np.log(scaling)).triangles
         between = Triangulation(radius, scaling, triangles)

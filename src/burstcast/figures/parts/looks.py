@@ -1,6 +1,6 @@
 """The table of looks: colour, line, marker, filling and order of all that figures tell apart."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import cycle
 from typing import Any, TypedDict
 
@@ -89,8 +89,8 @@ def forecaster_lines(kinds: Iterable[str]) -> dict[str, dict[str, Any]]:
 
     A kind without a look of its own has a colour that no other kind has.
     """
-    new_lines = cycle((_DASHES, _DOTS, _CHAIN, "-"))
-    lines = {}
+    new_lines: Iterator[Dashes] = cycle((_DASHES, _DOTS, _CHAIN, "-"))
+    lines: dict[str, dict[str, Any]] = {}
     for kind in ordered_forecasters(kinds):
         color, linestyle = _FORECASTERS.get(kind) or (_SKY, next(new_lines))
         lines[kind] = {"label": forecaster_label(kind), "color": color, "linestyle": linestyle}
