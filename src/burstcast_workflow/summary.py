@@ -83,17 +83,17 @@ def summary_table(tables: Mapping[str, Path]) -> pd.DataFrame | None:
 
 def where_results_lie(results: Path) -> str:
     """Places of existing tables and figures, and the figures to look at first."""
-    found = []
+    places = []
     if any((results / "tables").glob("*.csv")):
-        found.append(f"Tables: {results}/tables/*.csv and *.tex.")
+        places.append(f"Tables: {results}/tables/*.csv and *.tex.")
     figures = results / "figures"
     if any(figures.glob("*.png")):
         first = [name for name in LOOK_FIRST_AT if (figures / f"{name}.png").exists()]
         look = f"; look first at {' and '.join(first)}" if first else ""
-        found.append(f"Figures: {figures}/*.pdf and *.png{look}.")
+        places.append(f"Figures: {figures}/*.pdf and *.png{look}.")
     if (results / "report.html").exists():
-        found.append(f"All on one page: {results}/report.html.")
-    return " ".join(found) or f"Results: {results}"
+        places.append(f"All on one page: {results}/report.html.")
+    return " ".join(places) or f"Results: {results}"
 
 
 def _control(tables: Mapping[str, Path]) -> dict[str, "pd.Series[float]"]:
@@ -116,10 +116,12 @@ def _control(tables: Mapping[str, Path]) -> dict[str, "pd.Series[float]"]:
 
 def warnings_summary(tables: Path) -> str:
     """Signs that results are less than they seem, each with what to try; "" if there are none."""
-    found = found_warnings(tables_in(tables))
-    if not found:
+    warnings = found_warnings(tables_in(tables))
+    if not warnings:
         return ""
-    lines = [f"  {one.whose}: {one.finding}. Try: {one.advice}." for one in found]
+    lines = [
+        f"  {warning.whose}: {warning.finding}. Try: {warning.advice}." for warning in warnings
+    ]
     left_out = len(lines) - MOST_WARNINGS
     lines = lines[:MOST_WARNINGS] + ([f"  ... and {left_out} more"] if left_out > 0 else [])
     return "\n".join([f"What to look at twice ({tables / _WARNINGS}.csv):", *lines])
@@ -148,13 +150,13 @@ def found_warnings(tables: Mapping[str, Path]) -> list[FoundWarning]:
         whose.setdefault(tuple(row[name] for name in names), []).append(_who(row))
     kinds = [kind for kind, *_ in whose]
     repeated = [kinds[:number].count(kind) > 0 for number, kind in enumerate(kinds)]
-    found = [
+    warnings = [
         FoundWarning(
             ", ".join([case, *filter(None, ["; ".join(filter(None, whom))])]), finding, advice
         )
         for (_, finding, advice, case), whom in whose.items()
     ]
-    return [found[number] for number in np.argsort(repeated, kind="stable")]
+    return [warnings[number] for number in np.argsort(repeated, kind="stable")]
 
 
 def _read(tables: Mapping[str, Path], name: str) -> pd.DataFrame | None:

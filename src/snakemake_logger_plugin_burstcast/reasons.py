@@ -67,8 +67,8 @@ def own_causes(job: PlannedJob) -> Iterator[tuple[str, str]]:
     """Text of each cause that lies in the job itself, and the case of a setting of several."""
     reason, _, parameters = job.reason.partition(_PARAMETERS)
     for pattern, text in _REASONS:
-        if found := pattern.search(reason):
-            yield text.format(**found.groupdict()).strip(), ""
+        if match := pattern.search(reason):
+            yield text.format(**match.groupdict()).strip(), ""
     if parameters:
         before, _, now = parameters.partition(" now: ")
         yield from differences(*(_literals(part) for part in (before, now)))
@@ -155,12 +155,12 @@ def _users(jobs: Sequence[PlannedJob]) -> list[set[int]]:
 
 def _set_off(first: Iterable[int], users: Sequence[set[int]]) -> frozenset[int]:
     """Jobs, and all that these set off, directly or not."""
-    found, waiting = set(first), [*first]
+    reached, waiting = set(first), [*first]
     while waiting:
-        more = users[waiting.pop()] - found
-        found |= more
+        more = users[waiting.pop()] - reached
+        reached |= more
         waiting += more
-    return frozenset(found)
+    return frozenset(reached)
 
 
 def _counted(jobs: Iterable[PlannedJob]) -> str:

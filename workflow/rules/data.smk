@@ -112,7 +112,7 @@ rule scheduled_series:
     log:
         "<logs>/scheduled_series/{case}.log",
     wildcard_constraints:
-        case=any_of_regex([*campaign.simulated_cases, *campaign.where(known=True)]),
+        case=any_of_regex([*campaign.simulated_cases, *campaign.where(known_columns=True)]),
     conda:
         "../envs/burstcast.yaml"
     resources:

@@ -39,14 +39,14 @@ def few_points(campaign: Campaign) -> str:
     That is fewer than the events that a score takes (`FEW_POSITIVES`), as far as Lyapunov times are
     known.
     """
-    config, found = campaign.config, []
+    config, lacking = campaign.config, []
     for name, case in campaign.cases.items():
         steps, samples = case.steps_per_lyapunov_time, case.samples
         if not isinstance(case, Simulated) or steps is None or samples is None:
             continue
         room = [
-            durations.steps(one, steps)
-            for one in (config.washout_lt, config.classification.reach_lt)
+            durations.steps(duration, steps)
+            for duration in (config.washout_lt, config.classification.reach_lt)
         ]
         calibration = config.probability.calibration_series or case.training.series
         few = []
@@ -59,10 +59,10 @@ def few_points(campaign: Campaign) -> str:
             if points < FEW_POSITIVES:
                 few.append(f"{points} to {use}")
         if few:
-            found.append(f"{name} has {' and '.join(few)}")
-    if not found:
+            lacking.append(f"{name} has {' and '.join(few)}")
+    if not lacking:
         return ""
     return (
-        f"fewer than {FEW_POSITIVES} starting points of forecasts: {', '.join(found)}; raise "
+        f"fewer than {FEW_POSITIVES} starting points of forecasts: {', '.join(lacking)}; raise "
         "test_series, training.series or ensemble.duration, or lower start_spacing_lt"
     )

@@ -71,7 +71,7 @@ class Members:
     @cached_property
     def forecasters(self) -> tuple[CaseForecaster, ...]:
         """All forecasters of all cases, each once."""
-        found = {
+        members = {
             CaseForecaster(case, name)
             for block in self.config.campaign
             for kind, axes in block.forecasters.kinds.items()
@@ -79,7 +79,7 @@ class Members:
             for case in block.case_names
             if case in self.cases
         }
-        return tuple(sorted(found, key=_order))
+        return tuple(sorted(members, key=_order))
 
     def _of(self, is_so: Callable[[CaseForecaster], object]) -> tuple[CaseForecaster, ...]:
         """Forecasters of which something is true."""
@@ -105,15 +105,15 @@ class Members:
         """Networks that have a search of their own."""
         return tuple(network for network in self.networks if self.searched(network) == network)
 
-    def searched(self, one: CaseForecaster) -> CaseForecaster:
+    def searched(self, member: CaseForecaster) -> CaseForecaster:
         """Network whose search finds the hyperparameters of a network: itself, or a shared one.
 
         Networks that know the parameters and are trained on the same series share the search of the
         first case, and networks with true washouts the searches of networks with noisy ones.
         """
-        case = self.sources(one.case)[0] if one.kind.learns_parameters else one.case
-        kind = one.kind.searched_as or one.name.kind
-        return CaseForecaster(case, replace(one.name, kind=kind))
+        case = self.sources(member.case)[0] if member.kind.learns_parameters else member.case
+        kind = member.kind.searched_as or member.name.kind
+        return CaseForecaster(case, replace(member.name, kind=kind))
 
     def sources(self, case: str) -> list[str]:
         """Cases whose series the kinds that know the parameters are trained on, for a case."""
@@ -159,7 +159,7 @@ class Members:
         return tuple(
             member
             for member in self.chosen(self.config.statistics.forecasters)
-            if not (self.cases[member.case].known and member.kind.learns_parameters)
+            if not (self.cases[member.case].known_columns and member.kind.learns_parameters)
         )
 
     @cached_property
@@ -177,7 +177,7 @@ class Members:
     @cached_property
     def case_names(self) -> tuple[str, ...]:
         """Cases that some forecaster of the campaign is made for."""
-        return tuple(dict.fromkeys(one.case for one in self.forecasters))
+        return tuple(dict.fromkeys(member.case for member in self.forecasters))
 
     def where(self, **values: bool) -> tuple[str, ...]:
         """Names of the cases that have the given properties: ``where(is_encoded=True)``."""

@@ -89,27 +89,27 @@ def _is_archive(path: Path) -> bool:
 
 def contents(results: Path, claim: Mapping[str, Any], why: str) -> dict[str, bytes]:
     """Files of the archive of a campaign, by their names in it. ``claim``: See `versions`."""
-    found = {
+    files = {
         f"{directory}/{path.name}": path.read_bytes()
         for directory, suffixes in (("tables", (".csv", ".tex")), ("figures", (".pdf", ".png")))
         for path in _files(results / directory, suffixes)
     }
-    if not found:
+    if not files:
         raise NothingToArchiveError(
             f"{results} has neither tables nor figures yet: run the campaign first"
         )
     if (page := results / "report.html").exists():
-        found["report.html"] = page.read_bytes()
+        files["report.html"] = page.read_bytes()
     made_by = versions(claim)
     # a path that exists wherever the campaign is run again
     portable = {**claim["config"], "results": f"results/{results.name}"}
-    found["config.yaml"] = yaml.safe_dump(portable, sort_keys=True).encode()
-    found["versions.json"] = f"{json.dumps(made_by, indent=2)}\n".encode()
-    found["why.txt"] = f"{why}\n".encode()
+    files["config.yaml"] = yaml.safe_dump(portable, sort_keys=True).encode()
+    files["versions.json"] = f"{json.dumps(made_by, indent=2)}\n".encode()
+    files["why.txt"] = f"{why}\n".encode()
     readme = _README.format(name=results.name, revision=f"revision {made_by['revision']}")
-    found["README.md"] = readme.encode()
-    found["CITATION.cff"] = (project_root() / "CITATION.cff").read_bytes()
-    return {f"{results.name}/{name}": content for name, content in found.items()}
+    files["README.md"] = readme.encode()
+    files["CITATION.cff"] = (project_root() / "CITATION.cff").read_bytes()
+    return {f"{results.name}/{name}": content for name, content in files.items()}
 
 
 def _files(directory: Path, suffixes: Iterable[str]) -> list[Path]:

@@ -53,9 +53,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; return its exit status: 2 where the command makes no sense."""
     parser = _parser()
     chosen, others = parser.parse_known_args(arguments)
-    own = vars(chosen)
+    values = vars(chosen)
     command, module, of_snakemake = (
-        own.pop(name) for name in ("command", "module", "of_snakemake")
+        values.pop(name) for name in ("command", "module", "of_snakemake")
     )
     if others and not of_snakemake:
         parser.error(f"{command} does not know {' '.join(others)}")
@@ -66,5 +66,5 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if problem := unreadable_config(others):
             parser.error(problem)
     run = import_module(f"burstcast_workflow.{module}").main
-    status: int = run(others, **own) if of_snakemake else run(**own)
+    status: int = run(others, **values) if of_snakemake else run(**values)
     return status

@@ -43,15 +43,15 @@ def out_of_bounds(section: Section) -> Iterator[str]:
 @cache
 def _bounds(model: type[Section], place: str = "") -> list[tuple[str, str, str]]:
     """Settings that are bounded by others, with the relation and the name of the other."""
-    found: list[tuple[str, str, str]] = []
+    bounds: list[tuple[str, str, str]] = []
     for key, field in model.model_fields.items():
         name, extra = f"{place}{key}", field.json_schema_extra
         relations: Any = extra.get("relations", {}) if isinstance(extra, dict) else {}
-        found += [(name, relation, other) for relation, other in relations.items()]
+        bounds += [(name, relation, other) for relation, other in relations.items()]
         # what bounds a setting of a case is in the same case
         for section in _sections(field.annotation) if name != "case_defaults" else ():
-            found += _bounds(section, f"{name}.")
-    return found
+            bounds += _bounds(section, f"{name}.")
+    return bounds
 
 
 def _sections(kind: Any) -> Iterator[type[Section]]:

@@ -60,7 +60,9 @@ class CaseChecks:
         except ValidationError as error:
             problems = error.errors(include_url=False)
             missing = [
-                ".".join(map(str, one["loc"])) for one in problems if one["type"] == "missing"
+                ".".join(map(str, mistake["loc"]))
+                for mistake in problems
+                if mistake["type"] == "missing"
             ]
             if missing and record["system"] != self.config.case_defaults.system:
                 are, it = ("is", "it") if len(missing) == 1 else ("are", "them")
@@ -190,9 +192,9 @@ class CaseChecks:
     def _measured(self) -> Iterator[str]:
         """Mistakes in a case of measured series."""
         config, name = self.config, self.name
-        own, data = config.entry_of(name), config.data_of(name)
+        entry, data = config.entry_of(name), config.data_of(name)
         assert data is not None
-        if wrong := list(own_problems(own)):
+        if wrong := list(own_problems(entry)):
             yield from wrong
             return
         source, used = data.case, config.case_names
@@ -257,14 +259,14 @@ class CaseChecks:
         sections, steps = {name for kind in self.kinds for name in sections_of_kind(kind)}, FINE
         with suppress(ValueError):  # reported for the case
             steps = case.steps_per_lyapunov_time or FINE
-        said = self.config.forecasters
+        forecasters = self.config.forecasters
         try:
             if "precursor" in sections:
                 washout = durations.steps(self.config.washout_lt, steps)
-                lag_steps(said.precursor.lags_lt, steps, washout)
+                lag_steps(forecasters.precursor.lags_lt, steps, washout)
             if sections & {"precursor", "esn_direct"}:
                 name = "forecasters.classifiers.start_spacing_lt"
-                durations.positive_steps(said.classifiers.start_spacing_lt, steps, name)
+                durations.positive_steps(forecasters.classifiers.start_spacing_lt, steps, name)
         except ValueError as error:
             yield str(error)
 
@@ -276,28 +278,25 @@ class CaseChecks:
         used, sources = config.case_names, case.training.trained_on or [self.name]
         for source in sources:
             if source not in used or config.data_of(source) is not None:
-                simulated = [one for one in used if config.data_of(one) is None]
+                simulated = [name for name in used if config.data_of(name) is None]
                 yield (
                     f"training.trained_on: {source} is no case that is simulated here; "
                     + suggestion(source, simulated)
                 )
                 return
         try:
-            cases = [
-                one for source in sources if isinstance(one := case_of(config, source), Simulated)
-            ]
+            cases = [Simulated.model_validate(case_record(config, source)) for source in sources]
             factors = factors_of(config, cases)
         except ValidationError:
             return  # reported for the case
         except ValueError as error:
             yield f"forecasters.aware: {error}"
             return
+        intervals = [source.ensemble.sampling_interval for source in (case, *cases)]
         alike: dict[str, list[Any]] = {
-            "system": [one.system for one in (case, *cases)],
-            "ensemble.time_step x ensemble.sampling_stride": [
-                one.ensemble.sampling_interval for one in (case, *cases)
-            ],
-            "ensemble.duration": [one.ensemble.duration for one in cases],
+            "system": [source.system for source in (case, *cases)],
+            "ensemble.time_step x ensemble.sampling_stride": intervals,
+            "ensemble.duration": [source.ensemble.duration for source in cases],
         }
         for setting, values in alike.items():
             if len(set(values)) > 1:
@@ -335,9 +334,9 @@ def factors_of(config: Configuration, cases: Sequence[Case]) -> ParameterFactors
     """Factors scaled by the values in training on the series of some cases."""
     aware = config.forecasters.aware
     names, degree = aware.parameters, aware.parameter_degree
-    found = []
+    values = []
     for case in cases:
-        found.append(case.values_of(names))
+        values.append(case.values_of(names))
         if case.training.actuation is not None:
-            found.append(case.values_of(names, case.training.actuation.strength))
-    return ParameterFactors.of(names, np.array(found), aware.transform, degree)
+            values.append(case.values_of(names, case.training.actuation.strength))
+    return ParameterFactors.of(names, np.array(values), aware.transform, degree)

@@ -52,8 +52,8 @@ def contradictions(config: Configuration) -> list[str]:
         *_without_trajectories(config),
         *_figures(config),
     ]
-    known = [name for name in config.case_names if name in _known_cases(config)]
-    problems += of_cases((name, CaseChecks(config, name).problems()) for name in known)
+    valid = [name for name in config.case_names if name in _known_cases(config)]
+    problems += of_cases((name, CaseChecks(config, name).problems()) for name in valid)
     return list(dict.fromkeys(problems))
 
 
@@ -82,7 +82,7 @@ def _class_defaults(config: Configuration) -> Iterator[str]:
 def _campaign(config: Configuration) -> Iterator[str]:
     if config.case_defaults.data is not None:
         yield "case_defaults.data must be null: each case has data of its own, in cases.<name>.data"
-    known, variants = _known_cases(config), config.forecasters.variants
+    cases, variants = _known_cases(config), config.forecasters.variants
     if config.forecasters.esn.readout != "linear":
         yield (
             "forecasters.esn.readout: networks with squares have a name of their own: say "
@@ -98,9 +98,9 @@ def _campaign(config: Configuration) -> Iterator[str]:
     named: dict[tuple[str, str | None], tuple[str, Any]] = {}
     for index, block in enumerate(config.campaign):
         place = f"campaign[{index}]"
-        for kind, own in block.forecasters.own.items():
-            key = kind.rpartition(":")[2], own.label
-            if named.setdefault(key, (kind, own.options)) != (kind, own.options):
+        for kind, forecaster in block.forecasters.own.items():
+            key = kind.rpartition(":")[2], forecaster.label
+            if named.setdefault(key, (kind, forecaster.options)) != (kind, forecaster.options):
                 yield (
                     f"{place}.forecasters: {kind} and another forecaster of the campaign are both "
                     f"called {'_'.join(filter(None, key))} in tables; give one of them a label: "
@@ -109,10 +109,10 @@ def _campaign(config: Configuration) -> Iterator[str]:
         if not block.case_names:
             yield f"{place} names no case: give it reynolds: [...] or cases: [...]"
         for name in block.cases:
-            if name not in known:
-                yield f"{place}.cases: there is no case {name} in cases; {suggestion(name, known)}"
+            if name not in cases:
+                yield f"{place}.cases: there is no case {name} in cases; {suggestion(name, cases)}"
         for name in dict.fromkeys([*block.cases, *map(case_name, block.reynolds)]):
-            if name in known:
+            if name in cases:
                 yield from _realisations(config, place, block, name)
         if not block.forecasters.kinds:
             yield f"{place}.forecasters names no kind: give it esn, equations, ..."
@@ -174,10 +174,10 @@ def _realisations(config: Configuration, place: str, block: Block, name: str) ->
         needed = count * case.training.series + case.test_series
         needed += config.probability.calibration_series
         if needed > case.ensemble.series:
-            said = f"event_shares has {len(shares)}" if shares else f"realisations is {count}"
+            setting = f"event_shares has {len(shares)}" if shares else f"realisations is {count}"
             yield (
-                f"{place}.{said}; choices of training series that share none, the test series and "
-                f"the calibration series are {needed} series of {name}, but ensemble.series is "
+                f"{place}.{setting}; choices of training series that share none, the test series "
+                f"and the calibration series are {needed} series of {name}, but ensemble.series is "
                 f"{case.ensemble.series}"
             )
 
@@ -222,14 +222,14 @@ def _without_trajectories(config: Configuration) -> Iterator[str]:
         choices[f"control.strategies[{index}].forecasters"] = block.kinds, by_probability
     for place, (kinds, by_probability) in choices.items():
         for kind in kinds:
-            known = kind_class(kind)
-            if known.has_trajectories and by_probability:
+            forecaster = kind_class(kind)
+            if forecaster.has_trajectories and by_probability:
                 classifiers = sorted({*available_kinds()} - {*trajectory_kinds()})
                 yield (
                     f"{place} names {kind}, which forecasts states; a strategy that acts on "
                     f"probabilities takes classifiers: {', '.join(classifiers)}"
                 )
-            if not (known.has_trajectories or by_probability):
+            if not (forecaster.has_trajectories or by_probability):
                 yield (
                     f"{place} names {kind}, which gives probabilities of events and forecasts no "
                     "states; leave it out"
@@ -253,7 +253,7 @@ def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterat
                 f"{place}.observed: {part} is a part of {source}, which this block does not "
                 f"control: give {source} an actuation, and name it in cases or leave cases out"
             )
-        there = {kind for one in config.blocks_of(part) for kind in one.forecasters.kinds}
+        there = {kind for other in config.blocks_of(part) for kind in other.forecasters.kinds}
         if block.kinds and there.isdisjoint(block.kinds):
             yield f"{place}.forecasters: the campaign has no {', '.join(block.kinds)} for {part}"
 
@@ -305,10 +305,10 @@ def _figures(config: Configuration) -> Iterator[str]:
             for seed in range(networks.seeds)
         ]
         if replace(example, seed=example.seed or 0).identifier not in there:
-            known = f"{name} has {there[0]}" if there else f"{name} has none"
+            networks = f"{name} has {there[0]}" if there else f"{name} has none"
             yield (
                 f"the example network of the figures ({name}, {example.identifier}) is not part of "
-                f"the campaign: change figures.example_case or figures.example_forecaster ({known})"
+                f"the campaign: change figures.example_case or figures.example_forecaster ({networks})"
             )
     case, peak = sound_case(config, name), figures.flow_event.peak
     threshold = case.event_threshold if isinstance(case, Simulated) else None

@@ -21,8 +21,8 @@ def completed(config: Configuration) -> Configuration:
     """
     figures = config.figures
     shown = _example(config)
-    said = {name: getattr(figures, name) for name in shown}
-    shown |= {name: value for name, value in said.items() if value is not None}
+    given = {name: getattr(figures, name) for name in shown}
+    shown |= {name: value for name, value in given.items() if value is not None}
     update: dict[str, Any] = {"figures": figures.model_copy(update=shown)}
     for name in ("statistics", "control"):
         section = getattr(config, name)
@@ -37,22 +37,32 @@ def completed(config: Configuration) -> Configuration:
 def _example(config: Configuration) -> dict[str, Any]:
     """Example case and network, and the size that panels hold fixed."""
     figures = config.figures
-    found = [
+    networks = [
         (case, size, block.forecasters.esn.validation)
         for block in config.campaign
         if block.forecasters.esn is not None and not block.forecasters.esn.variants
         for case in block.case_names
         for size in block.forecasters.esn.neurons
     ]
-    known = figures.example_forecaster and parsed(figures.example_forecaster)
-    size = figures.fixed_neurons or (known.neurons if known else None)
-    if size is None and found:
-        counts = Counter(one for _, one, _ in found)
-        size = max(counts, key=lambda one: (counts[one], one))
-    alike = [one for one in found if one[1] == size and figures.example_case in (None, one[0])]
+    example = figures.example_forecaster and parsed(figures.example_forecaster)
+    size = figures.fixed_neurons or (example.neurons if example else None)
+    if size is None and networks:
+        counts = Counter(case_or_size for _, case_or_size, _ in networks)
+        size = max(counts, key=lambda case_or_size: (counts[case_or_size], case_or_size))
+    alike = [
+        case_or_size
+        for case_or_size in networks
+        if case_or_size[1] == size and figures.example_case in (None, case_or_size[0])
+    ]
     cases = [case for case, *_ in alike] or config.case_names
-    case = min(cases, key=lambda one: (_is_part(config, one), natural_order(one)), default=None)
-    strategies = sorted({name for one, _, names in alike if one == case for name in names})
+    case = min(
+        cases,
+        key=lambda case_or_size: (_is_part(config, case_or_size), natural_order(case_or_size)),
+        default=None,
+    )
+    strategies = sorted(
+        {name for case_or_size, _, names in alike if case_or_size == case for name in names}
+    )
     if not strategies:
         return {"example_case": case, "example_forecaster": None, "fixed_neurons": None}
     strategy = _STRATEGY if _STRATEGY in strategies else strategies[0]

@@ -69,30 +69,32 @@ class Chosen(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _mapping(cls, said: Any) -> Any:
+    def _mapping(cls, given: Any) -> Any:
         """One mapping of a list of kinds or of a mapping, with classes of one's own in ``own``."""
-        kinds = cls._of_list(said) if isinstance(said, list) else said
+        kinds = cls._of_list(given) if isinstance(given, list) else given
         if not isinstance(kinds, dict):
             if isinstance(kinds, cls):
                 return kinds
             raise wrong("must be a list of kinds, or a mapping of kinds to their axes")
-        own = {kind: {} if of is None else of for kind, of in kinds.items() if ":" in str(kind)}
-        if not own:
+        of_users = {
+            kind: {} if of is None else of for kind, of in kinds.items() if ":" in str(kind)
+        }
+        if not of_users:
             return kinds
-        others = {kind: axes for kind, axes in kinds.items() if kind not in own}
-        return {**others, "own": {**others.get("own", {}), **own}}
+        others = {kind: axes for kind, axes in kinds.items() if kind not in of_users}
+        return {**others, "own": {**others.get("own", {}), **of_users}}
 
     @staticmethod
-    def _of_list(said: list[Any]) -> Any:
+    def _of_list(items: list[Any]) -> Any:
         kinds: dict[Any, Any] = {}
-        for one in said:
-            if not isinstance(one, str | dict):
-                raise wrong(f"has {one}; each kind is a name, or a name with its axes")
-            found = one if isinstance(one, dict) else {one: {}}
-            for kind in found.keys() & kinds.keys():
+        for item in items:
+            if not isinstance(item, str | dict):
+                raise wrong(f"has {item}; each kind is a name, or a name with its axes")
+            named = item if isinstance(item, dict) else {item: {}}
+            for kind in named.keys() & kinds.keys():
                 raise wrong(f"has {kind} twice")
             # what YAML reads in `- equations:`
-            kinds |= {kind: {} if axes is None else axes for kind, axes in found.items()}
+            kinds |= {kind: {} if axes is None else axes for kind, axes in named.items()}
         return kinds
 
     @model_validator(mode="after")

@@ -41,7 +41,7 @@ _WITHOUT_UNITS: Any = {
 
 
 def measured_record(
-    defaults: Simulated, own: Config, record_of: Callable[[str], Mapping[str, Any]]
+    defaults: Simulated, entry: Config, record_of: Callable[[str], Mapping[str, Any]]
 ) -> Config:
     """Defaults of a case of measured series.
 
@@ -51,33 +51,33 @@ def measured_record(
 
     ``own``: The entry in ``cases``, with a section ``data``.
     """
-    said = Data.model_validate(own["data"])
-    data = canonical(own["data"])
+    data_given = Data.model_validate(entry["data"])
+    data = canonical(entry["data"])
     record: Config = defaults.model_dump(include=_WITHOUT_UNITS)
     record["training"]["noise"] = 0.0
     record["recycle_validation"]["intervals_per_series"] = None  # as many as fit
-    steps: Config = {"duration": said.blocks and said.blocks.duration}
-    written = said.observable or ""
+    steps: Config = {"duration": data_given.blocks and data_given.blocks.duration}
+    written = data_given.observable or ""
     names_of_observable = Quantity(written).name if "=" in written else "", ""
-    if said.time_step is not None:
+    if data_given.time_step is not None:
         # a power of two: their product is what was said, to the last bit
-        step, _ = time_step_of(said.time_step)
+        step, _ = time_step_of(data_given.time_step)
         steps |= {"time_step": step / SUBSTEPS, "sampling_stride": SUBSTEPS}
-    if said.case is not None:
-        source = record_of(said.case)
+    if data_given.case is not None:
+        source = record_of(data_given.case)
         whole = source["ensemble"]
         steps = {key: whole.get(key) for key in ("time_step", "sampling_stride", "duration")}
         record |= _of_source(source, data)
         if data["observable"] == OBSERVABLE and (space := space_named(source)) is not None:
             names_of_observable = space.observable_name, space.observable_symbol
-    data["components"] = said.components or _seen_of_files(said)
+    data["components"] = data_given.components or _seen_of_files(data_given)
     names = [Quantity(text).name for text in data["components"]]
-    if is_encoded(own) and said.case is not None:
-        names = _channels(*encoding_parts(own), source)
+    if is_encoded(entry) and data_given.case is not None:
+        names = _channels(*encoding_parts(entry), source)
     observable = data.get("observable")
-    past = [delayed_name(name, delay) for delay in said.delays for name in names]
+    past = [delayed_name(name, delay) for delay in data_given.delays for name in names]
     if steps["duration"] is not None and "time_step" in steps:
-        lost = max(said.delays, default=0) * steps["time_step"] * steps["sampling_stride"]
+        lost = max(data_given.delays, default=0) * steps["time_step"] * steps["sampling_stride"]
         steps["duration"] -= lost
     return {
         **record,
@@ -93,14 +93,14 @@ def measured_record(
     }
 
 
-def is_encoded(own: Config) -> bool:
+def is_encoded(entry: Config) -> bool:
     """Whether an entry of ``cases`` has sensors or an encoder (`Case.is_encoded`)."""
-    return own.get("sensors") is not None or own.get("encoder") is not None
+    return entry.get("sensors") is not None or entry.get("encoder") is not None
 
 
-def encoding_parts(own: Config) -> tuple[Sensors | None, CaseEncoder | None]:
+def encoding_parts(entry: Config) -> tuple[Sensors | None, CaseEncoder | None]:
     """Sensors and encoder of an entry of ``cases``."""
-    sensors, encoder = own.get("sensors"), own.get("encoder")
+    sensors, encoder = entry.get("sensors"), entry.get("encoder")
     return (
         None if sensors is None else Sensors.model_validate(sensors),
         None if encoder is None else CaseEncoder.model_validate(encoder),
@@ -130,8 +130,8 @@ def _channels(*encoding: Any) -> list[str]:
 
 def _seen_of_files(data: Data) -> list[str]:
     """Columns of the first file but what is known in advance; none where it cannot be read."""
-    known = {Quantity(text).source for text in data.known}
-    return [name for name in _columns(data) if name not in known]
+    in_advance = {Quantity(text).source for text in data.known}
+    return [name for name in _columns(data) if name not in in_advance]
 
 
 def _columns(data: Data) -> list[str]:
@@ -182,18 +182,18 @@ def space_named(record: Mapping[str, Any]) -> StateSpace | None:
         return None
 
 
-def own_problems(own: Config) -> Iterator[str]:
+def own_problems(entry: Config) -> Iterator[str]:
     """Forbidden and required settings of measured series in ``cases``."""
-    data = Data.model_validate(own["data"])
+    data = Data.model_validate(entry["data"])
     if bool(data.files) == (data.case is not None):
         yield "data needs files: [...], or else the name of another case of the campaign (case)"
         return
     for key in _MEANINGLESS:
         # an encoder of one's own may read files
-        if own.get(key) is not None and not (key == "files" and is_encoded(own)):
+        if entry.get(key) is not None and not (key == "files" and is_encoded(entry)):
             yield f"{key} means nothing for measured series (data): leave it out"
     if data.case is None:
-        if is_encoded(own):
+        if is_encoded(entry):
             yield ONLY_ENCODED
         for key, meaning in (
             ("observable", "a component, or an expression of columns"),
@@ -204,7 +204,7 @@ def own_problems(own: Config) -> Iterator[str]:
         if data.gaps and not data.blocks:
             yield "data.gaps needs data.blocks beside it: gaps cut a record into unequal parts"
     else:
-        if is_encoded(own):
+        if is_encoded(entry):
             for key in ("components", "delays", "observable"):
                 if getattr(data, key) not in (None, []):
                     yield (
@@ -237,7 +237,7 @@ def problems_of_data(case: Measured) -> Iterator[str]:
         return
     data = case.data
     names = [Quantity(text).name for text in data.components]
-    if twice := [one for one in dict.fromkeys(names) if names.count(one) > 1]:
+    if twice := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
         yield f"data.components has {twice[0]} twice"
     try:
         # the observable is of the present
@@ -248,12 +248,12 @@ def problems_of_data(case: Measured) -> Iterator[str]:
     quantities = [Quantity(text) for text in (*data.components, *[data.observable] * appended)]
     if data.case is not None:
         try:
-            for one in quantities:
-                one.columns([*data.columns, OBSERVABLE])
+            for quantity in quantities:
+                quantity.columns([*data.columns, OBSERVABLE])
         except ValueError as error:
             yield f"data.components, data.observable: {error}"
         return
-    yield from (f"data.{one}" for one in problems_of_columns(data.dump(), _columns(data)))
+    yield from (f"data.{text}" for text in problems_of_columns(data.dump(), _columns(data)))
     try:
         for path in data.paths:
             content_of(path).columns_of(quantities)

@@ -18,12 +18,12 @@ from burstcast_workflow.tables.declarations import SECTIONS
 def _declared() -> dict[str, Drawn]:
     figures = {name: figure_of(name) for name in available_figures()}
     for name, figure in figures.items():
-        for noun, given, known in (
+        for noun, given, available in (
             ("section", figure.section, SECTIONS),
             ("choice of cases", figure.cases, vars(Choices)),
         ):
-            if given not in known:
-                similar = suggestion(given, known)
+            if given not in available:
+                similar = suggestion(given, available)
                 raise ValueError(f"the figure {name} declares the {noun} {given!r}{similar}")
 
     def place(name: str) -> tuple[str, int]:

@@ -29,14 +29,14 @@ def report_of(campaign: Campaign) -> dict[str, Any]:
 
 
 def _computed(campaign: Campaign, case: str) -> dict[str, str]:
-    networks = [one.name for one in campaign.networks if one.case == case]
-    kinds = dict.fromkeys(one.name.kind for one in campaign.select(case=case))
+    networks = [network.name for network in campaign.networks if network.case == case]
+    kinds = dict.fromkeys(network.name.kind for network in campaign.select(case=case))
     return {
         "case": case,
         "networks": str(len(networks)),
-        "of neurons": ", ".join(map(str, sorted({one.neurons or 0 for one in networks}))),
-        "validated by": ", ".join(sorted({str(one.validation) for one in networks})),
-        "seeds": str(len({one.seed for one in networks})),
+        "of neurons": ", ".join(map(str, sorted({network.neurons or 0 for network in networks}))),
+        "validated by": ", ".join(sorted({str(network.validation) for network in networks})),
+        "seeds": str(len({network.seed for network in networks})),
         "forecasters": ", ".join(kinds),
     }
 
@@ -61,19 +61,19 @@ def other_settings(config: Mapping[str, Any]) -> list[list[str]]:
 def _without_nulls(value: Any) -> Any:
     """A value whose mappings have no null: not all the kinds that a block could have."""
     if isinstance(value, Mapping):
-        return {key: _without_nulls(one) for key, one in value.items() if one is not None}
-    return [_without_nulls(one) for one in value] if isinstance(value, list) else value
+        return {key: _without_nulls(item) for key, item in value.items() if item is not None}
+    return [_without_nulls(item) for item in value] if isinstance(value, list) else value
 
 
 def _section(campaign: Campaign, section: str) -> dict[str, Any]:
     figures = [
         {"name": name, "title": _title(name), "caption": caption(figure)}
         for name in figure_names(campaign)
-        for figure in [max((one for one in FIGURES if name.startswith(one)), key=len)]
+        for figure in [max(filter(name.startswith, FIGURES), key=len)]
         if FIGURES[figure].section == section
     ]
     tables = [
-        {"name": name, "title": _title(name), "caption": table_of(name).says}
+        {"name": name, "title": _title(name), "caption": table_of(name).description}
         for name in table_names(campaign)
         if table_of(name).section == section
     ]

@@ -186,9 +186,9 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
         return
 
     files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
-    known = _known(declared, files.pop(THRESHOLDS, []))
+    values = _known(declared, files.pop(THRESHOLDS, []))
     exponent = exponent_in(files.pop(TIME_UNIT, ""))
-    settings = settings_taken(function)(known, identity, provenance(identity, declared), exponent)
+    settings = settings_taken(function)(values, identity, provenance(identity, declared), exponent)
     function(**arguments_for(function, {**files, "settings": settings}))
     if unread := settings.unread():
         logger.info("settings not read: %s", ", ".join(unread))
@@ -221,8 +221,8 @@ def _checked_code(
         return path if path.is_file() else Path(function.__code__.co_filename)
 
     packages = packages_of(project_root())
-    own = {entry.partition(" ")[0]: () for entry in code}
-    sources = Sources(script, packages, own)
+    modules = {entry.partition(" ")[0]: () for entry in code}
+    sources = Sources(script, packages, modules)
     others = {*code} - {*planned["code"]}
     if changed := sources.changed(code) or [entry.partition(" ")[0] for entry in others]:
         raise UnlikeCodeError(
@@ -286,7 +286,7 @@ def _telling(wildcards: Mapping[str, str]) -> dict[str, str]:
 
 def _known(settings: Any, thresholds: list[str]) -> Any:
     """Settings with the event thresholds of these files, where the config gives quantiles."""
-    values = {one["case"]: one["event_threshold"] for one in map(read_json, thresholds)}
+    values = {record["case"]: record["event_threshold"] for record in map(read_json, thresholds)}
     return with_thresholds(settings, values.__getitem__)
 
 

@@ -75,7 +75,7 @@ class Forecasting(System, Clock):
             sampling_stride=self.sampling_stride,
             steps_per_lyapunov_time=self.lyapunov_time,
             random_seed=self.random_seed,
-            parameters=self.known(names, actuation) if names else None,
+            parameters=self.forecaster_parameters(names, actuation) if names else None,
             source=make_system(source["system"], source["parameters"]) if source else None,
             maps=read_record(ensemble, StateMaps) if source and ensemble else None,
         )

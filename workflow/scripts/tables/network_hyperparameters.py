@@ -25,7 +25,7 @@ def network_hyperparameters(*, table: str, latex: str, settings: Hyperparameters
     """Write one column of values, or one for each case where the noise or the bias differs."""
     cases = settings.cases
     inputs = {case: CaseInputs(cases[case], {}) for case in sorted(cases, key=natural_order)}
-    if len({(one.noise, one.input_bias) for one in inputs.values()}) == 1:
+    if len({(case_inputs.noise, case_inputs.input_bias) for case_inputs in inputs.values()}) == 1:
         inputs = dict([next(iter(inputs.items()))])
     tables = {
         case: network_parameters(
@@ -33,12 +33,12 @@ def network_hyperparameters(*, table: str, latex: str, settings: Hyperparameters
             input_scaling=settings.input_scaling,
             tikhonov=settings.tikhonov,
             connectivity=settings.connectivity,
-            input_bias=one.input_bias,
-            noise=one.noise,
+            input_bias=case_inputs.input_bias,
+            noise=case_inputs.noise,
         )
-        for case, one in inputs.items()
+        for case, case_inputs in inputs.items()
     }
-    found = side_by_side(tables)
-    write_table(table, found)
+    columns = side_by_side(tables)
+    write_table(table, columns)
     label = "tab:network_hyperparameters"
-    write_text(latex, to_latex(found, settings.caption, label, keys=2))
+    write_text(latex, to_latex(columns, settings.caption, label, keys=2))
