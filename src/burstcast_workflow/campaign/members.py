@@ -1,9 +1,8 @@
 """The members of a campaign: its cases, and the forecasters of each."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
 from typing import Any
 
 from burstcast.base.names import ForecasterName, parsed
@@ -11,8 +10,7 @@ from burstcast.base.natural_order import natural_order
 from burstcast.forecasters.base import Forecaster, ForecasterKind
 from burstcast.forecasters.registry import kind_class
 from burstcast_workflow.config.cases import cases_of
-from burstcast_workflow.config.forecasters import Choice, NetworkAxes, OwnForecaster
-from burstcast_workflow.config.kinds import Section
+from burstcast_workflow.config.forecasters import Choice
 from burstcast_workflow.config.model import Configuration
 
 
@@ -74,8 +72,8 @@ class Members:
         members = {
             CaseForecaster(case, name)
             for block in self.config.campaign
-            for kind, axes in block.forecasters.kinds.items()
-            for name in _names(kind, axes)
+            for kind in block.forecasters.kinds
+            for name in block.forecasters.names(kind)
             for case in block.case_names
             if case in self.cases
         }
@@ -209,20 +207,6 @@ class Members:
         """Cases of equations with forecasters that know their parameters."""
         aware = {member.case for member in self.forecasters if member.kind.learns_parameters}
         return tuple(case for case in self.simulated_cases if case in aware)
-
-
-def _names(kind: str, axes: Section | dict[str, Section]) -> Iterator[ForecasterName]:
-    """Forecasters of one kind in a block: all combinations along its axes."""
-    if isinstance(axes, dict):
-        yield from (ForecasterName(kind, label=label) for label in axes)
-        return
-    if not isinstance(axes, NetworkAxes):
-        yield ForecasterName(kind, label=axes.label if isinstance(axes, OwnForecaster) else None)
-        return
-    labels: list[str | None] = [*axes.variants] or [None]
-    for label, neurons, validation in product(labels, axes.neurons, axes.validation):
-        for seed in range(axes.seeds):
-            yield ForecasterName(kind, neurons, validation, seed, label=label)
 
 
 def _order(member: CaseForecaster) -> tuple[Any, ...]:

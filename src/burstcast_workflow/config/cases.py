@@ -84,7 +84,7 @@ def case_record(config: Configuration, name: str) -> Config:
     if system == defaults.system:
         record = _merged(defaults.dump(), entry)
     else:
-        settings = _merged(said_by_class(system), entry)
+        settings = _merged(class_defaults(system), entry)
         shared = defaults.model_dump(include=WITHOUT_UNITS)
         if not settings.get("actuation"):
             del shared["actuation"]
@@ -137,7 +137,7 @@ def own_modules(config: Mapping[str, Any]) -> dict[str, list[str] | None]:
     return modules
 
 
-def said_by_class(system: str) -> Config:
+def class_defaults(system: str) -> Config:
     """Defaults of cases from the class of a system; empty if there is no such class."""
     try:
         defaults = system_class(system).case_defaults

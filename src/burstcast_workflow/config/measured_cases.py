@@ -182,7 +182,7 @@ def space_named(record: Mapping[str, Any]) -> StateSpace | None:
         return None
 
 
-def own_problems(entry: Config) -> Iterator[str]:
+def problems_of_entry(entry: Config) -> Iterator[str]:
     """Forbidden and required settings of measured series in ``cases``."""
     data = Data.model_validate(entry["data"])
     if bool(data.files) == (data.case is not None):

@@ -2,7 +2,7 @@
 
 import difflib
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import Any
 
 from pydantic import ValidationError
@@ -37,11 +37,17 @@ def of_cases(problems: Iterable[tuple[str, Iterable[str]]]) -> list[str]:
 
 def suggestion(name: str, names: Iterable[str]) -> str:
     """Suggest the known name that was probably meant, or list the known names."""
-    candidates = list(names)
-    near = difflib.get_close_matches(name, candidates, n=1, cutoff=0.6)
-    if near:
+    names = list(names)
+    if near := difflib.get_close_matches(name, names, n=1, cutoff=0.6):
         return f"did you mean {near[0]}?"
-    return f"known are {', '.join(candidates)}" if candidates else "none is known here"
+    return f"known are {', '.join(names)}" if names else "none is known here"
+
+
+def unknown(names: Iterable[str], existing: Collection[str], text: str) -> Iterator[str]:
+    """A message for each unknown name: a text with ``{}`` for the name, and a suggestion."""
+    for name in names:
+        if name not in existing:
+            yield f"{text.format(name)}; {suggestion(name, existing)}"
 
 
 def name_of(path: Sequence[str | int]) -> str:
