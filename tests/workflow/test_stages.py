@@ -128,7 +128,7 @@ def test_the_rules_are_those_of_the_text():
 @pytest.mark.parametrize("rule", WRITTEN)
 def test_a_rule_says_its_name_wherever_it_is_asked_for(rule):
     """Settings are found by it, and logs are named by it."""
-    asked = r"computed_settings\(\s*\"(\w+)\"|<logs>/(\w+)"
+    asked = r"computed_settings_files\(\s*\"(\w+)\"|<logs>/(\w+)"
     found = [one or other for one, other in re.findall(asked, WRITTEN[rule])]
     assert {*found} == {rule}
     script = script_of(rule).relative_to(SCRIPTS)
@@ -139,7 +139,7 @@ def test_a_rule_says_its_name_wherever_it_is_asked_for(rule):
 def test_what_other_jobs_find_out_is_an_input_of_the_rules_that_read_it(rule):
     # of drawn training series, which the paper's campaign has not, the threshold
     read = re.search("event_threshold|lyapunov.time_unit|drawn_shares", str(settings(rule)))
-    assert ("computed_settings" in WRITTEN[rule]) == bool(read)
+    assert ("computed_settings_files" in WRITTEN[rule]) == bool(read)
 
 
 @pytest.mark.parametrize("rule", STAGES)
@@ -435,13 +435,13 @@ def test_files_of_cases_forecasters_and_tables(paper):
 
 
 def test_thresholds_are_inputs_where_they_are_quantiles(paper):
-    assert paper.computed_settings("events") == {}
+    assert paper.computed_settings_files("events") == {}
     other = stages(QUANTILE)
     other.of_script("data/events.py")
     other.of_script("data/simulate.py")
-    thresholds = other.computed_settings("events")[THRESHOLDS]
+    thresholds = other.computed_settings_files("events")[THRESHOLDS]
     assert thresholds(JOB) == ["results/paper/Re600/event_threshold.json"]
-    assert other.computed_settings("simulate")[THRESHOLDS](JOB) == []
+    assert other.computed_settings_files("simulate")[THRESHOLDS](JOB) == []
 
 
 def made(params, wildcards):

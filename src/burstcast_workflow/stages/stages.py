@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from snakemake.exceptions import WorkflowError
 from snakemake.io import local
 
 from burstcast.base.declared import File, files_of, paths_of
@@ -152,7 +153,13 @@ class Stages:
         """Scheduled series for a kind that learns from parameters; nothing for other kinds."""
         names = dict(wildcards.items())
         name = parsed(names.get("forecaster") or names["reservoir"])
-        if not kind_class(name.kind).learns_parameters:
+        kind = kind_class(name.kind)
+        if not kind.has_trajectories:
+            raise WorkflowError(
+                f"{name.identifier} gives probabilities of events and forecasts no states: its "
+                f"files are those of {names['case']}/classifiers/{name.identifier}"
+            )
+        if not kind.learns_parameters:
             return []
         return self.case_files("scheduled_series.nc", self.campaign.sources(names["case"]))
 
@@ -195,7 +202,7 @@ class Stages:
         """Files of the event thresholds that a job's settings have as quantiles."""
         return self.case_files("event_threshold.json", cases_of_thresholds(settings))
 
-    def computed_settings(self, stage: str) -> dict[str, OfJob]:
+    def computed_settings_files(self, stage: str) -> dict[str, OfJob]:
         """Inputs of a stage: files of thresholds and units of time that other jobs determine.
 
         These are functions of each job, which take time: they are left out if no case needs them.
