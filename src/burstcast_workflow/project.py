@@ -15,8 +15,10 @@ VERSION = "burstcast_workflow.harness.version"
 
 HARNESS = (
     "burstcast_workflow.harness",
-    *("burstcast_workflow.tracking", "burstcast_workflow.project"),
-    *("burstcast.base.files.netcdf", "burstcast.base.files.tables"),
+    "burstcast_workflow.tracking",
+    "burstcast_workflow.project",
+    "burstcast.base.files.netcdf",
+    "burstcast.base.files.tables",
 )
 """Packages and modules that are in no fingerprint: an edit of them would run everything again."""
 

@@ -29,7 +29,9 @@ def unreadable_config(
                 "; --configfile takes all words after it: put targets before it" if number else ""
             )
             return f"--configfile {file}: there is {what} of this name{hint}"
-    for file in [*([workflow_config] if workflow_config.is_file() else []), *files]:
+    if workflow_config.is_file():
+        files = [workflow_config, *files]
+    for file in files:
         text = ""
         try:
             text = file.read_text(encoding="utf-8")

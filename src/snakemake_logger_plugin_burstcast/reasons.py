@@ -71,7 +71,7 @@ def own_causes(job: PlannedJob) -> Iterator[tuple[str, str]]:
             yield text.format(**match.groupdict()).strip(), ""
     if parameters:
         before, _, now = parameters.partition(" now: ")
-        yield from differences(*(_literals(part) for part in (before, now)))
+        yield from differences(_literals(before), _literals(now))
 
 
 def _literals(text: str) -> list[str]:
@@ -80,9 +80,8 @@ def _literals(text: str) -> list[str]:
 
 def differences(before: Iterable[str], now: Iterable[str]) -> Iterator[tuple[str, str]]:
     """Text of each difference of parameters, and the case that it is of, or ""."""
-    (settings, code, libraries), (settings_now, code_now, libraries_now) = map(
-        _sorted_out, (before, now)
-    )
+    settings, code, libraries = _sorted_out(before)
+    settings_now, code_now, libraries_now = _sorted_out(now)
     for case, path in sorted({*settings, *settings_now}):
         pair = (settings.get((case, path), _NONE), settings_now.get((case, path), _NONE))
         if pair[0] != pair[1]:
@@ -127,7 +126,7 @@ def _leaves(path: str, value: Any) -> Iterator[tuple[tuple[str, str], Any]]:
 
 def _change(before: Any, now: Any) -> str:
     if isinstance(before, list) and isinstance(now, list) and len(before) + len(now) > 4:
-        old, new = (Counter(map(_shown, values)) for values in (before, now))
+        old, new = Counter(map(_shown, before)), Counter(map(_shown, now))
         added = [f"with {value}" for value in (new - old).elements()]
         removed = [f"without {value}" for value in (old - new).elements()]
         if len(added) + len(removed) < min(len(before), len(now)):

@@ -25,14 +25,20 @@ from burstcast_workflow.commands.planned import planned, reasons
 from burstcast_workflow.harness.storage import atomic
 from burstcast_workflow.project import project_root
 from burstcast_workflow.start import names_of_rules
+from burstcast_workflow.tracking import environment
 from burstcast_workflow.tracking.environment import library_version
 from burstcast_workflow.tracking.run import CLAIM
 
-LIBRARIES = (
-    *("burstcast", "llvmlite", "matplotlib", "netCDF4", "numpy", "pandas", "pydantic"),
-    *("scikit-image", "scikit-learn", "scikit-optimize", "scipy", "snakemake"),
-)
-"""Libraries whose versions are recorded."""
+LIBRARIES = [
+    "burstcast",
+    "matplotlib",
+    "netCDF4",
+    "pandas",
+    "pydantic",
+    "scikit-image",
+    "snakemake",
+]
+"""Libraries whose versions are recorded beside those that change results."""
 
 _TIME = (1980, 1, 1, 0, 0, 0)  # the earliest time of a zip file
 _README = """\
@@ -61,7 +67,9 @@ def versions(claim: Mapping[str, Any]) -> dict[str, Any]:
     """
     return {
         "python": platform.python_version(),
-        "libraries": {library: library_version(library) for library in LIBRARIES},
+        "libraries": {
+            name: library_version(name) for name in sorted([*LIBRARIES, *environment.LIBRARIES])
+        },
         "revision": claim["revision"],
         "linear algebra": claim["linear algebra"],
     }

@@ -12,11 +12,9 @@ from burstcast_workflow import start
 from snakemake_logger_plugin_burstcast.reasons import PlannedJob, explanation
 
 # options of snakemake that do something else than planning, even in a dry run
-_CHANGING = (
-    *("unlock", "touch", "cleanup_metadata", "cleanup_shadow", "archive", "report"),
-    *("delete_all_output", "delete_temp_output", "conda_cleanup_envs"),
-    *("conda_create_envs_only", "export_cwl", "containerize"),
-)
+_CHANGING = ["unlock", "touch", "cleanup_metadata", "cleanup_shadow", "archive", "report"]
+_CHANGING += ["delete_all_output", "delete_temp_output", "export_cwl", "containerize"]
+_CHANGING += ["conda_cleanup_envs", "conda_create_envs_only"]
 
 
 def planned(arguments: Sequence[str]) -> Any:

@@ -159,7 +159,7 @@ class CaseChecks:
                 )
 
     def _filter(self, case: Case, whose: str) -> Iterator[str]:
-        members, space = self.config.forecasters.filter.members, space_of(case)
+        members, space = self.config.forecasters.filter.members, space_of(vars(case))
         if space is not None and members < 2 * space.dimension:
             yield (
                 f"forecasters.filter.members is {members}; it must be at least twice the "

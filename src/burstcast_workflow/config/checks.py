@@ -299,9 +299,9 @@ def _figures(config: Configuration) -> Iterator[str]:
             "network of the size figures.fixed_neurons"
         )
     case, peak = sound_case(config, name), figures.flow_event.peak
-    if isinstance(case, Simulated) and case.is_flow and isinstance(case.event_threshold, float):
-        threshold, laminar = case.event_threshold, case.laminarisation_threshold
-        if peak <= threshold < (math.inf if laminar is None else laminar):
+    if isinstance(case, Simulated) and isinstance(threshold := case.event_threshold, float):
+        laminar = case.laminarisation_threshold or math.inf
+        if peak <= threshold < laminar and case.is_flow:
             yield (
                 f"figures.flow_event.peak is {peak:g}; it must be above the event_threshold of "
                 f"{name}, {threshold:g}"

@@ -21,12 +21,18 @@ from burstcast_workflow.project import project_root
 Node = dict[str, Any]
 
 _NAMES = {
-    **{"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"},
+    "ge": "minimum",
+    "gt": "exclusiveMinimum",
+    "le": "maximum",
+    "lt": "exclusiveMaximum",
     "multiple_of": "multipleOf",
 }
 """Bounds that pydantic leaves under its own names where a type has checks beside them."""
 _SIGNS = {
-    **{"minimum": ">=", "exclusiveMinimum": ">", "maximum": "<=", "exclusiveMaximum": "<"},
+    "minimum": ">=",
+    "exclusiveMinimum": ">",
+    "maximum": "<=",
+    "exclusiveMaximum": "<",
     "multipleOf": "a multiple of",
 }
 _TYPES = {"integer": "whole number", "string": "text", "boolean": "true, false"}
