@@ -11,12 +11,7 @@ from pydantic import Field
 from burstcast.data.training_realisations import realisation_of
 from burstcast.networks.hyperparameters import SurrogateSettings
 from burstcast_workflow.config.case import OBSERVABLE, TIME, CaseEntry, Data, Simulated
-from burstcast_workflow.config.forecasters import (
-    SIZES,
-    BlockForecasters,
-    Choice,
-    Forecasters,
-)
+from burstcast_workflow.config.forecasters import SIZES, BlockForecasters, Choice, Forecasters
 from burstcast_workflow.config.kinds import (
     CaseName,
     ControlStrategyName,

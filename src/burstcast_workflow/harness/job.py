@@ -55,11 +55,7 @@ from burstcast_workflow.harness.storage import (
 from burstcast_workflow.project import packages_of, project_root
 from burstcast_workflow.tracking.cache import Entry
 from burstcast_workflow.tracking.code import Sources, make_importable
-from burstcast_workflow.tracking.environment import (
-    LIBRARIES,
-    environment,
-    library_version,
-)
+from burstcast_workflow.tracking.environment import LIBRARIES, environment, library_version
 from burstcast_workflow.tracking.results import checked, date_after, digest, forget, note
 from burstcast_workflow.tracking.run import plan
 

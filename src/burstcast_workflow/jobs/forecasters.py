@@ -7,12 +7,7 @@ from burstcast.base.arrays import FloatArray
 from burstcast.base.files.netcdf import Variable, read_attributes, read_netcdf, read_record
 from burstcast.base.names import parsed
 from burstcast.data.encoders.state_maps import StateMaps
-from burstcast.forecasters.base import (
-    Forecaster,
-    ForecasterKind,
-    ForecasterRecord,
-    ForecastingCase,
-)
+from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecasterRecord, ForecastingCase
 from burstcast.forecasters.registry import as_forecaster, kind_class, make_kind
 from burstcast.systems.registry import make_system
 from burstcast_workflow.harness.settings import at

@@ -9,12 +9,7 @@ from burstcast.base.arrays import FloatArray
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.delay_coordinates import delay_coordinates
-from burstcast.data.measured_data import (
-    Quantity,
-    check_varying,
-    runs_of_states,
-    series_of_runs,
-)
+from burstcast.data.measured_data import Quantity, check_varying, runs_of_states, series_of_runs
 from burstcast.data.records import RecordedSeries, recorded_series
 from burstcast.systems.measured import MeasuredSeries
 from burstcast_workflow.harness.settings import at

@@ -227,12 +227,7 @@ class Stages:
     # -- settings and code ------------------------------------------------------------------------
 
     def of_script(
-        self,
-        script: str,
-        stage: str = "",
-        *,
-        maker: str = "",
-        **values: Any,
+        self, script: str, stage: str = "", *, maker: str = "", **values: Any
     ) -> list[Any]:
         """Parameters of a script's jobs: each setting, and each module of the code that runs.
 
