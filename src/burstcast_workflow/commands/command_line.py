@@ -33,12 +33,16 @@ def _parser() -> argparse.ArgumentParser:
     command(
         "settings", "config.reference", "list all settings with their units, defaults and bounds"
     )
-    check = command("check-system", "commands.check_system", "check a dynamical system")
-    check.add_argument("system", help="lorenz63, ..., or <module>:<class> of your own")
-    check.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help="of its equations")
-    check = command("check-forecaster", "commands.check_forecaster", "check a forecaster")
-    check.add_argument("forecaster", help="nvar, ..., or <module>:<class> of your own")
-    check.add_argument("options", nargs="*", metavar="NAME=VALUE", help="of its class")
+    for kind, example, values in (
+        ("system", "lorenz63", "parameters of its equations"),
+        ("forecaster", "nvar", "options of its class"),
+    ):
+        check = command(f"check-{kind}", "commands.check", f"check a {kind}")
+        check.set_defaults(kind=kind)
+        check.add_argument(
+            "name", metavar=kind, help=f"{example}, ..., or <module>:<class> of your own"
+        )
+        check.add_argument("values", nargs="*", metavar="NAME=VALUE", help=values)
     archive = command(
         "archive",
         "commands.archive",
@@ -54,9 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _parser()
     chosen, others = parser.parse_known_args(arguments)
     values = vars(chosen)
-    command, module, of_snakemake = (
-        values.pop(name) for name in ("command", "module", "of_snakemake")
-    )
+    command, module, of_snakemake = map(values.pop, ("command", "module", "of_snakemake"))
     if others and not of_snakemake:
         parser.error(f"{command} does not know {' '.join(others)}")
     # only now: most of them load Snakemake, which takes a second
