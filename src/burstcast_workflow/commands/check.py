@@ -1,4 +1,4 @@
-"""Checks before a campaign: ``burstcast check-system NAME``, ``burstcast check-forecaster NAME``."""
+"""Checks before a campaign: ``burstcast check-system``, ``burstcast check-forecaster``."""
 
 import json
 import math
