@@ -54,13 +54,12 @@ def explanation(jobs: Sequence[PlannedJob]) -> str:
     for text, numbers in causes.items():
         whole = _set_off(numbers, users)
         by_jobs.setdefault((whole, ", ".join(sorted(cases[text]))), []).append(text)
-    lines = [
-        f"{'; '.join(sorted(texts))}{f' ({whose})' if whose else ''}: "
-        f"{_counted(jobs[number] for number in sorted(numbers))}"
-        for (numbers, whose), texts in sorted(by_jobs.items(), key=lambda item: -len(item[0][0]))
-    ]
-    rules = f": {_counted(jobs)}" if len(lines) > 1 else ""
-    return "\n".join([*lines, f"in all {len(jobs)} job{'s' * (len(jobs) != 1)}{rules}"])
+    lines = []
+    for (numbers, whose), texts in sorted(by_jobs.items(), key=lambda item: -len(item[0][0])):
+        reason = "; ".join(sorted(texts)) + (f" ({whose})" if whose else "")
+        lines.append(f"{reason}: {_counted(jobs[number] for number in sorted(numbers))}")
+    total = f"in all {len(jobs)} job" if len(jobs) == 1 else f"in all {len(jobs)} jobs"
+    return "\n".join([*lines, f"{total}: {_counted(jobs)}" if len(lines) > 1 else total])
 
 
 def own_causes(job: PlannedJob) -> Iterator[tuple[str, str]]:

@@ -277,7 +277,8 @@ class TerminalHandler(LogHandlerBase):
         line, share = self._progress.line(now), self._progress.share(now)
         if self._live:
             width = shutil.get_terminal_size().columns - 1
-            self._stream.write(f"\r\x1b[K{f'{line}  {self._running()}'.strip()[:width]}")
+            text = f"{line}  {self._running()}".strip()
+            self._stream.write(f"\r\x1b[K{text[:width]}")
             self._stream.flush()
             self._said = time.monotonic()
         elif (

@@ -99,10 +99,10 @@ class Campaign(ControlRuns):
         cases = [names["case"]] if "case" in names else list(self.case_names)
         if "strategy" in names and (part := self.plan(names["strategy"]).observed):
             cases.append(part)
+        forecasters = [member.name for member in self.forecasters]
         if "forecaster" in names or "controller" in names:
-            forecasters = [name for name in [name_of(names)] if name.asks_forecasters]
-        else:
-            forecasters = [member.name for member in self.forecasters]
+            name = name_of(names)
+            forecasters = [name] if name.asks_forecasters else []
         validations = {name.validation for name in forecasters if name.validation}
         if "strategies" in names:
             validations = set(names["strategies"].split("+"))
@@ -139,10 +139,9 @@ def nearest(values: Sequence[float], wanted: float) -> float | None:
     return min(values, key=lambda value: (abs(value - wanted), value), default=None)
 
 
-WHOSE = ("forecaster", "controller", "reservoir")
-"""Wildcards that name a forecaster or a controller of a job, or the network of a reservoir."""
-
-
 def name_of(wildcards: Mapping[str, str]) -> ForecasterName:
     """Forecaster or controller of a job, or the network that its reservoir is for."""
-    return parsed(next(filter(None, map(wildcards.get, WHOSE)), "none"))
+    for wildcard in ("forecaster", "controller", "reservoir"):
+        if wildcard in wildcards:
+            return parsed(wildcards[wildcard])
+    return parsed("none")

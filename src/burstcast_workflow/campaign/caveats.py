@@ -20,12 +20,12 @@ def extrapolations(campaign: Campaign) -> Iterator[str]:
         case = campaign.cases[name]
         sources = [campaign.cases[source] for source in campaign.sources(name)]
         factors = factors_of(campaign.config, sources)
-        strengths = {
-            sign * plan.strength
-            for _, plan in plans_of(campaign.config, name)
-            if case.actuation is not None and plan.strategy.told
-            for sign in ((1, -1) if dict(plan.settings).get("reversible") else (1,))
-        }
+        strengths: set[float] = set()
+        for _, plan in plans_of(campaign.config, name):
+            if case.actuation is not None and plan.strategy.told:
+                strengths.add(plan.strength)
+                if dict(plan.settings).get("reversible"):
+                    strengths.add(-plan.strength)
         if case.training.actuation and case.training.actuation.tested:
             strengths.add(case.training.actuation.strength)
         for strength in (0.0, *sorted(strengths)):

@@ -118,8 +118,10 @@ def _misread(node: yaml.Node | None, name: str) -> Iterator[str]:
         lines: dict[tuple[str, str], int] = {}
         for key, value in node.value:
             line, below = key.start_mark.line + 1, f"{name}.{key.value}".removeprefix(".")
-            if first := lines.get(identity := (key.tag, str(key.value))):
+            name_of_key = key.tag, str(key.value)
+            if name_of_key in lines:
+                first = lines[name_of_key]
                 yield f"line {line}: the key {below} is there already, in line {first}"
-            lines.setdefault(identity, line)
+            lines.setdefault(name_of_key, line)
             yield from _misread(key, f"the key {below}")
             yield from _misread(value, below)

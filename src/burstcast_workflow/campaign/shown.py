@@ -101,7 +101,7 @@ class Choices:
     @property
     def control_example(self) -> list[str]:
         """The case of the run of control that the figures of one event are taken from."""
-        return [run.case for run in [self.example_run] if run]
+        return [] if self.example_run is None else [self.example_run.case]
 
     @cached_property
     def example_run(self) -> ControlRun | None:

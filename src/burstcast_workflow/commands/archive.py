@@ -125,14 +125,12 @@ def _files(directory: Path, suffixes: Iterable[str]) -> list[Path]:
 
 
 def _claim_of(results: Path) -> dict[str, Any]:
-    claim = results / CLAIM
+    path = results / CLAIM
     try:
-        return {
-            name: json.loads(claim.read_bytes())[name]
-            for name in ("config", "revision", "linear algebra")
-        }
+        claim = json.loads(path.read_bytes())
+        return {name: claim[name] for name in ("config", "revision", "linear algebra")}
     except (ValueError, KeyError, TypeError):
-        raise NothingToArchiveError(f"{claim} is damaged: run the campaign again") from None
+        raise NothingToArchiveError(f"{path} is damaged: run the campaign again") from None
 
 
 def main(arguments: Sequence[str], output: Path | None = None) -> int:

@@ -58,7 +58,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _parser()
     chosen, others = parser.parse_known_args(arguments)
     values = vars(chosen)
-    command, module, of_snakemake = map(values.pop, ("command", "module", "of_snakemake"))
+    command, module = values.pop("command"), values.pop("module")
+    of_snakemake = values.pop("of_snakemake")
     if others and not of_snakemake:
         parser.error(f"{command} does not know {' '.join(others)}")
     # only now: most of them load Snakemake, which takes a second

@@ -57,7 +57,7 @@ def name_of(path: Sequence[str | int]) -> str:
 
 
 def _message(mistake: Any, model: type[Section]) -> str:
-    path, kind, text, value = (mistake[key] for key in ("loc", "type", "msg", "input"))
+    path, kind, text, value = mistake["loc"], mistake["type"], mistake["msg"], mistake["input"]
     if kind == "invalid_key":
         path, text = path[:-1], f"the key {value!r} must be text"
         if isinstance(value, int | float):

@@ -20,11 +20,12 @@ _LEFT_OUT = ("campaign", "results", "figures", "cache_gb", "rerun_libraries")
 
 def report_of(campaign: Campaign) -> dict[str, Any]:
     """The fields of `burstcast_workflow.jobs.report.Report`."""
+    sections = [_section(campaign, name) for name in SECTIONS]
     return {
         "name": Path(campaign.config.results).name,
         "cases": [_computed(campaign, case) for case in campaign.case_names],
         "settings": other_settings(campaign.config.dump()),
-        "sections": [*filter(_has_content, (_section(campaign, name) for name in SECTIONS))],
+        "sections": [section for section in sections if section["figures"] or section["tables"]],
     }
 
 
@@ -43,19 +44,20 @@ def _computed(campaign: Campaign, case: str) -> dict[str, str]:
 
 def other_settings(config: Mapping[str, Any]) -> list[list[str]]:
     """Settings that differ from the paper's config.yaml: path, value here, value there."""
-    paper = load({}, defaults=project_root() / "config.yaml")
-    here, there = (
-        {
-            path: json.dumps(_without_nulls(value), ensure_ascii=False)
-            for path, value in leaves(settings)
-        }
-        for settings in (config, paper)
-    )
+    here, there = _texts(config), _texts(load({}, defaults=project_root() / "config.yaml"))
     return [
         [path, here.get(path, ""), there.get(path, "")]
         for path in dict.fromkeys([*here, *there])
         if here.get(path) != there.get(path) and path.partition(".")[0] not in _LEFT_OUT
     ]
+
+
+def _texts(config: Mapping[str, Any]) -> dict[str, str]:
+    """Text of each setting by its path."""
+    return {
+        path: json.dumps(_without_nulls(value), ensure_ascii=False)
+        for path, value in leaves(config)
+    }
 
 
 def _without_nulls(value: Any) -> Any:
@@ -66,22 +68,17 @@ def _without_nulls(value: Any) -> Any:
 
 
 def _section(campaign: Campaign, section: str) -> dict[str, Any]:
-    figures = [
-        {"name": name, "title": _title(name), "caption": caption(figure)}
-        for name in figure_names(campaign)
-        for figure in [max(filter(name.startswith, FIGURES), key=len)]
-        if FIGURES[figure].section == section
-    ]
+    figures = []
+    for name in figure_names(campaign):
+        figure = max(filter(name.startswith, FIGURES), key=len)
+        if FIGURES[figure].section == section:
+            figures.append({"name": name, "title": _title(name), "caption": caption(figure)})
     tables = [
         {"name": name, "title": _title(name), "caption": table_of(name).description}
         for name in table_names(campaign)
         if table_of(name).section == section
     ]
     return {"title": SECTIONS[section], "figures": figures, "tables": tables}
-
-
-def _has_content(section: Mapping[str, Any]) -> bool:
-    return bool(section["figures"] or section["tables"])
 
 
 def _title(name: str) -> str:

@@ -65,7 +65,8 @@ class MeasuredData(Tested):
             quantities = [Quantity(text) for text in data["components"]]
             series = RecordedSeries(series_of_runs(runs, space, quantities, None))
         count, training = len(series.states), self.training_series
-        if training + (test := self.test_series(count)) > count:
+        test = self.test_series(count)
+        if training + test > count:
             raise ValueError(
                 f"training.series is {training} and test_series {test}, but the data have {count} "
                 f"series in all, of {series.states.shape[1]} samples each: ask for fewer, or cut "

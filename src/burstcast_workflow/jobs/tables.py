@@ -42,10 +42,8 @@ class Tables(JobSettings):
                 raise ValueError(f"table {name} declares no metric {', '.join(strange)}")
             table = write_table(files[name], as_declared(table_rows, declared["columns"], name))
             if "percentiles" in declared:
-                keys, metrics = (
-                    [column for column in declared[names] if column in table]
-                    for names in ("by", "percentiles")
-                )
+                keys = [column for column in declared["by"] if column in table]
+                metrics = [column for column in declared["percentiles"] if column in table]
                 write_table(files[f"{name}_percentiles"], percentiles(table, keys, metrics))
 
 

@@ -23,7 +23,10 @@ PERCENTILES = ["metric", "p25", "p50", "p75", "networks"]
 
 def _flat(names: list[Any]) -> list[str]:
     """Names, some of which are lists that stand elsewhere in the file, too."""
-    return [item for name in names for item in (name if isinstance(name, list) else [name])]
+    flat: list[str] = []
+    for name in names:
+        flat += name if isinstance(name, list) else [name]
+    return flat
 
 
 Names = Annotated[list[str], BeforeValidator(_flat)]

@@ -31,11 +31,10 @@ def plain(columns: Iterable[str]) -> list[str]:
 
 def with_percentiles(names: Iterable[str]) -> list[str]:
     """Names of tables; percentiles of a table come before the table, as in the report."""
-    return [
-        file
-        for name in names
-        for file in ([f"{name}_percentiles"] if TABLES[name].percentiles else []) + [name]
-    ]
+    files: list[str] = []
+    for name in names:
+        files += [f"{name}_percentiles", name] if TABLES[name].percentiles else [name]
+    return files
 
 
 def table_of(name: str) -> Table:

@@ -37,17 +37,20 @@ def event_probabilities(
     with concerning(f"case {settings.case}"):
         learnt.check(times)
     fitted = classifier.fit(learnt, case)
-    test, kept = map(settings.forecast_points, (evaluation_set, calibration_set))
+    test = settings.forecast_points(evaluation_set)
+    kept = settings.forecast_points(calibration_set)
+    test_schedules, kept_schedules = None, None
     # an actuation of the test series alone is not known to what has learnt without one
-    later_schedules = [
-        None if schedules is None else point_set.known(times, steps) for point_set in (test, kept)
-    ]
-    tested = fitted.probabilities(test.data["washout"], later_schedules[0])
+    if schedules is not None:
+        test_schedules, kept_schedules = test.known(times, steps), kept.known(times, steps)
+    washouts = kept.data["washout"]
+    tested = fitted.probabilities(test.data["washout"], test_schedules)
     if settings.calibration_series:
-        calibrating = fitted.probabilities(kept.data["washout"], later_schedules[1])
+        calibrating = fitted.probabilities(washouts, kept_schedules)
     else:
-        asked = kept.data["washout"], kept.data["series"], later_schedules[1]
-        calibrating = out_of_sample_probabilities(fitted.tuned(), learnt, case, *asked)
+        calibrating = out_of_sample_probabilities(
+            fitted.tuned(), learnt, case, washouts, kept.data["series"], kept_schedules
+        )
     write_forecaster(forecaster, fitted, settings.provenance)
     for path, values in ((forecast, tested), (calibration_forecast, calibrating)):
         probabilities = EventProbabilities(values, np.array(times, dtype=np.float64), threshold)

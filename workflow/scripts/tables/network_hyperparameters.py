@@ -24,20 +24,21 @@ class Hyperparameters(JobSettings):
 def network_hyperparameters(*, table: str, latex: str, settings: Hyperparameters) -> None:
     """Write one column of values, or one for each case where the noise or the bias differs."""
     cases = settings.cases
-    inputs = {case: CaseInputs(cases[case], {}) for case in sorted(cases, key=natural_order)}
-    if len({(case_inputs.noise, case_inputs.input_bias) for case_inputs in inputs.values()}) == 1:
-        inputs = dict([next(iter(inputs.items()))])
-    tables = {
-        case: network_parameters(
+    tables: dict[str, Any] = {}
+    different = set()
+    for name in sorted(cases, key=natural_order):
+        case = CaseInputs(cases[name], {})
+        different.add((case.noise, case.input_bias))
+        tables[name] = network_parameters(
             spectral_radius=settings.spectral_radius,
             input_scaling=settings.input_scaling,
             tikhonov=settings.tikhonov,
             connectivity=settings.connectivity,
-            input_bias=case_inputs.input_bias,
-            noise=case_inputs.noise,
+            input_bias=case.input_bias,
+            noise=case.noise,
         )
-        for case, case_inputs in inputs.items()
-    }
+    if len(different) == 1:
+        tables = {name: tables[name] for name in list(tables)[:1]}
     columns = side_by_side(tables)
     write_table(table, columns)
     label = "tab:network_hyperparameters"
