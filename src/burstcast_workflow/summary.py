@@ -144,7 +144,9 @@ def found_warnings(tables: Mapping[str, Path]) -> list[FoundWarning]:
     for row in table.astype(object).to_dict("records"):
         key = row["warning"], row["finding"], row["advice"], row["case"]
         forecasters.setdefault(key, []).append(_described(row))
-    first, others, kinds = [], [], set()
+    first: list[FoundWarning] = []
+    others: list[FoundWarning] = []
+    kinds: set[str] = set()
     for (kind, finding, advice, case), names in forecasters.items():
         listed = "; ".join(filter(None, names))
         whose = f"{case}, {listed}" if listed else case

@@ -17,7 +17,7 @@ def unreadable_config(
 ) -> str | None:
     """Describe the first config file that cannot be read; None if all can be read.
 
-    ``arguments`` are snakemake's; the workflow's ``own`` config need not be there.
+    ``arguments`` are snakemake's; the workflow's own config need not be there.
     """
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--configfile", "--configfiles", nargs="+", default=[], type=Path)

@@ -15,6 +15,7 @@ import yaml
 from helpers_rebuilds import loaded_script
 from snakemake import iocontainers
 from snakemake.api import SnakemakeApi
+from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 from snakemake.utils import update_config
 
@@ -375,6 +376,12 @@ def test_the_directory_of_a_forecaster_says_which_rule_makes_it(directory, rule)
     """A mistyped one is made by no rule, and not by the rule for others."""
     found = makers_of(f"{workflow().campaign.config.results}/Re400/{directory}/forecaster.nc")
     assert found == ({rule} if rule else set())
+
+
+def test_a_classifier_among_the_models_is_refused_with_its_directory(paper):
+    wildcards = Wildcards(case="Re400", forecaster="precursor")
+    with pytest.raises(WorkflowError, match="Re400/classifiers/precursor"):
+        paper.scheduled(wildcards)
 
 
 def makers_of(path):

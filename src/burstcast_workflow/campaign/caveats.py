@@ -44,10 +44,8 @@ def few_points(campaign: Campaign) -> str:
         steps, samples = case.steps_per_lyapunov_time, case.samples
         if not isinstance(case, Simulated) or steps is None or samples is None:
             continue
-        room = [
-            durations.steps(duration, steps)
-            for duration in (config.washout_lt, config.classification.reach_lt)
-        ]
+        washout = durations.steps(config.washout_lt, steps)
+        reach = durations.steps(config.classification.reach_lt, steps)
         calibration = config.probability.calibration_series or case.training.series
         few = []
         for use, series, spacing_lt in (
@@ -55,7 +53,7 @@ def few_points(campaign: Campaign) -> str:
             ("calibrate with", calibration, config.probability.start_spacing_lt),
         ):
             spacing = durations.steps(spacing_lt, steps)
-            points = len(starting_points(series, samples, spacing, *room))
+            points = len(starting_points(series, samples, spacing, washout, reach))
             if points < FEW_POSITIVES:
                 few.append(f"{points} to {use}")
         if few:

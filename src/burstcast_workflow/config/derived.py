@@ -51,7 +51,7 @@ def _example(config: Configuration) -> dict[str, Any]:
         counts = Counter(
             neurons for _, neurons in {(case, name.neurons) for case, name in networks}
         )
-        size = max(counts, key=lambda neurons: (counts[neurons], neurons))
+        size = max(counts, key=lambda neurons: (counts[neurons], neurons or 0))
     alike = [
         (case, name)
         for case, name in networks

@@ -1,6 +1,6 @@
 """Settings of forecasters: the kinds of a block of the campaign, and the options of kinds."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -156,9 +156,10 @@ class BlockForecasters(AllKinds):
         """Names of the forecasters of a kind: of networks, all combinations along the axes."""
         axes = self.kinds.get(kind)
         if isinstance(axes, NetworkAxes):
-            labels, seeds = axes.variants or [None], range(axes.seeds)
-            for label, *values in product(labels, axes.neurons, axes.validation, seeds):
-                yield ForecasterName(kind, *values, label=label)
+            labels: Sequence[str | None] = axes.variants or [None]
+            several = product(labels, axes.neurons, axes.validation, range(axes.seeds))
+            for label, neurons, validation, seed in several:
+                yield ForecasterName(kind, neurons, validation, seed, label=label)
         elif axes is not None:
             yield ForecasterName(kind, label=getattr(axes, "label", None))
 

@@ -50,7 +50,7 @@ def measured_record(
     added to it. Parts of another case's state have that case's thresholds, bins, noise and unit of
     time, and the same series, as long as they are about the same observable.
 
-    ``own``: The entry in ``cases``, with a section ``data``.
+    ``entry``: The entry in ``cases``, with a section ``data``.
     """
     section, data = Data.model_validate(entry["data"]), canonical(entry["data"])
     record: Config = defaults.model_dump(include=_WITHOUT_UNITS)
