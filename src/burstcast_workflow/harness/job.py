@@ -75,7 +75,7 @@ __all__ = [
 """The names that scripts import."""
 
 logger = logging.getLogger(__name__)
-_told = logger.getChild("told")
+_terminal = logger.getChild("told")
 
 
 _functions: dict[str, Callable[..., None]] = {}  # of scripts, by their modules
@@ -126,7 +126,7 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
         logging.captureWarnings(True)
         aloud = logging.StreamHandler(stderr)
         aloud.setFormatter(logging.Formatter(f"{label}: %(message)s"))
-        _told.addHandler(aloud)
+        _terminal.addHandler(aloud)
         try:
             _run(snakemake, function, label)
             logger.info("%s is done: %s", label, _cost(start))
@@ -140,7 +140,7 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
 
 def tell(message: str) -> None:
     """Print a message on the terminal of the run, and log it."""
-    _told.warning(message)
+    _terminal.warning(message)
 
 
 class UnlikeCodeError(RuntimeError):
@@ -182,7 +182,7 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
         return
 
     files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
-    values = _known(declared, files.pop(THRESHOLDS, []))
+    values = _with_values(declared, files.pop(THRESHOLDS, []))
     exponent = exponent_in(files.pop(TIME_UNIT, ""))
     settings = settings_taken(function)(values, identity, provenance(identity, declared), exponent)
     function(**arguments_for(function, {**files, "settings": settings}))
@@ -280,7 +280,7 @@ def _telling(wildcards: Mapping[str, str]) -> dict[str, str]:
     return {name: text for name, text in wildcards.items() if name != "family"}
 
 
-def _known(settings: Any, thresholds: list[str]) -> Any:
+def _with_values(settings: Any, thresholds: list[str]) -> Any:
     """Settings with the event thresholds of these files, where the config gives quantiles."""
     values = {record["case"]: record["event_threshold"] for record in map(read_json, thresholds)}
     return with_thresholds(settings, values.__getitem__)

@@ -236,8 +236,7 @@ class Stages:
 
         ``stage``: Name of the rule, if it is not the script's. ``maker``: Module of
         `burstcast.tables.makers`, whose function declares further settings, and whose tables are
-        declared with their columns. ``values``: Given as
-        they are, or by functions of the job's wildcards, without sizes and seeds.
+        declared with their columns. ``values``: Given as they are.
         """
         declared = settings_taken(function_of(self._sources.script(script))).paths()
         by_name: dict[str, list[str]] = {}
@@ -248,13 +247,9 @@ class Stages:
             values["tables"] = written(made_by(maker), self.campaign.unused_columns)
 
         def settings(wildcards: Any) -> Any:
-            given = {
-                name: value(wildcards) if callable(value) else value
-                for name, value in values.items()
-            }
-            asked = [path for path in declared if path not in given]
+            asked = [path for path in declared if path not in values]
             # Snakemake's wildcards are a list: only of a mapping can one ask whether it has a name
-            return settings_of_job(self.campaign, asked, dict(wildcards.items()), given)
+            return settings_of_job(self.campaign, asked, dict(wildcards.items()), values)
 
         def modules(wildcards: Any) -> Mapping[str, Sequence[str]]:
             return {**self.campaign.modules(wildcards), **by_name}
