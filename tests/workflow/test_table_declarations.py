@@ -105,7 +105,7 @@ def test_words_run_nothing(monkeypatch):
     for name, column in COLUMNS.items():
         monkeypatch.setitem(COLUMNS, name, replace(column, meaning="another", unit="another"))
     for name, table in TABLES.items():
-        words = {"says": "Another.", "section": "warnings", "own": {}}
+        words = {"description": "Another.", "section": "warnings", "redefined": {}}
         monkeypatch.setitem(TABLES, name, replace(table, **words))
     assert told() == before
 
