@@ -44,11 +44,11 @@ class Networks(Washed, Observed):
         """Parameter inputs of a network that knows the parameters; empty for others."""
         if not scheduled:
             return {}
-        told = self.aware
-        parameters = Parameters(tuple(told["parameters"]), tuple(told["own"]))
+        aware = self.aware
+        parameters = Parameters(tuple(aware["parameters"]), tuple(aware["own"]))
         schedules = read_scheduled(scheduled, self.case).schedules
         factors = ParameterFactors.of(
-            parameters.names, schedules, told["transform"], told["parameter_degree"]
+            parameters.names, schedules, aware["transform"], aware["parameter_degree"]
         )
         return {"factors": factors, "in_force": parameters}
 

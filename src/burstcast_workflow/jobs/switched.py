@@ -31,7 +31,7 @@ class Switched(System, Clock, Observed):
     @property
     def known_parameters(self) -> Parameters:
         """Parameters that forecasters are given, with the case's own values."""
-        return self.known(self.names, self.actuation)
+        return self.forecaster_parameters(self.names, self.actuation)
 
     def switched_series(
         self, ensemble: str, rows: range, purpose: str
@@ -61,7 +61,7 @@ class Switched(System, Clock, Observed):
             free.shape[1] - 1,
             random_streams.stream(self.random_seed, f"{purpose} actuation", self.case),
         )
-        found, _ = simulated_series(
+        series, _ = simulated_series(
             parameters,
             system,
             np.ascontiguousarray(np.tile(free[:, -1].T, CANDIDATES)),
@@ -71,4 +71,4 @@ class Switched(System, Clock, Observed):
             sampling_stride=self.sampling_stride,
             laminarisation_threshold=self.laminarisation_threshold,
         )
-        return found, self.observed_rows(ensemble, rows.start, found.states, "actuated")
+        return series, self.observed_rows(ensemble, rows.start, series.states, "actuated")

@@ -15,10 +15,13 @@ def schedule_series(*, ensemble: str, scheduled_series: str, settings: Switched)
     actuated = settings.switching is not None
     if actuated:
         series, observed = settings.switched_series(ensemble, range(len(free)), "training")
-    elif (known := known_rows(ensemble, 0, len(free))) is not None:
-        if not np.ptp(known, axis=(0, 1)).any():
+    elif (schedules := known_rows(ensemble, 0, len(free))) is not None:
+        if not np.ptp(schedules, axis=(0, 1)).any():
             raise ValueError("data.known: nothing of it varies in the training series")
-        series, observed = ScheduledSeries(free, known), settings.observed_rows(ensemble, 0, free)
+        series, observed = (
+            ScheduledSeries(free, schedules),
+            settings.observed_rows(ensemble, 0, free),
+        )
     else:
         series = ScheduledSeries.constant(free, settings.known_parameters.defaults)
         observed = settings.observed_rows(ensemble, 0, free)

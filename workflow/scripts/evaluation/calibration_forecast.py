@@ -34,11 +34,11 @@ def forecast_calibration_set(
     space, boundaries = settings.space, settings.boundaries
     model = settings.read_forecaster(forecaster, settings.divergence_bound)
     points = read_netcdf(calibration_set)
-    known = points.get("parameter")
+    schedules = points.get("parameter")
     given = seen(model, points["washout"], points["true_washout"])
     learnt = read_scheduled(scheduled, settings.case) if scheduled else None
     if settings.calibration_series or (learnt and not learnt.own_rows):
-        forecasts = window_forecasts(model, space.observable, given, boundaries, known)
+        forecasts = window_forecasts(model, space.observable, given, boundaries, schedules)
     else:
         forecasts = out_of_sample_forecasts(
             model,
@@ -50,7 +50,7 @@ def forecast_calibration_set(
             np.array(learnt.own_rows)[points["series"]] if learnt else points["series"],
             boundaries,
             learnt.schedules if learnt else None,
-            known,
+            schedules,
         )
     variables = forecast_variables(forecasts, space.observable_name)
     write_netcdf(calibration_forecast, variables, settings.provenance)

@@ -26,6 +26,8 @@ def forecast_evaluation_set(
     model = settings.read_forecaster(forecaster, settings.divergence_bound, settings.aware)
     points = read_netcdf(evaluation_set)
     given = seen(model, points["washout"], points["true_washout"])
-    found = window_forecasts(model, space.observable, given, boundaries, points.get("parameter"))
-    variables = forecast_variables(found, space.observable_name)
+    forecasts = window_forecasts(
+        model, space.observable, given, boundaries, points.get("parameter")
+    )
+    variables = forecast_variables(forecasts, space.observable_name)
     write_netcdf(forecast, variables, settings.provenance)
