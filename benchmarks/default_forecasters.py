@@ -8,7 +8,7 @@ Records are lorenz96, lorenz63, shear_flow and fitzhugh_nagumo, simulated with n
 and glucose.csv and fulda.csv as examples/real_records/extract.py writes them. Forecasters have
 their defaults, but for those that a record in Lyapunov times of half an hour or a day needs. Scores
 are of one test set at 1, 2 and 3 Lyapunov times; seconds are the processor's, of one thread. The
-table of docs/notebook.md consists of these rows.
+first table of benchmarks/measured.md consists of these rows.
 """
 
 import argparse
