@@ -18,7 +18,7 @@ help:
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 	@echo 'Options follow in ARGS: make paper ARGS="-n". Which Python: make PYTHON=python3.13 demo'
 
-demo: $(VENV)/installed ## networks of two sizes, learnt equations, control: a few minutes
+demo: $(VENV)/installed ## networks, learnt equations, control: three minutes
 	$(SNAKEMAKE) --configfile workflow/presets/quick.yaml $(ARGS)
 
 paper: $(VENV)/installed ## the paper's whole campaign: hours
