@@ -223,7 +223,7 @@ def growing_errors() -> dict[str, Any]:
     truth, signs = generator.normal(0.0, 1.0, (200, 8)), generator.choice([-1.0, 1.0], (200, 8))
     time_lt = 0.5 * np.arange(1, 9)
     forecasts = []
-    for size, seed in product((500, 1000, 1500, 2000, 3000), range(3)):
+    for size, seed in product((500, 1000, 1500, 2000, 4000), range(3)):
         errors = (1.0 + 0.1 * seed) * 10 / size * np.exp(time_lt)
         name = f"esn-N{size}-RV-seed{seed}"
         forecasts.append({"forecaster": name, "first": truth + signs * errors})

@@ -223,14 +223,14 @@ def test_errors_grow_as_they_do_and_forecasts_are_valid_until_they_are_too_large
     figure = drawn("error_growth")
     error, valid = figure.axes
     assert [text.get_text() for text in valid.texts] == [
-        f"{size} neurons" for size in (500, 1000, 2000, 3000)
+        f"{size} neurons" for size in (500, 1000, 2000, 4000)
     ]
     time_lt = 0.5 * np.arange(1, 9)
     truth = growing_errors()["truth"]
     unrelated = np.median(np.abs(truth - np.roll(truth, 100, axis=0)))
     assert lines_with(error, list(1.1 * 10 / 2000 * np.exp(time_lt) / unrelated)) == 1
     # errors of all starting points are the same: all are valid, or none
-    for size in (500, 2000):
+    for size in (500, 1000, 2000, 4000):
         assert lines_with(valid, list(1.1 * 10 / size * np.exp(time_lt) <= 0.2)) == 1
 
 

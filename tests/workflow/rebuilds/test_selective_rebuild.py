@@ -210,7 +210,8 @@ GROUPS = {
     "OF_LONG_RUNS": """statistics_table/* survival_table/* lyapunov_spectrum_table/*
         joined_long_term figure/own_flow warnings_table/* joined_warnings""",
     "OF_NETWORKS": """scan/* search/* train/* */esn-*
-        figure/network_schematic figure/hyperparameter_search figure/prediction_* figure/horizon_evaluations
+        figure/network_schematic figure/hyperparameter_search
+        figure/prediction_* figure/horizon_evaluations
         figure/midplane_planes figure/vorticity_isosurfaces figure/control_schematic
         figure/suppressed_event""",
 }
