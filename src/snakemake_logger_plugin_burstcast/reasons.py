@@ -55,9 +55,9 @@ def explanation(jobs: Sequence[PlannedJob]) -> str:
         whole = _set_off(numbers, users)
         by_jobs.setdefault((whole, ", ".join(sorted(cases[text]))), []).append(text)
     lines = []
-    for (numbers, whose), texts in sorted(by_jobs.items(), key=lambda item: -len(item[0][0])):
+    for (whole, whose), texts in sorted(by_jobs.items(), key=lambda item: -len(item[0][0])):
         reason = "; ".join(sorted(texts)) + (f" ({whose})" if whose else "")
-        lines.append(f"{reason}: {_counted(jobs[number] for number in sorted(numbers))}")
+        lines.append(f"{reason}: {_counted(jobs[number] for number in sorted(whole))}")
     total = f"in all {len(jobs)} job" if len(jobs) == 1 else f"in all {len(jobs)} jobs"
     return "\n".join([*lines, f"{total}: {_counted(jobs)}" if len(lines) > 1 else total])
 

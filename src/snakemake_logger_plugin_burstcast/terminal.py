@@ -219,7 +219,7 @@ class TerminalHandler(LogHandlerBase):
             self._table = self.format(record).strip()
         elif record.getMessage().startswith("This was a dry-run"):
             if Quietness.RULES in (self.common_settings.quiet or ()):
-                self._say(self._table)  # no job has been told, nor its reason
+                self._say(self._table)  # Snakemake gives no reasons then
             else:
                 each = "\n(each job: snakemake -n --verbose)" if self._planned else ""
                 self._say(f"{explanation(self._planned)}{each}")

@@ -28,7 +28,7 @@ config, sources = started.config, started.sources
 campaign = Campaign(config)
 stages = Stages(campaign, sources)
 # Parameters of rules: each setting that a script declares, and a hash of the script and of every
-# module that it imports, directly or not (of kinds, those that the wildcards name alone). A job runs
+# module that it imports, directly or not (of kinds, only the ones in the wildcards). A job runs
 # again where one has changed: docs/selective_rebuilds.md. Memory and time: stages/resources.py.
 of_script = stages.of_script
 # Inputs: thresholds and units of time that jobs compute; files of all cases or forecasters.

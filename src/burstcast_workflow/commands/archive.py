@@ -38,7 +38,7 @@ LIBRARIES = [
     "scikit-image",
     "snakemake",
 ]
-"""Libraries whose versions are recorded beside those that change results."""
+"""Libraries whose versions are recorded, with the libraries that change results."""
 
 _TIME = (1980, 1, 1, 0, 0, 0)  # the earliest time of a zip file
 _README = """\

@@ -39,13 +39,9 @@ def event_probabilities(
     fitted = classifier.fit(learnt, case)
     test = settings.forecast_points(evaluation_set)
     kept = settings.forecast_points(calibration_set)
-    test_schedules, kept_schedules = None, None
     # an actuation of the test series alone is not known to what has learnt without one
-    if schedules is not None:
-        test_schedules, kept_schedules = (
-            test.exogenous_features(times, steps),
-            kept.exogenous_features(times, steps),
-        )
+    test_schedules = None if schedules is None else test.exogenous_features(times, steps)
+    kept_schedules = None if schedules is None else kept.exogenous_features(times, steps)
     washouts = kept.data["washout"]
     tested = fitted.probabilities(test.data["washout"], test_schedules)
     if settings.calibration_series:
