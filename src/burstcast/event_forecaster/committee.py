@@ -4,12 +4,12 @@ Loaded when networks are made: other kinds of forecasters need not wait for it.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.exogenous import of_series
 from burstcast.base.series_lengths import series_lengths
 from burstcast.data.dataset import network_input_offset, network_input_range
 from burstcast.forecasters.base import Forecaster, ForecastingCase
@@ -113,30 +113,21 @@ def _plan(
 
 
 def training_of(
-    states: FloatArray,
-    observed: FloatArray,
-    schedules: FloatArray | None,
-    case: ForecastingCase,
-    network: NetworkForecaster,
+    states: FloatArray, observed: FloatArray, case: ForecastingCase, network: NetworkForecaster
 ) -> tuple[TrainingSeries, dict[str, Any]]:
     """Training series, and what networks that know the parameters are given beside them.
 
-    ``schedules``: Parameters in force, ``(series, time - 1, parameters)``; None for other networks.
+    ``observed``: Series with their inputs, for networks that know the parameters.
     """
     scale = network_input_range(states, network.input_range)
     offset = network_input_offset(states, network.input_offset)
     if (lengths := series_lengths(observed)) is not None:
-        longest_first = np.argsort(-lengths, kind="stable")
-        observed = observed[longest_first]
-        schedules = None if schedules is None else schedules[longest_first]
-    training = TrainingSeries(observed, scale, input_offset=offset)
-    if schedules is None:
-        return training, {}
-    turns = in_turns(schedules)
-    assert isinstance(network, AwareNetworkForecaster)
-    training = replace(training, observed=observed[turns])
-    training, factors = factored_training(training, schedules[turns], case, network)
-    return training, {"factors": factors, "in_force": case.parameters}
+        observed = observed[np.argsort(-lengths, kind="stable")]
+    if not isinstance(network, AwareNetworkForecaster):
+        return TrainingSeries(observed, scale, offset), {}
+    _, inputs = of_series(observed, states.shape[2])
+    training = TrainingSeries(observed[in_turns(inputs)], scale, offset)
+    return factored_training(training, case.parameters, network)
 
 
 def in_turns(schedules: FloatArray) -> IntArray:

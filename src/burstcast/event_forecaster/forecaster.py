@@ -19,10 +19,12 @@ from threadpoolctl import threadpool_limits
 
 from burstcast.base.arrays import BoolArray, FloatArray, float_array
 from burstcast.base.compiled.backends import usable_backend
+from burstcast.base.exogenous import up_to_sample, with_inputs
 from burstcast.base.series_lengths import padded, samples_of, series_lengths
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
 from burstcast.data.series_layout import LabelledSeries, labelled_series, observation_of
+from burstcast.data.starting_points import segments
 from burstcast.event_forecaster import files
 from burstcast.event_forecaster.components import Components
 from burstcast.event_forecaster.estimator import Estimator
@@ -222,6 +224,7 @@ class EventForecaster(Estimator):
                 "calibrating leaves one series out and takes two at least: give more series, or "
                 "calibrate=False"
             )
+        training = observed if learnt is None else with_inputs(observed, learnt)
         members: Any
         found: list[dict[str, Any]] = []
         if isinstance(kind, EventClassifier):
@@ -232,18 +235,18 @@ class EventForecaster(Estimator):
             # networks take a moment to load, which other kinds need not wait for
             from burstcast.event_forecaster import committee
 
-            training = committee.training_of(states, observed, learnt, case, cast(Any, kind))
+            series, knowledge = committee.training_of(states, training, case, cast(Any, kind))
             steps = self._samples("washout"), self._samples("validation_interval")
             members, found = committee.trained_committee(
-                cast(Any, kind), *training, case, checked, *steps
+                cast(Any, kind), series, knowledge, case, checked, *steps
             )
             findings += committee.search_edges(found, checked, len(samples_of(states)))
         else:
-            members = [as_forecaster(kind).fit_under(observed, case, learnt)]
+            members = [as_forecaster(kind).fit(training, case)]
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
         if self.calibrate:
             if labelled is None:
-                values = events.shares(_left_out(members, case, observed, points, timing, learnt))
+                values = events.shares(_left_out(members, case, training, points, timing))
             else:
                 asked = points.washouts, points.points.series
                 values = events.by_time(
@@ -309,9 +312,9 @@ class EventForecaster(Estimator):
         of the washout to the next, as in `fit`; None: their means in training. ``planned``: Values
         that will be in force in each step of the forecast; None: the last of ``parameters``.
         """
-        time, washouts = self._time(prediction_time), self._washouts(series)
-        schedules = self._schedules(washouts, parameters, planned)
-        probability = self._probabilities(washouts, time, schedules)
+        time = self._time(prediction_time)
+        washouts = self._with_inputs(self._washouts(series), parameters, planned)
+        probability = self._probabilities(washouts, time)
         return np.stack([1 - probability, probability], axis=1)
 
     def what_if(
@@ -373,7 +376,7 @@ class EventForecaster(Estimator):
         if self._stream is None or not self._stream.complete:
             return float("nan")
         washout = self._stream.washout
-        return float(self._probabilities(washout, time, self._schedules(washout, None, None))[0])
+        return float(self._probabilities(self._with_inputs(washout, None, None), time)[0])
 
     @overload
     def scores(
@@ -588,12 +591,12 @@ class EventForecaster(Estimator):
             )
         return as_schedules(given, series, steps, self._parameter_names)
 
-    def _schedules(self, washouts: FloatArray, parameters: Any, planned: Any) -> FloatArray | None:
-        """Schedules over washouts and forecasts; None without parameters."""
+    def _with_inputs(self, washouts: FloatArray, parameters: Any, planned: Any) -> FloatArray:
+        """Washouts with the parameters over them and over forecasts, for kinds that know them."""
         series, steps = washouts.shape[:2]
         learns = class_of(self.kind).learns_parameters
         if parameters is None and planned is None and not learns:
-            return None
+            return washouts
         known = self.own_parameters_ if learns else planned  # refused
         known = known if parameters is None else parameters
         past = self._told(known, series, steps - 1, "predict_proba")
@@ -602,7 +605,7 @@ class EventForecaster(Estimator):
         ahead = np.repeat(past[:, -1:], reach, axis=1)
         if planned is not None:
             ahead = as_schedules(planned, series, reach, self._parameter_names)
-        return np.concatenate([past, ahead], axis=1)
+        return with_inputs(washouts, np.concatenate([past, ahead], axis=1))
 
     def _threshold(self, observable: FloatArray) -> float:
         given = self.event_threshold
@@ -715,19 +718,17 @@ class EventForecaster(Estimator):
         points = self._points(case, states, value, self._samples("start_spacing"))
         return Events(self._timing, self.event_threshold_), points, self._values(points.washouts)
 
-    def _probabilities(
-        self, washouts: FloatArray, time: float, schedules: FloatArray | None = None
-    ) -> FloatArray:
+    def _probabilities(self, washouts: FloatArray, time: float) -> FloatArray:
         """Probabilities of an event after washouts ``(points, steps, component)``."""
-        return self.alarms_[time].calibration(self._values(washouts, schedules)[time])
+        return self.alarms_[time].calibration(self._values(washouts)[time])
 
-    def _values(self, washouts: FloatArray, schedules: FloatArray | None = None) -> ByTime:
+    def _values(self, washouts: FloatArray) -> ByTime:
         """What probabilities after washouts ``(points, steps, component)`` are made from."""
         events = Events(self._timing, self.event_threshold_)
         if isinstance(classifier := self.members_[0], EventClassifier):
             return events.by_time(classifier.probabilities(washouts))
         observable = self._case(self._components).system.observable
-        asked = observable, washouts, events.timing.boundaries, schedules
+        asked = observable, washouts, events.timing.boundaries
         found = [window_forecasts(one, *asked) for one in self.members_]
         return events.shares([member for one in found for member in one.members])
 
@@ -747,17 +748,24 @@ def _left_out(
     training: FloatArray,
     points: ObservedPoints,
     timing: EventTiming,
-    parameters: FloatArray | None,
 ) -> list[WindowSummaries]:
     """Votes at points of training series, by members refitted without that series."""
-    washout, series, schedules = points.washouts.shape[1], points.points.series, None
-    if parameters is not None:
-        around = points.points.step[:, np.newaxis] + np.arange(1 - washout, timing.boundaries[-1])
-        schedules = parameters[series[:, np.newaxis], around]
-    known = training, case, washout, case.system.observable
-    asked = points.washouts, series, timing.boundaries
-    found = [
-        out_of_sample_forecasts(one, *known, *asked, parameters=parameters, schedules=schedules)
-        for one in members
-    ]
-    return [member for one in found for member in one.members]
+    washouts, steps = points.washouts, points.washouts.shape[1]
+    inputs = training.shape[2] - washouts.shape[2]
+    if inputs:
+        around = segments(training, points.points, steps - 1, timing.boundaries[-1])
+        washouts = up_to_sample(around, steps, inputs)
+    votes = []
+    for member in members:
+        forecasts = out_of_sample_forecasts(
+            member,
+            training,
+            case,
+            steps,
+            case.system.observable,
+            washouts,
+            points.points.series,
+            timing.boundaries,
+        )
+        votes += forecasts.members
+    return votes

@@ -7,25 +7,27 @@ from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
 from burstcast.systems.parameters import Parameters
 
 
-def parameters_of(case: ForecastingCase) -> Parameters:
+def given(parameters: Parameters | None) -> Parameters:
     """Parameters of a case, which must have some."""
-    if case.parameters is None:
+    if parameters is None:
         raise ValueError("a forecaster that knows the parameters needs a case that has some")
-    return case.parameters
+    return parameters
 
 
 def fitted_factors(
-    schedules: FloatArray | None, case: ForecastingCase, options: AwareOptions
+    schedules: FloatArray, parameters: Parameters | None, options: AwareOptions
 ) -> ParameterFactors:
-    """Factors scaled by the schedules of training series; at least one parameter must vary.
+    """Factors scaled by the inputs of training series; at least one parameter must vary.
 
-    ``schedules``: ``(series, time - 1, parameters)``; None: the case's own values throughout.
+    ``schedules``: ``(series, time - 1, parameters)``; without parameters where the case's own
+    values are in force throughout.
     """
-    parameters = parameters_of(case)
-    names = parameters.names
-    values = parameters.constant(1, 1)[..., 0] if schedules is None else schedules
-    factors = ParameterFactors.of(names, values, options.transform, options.parameter_degree)
-    if factors.count == 0:
+    names = given(parameters).names
+    degree = options.parameter_degree
+    factors = None
+    if schedules.size:
+        factors = ParameterFactors.of(names, schedules, options.transform, degree)
+    if factors is None or factors.count == 0:
         raise ValueError(
             f"{', '.join(names)} does not vary in training, so that nothing can be learnt of it: "
             f"train on series under several values, or take a kind that is not aware"
@@ -44,7 +46,7 @@ def recorded_factors(factors: ParameterFactors) -> ForecasterRecord:
 def restored_factors(record: ForecasterRecord, case: ForecastingCase) -> ParameterFactors:
     """Factors from a forecaster's record."""
     return ParameterFactors(
-        parameters_of(case).names,
+        given(case.parameters).names,
         record.arrays["parameter_low"],
         record.arrays["parameter_high"],
         str(record.attributes["transform"]),

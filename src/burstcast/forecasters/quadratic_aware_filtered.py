@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from burstcast.forecasters._filtered import FilteredForecaster
+from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters._options import AwareOptions, QuadraticOptions
-from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.quadratic_aware import AwareQuadraticModel
 
 
 @dataclass(frozen=True)
 class FilteredAwareQuadraticModel(QuadraticOptions, AwareOptions, FilteredForecaster):
-    """Integrates learnt equations under a schedule from the estimate of an ensemble filter."""
+    """Integrates learnt equations under inputs from the estimate of an ensemble filter."""
 
     aware: ClassVar[bool] = True
     learns_parameters: ClassVar[bool] = True
-    model_class: ClassVar[type[Forecaster]] = AwareQuadraticModel
+    model_class: ClassVar[type[IntegratedForecaster]] = AwareQuadraticModel

@@ -1,12 +1,11 @@
 """A trained echo state network: dynamics, normalisation and readout."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.networks.dynamics import Dynamics
-from burstcast.networks.factored import FactoredStates, factored_closed_loop
 from burstcast.networks.readout import Readout
 
 
@@ -94,9 +93,7 @@ class EchoStateNetwork:
         centred = self._centred(inputs) / self.input_range[:, np.newaxis]
         return self.dynamics.open_loop(centred, states)
 
-    def forecast(
-        self, states: FloatArray, steps: int, factors: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray]:
+    def forecast(self, states: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Autonomous forecast from the states after a washout.
 
         Parameters
@@ -105,9 +102,6 @@ class EchoStateNetwork:
             Shape ``(neurons, batch)``; not changed.
         steps
             Length of the forecast.
-        factors
-            Factors in force during each step, ``(steps, factors, batch)``, of a network that was
-            trained with factors.
 
         Returns
         -------
@@ -123,27 +117,10 @@ class EchoStateNetwork:
             If a shape does not fit or a state is not finite.
         """
         weights = self.readout.weights
-        if factors is not None:
-            outputs, states = factored_closed_loop(
-                self.dynamics, weights, self.input_range, states, factors
-            )
-        else:
-            outputs, states = self.dynamics.closed_loop(weights, self.input_range, states, steps)
+        outputs, states = self.dynamics.closed_loop(weights, self.input_range, states, steps)
         if self.input_offset is not None:
             outputs = outputs + self.input_offset[:, np.newaxis]
         return outputs, states
-
-    def under(self, factors: FloatArray) -> "EchoStateNetwork":
-        """Plain network that a network trained with factors is under constant ones.
-
-        Parameters
-        ----------
-        factors
-            ``(factors,)``.
-        """
-        layout = FactoredStates.of(self.dynamics.reservoir, len(factors))
-        weights = layout.weights_at(self.readout.weights, factors)
-        return replace(self, readout=replace(self.readout, weights=weights))
 
     def diverged(self, outputs: FloatArray, bound: float) -> BoolArray:
         """Whether the forecasts of a batch have diverged.

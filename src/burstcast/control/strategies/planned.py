@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, ByteArray, FloatArray
+from burstcast.base.exogenous import carry
 from burstcast.control.actuation import REVERSED, ActuationValues
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.policy import Look, Policy, informed_memory
@@ -126,8 +127,8 @@ def best_plans(
 
     @np.errstate(over="ignore", invalid="ignore")
     def ahead(memory: FloatArray, acting: ByteArray) -> FloatArray:
-        given = values.schedule(np.ascontiguousarray(acting))
-        outputs, _ = forecaster.advance_under(memory, len(acting), given)
+        schedule = values.schedule(np.ascontiguousarray(acting))
+        outputs, _ = forecaster.advance(carry(memory, schedule), len(acting))
         return observable(outputs.transpose(1, 0, 2))
 
     memory, number = informed_memory(forecaster, look, values), len(plans)
