@@ -145,17 +145,14 @@ class Scripted(MadeUpForecaster):
     aware = True
 
     def start(self, washout):
-        return washout[-1]
+        return washout[-1, :1]
 
     def advance(self, memory, steps):
-        raise NotImplementedError
-
-    def advance_under(self, memory, steps, schedule):
         outputs = np.empty((steps, 1, memory.shape[1]))
         for flow in range(memory.shape[1]):
-            plan = schedule[:, 0, flow].astype(int).tolist()
+            plan = memory[1:, flow].astype(int).tolist()
             outputs[:, 0, flow] = self.heights[str(plan)]
-        return outputs, memory
+        return outputs, memory[:1]
 
 
 HEIGHTS = st.lists(st.sampled_from([0.1, 0.9, 1.0, 2.0, np.nan, np.inf]), min_size=3, max_size=3)
@@ -202,16 +199,10 @@ def test_members_and_committees_vote_under_the_actuation(strategy):
         aware = True
 
         def start(self, washout):
-            raise NotImplementedError
-
-        def start_under(self, washout, schedule):
-            return np.ascontiguousarray(filtered.ensemble_under(washout, schedule)[:, self.number])
+            return np.ascontiguousarray(filtered.ensemble(washout)[:, self.number])
 
         def advance(self, memory, steps):
-            raise NotImplementedError
-
-        def advance_under(self, memory, steps, schedule):
-            return filtered.advance_under(memory, steps, schedule)
+            return filtered.advance(memory, steps)
 
     alone = [asked(strategy.policy(given, Member(number)), washout, acting) for number in range(18)]
     for share in (0.1, 0.5, 0.9):

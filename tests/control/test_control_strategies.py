@@ -380,7 +380,6 @@ def test_members_without_rows_of_their_memory_are_side_by_side_too() -> None:
 
     members = Members(Listed(np.zeros(1)))
     assert members.start(np.zeros((1, 1, 3))).tolist() == [*range(6)]
-    assert members.start_under(np.zeros((1, 1, 3)), np.zeros((0, 1, 3))).tolist() == [*range(6)]
 
 
 @given(st.text(), st.text(), st.floats(allow_nan=False))

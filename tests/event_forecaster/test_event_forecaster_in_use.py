@@ -19,6 +19,7 @@ from sklearn.utils.validation import check_is_fitted
 from test_event_forecaster import SMALL, fit, lorenz
 
 import burstcast
+from burstcast.base.exogenous import carry
 from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.event_forecaster.schedules import as_schedules
 from burstcast.systems.integration import integrate
@@ -361,7 +362,7 @@ def test_a_network_forecasts_as_one_of_the_library_with_the_same_search(network)
     washouts = np.ascontiguousarray(observed[:, -20:].transpose(1, 2, 0))
     steps = network._timing.boundaries[-1]
     schedule = np.full((steps, 1, 3), 500.0)
-    outputs, _ = member.advance_under(member.start(washouts), steps, schedule)
+    outputs, _ = member.advance(carry(member.start(washouts), schedule), steps)
     restored = type(member)(**member.options).restore(member.record(), case)
     again, _ = restored.advance(restored.start(washouts), steps)  # the case's own value
     np.testing.assert_array_equal(outputs, again)

@@ -1,11 +1,19 @@
 """Readouts that are linear in factors of parameters."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.sparse
 
 from burstcast.networks.dynamics import Dynamics
-from burstcast.networks.factored import FactoredStates, driven_neurons, factored_closed_loop
+from burstcast.networks.factored import (
+    FactoredSeries,
+    FactoredStates,
+    driven_neurons,
+    forecast_under,
+    network_under,
+)
 from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.reservoir import Reservoir, make_reservoir
 from burstcast.networks.training import TrainingSeries, collect, train, train_leaving_one_out
@@ -28,7 +36,7 @@ def training(signal):
     generator = np.random.default_rng(4)
     changes = generator.random((5, 899)) < 0.03
     factors = np.array([[-1.0, 1.0], [0.2, 0.04], [1.0, 1.0]])[np.cumsum(changes, axis=1) % 3]
-    return TrainingSeries(observed, np.ptp(observed, axis=(0, 1)), factors)
+    return FactoredSeries(observed, np.ptp(observed, axis=(0, 1)), factors=factors)
 
 
 @pytest.fixture(scope="module")
@@ -85,13 +93,13 @@ def test_the_readout_is_that_of_dense_least_squares_also_without_one_series(
 
 def test_without_factors_it_is_the_plain_readout_bit_for_bit(dynamics, training):
     plain = TrainingSeries(training.observed, training.input_range)
-    none = TrainingSeries(training.observed, training.input_range, training.factors[..., :0])
+    none = replace(training, factors=training.factors[..., :0])
     expected = train(dynamics, plain, washout=WASHOUT, tikhonov=BETA)
     found = train(dynamics, none, washout=WASHOUT, tikhonov=BETA)
     assert np.array_equal(found.weights, expected.weights)
     states = 0.1 * np.random.default_rng(1).normal(size=(dynamics.reservoir.neurons, 3))
     network = EchoStateNetwork(dynamics, found, training.input_range)
-    outputs, last = network.forecast(states, 30, np.empty((30, 0, 3)))
+    outputs, last = forecast_under(network, states, np.empty((30, 0, 3)))
     plain_outputs, plain_last = network.forecast(states, 30)
     assert np.array_equal(outputs, plain_outputs)
     assert np.array_equal(last, plain_last)
@@ -100,7 +108,7 @@ def test_without_factors_it_is_the_plain_readout_bit_for_bit(dynamics, training)
 def test_a_constant_factor_changes_no_forecast(dynamics, training):
     """[r, q r, q] with one q spans what [r] spans: the fit is the plain one, up to beta."""
     constant = np.full((*training.factors.shape[:2], 1), 0.5)
-    told = TrainingSeries(training.observed, training.input_range, constant)
+    told = replace(training, factors=constant)
     plain = TrainingSeries(training.observed, training.input_range)
     found = train(dynamics, told, washout=WASHOUT, tikhonov=BETA)
     layout = FactoredStates.of(dynamics.reservoir, 1)
@@ -117,9 +125,8 @@ def test_the_closed_loop_under_a_schedule_is_that_of_a_plain_loop(
 ):
     """Step by step in numpy: r <- tanh(W_in [u; b] + W r), u = [r; q r; q; 1] W_out."""
     factors = training.factors[:, 299 : 299 + 60].transpose(1, 2, 0)
-    found, last = factored_closed_loop(
-        dynamics, readout.weights, training.input_range, states, factors
-    )
+    network = EchoStateNetwork(dynamics, readout, training.input_range)
+    found, last = forecast_under(network, states, factors)
     reservoir, layout = dynamics.reservoir, FactoredStates.of(dynamics.reservoir, 2)
     recurrent = dynamics.spectral_radius * reservoir.recurrent.toarray()
     state = states
@@ -139,14 +146,14 @@ def test_loops_do_not_depend_on_their_batch_not_even_where_one_diverges(
     dynamics, training, readout, states
 ):
     factors = training.factors[:, 299:349].transpose(1, 2, 0)
-    arguments = dynamics, readout.weights, training.input_range
-    together, last = factored_closed_loop(*arguments, states, factors)
+    network = EchoStateNetwork(dynamics, readout, training.input_range)
+    together, last = forecast_under(network, states, factors)
     lost = np.where(np.arange(5) == 2, np.nan, states)
-    found, _ = factored_closed_loop(*arguments, lost, factors)
+    found, _ = forecast_under(network, lost, factors)
     assert np.isnan(found[..., 2]).all()
     for one in (0, 1, 3, 4):
         only = slice(one, one + 1)
-        alone, alone_last = factored_closed_loop(*arguments, states[:, only], factors[..., only])
+        alone, alone_last = forecast_under(network, states[:, only], factors[..., only])
         assert np.array_equal(alone[..., 0], together[..., one])
         assert np.array_equal(alone_last[:, 0], last[:, one])
         assert np.array_equal(found[..., one], together[..., one])
@@ -156,8 +163,8 @@ def test_under_constant_factors_it_is_a_plain_network(dynamics, training, readou
     network = EchoStateNetwork(dynamics, readout, training.input_range)
     values = np.array([0.2, 0.04])
     factors = np.tile(values[:, np.newaxis], (40, 1, 5))
-    expected, _ = network.forecast(states, 40, factors)
-    assert np.array_equal(network.under(values).forecast(states, 40)[0], expected)
+    expected, _ = forecast_under(network, states, factors)
+    assert np.array_equal(network_under(network, values).forecast(states, 40)[0], expected)
 
 
 def test_neurons_that_no_input_reaches():
@@ -194,7 +201,7 @@ def test_recycle_validation_is_that_of_plain_closed_loops(dynamics, training, re
             washout = training.observed[row, :start, :, np.newaxis]
             states = network.washout(washout)
             in_force = training.factors[row, start - 1 : start + 24, :, np.newaxis]
-            outputs, _ = network.forecast(states, 25, in_force)
+            outputs, _ = forecast_under(network, states, in_force)
             truth = training.observed[row, start : start + 25, 0]
             expected.append(np.log10(np.mean((outputs[:, 0, 0] - truth) ** 2)))
     np.testing.assert_allclose(validation.log_errors, expected, rtol=1e-9)
@@ -209,14 +216,14 @@ def test_single_shot_validation_has_the_factors_of_its_interval(dynamics, traini
         found = validate(dynamics, of_training, lambda x: x[0], plan, [BETA], strategies)
         return [one.objective for one in found]
 
-    shuffled = TrainingSeries(training.observed, training.input_range, training.factors[::-1])
+    shuffled = replace(training, factors=training.factors[::-1])
     assert len(objectives(training)) == 2
     assert objectives(training) != objectives(shuffled)
 
 
 def test_factors_and_weights_that_do_not_fit_are_refused(dynamics, training):
     with pytest.raises(ValueError, match=r"factors of the shape \(5, 899, factors\)"):
-        TrainingSeries(training.observed, training.input_range, training.factors[:, 1:])
+        replace(training, factors=training.factors[:, 1:])
     layout = FactoredStates.of(dynamics.reservoir, 1)
     with pytest.raises(ValueError, match="has no 151 weights"):
         layout.weights_at(np.zeros((151, 4)), np.zeros(1))

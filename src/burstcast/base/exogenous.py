@@ -53,7 +53,8 @@ def of_washout(washout: FloatArray, dimension: int) -> tuple[FloatArray, FloatAr
     """States of a washout, its schedule, and the one of the forecast, without inputs empty."""
     steps = len(washout)
     if washout.shape[1] > dimension:
-        steps -= int(np.isnan(washout[:, :dimension]).all(axis=1).any(axis=1).sum())
+        ahead = np.isnan(washout[:, :dimension]).all(axis=1)
+        steps -= int(ahead.any(axis=1).sum())
     states = np.ascontiguousarray(washout[:steps, :dimension])
     return states, washout[1:steps, dimension:], washout[steps:, dimension:]
 

@@ -105,8 +105,7 @@ class ForecasterKind:
     has_filter: ClassVar[bool] = False
     """Whether an ensemble filter estimates the present state from the whole washout."""
     aware: ClassVar[bool] = False
-    """Whether it may be given exogenous inputs. Without them, an aware forecaster assumes the case's
-    own values of the parameters."""
+    """Whether it may be given exogenous inputs. Without them, the case's own values are assumed."""
     has_search: ClassVar[bool] = False
     """Whether a search finds its hyperparameters before it is trained."""
     searched_as: ClassVar[str] = ""

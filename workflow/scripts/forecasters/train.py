@@ -41,10 +41,10 @@ def train(
 ) -> None:
     """Write the trained network."""
     chosen, seed = read_json(hyperparameters), settings.reservoir_seed(settings.forecaster)
-    series = settings.learnt(ensemble, scheduled)
+    series, knowledge = settings.learnt(ensemble, scheduled)
     unfitted = settings.unfitted
     dynamics = Dynamics(
-        seed.reservoir(series.dimension),
+        seed.reservoir(len(series.input_range)),
         chosen["spectral_radius"],
         chosen["input_scaling"],
         unfitted.backend,
@@ -57,6 +57,6 @@ def train(
         series,
         washout=settings.washout,
         tikhonov=chosen["tikhonov"],
-        **settings.knowledge(scheduled),
+        **knowledge,
     )
     write_forecaster(forecaster, network, settings.provenance)
