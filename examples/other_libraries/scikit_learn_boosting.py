@@ -30,7 +30,7 @@ class Boosting(EventClassifier):
         """Fit a classifier for each window."""
         return self._of(self._features(points.washouts), points.happened.astype(float))
 
-    def probabilities(self, washouts, known=None):
+    def probabilities(self, washouts, exogenous=None):
         """Probability of an event in each window, ``(points, windows)``."""
         features = self._features(washouts)
         return np.stack([one.predict_proba(features)[:, 1] for one in self.classifiers], axis=1)

@@ -207,10 +207,10 @@ class EventForecaster(Estimator):
         states = components.arranged(given.states, given.labels)
         if self.calibrate and not class_of(self.kind).learns_parameters:
             states = self._in_parts(states)
-        learnt = self._told(parameters, len(states), states.shape[1] - 1, "fit")
-        own = None if learnt is None else learnt.mean(axis=(0, 1)).tolist()
+        learnt = self._checked_schedules(parameters, len(states), states.shape[1] - 1, "fit")
+        own_values = None if learnt is None else learnt.mean(axis=(0, 1)).tolist()
         labelled = None
-        case = self._case(components, own)
+        case = self._case(components, own_values)
         value = _observable_of(case, states)
         events = Events(timing, self._threshold(value))
         observed = states
@@ -226,7 +226,7 @@ class EventForecaster(Estimator):
             )
         training = observed if learnt is None else with_inputs(observed, learnt)
         members: Any
-        found: list[dict[str, Any]] = []
+        hyperparameters: list[dict[str, Any]] = []
         if isinstance(kind, EventClassifier):
             spacing = timing.samples("start_spacing_lt", kind.start_spacing_lt)
             labelled = events.labelled(self._points(case, observed, value, spacing))
@@ -237,10 +237,10 @@ class EventForecaster(Estimator):
 
             series, knowledge = committee.training_of(states, training, case, cast(Any, kind))
             steps = self._samples("washout"), self._samples("validation_interval")
-            members, found = committee.trained_committee(
+            members, hyperparameters = committee.trained_committee(
                 cast(Any, kind), series, knowledge, case, checked, *steps
             )
-            findings += committee.search_edges(found, checked, len(samples_of(states)))
+            findings += committee.search_edges(hyperparameters, checked, len(samples_of(states)))
         else:
             members = [as_forecaster(kind).fit(training, case)]
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
@@ -253,12 +253,12 @@ class EventForecaster(Estimator):
                     out_of_sample_probabilities(members[0].tuned(), labelled, case, *asked)
                 )
             prior = None if labelled else checked["prior_forecasts"]
-            alarms, told = events.calibrated(points, values, prior)
-            findings += told
+            alarms, weaknesses = events.calibrated(points, values, prior)
+            findings += weaknesses
         # nothing of a former fit is left before all can be replaced
-        self.members_, self.hyperparameters_, self.alarms_ = members, found, alarms
+        self.members_, self.hyperparameters_, self.alarms_ = members, hyperparameters, alarms
         self._stream = None
-        self.components_, self.own_parameters_ = components.count, own
+        self.components_, self.own_parameters_ = components.count, own_values
         self.labels_ = components.labels
         self.clock_ = given.step if given.dated else None
         # `load` compares its observable with these
@@ -290,9 +290,9 @@ class EventForecaster(Estimator):
         if duration is not None:
             steps = timing.samples("duration", duration)
         batch = np.ascontiguousarray(self._washouts(series).transpose(1, 2, 0))
-        states = [member_forecasts(one, batch, steps) for one in self.members_]
-        found = np.concatenate(states, axis=2).transpose(2, 3, 0, 1)
-        return self._components.as_given(found)
+        forecasts = [member_forecasts(member, batch, steps) for member in self.members_]
+        states = np.concatenate(forecasts, axis=2).transpose(2, 3, 0, 1)
+        return self._components.as_given(states)
 
     def predict_proba(
         self,
@@ -410,11 +410,11 @@ class EventForecaster(Estimator):
             return score_intervals(calibrated, rule.threshold, BINS, self.random_seed)
         raw = events.outcomes(points, values[time], time)
         outcomes = raw.at(rule.calibration(raw.levels))
-        found = probability_scores(outcomes, rule.threshold, BINS)
+        scores = probability_scores(outcomes, rule.threshold, BINS)
         return {
             "forecasts": int(outcomes.points.sum()),
             "events": int(outcomes.events.sum()),
-            **{name: float(value) for name, value in found.items()},
+            **{name: float(value) for name, value in scores.items()},
             "permanent_f_score": permanent_f_score(outcomes),
         }
 
@@ -447,7 +447,7 @@ class EventForecaster(Estimator):
         self._check_fitted()
         fitted = {name: getattr(self, f"{name}_") for name in _FITTED}
         fitted["alarms"] = [
-            {"prediction_time": time, **one.record()} for time, one in self.alarms_.items()
+            {"prediction_time": time, **rule.record()} for time, rule in self.alarms_.items()
         ]
         fitted["stream"] = None if self._stream is None else self._stream.record()
         members = [member.record() for member in self.members_]
@@ -469,9 +469,9 @@ class EventForecaster(Estimator):
         ValueError if the file holds no such forecaster or is damaged; if its observable is needed
         and not given, or the given one has other values than the observable of the fit.
         """
-        own = kind if kind is None or isinstance(kind, type) else class_of(kind)
+        own_class = kind if kind is None or isinstance(kind, type) else class_of(kind)
         with files.as_one_error(path):
-            saved = files.read_saved(path, observable, own)
+            saved = files.read_saved(path, observable, own_class)
             self, fitted = cls(**saved.parameters), dict(saved.fitted)
             self.warnings_ = []
             fitted = {"labels": None, "clock": None, **fitted}  # which older files have not
@@ -498,7 +498,8 @@ class EventForecaster(Estimator):
                     f"training series it is {given}, and was {stored}"
                 )
             self.alarms_ = {
-                one["prediction_time"]: files.restored_rule(one) for one in fitted["alarms"]
+                record["prediction_time"]: files.restored_rule(record)
+                for record in fitted["alarms"]
             }
             sound = np.isfinite(self.event_threshold_) and self.members_
             if not sound or list(self.alarms_) != timing.times:
@@ -554,17 +555,22 @@ class EventForecaster(Estimator):
         is_system = isinstance(self.observable, DynamicalSystem)
         return Components(self.components_, self.labels_, is_system)
 
-    def _case(self, components: Components, own: Sequence[float] | None = None) -> ForecastingCase:
+    def _case(
+        self, components: Components, own_values: Sequence[float] | None = None
+    ) -> ForecastingCase:
         """Knowledge of forecasters beside the series, with their ``own`` parameter values."""
         if self.sampling_stride < 1:
             raise ValueError(f"sampling_stride must be 1 at least, not {self.sampling_stride}")
+        parameters = None
+        if own_values is not None:
+            parameters = Parameters(self._parameter_names, tuple(own_values))
         return ForecastingCase(
             system=state_space(self.observable, components),
             time_step=self.sampling_interval / self.sampling_stride,
             sampling_stride=self.sampling_stride,
             steps_per_lyapunov_time=self._timing.unit,
             random_seed=self.random_seed,
-            parameters=None if own is None else Parameters(self._parameter_names, tuple(own)),
+            parameters=parameters,
         )
 
     @property
@@ -575,7 +581,9 @@ class EventForecaster(Estimator):
     def _parameter_names(self) -> tuple[str, ...]:
         return tuple(self._kind.options["parameters"])
 
-    def _told(self, given: Any, series: int, steps: int, where: str) -> FloatArray | None:
+    def _checked_schedules(
+        self, given: Any, series: int, steps: int, where: str
+    ) -> FloatArray | None:
         """Schedules of a kind that knows the parameters; None of others."""
         if not class_of(self.kind).learns_parameters:
             if given is not None:
@@ -597,9 +605,10 @@ class EventForecaster(Estimator):
         learns = class_of(self.kind).learns_parameters
         if parameters is None and planned is None and not learns:
             return washouts
-        known = self.own_parameters_ if learns else planned  # refused
-        known = known if parameters is None else parameters
-        past = self._told(known, series, steps - 1, "predict_proba")
+        given = parameters
+        if given is None:
+            given = self.own_parameters_ if learns else planned  # refused
+        past = self._checked_schedules(given, series, steps - 1, "predict_proba")
         assert past is not None
         reach = self._timing.boundaries[-1]
         ahead = np.repeat(past[:, -1:], reach, axis=1)
@@ -629,9 +638,9 @@ class EventForecaster(Estimator):
         fitted = list(self.alarms_)
         time = fitted[0] if prediction_time is None else float(prediction_time)
         if time not in fitted:
-            known = ", ".join(f"{one:g}" for one in fitted)
+            listed = ", ".join(f"{fitted_time:g}" for fitted_time in fitted)
             raise ValueError(
-                f"prediction_time is {time:g}; fitted were the prediction_times {known}"
+                f"prediction_time is {time:g}; fitted were the prediction_times {listed}"
             )
         return time
 
@@ -695,7 +704,7 @@ class EventForecaster(Estimator):
         if (shortest := int(lengths.min())) < washout:
             raise ValueError(f"the washout takes {washout} samples, a series has {shortest}")
         ends = zip(states, lengths.tolist(), strict=True)
-        return np.stack([one[end - washout : end] for one, end in ends])
+        return np.stack([row[end - washout : end] for row, end in ends])
 
     def _points(
         self, case: ForecastingCase, observed: FloatArray, value: FloatArray, spacing: int
@@ -728,9 +737,11 @@ class EventForecaster(Estimator):
         if isinstance(classifier := self.members_[0], EventClassifier):
             return events.by_time(classifier.probabilities(washouts))
         observable = self._case(self._components).system.observable
-        asked = observable, washouts, events.timing.boundaries
-        found = [window_forecasts(one, *asked) for one in self.members_]
-        return events.shares([member for one in found for member in one.members])
+        boundaries = events.timing.boundaries
+        votes: list[WindowSummaries] = []
+        for member in self.members_:
+            votes += window_forecasts(member, observable, washouts, boundaries).members
+        return events.shares(votes)
 
 
 def _observable_of(case: ForecastingCase, states: FloatArray) -> FloatArray:

@@ -85,8 +85,8 @@ class ParameterFactors:
         scaled = (transformed - self._centre) / self._half_range
         factors = np.ones((*values.shape[:-1], self.count))
         for number, monomial in enumerate(self._monomials):
-            for one in monomial:
-                factors[..., number] *= scaled[..., one]
+            for parameter in monomial:
+                factors[..., number] *= scaled[..., parameter]
         return factors
 
     def of_schedule(self, schedule: FloatArray) -> FloatArray:

@@ -37,5 +37,5 @@ def leading_directions(covariance: FloatArray, count: int) -> FloatArray:
     largest = np.argmax(np.abs(leading), axis=0)
     signs = np.sign(leading[largest, np.arange(leading.shape[1])])
     scale = np.sqrt(np.maximum(variances[::-1][:count], 0.0))
-    found: FloatArray = leading * signs * scale
-    return found
+    directions: FloatArray = leading * signs * scale
+    return directions

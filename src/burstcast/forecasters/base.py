@@ -118,7 +118,7 @@ class ForecasterKind:
     def option_fields(cls) -> "list[dataclasses.Field[Any]]":
         """Fields that are options: all that `fit` does not fill in."""
         assert dataclasses.is_dataclass(cls)
-        return [one for one in dataclasses.fields(cls) if not one.metadata.get("fitted")]
+        return [option for option in dataclasses.fields(cls) if not option.metadata.get("fitted")]
 
     @property
     def options(self) -> dict[str, Any]:
@@ -170,7 +170,7 @@ class ForecasterKind:
     @classmethod
     def _fitted_names(cls) -> set[str]:
         assert dataclasses.is_dataclass(cls)
-        return {one.name for one in dataclasses.fields(cls) if one.metadata.get("fitted")}
+        return {option.name for option in dataclasses.fields(cls) if option.metadata.get("fitted")}
 
 
 class Forecaster(ForecasterKind, abc.ABC):

@@ -48,7 +48,8 @@ class EquationsFromObservation(IntegratedForecaster):
             "sampling_stride": case.sampling_stride,
         }
         if case.source is not None:
-            maps = StateMaps(**{one.name: record.arrays[one.name] for one in fields(StateMaps)})
+            arrays = {entry.name: record.arrays[entry.name] for entry in fields(StateMaps)}
+            maps = StateMaps(**arrays)
             return self.with_fitted(system=case.source, maps=maps, **steps)
         if not isinstance(case.system, DynamicalSystem):
             raise ValueError("measured series have no equations to forecast with")
@@ -84,4 +85,5 @@ class EquationsFromObservation(IntegratedForecaster):
 
 def _with_observable(maps: StateMaps, system: DynamicalSystem, states: FloatArray) -> FloatArray:
     """Channels of states ``(steps, dimension, batch)``, the observable as the last one."""
-    return np.stack([np.vstack([maps.channels(one), system.observable(one)]) for one in states])
+    channels = [np.vstack([maps.channels(state), system.observable(state)]) for state in states]
+    return np.stack(channels)

@@ -23,7 +23,7 @@ def extrapolations(campaign: Campaign) -> Iterator[str]:
         strengths = {
             sign * plan.strength
             for _, plan in plans_of(campaign.config, name)
-            if case.actuation is not None and plan.strategy.told
+            if case.actuation is not None and plan.strategy.informed
             for sign in ((1, -1) if dict(plan.settings).get("reversible") else (1,))
         }
         if case.training.actuation and case.training.actuation.tested:

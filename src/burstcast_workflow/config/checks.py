@@ -197,7 +197,7 @@ def _strategies(config: Configuration) -> Iterator[str]:
         untold = [kind for kind in block.kinds if not kind_class(kind).aware]
         for values in plan_values(block):
             try:
-                if ControlPlan(**values).strategy.told and untold:
+                if ControlPlan(**values).strategy.informed and untold:
                     yield (
                         f"{place}: {name} passes the parameters in force to forecasters, which "
                         f"{', '.join(untold)} cannot use; take kinds that know them"

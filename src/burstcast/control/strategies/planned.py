@@ -48,7 +48,7 @@ class Planned(ForesightedStrategy):
     durations_lt: tuple[float, ...] = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
 
     @property
-    def told(self) -> bool:
+    def informed(self) -> bool:
         """Forecasters receive the actuation."""
         return True
 
@@ -101,14 +101,14 @@ def pulses(starts: Sequence[int], lengths: Sequence[int], steps: int) -> BoolArr
 
     ``(plans, steps)``, no two alike, in the order of starts and lengths.
     """
-    found: dict[bytes, BoolArray] = {}
+    plans: dict[bytes, BoolArray] = {}
     for start in starts:
         for length in lengths:
             plan = np.zeros(steps, dtype=bool)
             plan[start : start + length] = True
             if plan.any():
-                found.setdefault(plan.tobytes(), plan)
-    return np.array(list(found.values())).reshape(-1, steps)
+                plans.setdefault(plan.tobytes(), plan)
+    return np.array(list(plans.values())).reshape(-1, steps)
 
 
 def best_plans(

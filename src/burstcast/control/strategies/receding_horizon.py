@@ -33,7 +33,7 @@ class RecedingHorizon(ForesightedStrategy):
     aware: bool = False
 
     @property
-    def told(self) -> bool:
+    def informed(self) -> bool:
         """Whether the forecaster receives the actuation."""
         return self.aware
 
