@@ -55,9 +55,11 @@ def test_model_selection_takes_series_as_samples_and_sets_parameters(series):
 @pytest.mark.parametrize(
     "kept",
     [
-        lambda one, path: pickle.loads(pickle.dumps(one)),
-        lambda one, path: copy.deepcopy(one),
-        lambda one, path: joblib.load(joblib.dump(one, path / "forecaster.joblib")[0]),
+        lambda forecaster, path: pickle.loads(pickle.dumps(forecaster)),
+        lambda forecaster, path: copy.deepcopy(forecaster),
+        lambda forecaster, path: joblib.load(
+            joblib.dump(forecaster, path / "forecaster.joblib")[0]
+        ),
     ],
 )
 def test_what_was_fitted_is_kept(kept, fitted, series, tmp_path):
@@ -94,12 +96,12 @@ def test_checks_of_estimators_that_need_no_table(name):
 def test_whole_numbers_and_single_times_are_taken_for_what_they_are(series):
     given = {**TINY, "members": 1, "calibrate": False}
     sloppy = {"neurons": 30.0, "members": np.int64(1), "grid": 2.0, "tikhonov": 1e-6}
-    one = burstcast.EventForecaster(**{**given, **sloppy, "prediction_times": 1}).fit(series)
+    forecaster = burstcast.EventForecaster(**{**given, **sloppy, "prediction_times": 1}).fit(series)
     other = burstcast.EventForecaster(
         **{**given, "tikhonov": (1e-6,), "prediction_times": (1.0,)}
     ).fit(series)
-    np.testing.assert_array_equal(one.forecast(series), other.forecast(series))
-    assert list(one.alarms_) == [1.0]
+    np.testing.assert_array_equal(forecaster.forecast(series), other.forecast(series))
+    assert list(forecaster.alarms_) == [1.0]
 
 
 def test_the_signature_can_be_read():
@@ -134,7 +136,7 @@ def test_the_page_names_networks_that_the_demo_has():
     )
     update_config(config, preset)
     forecasters = Campaign(load(config)).forecasters
-    demo = {f"{one.case}/{one.name.identifier}" for one in forecasters}
+    demo = {f"{member.case}/{member.name.identifier}" for member in forecasters}
     text = (DOCS / "notebook.md").read_text(encoding="utf-8")
     named = re.findall(r"campaign\.networks\[\"(.*?)\"\]", text)
     assert named
@@ -163,18 +165,18 @@ def forecaster(watching, tmp_path):
 
 def test_each_sample_has_the_probability_of_the_batch(forecaster):
     washout = forecaster._samples("washout")
-    found = {0.5: [], 1.0: []}
+    probabilities = {0.5: [], 1.0: []}
     for sample in SERIES[:120]:
         forecaster.update(sample)
-        for lead, values in found.items():
+        for lead, values in probabilities.items():
             values.append(forecaster.probability(lead))
-    for lead, values in found.items():
+    for lead, values in probabilities.items():
         assert np.isnan(values[: washout - 1]).all()
         windows = np.stack([SERIES[end - washout : end] for end in range(washout, 121)])
         expected = forecaster.predict_proba(windows, lead)[:, 1]
         assert np.array_equal(values[washout - 1 :], expected)
         assert len(set(values)) > 3
-    assert forecaster.probability() == found[0.5][-1]
+    assert forecaster.probability() == probabilities[0.5][-1]
 
 
 def test_a_clock_that_jitters_and_counts_since_1970(forecaster):
@@ -262,17 +264,17 @@ def test_ten_networks_of_1000_neurons():
     large = {"members": 10, "neurons": 1000, "prediction_times": (0.5,), "options": None}
     forecaster = fit(lorenz(4, 900, 1), **large, calibrate=False)
     washout = forecaster._samples("washout")
-    taken, found = [], []
+    taken, probabilities = [], []
     for number, sample in enumerate(SERIES[:100]):
         start = time.process_time()
         forecaster.update(sample)
         taken.append(time.process_time() - start)
         if number >= 90:
-            found.append(forecaster.probability())
+            probabilities.append(forecaster.probability())
     assert len(forecaster.members_) == 10
     assert np.median(taken) < 1e-3
     windows = np.stack([SERIES[end - washout : end] for end in range(91, 101)])
-    assert found == forecaster.predict_proba(windows)[:, 1].tolist()
+    assert probabilities == forecaster.predict_proba(windows)[:, 1].tolist()
 
 
 # -- that knows parameters -------------------------------------------------------------------------
@@ -311,8 +313,8 @@ def test_probabilities_depend_on_what_is_planned_and_are_saved_with_it(aware, tm
     assert asked["none"].sum() > asked["actuated"].sum()
     # plans may change in time
     planned = np.full((40, aware._timing.boundaries[-1]), 500.0)
-    one = aware.predict_proba(observed, parameters=np.full(40, 500.0), planned=planned)
-    np.testing.assert_array_equal(one[:, 1], expected)
+    in_parts = aware.predict_proba(observed, parameters=np.full(40, 500.0), planned=planned)
+    np.testing.assert_array_equal(in_parts[:, 1], expected)
     aware.save(tmp_path / "aware.nc")
     loaded = EventForecaster.load(tmp_path / "aware.nc", aware.observable)
     np.testing.assert_array_equal(loaded.predict_proba(observed), aware.predict_proba(observed))
@@ -331,9 +333,9 @@ def test_mistakes_are_told(aware):
 
 def test_schedules_of_two_parameters():
     names = ["reynolds", "length_x"]
-    found = as_schedules([400.0, 12.0], 3, 4, names)
-    assert found.shape == (3, 4, 2)
-    assert found[2, 3].tolist() == [400, 12]
+    schedules = as_schedules([400.0, 12.0], 3, 4, names)
+    assert schedules.shape == (3, 4, 2)
+    assert schedules[2, 3].tolist() == [400, 12]
     with pytest.raises(ValueError, match="must be finite"):
         as_schedules([400.0, np.inf], 3, 4, names)
 

@@ -60,7 +60,7 @@ def noisy(true, seed):
 def training():
     """Four series at each of three values, observed, with the values: ``(series, time, 4)``."""
     flows = [
-        integrate(Lorenz63(rho=one), states(4, int(one)), 0.0025, 8 * 1600, 8) for one in TRAINED
+        integrate(Lorenz63(rho=rho), states(4, int(rho)), 0.0025, 8 * 1600, 8) for rho in TRAINED
     ]
     true = np.concatenate(flows, axis=2)[100:]
     values = np.repeat(TRAINED, 4)[:, np.newaxis, np.newaxis]
@@ -83,7 +83,7 @@ def models(training):
     return {type(model): model.fit(training, CASE) for model in (LEARNT, FILTERED)}
 
 
-def told(washout, schedule):
+def washout_under(washout, schedule):
     """Washout with its schedule, and the one over the forecast: the batch is last in all."""
     inputs = schedule.transpose(2, 0, 1)
     return with_inputs(washout.transpose(2, 0, 1), inputs).transpose(1, 2, 0)
@@ -91,7 +91,7 @@ def told(washout, schedule):
 
 def forecast(model, washout, schedule=None, steps=AHEAD):
     if schedule is not None:
-        washout = told(washout, schedule)
+        washout = washout_under(washout, schedule)
     return model.advance(model.start(washout), steps)[0]
 
 
@@ -134,7 +134,7 @@ def test_a_filter_that_is_told_estimates_better_than_an_observation(kind, models
     schedule, true, observed = switched
     model = models.get(kind) or kind().fit(observed.transpose(2, 0, 1), CASE)
     now, washout = true[WASHOUT - 1], observed[:WASHOUT]
-    estimate = model.start(told(washout, schedule[: WASHOUT - 1]))
+    estimate = model.start(washout_under(washout, schedule[: WASHOUT - 1]))
     error = np.sqrt(np.mean((estimate - now) ** 2))
     assert error < 0.6 * np.sqrt(np.mean((washout[-1] - now) ** 2))
     assert error < 0.3 * np.sqrt(np.mean((model.start(washout) - now) ** 2))
@@ -164,11 +164,11 @@ def test_forecasts_under_a_schedule_depend_on_nothing_else(scheduled, switched):
     for flow in (0, 7):
         alone = forecast(model, washout[..., [flow]], schedule[..., [flow]])
         assert np.array_equal(alone[..., 0], together[..., flow])
-    first, memory = model.advance(model.start(told(washout, schedule)), 17)
+    first, memory = model.advance(model.start(washout_under(washout, schedule)), 17)
     second, _ = model.advance(memory, AHEAD - 17)
     assert np.array_equal(np.concatenate([first, second]), together)
     # as well in a memory that has no schedule yet
-    first, memory = model.advance(carry(model.start(told(washout, past)), ahead[:17]), 17)
+    first, memory = model.advance(carry(model.start(washout_under(washout, past)), ahead[:17]), 17)
     second, _ = model.advance(carry(memory, ahead[17:]), AHEAD - 17)
     assert np.array_equal(np.concatenate([first, second]), together)
     restored = type(model)(**model.options).restore(model.record(), case)
@@ -249,7 +249,7 @@ def test_a_network_that_is_told_forecasts_under_unseen_values(network, switched)
     assert typical(forecast(model, washout)) > 3 * error
     # the washout needs no schedule: one memory serves all plans
     past = schedule[: WASHOUT - 1]
-    assert np.array_equal(model.start(told(washout, past)), model.start(washout))
+    assert np.array_equal(model.start(washout_under(washout, past)), model.start(washout))
 
 
 def test_a_network_under_the_case_s_own_values_is_a_plain_one(network, switched):
@@ -303,11 +303,13 @@ def test_members_have_the_schedule_of_their_own_trajectory(switched):
     """Of a whole ensemble side by side, or of each trajectory by itself."""
     schedule, _, observed = switched
     model = FilteredEquations().fit(observed.transpose(2, 0, 1), CASE)
-    ensemble = model.ensemble(told(observed[:WASHOUT], schedule))
+    ensemble = model.ensemble(washout_under(observed[:WASHOUT], schedule))
     together, _ = model.advance(ensemble.reshape(len(ensemble), -1), AHEAD)
     together = together.reshape(AHEAD, 3, -1, 20)
     for flow in range(3):
-        members = model.ensemble(told(observed[:WASHOUT, :, [flow]], schedule[..., [flow]]))
+        members = model.ensemble(
+            washout_under(observed[:WASHOUT, :, [flow]], schedule[..., [flow]])
+        )
         assert np.array_equal(members[..., 0], ensemble[..., flow])
         alone, _ = model.advance(np.ascontiguousarray(members[..., 0]), AHEAD)
         assert np.array_equal(alone, together[..., flow])
@@ -347,7 +349,7 @@ def simulated():
     schedule = np.array([24.0, 28.0, 33.0])[np.cumsum(changes, axis=0) % 3][:, np.newaxis]
     start = generator.normal(size=(3, 6)) + np.array([[1.0], [1.0], [25.0]])
     states = integrate_scheduled(RHO, schedule, start, 0.0025, 8)
-    return tuple(np.ascontiguousarray(one.transpose(2, 0, 1)) for one in (states, schedule))
+    return tuple(np.ascontiguousarray(array.transpose(2, 0, 1)) for array in (states, schedule))
 
 
 @pytest.fixture(scope="module")
@@ -383,10 +385,10 @@ def test_a_record_of_a_simulated_flow_is_that_flow_with_its_schedule(simulated, 
 @pytest.mark.parametrize("kind", ["quadratic_aware", "esn_aware"])
 def test_forecasts_from_the_record_are_those_of_the_simulated_case(simulated, record, kind):
     states, schedules = simulated
-    one = trained(kind, SIMULATED, states[:4], schedules[:4])
-    other = trained(kind, MEASURED, record.states[:4], record.known[:4, 1:])
-    for name, array in one.record().arrays.items():
-        np.testing.assert_array_equal(other.record().arrays[name], array, err_msg=name)
+    simulated_model = trained(kind, SIMULATED, states[:4], schedules[:4])
+    measured_model = trained(kind, MEASURED, record.states[:4], record.known[:4, 1:])
+    for name, array in simulated_model.record().arrays.items():
+        np.testing.assert_array_equal(measured_model.record().arrays[name], array, err_msg=name)
     starts = [(row, step) for row in (4, 5) for step in range(40, 700, 60)]
     washouts = np.stack([states[row, step - 29 : step + 1] for row, step in starts])
     in_force = np.stack([schedules[row, step - 29 : step + 60] for row, step in starts])
@@ -395,17 +397,17 @@ def test_forecasts_from_the_record_are_those_of_the_simulated_case(simulated, re
     def largest(model, washouts):
         return window_forecasts(model, SPACE.observable, washouts, (20, 40, 60)).largest
 
-    expected = largest(one, given)
+    expected = largest(simulated_model, given)
     # a batch, and one after the other
-    np.testing.assert_array_equal(largest(other, given), expected)
-    alone = np.concatenate([largest(other, given[[row]]) for row in range(len(starts))])
+    np.testing.assert_array_equal(largest(measured_model, given), expected)
+    alone = np.concatenate([largest(measured_model, given[[row]]) for row in range(len(starts))])
     np.testing.assert_allclose(alone, expected, rtol=1e-9)
     # the forecast of another future is another one, and of none there is none
     wrong = in_force.copy()
     wrong[:, 29:] = 24.0
-    assert not np.array_equal(largest(other, with_inputs(washouts, wrong)), expected)
+    assert not np.array_equal(largest(measured_model, with_inputs(washouts, wrong)), expected)
     with pytest.raises(ValueError, match="rho: values over the whole forecast must be given"):
-        largest(other, washouts)
+        largest(measured_model, washouts)
 
 
 class Driven(MadeUpForecaster):
@@ -432,20 +434,20 @@ def test_horizons_under_a_schedule_end_where_it_is_wrong():
     truth = np.concatenate([np.zeros((700, 1)), np.cumsum(schedules[..., 0], axis=1)], axis=1)
     observed = truth[..., np.newaxis].copy()
 
-    def found(in_force):
+    def horizons(in_force):
         series = with_inputs(observed, in_force)
         return prediction_horizons(Driven(), lambda states: states[0], series, truth, search, 1)
 
-    np.testing.assert_array_equal(found(schedules), 4.0)
+    np.testing.assert_array_equal(horizons(schedules), 4.0)
     wrong = schedules.copy()
     wrong[:, -15] += 1.0  # 15 steps before the event: only later starts do not pass it
-    np.testing.assert_array_equal(found(wrong), 1.0)
+    np.testing.assert_array_equal(horizons(wrong), 1.0)
 
 
 def test_classifiers_learn_from_what_is_known():
     generator = np.random.default_rng(5)
-    washouts, known = generator.normal(size=(1500, 3, 2)), generator.normal(size=(1500, 2))
-    happened = (known[:, 1] + washouts[:, -1, 0] > 1.5)[:, np.newaxis]
+    washouts, exogenous = generator.normal(size=(1500, 3, 2)), generator.normal(size=(1500, 2))
+    happened = (exogenous[:, 1] + washouts[:, -1, 0] > 1.5)[:, np.newaxis]
     series = np.arange(1500) // 150
     case = replace(SIMULATED, random_seed=1)
     for kind, options in (
@@ -453,7 +455,7 @@ def test_classifiers_learn_from_what_is_known():
         ("esn_direct", {"penalty": [1], "neurons": 40, "connectivity": 3}),
     ):
         classifier, scores = make_classifier(kind, options), []
-        for features in (None, known):
+        for features in (None, exogenous):
             points = LabelledPoints(washouts, happened, series, features).of(
                 series < 7, np.array([True])
             )

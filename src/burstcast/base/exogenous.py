@@ -14,7 +14,7 @@ has its time first, the inputs in the middle and the batch last.
 
 import numpy as np
 
-from burstcast.base.arrays import FloatArray
+from burstcast.base.arrays import BoolArray, FloatArray
 
 
 def with_inputs(states: FloatArray, inputs: FloatArray) -> FloatArray:
@@ -53,7 +53,7 @@ def of_washout(washout: FloatArray, dimension: int) -> tuple[FloatArray, FloatAr
     """States of a washout, its schedule, and the one of the forecast, without inputs empty."""
     steps = len(washout)
     if washout.shape[1] > dimension:
-        ahead = np.isnan(washout[:, :dimension]).all(axis=1)
+        ahead: BoolArray = np.isnan(washout[:, :dimension]).all(axis=1)
         steps -= int(ahead.any(axis=1).sum())
     states = np.ascontiguousarray(washout[:steps, :dimension])
     return states, washout[1:steps, dimension:], washout[steps:, dimension:]
