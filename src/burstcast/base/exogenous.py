@@ -14,7 +14,7 @@ has its time first, the inputs in the middle and the batch last.
 
 import numpy as np
 
-from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.arrays import FloatArray
 
 
 def with_inputs(states: FloatArray, inputs: FloatArray) -> FloatArray:
@@ -53,8 +53,8 @@ def of_washout(washout: FloatArray, dimension: int) -> tuple[FloatArray, FloatAr
     """States of a washout, its schedule, and the one of the forecast, without inputs empty."""
     steps = len(washout)
     if washout.shape[1] > dimension:
-        ahead: BoolArray = np.isnan(washout[:, :dimension]).all(axis=1)
-        steps -= int(ahead.any(axis=1).sum())
+        unknown = np.isnan(washout[:, :dimension]).all(axis=1)  # (steps, batch)
+        steps -= np.count_nonzero(np.any(unknown, axis=1))
     states = np.ascontiguousarray(washout[:steps, :dimension])
     return states, washout[1:steps, dimension:], washout[steps:, dimension:]
 

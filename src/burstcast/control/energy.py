@@ -67,6 +67,8 @@ def energy_means(
     defined = [budget for budget in budgets if budget is not None]
     if len(defined) < len(budgets):
         return None
+    inputs = [budget.input for budget in defined]
+    dissipations = [budget.dissipation for budget in defined]
     return EnergyBudget(
-        *(np.choose(actuation, parts).mean(axis=1) for parts in zip(*defined, strict=True))
+        np.choose(actuation, inputs).mean(axis=1), np.choose(actuation, dissipations).mean(axis=1)
     )

@@ -209,14 +209,10 @@ def totals(sample: FlowSample, counts: WindowCounts, left_out: int) -> dict[str,
     records, span, kept = sample.records, sample.span, sample.records.kept
     flows = int(kept.sum())
     total = {entry.name: int(getattr(counts, entry.name)[kept].sum()) for entry in fields(counts)}
+    for name in ("exceeding_uncontrolled", "exceeding_controlled", "events_uncontrolled"):
+        total[name] = int(getattr(records, name)[kept].sum())
     total |= {
-        name: int(getattr(records, name)[kept].sum())
-        for name in (
-            *("exceeding_uncontrolled", "exceeding_controlled", "events_uncontrolled"),
-            "actuated_integration_steps",
-        )
-    }
-    total |= {
+        "actuated_integration_steps": int(records.actuated_integration_steps[kept].sum()),
         "flows": flows,
         "left_out": left_out,
         "laminarised": len(kept) - flows,

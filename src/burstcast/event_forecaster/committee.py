@@ -131,7 +131,7 @@ def training_of(
         return TrainingSeries(observed, scale, offset), {}
     _, inputs = of_series(observed, states.shape[2])
     training = TrainingSeries(observed[in_turns(inputs)], scale, offset)
-    return factored_training(training, case.parameters, network)
+    return factored_training(training, case.required_parameters, network)
 
 
 def in_turns(schedules: FloatArray) -> IntArray:

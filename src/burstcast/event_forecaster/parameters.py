@@ -9,8 +9,12 @@ from typing import Any
 import numpy as np
 
 _LEAST = {
-    **{"grid": 1, "neurons": 1, "searches": 1, "bayesian_points": 0},
-    **{"noise": 0.0, "prior_forecasts": 0.0},
+    "grid": 1,
+    "neurons": 1,
+    "searches": 1,
+    "bayesian_points": 0,
+    "noise": 0.0,
+    "prior_forecasts": 0.0,
 }
 """Smallest values of parameters; durations are compared with a sample where they are used."""
 

@@ -71,7 +71,7 @@ class EventClassifier(ClassifierOptions, ForecasterKind, abc.ABC):
     ) -> FloatArray:
         """Probability of an event in each window: ``(points, windows)``.
 
-        ``known``: Further features, as of the `LabelledPoints` of the training.
+        ``exogenous``: Further features, as of the `LabelledPoints` of the training.
         """
 
 
@@ -90,8 +90,10 @@ def known_features(
     >>> known_features(np.arange(6.0).reshape(1, 6, 1), 1, [(1, 2), (2, 4)])
     array([[1. , 2.5, 4. ]])
     """
-    means = [schedules[:, now + first : now + last + 1].mean(axis=1) for first, last in windows]
-    return np.concatenate([*([schedules[:, now]] if now >= 0 else []), *means], axis=1)
+    features = [schedules[:, now + first : now + last + 1].mean(axis=1) for first, last in windows]
+    if now >= 0:
+        features.insert(0, schedules[:, now])
+    return np.concatenate(features, axis=1)
 
 
 def with_exogenous(features: FloatArray, exogenous: FloatArray | None) -> FloatArray:

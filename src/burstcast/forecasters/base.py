@@ -65,6 +65,13 @@ class ForecastingCase:
     maps: StateMaps | None = None
     random_seed: int = 0
 
+    @property
+    def required_parameters(self) -> Parameters:
+        """Parameters, for kinds that learn how the flow depends on them."""
+        if self.parameters is None:
+            raise ValueError("a forecaster that knows the parameters needs a case that has some")
+        return self.parameters
+
 
 def fitted() -> Any:
     """Declare a field of a forecaster that `fit` fills in; its other fields are options."""

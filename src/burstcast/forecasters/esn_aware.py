@@ -10,12 +10,6 @@ from typing import Any, ClassVar
 
 from burstcast.base.arrays import FloatArray
 from burstcast.base.exogenous import carry, of_series, of_washout
-from burstcast.forecasters._aware import (
-    fitted_factors,
-    given,
-    recorded_factors,
-    restored_factors,
-)
 from burstcast.forecasters._options import AwareOptions
 from burstcast.forecasters._parameter_factors import ParameterFactors
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
@@ -50,13 +44,16 @@ class AwareNetworkForecaster(AwareOptions, NetworkForecaster):
 
     def record(self) -> ForecasterRecord:
         """Record of a plain network with the scaling of the parameters."""
-        network, scaling = super().record(), recorded_factors(self.factors)
+        network, scaling = super().record(), self.factors.record()
         return ForecasterRecord(
             {**network.arrays, **scaling.arrays}, {**network.attributes, **scaling.attributes}
         )
 
     def _knowledge(self, record: ForecasterRecord, case: ForecastingCase) -> dict[str, Any]:
-        return {"factors": restored_factors(record, case), "in_force": given(case.parameters)}
+        return {
+            "factors": ParameterFactors.restored(record, case.required_parameters),
+            "in_force": case.required_parameters,
+        }
 
     def start(self, washout: FloatArray) -> FloatArray:
         """Reservoir states after the washout, ``(neurons, batch)``."""
@@ -80,14 +77,14 @@ class AwareNetworkForecaster(AwareOptions, NetworkForecaster):
 
 
 def factored_training(
-    training: TrainingSeries, parameters: Parameters | None, options: AwareOptions
+    training: TrainingSeries, parameters: Parameters, options: AwareOptions
 ) -> tuple[TrainingSeries, dict[str, Any]]:
     """Training series of a network that knows the parameters, and what it knows of them.
 
     ``training``: Series with their inputs. ``parameters``: What the inputs are.
     """
     _, schedules = of_series(training.observed, len(training.input_range))
-    factors = fitted_factors(schedules, parameters, options)
+    factors = ParameterFactors.learnt(schedules, parameters, options)
     return _factored(training, factors), {"factors": factors, "in_force": parameters}
 
 

@@ -13,12 +13,6 @@ import numpy as np
 from burstcast.base.arrays import FloatArray
 from burstcast.base.exogenous import carry, of_series, of_washout
 from burstcast.data.observation_noise import observation_noise
-from burstcast.forecasters._aware import (
-    fitted_factors,
-    given,
-    recorded_factors,
-    restored_factors,
-)
 from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters._options import AwareOptions, ObservationOptions, QuadraticOptions
 from burstcast.forecasters._parameter_factors import ParameterFactors
@@ -60,7 +54,7 @@ class AwareQuadraticModel(ObservationOptions, QuadraticOptions, AwareOptions, In
     def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Learn the equations; refuse series whose parameters do not vary."""
         states, schedules = of_series(training, case.system.dimension)
-        factors = fitted_factors(schedules, case.parameters, self)
+        factors = ParameterFactors.learnt(schedules, case.required_parameters, self)
         coefficients = factored_coefficients(
             states,
             observation_noise(states, self.noise),
@@ -74,14 +68,18 @@ class AwareQuadraticModel(ObservationOptions, QuadraticOptions, AwareOptions, In
 
     def record(self) -> ForecasterRecord:
         """Coefficients of the equations, and how the parameters are scaled."""
-        scaling = recorded_factors(self.factors)
+        scaling = self.factors.record()
         return ForecasterRecord(
             {"coefficients": self.coefficients, **scaling.arrays}, scaling.attributes
         )
 
     def restore(self, record: ForecasterRecord, case: ForecastingCase) -> Self:
         """Make the equations from their coefficients."""
-        return self._of(record.arrays["coefficients"], restored_factors(record, case), case)
+        return self._of(
+            record.arrays["coefficients"],
+            ParameterFactors.restored(record, case.required_parameters),
+            case,
+        )
 
     def _of(
         self, coefficients: FloatArray, factors: ParameterFactors, case: ForecastingCase
@@ -92,7 +90,7 @@ class AwareQuadraticModel(ObservationOptions, QuadraticOptions, AwareOptions, In
             sampling_stride=case.sampling_stride,
             coefficients=coefficients,
             factors=factors,
-            in_force=given(case.parameters),
+            in_force=case.required_parameters,
         )
 
     @property
