@@ -54,7 +54,7 @@ def of_washout(washout: FloatArray, dimension: int) -> tuple[FloatArray, FloatAr
     steps = len(washout)
     if washout.shape[1] > dimension:
         unknown = np.isnan(washout[:, :dimension]).all(axis=1)  # (steps, batch)
-        steps -= np.count_nonzero(np.any(unknown, axis=1))
+        steps -= int(np.count_nonzero(np.any(unknown, axis=1)))
     states = np.ascontiguousarray(washout[:steps, :dimension])
     return states, washout[1:steps, dimension:], washout[steps:, dimension:]
 
