@@ -124,7 +124,7 @@ def _pretend(script: str) -> None:
 
 HARNESS = "burstcast_workflow.harness"
 REGISTRIES = (
-    *("systems", "forecasters", "tuning/strategies"),
+    *("systems", "forecasters", "networks/validation_strategies"),
     *("control/strategies", "tables/makers"),
 )
 
