@@ -227,11 +227,11 @@ def test_values_beyond_training_are_extrapolated_with_a_warning(models, switched
 def network(training):
     seed = ReservoirSeed(1, 200, 0, 3.0, 0.1)
     plain = TrainingSeries(training, np.ptp(training[..., :3], axis=(0, 1)))
-    series, knowledge = factored_training(plain, RHO, NETWORK)
+    series = factored_training(plain, RHO, NETWORK)
     dynamics = Dynamics(seed.reservoir(3), 0.2, 1.0)
     readout = train(dynamics, series, washout=WASHOUT, tikhonov=1e-9)
     trained = EchoStateNetwork(dynamics, readout, series.input_range)
-    return CASE, NETWORK.with_fitted(network=trained, seed=seed, **knowledge)
+    return CASE, NETWORK.with_fitted(network=trained, seed=seed, **series.knowledge)
 
 
 def test_a_network_that_is_told_forecasts_under_unseen_values(network, switched):
@@ -265,7 +265,7 @@ def test_a_network_is_refitted_with_its_factors(network, training, switched):
     memory = model.start(switched[2][:WASHOUT])
     refitted = next(model.leave_one_out(training, case, WASHOUT))
     others = TrainingSeries(training[1:], model.network.input_range)
-    factored, _ = factored_training(others, RHO, NETWORK)
+    factored = factored_training(others, RHO, NETWORK)
     readout = train(model.network.dynamics, factored, washout=WASHOUT, tikhonov=1e-9)
     outputs, _ = network_under(refitted.network, np.zeros(1)).forecast(memory, 5)
     alone = network_under(replace(model.network, readout=readout), np.zeros(1))
@@ -371,9 +371,9 @@ def trained(kind, case, states, schedules):
         return LEARNT.fit(with_inputs(states, schedules), case)
     seed = ReservoirSeed(1, 60, 0, 4, 0.1)
     plain = TrainingSeries(with_inputs(states, schedules), np.ptp(states, axis=(0, 1)))
-    series, knowledge = factored_training(plain, case.parameters, NETWORK)
+    series = factored_training(plain, case.parameters, NETWORK)
     dynamics = Dynamics(seed.reservoir(3), 0.3, 0.5, "scipy")
-    return NETWORK.trained(dynamics, seed, series, washout=20, tikhonov=1e-9, **knowledge)
+    return NETWORK.trained(dynamics, seed, series, washout=20, tikhonov=1e-9)
 
 
 def test_a_record_of_a_simulated_flow_is_that_flow_with_its_schedule(simulated, record):

@@ -35,7 +35,6 @@ _MOST_VALIDATION_SERIES = 4
 def trained_committee(
     network: NetworkForecaster,
     training: TrainingSeries,
-    knowledge: Mapping[str, Any],
     case: ForecastingCase,
     settings: Mapping[str, Any],
     washout: int,
@@ -46,7 +45,7 @@ def trained_committee(
     The first ``searches`` networks have a search of their own; the others take the hyperparameters
     of these in turn.
 
-    ``network``: The unfitted network. ``training``, ``knowledge``: Of `training_of`. ``settings``:
+    ``network``: The unfitted network. ``training``: Of `training_of`. ``settings``:
     Parameters of an `EventForecaster`.
     """
     if settings["members"] < 1:
@@ -87,7 +86,6 @@ def trained_committee(
             training,
             washout=washout,
             tikhonov=chosen.validation.tikhonov,
-            **knowledge,
         )
         members.append(trained)
     records = [optima[number % len(optima)].record() for number in range(len(members))]
@@ -118,8 +116,8 @@ def _plan(
 
 def training_of(
     states: FloatArray, observed: FloatArray, case: ForecastingCase, network: NetworkForecaster
-) -> tuple[TrainingSeries, dict[str, Any]]:
-    """Training series, and what networks that know the parameters are given beside them.
+) -> TrainingSeries:
+    """Training series of a network.
 
     ``observed``: Series with their inputs, for networks that know the parameters.
     """
@@ -128,7 +126,7 @@ def training_of(
     if (lengths := series_lengths(observed)) is not None:
         observed = observed[np.argsort(-lengths, kind="stable")]
     if not isinstance(network, AwareNetworkForecaster):
-        return TrainingSeries(observed, scale, offset), {}
+        return TrainingSeries(observed, scale, offset)
     _, inputs = of_series(observed, states.shape[2])
     training = TrainingSeries(observed[in_turns(inputs)], scale, offset)
     return factored_training(training, case.required_parameters, network)

@@ -235,10 +235,10 @@ class EventForecaster(Estimator):
             # networks take a moment to load, which other kinds need not wait for
             from burstcast.event_forecaster import committee
 
-            series, knowledge = committee.training_of(states, training, case, cast(Any, kind))
+            series = committee.training_of(states, training, case, cast(Any, kind))
             steps = self._samples("washout"), self._samples("validation_interval")
             members, hyperparameters = committee.trained_committee(
-                cast(Any, kind), series, knowledge, case, checked, *steps
+                cast(Any, kind), series, case, checked, *steps
             )
             findings += committee.search_edges(hyperparameters, checked, len(samples_of(states)))
         else:

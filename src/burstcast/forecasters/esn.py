@@ -49,7 +49,6 @@ class NetworkForecaster(NetworkOptions, Forecaster):
         *,
         washout: int,
         tikhonov: float,
-        **knowledge: Any,
     ) -> Self:
         """Train a network on all series.
 
@@ -58,7 +57,7 @@ class NetworkForecaster(NetworkOptions, Forecaster):
         readout = train(dynamics, training, washout=washout, tikhonov=tikhonov)
         scales = training.input_range, training.input_offset
         network = EchoStateNetwork(dynamics, readout, *scales)
-        return self.with_fitted(network=network, seed=seed, **knowledge)
+        return self.with_fitted(network=network, seed=seed, **training.knowledge)
 
     def leave_one_out(
         self, training: FloatArray, case: ForecastingCase, washout: int

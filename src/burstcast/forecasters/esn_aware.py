@@ -40,7 +40,8 @@ class AwareNetworkForecaster(AwareOptions, NetworkForecaster):
         )
 
     def _training_series(self, training: FloatArray) -> TrainingSeries:
-        return _factored(super()._training_series(training), self.factors)
+        plain = super()._training_series(training)
+        return _factored(plain, self.factors, self.in_force)
 
     def record(self) -> ForecasterRecord:
         """Record of a plain network with the scaling of the parameters."""
@@ -78,20 +79,27 @@ class AwareNetworkForecaster(AwareOptions, NetworkForecaster):
 
 def factored_training(
     training: TrainingSeries, parameters: Parameters, options: AwareOptions
-) -> tuple[TrainingSeries, dict[str, Any]]:
-    """Training series of a network that knows the parameters, and what it knows of them.
+) -> FactoredSeries:
+    """Training series of a network that knows the parameters.
 
     ``training``: Series with their inputs. ``parameters``: What the inputs are.
     """
     _, schedules = of_series(training.observed, len(training.input_range))
     factors = ParameterFactors.learnt(schedules, parameters, options)
-    return _factored(training, factors), {"factors": factors, "in_force": parameters}
+    return _factored(training, factors, parameters)
 
 
-def _factored(training: TrainingSeries, factors: ParameterFactors) -> TrainingSeries:
+def _factored(
+    training: TrainingSeries, factors: ParameterFactors, parameters: Parameters
+) -> FactoredSeries:
     """Training series with factors in place of inputs."""
     states, schedules = of_series(training.observed, len(training.input_range))
     if not schedules.size:
         raise ValueError("the training series of this network have inputs")
-    scales = training.input_range, training.input_offset
-    return FactoredSeries(states, *scales, factors=factors(schedules))
+    return FactoredSeries(
+        states,
+        training.input_range,
+        training.input_offset,
+        factors=factors(schedules),
+        knowledge={"factors": factors, "in_force": parameters},
+    )

@@ -4,10 +4,10 @@ Source: section "Echo State Networks" of the paper. All series are driven side b
 states are summed up panel by panel as they come: they are never all in memory.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import reduce
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -32,11 +32,14 @@ class TrainingSeries:
     input_offset
         What is subtracted from inputs and targets, ``(dimension,)``; None: nothing. The ridge
         regression penalises the bias of the readout, too, which would have to make up for it.
+    knowledge
+        Fields of the trained forecaster that say how the series depend on parameters.
     """
 
     observed: FloatArray
     input_range: FloatArray
     input_offset: FloatArray | None = None
+    knowledge: Mapping[str, Any] = field(default_factory=dict, kw_only=True)
 
     def part(self, rows: slice) -> Self:
         """Some of the series."""

@@ -84,9 +84,7 @@ def validate(
                     dynamics, readout, training.input_range, training.input_offset
                 )
                 outputs = training.closed_loop(network, states, rows, fold.starts, plan.interval)
-                errors[number].append(
-                    _log_errors(observable(outputs.transpose(1, 0, 2)), truth, unit)
-                )
+                errors[number].append(_log_errors(outputs, observable, truth, unit))
         for number, beta in enumerate(tikhonov):
             worst = min(readouts[number], key=lambda readout: readout.reciprocal_condition)
             results.append(
@@ -213,13 +211,19 @@ def _truth(
     )
 
 
-def _log_errors(forecast: FloatArray, truth: FloatArray, unit: float) -> FloatArray:
+def _log_errors(
+    outputs: FloatArray,
+    observable: Callable[[FloatArray], FloatArray],
+    truth: FloatArray,
+    unit: float,
+) -> FloatArray:
     """log10 of the mean square error of the observable over each interval, ``(intervals,)``.
 
-    ``unit``: What the errors are divided by.
+    ``outputs``: Forecasts, ``(steps, dimension, intervals)``. ``unit``: What the errors are divided
+    by.
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        error = np.mean((forecast - truth) ** 2, axis=0)
+        error = np.mean((observable(outputs.transpose(1, 0, 2)) - truth) ** 2, axis=0)
         error = error / unit
     # a comparison with NaN is False: a forecast that is lost counts as the largest error
     error = np.where(error < DIVERGED_ERROR, error, DIVERGED_ERROR)

@@ -41,16 +41,14 @@ class Networks(Washed, Observed):
             self.random_seed, name.neurons, name.seed, self.connectivity, self.input_bias
         )
 
-    def learnt(
-        self, ensemble: str, scheduled: Sequence[str] = ()
-    ) -> tuple[TrainingSeries, dict[str, Any]]:
-        """Training series of a case as forecasters see them, and what a network knows beside them.
+    def learnt(self, ensemble: str, scheduled: Sequence[str] = ()) -> TrainingSeries:
+        """Training series of a case as forecasters see them.
 
         ``scheduled``: Files of series with their parameters, for networks that know them.
         """
         if not scheduled:
             states = self.training_states(ensemble)
-            return self._training(self.observed_rows(ensemble, 0, states), states), {}
+            return self._training(self.observed_rows(ensemble, 0, states), states)
         series = read_scheduled(scheduled, self.case)
         names, values = tuple(self.aware["parameters"]), tuple(self.aware["own"])
         options = AwareOptions(
@@ -91,7 +89,7 @@ class Search(System, Networks):
         """Validation of the search points of one reservoir, its own or a network's."""
         return PointValidator(
             reservoir=self.reservoir_seed(identifier).reservoir(self.space.dimension),
-            training=self.learnt(ensemble, scheduled)[0],
+            training=self.learnt(ensemble, scheduled),
             observable=self.space.observable,
             plan=ValidationPlan(
                 washout=self.washout,

@@ -41,10 +41,10 @@ def train(
 ) -> None:
     """Write the trained network."""
     chosen, seed = read_json(hyperparameters), settings.reservoir_seed(settings.forecaster)
-    series, knowledge = settings.learnt(ensemble, scheduled)
+    series = settings.learnt(ensemble, scheduled)
     unfitted = settings.unfitted
     dynamics = Dynamics(
-        seed.reservoir(len(series.input_range)),
+        seed.reservoir(series.dimension),
         chosen["spectral_radius"],
         chosen["input_scaling"],
         unfitted.backend,
@@ -57,6 +57,5 @@ def train(
         series,
         washout=settings.washout,
         tikhonov=chosen["tikhonov"],
-        **knowledge,
     )
     write_forecaster(forecaster, network, settings.provenance)
