@@ -29,7 +29,7 @@ class FilteredForecaster(ObservationOptions, FilterOptions, Forecaster):
 
     provides_ensemble: ClassVar[bool] = True
     has_filter: ClassVar[bool] = True
-    model_class: ClassVar[type[IntegratedForecaster]]
+    model_class: ClassVar[type[Forecaster]]
 
     model: IntegratedForecaster = (
         fitted()
@@ -45,7 +45,7 @@ class FilteredForecaster(ObservationOptions, FilterOptions, Forecaster):
         return self.with_fitted(model=model, errors=errors)
 
     @property
-    def _unfitted_model(self) -> IntegratedForecaster:
+    def _unfitted_model(self) -> Forecaster:
         names = [option.name for option in self.model_class.option_fields()]
         return self.model_class(**{name: getattr(self, name) for name in names})
 
@@ -91,8 +91,13 @@ class FilteredForecaster(ObservationOptions, FilterOptions, Forecaster):
 
     def combined(self, ensemble: FloatArray) -> FloatArray:
         """Mean of the members' memories, whose inputs are equal (see `Forecaster.combined`)."""
-        size = self.model.memory_size
-        return np.concatenate([mean(ensemble[:size]), ensemble[size:, 0]])
+        size = len(ensemble)
+        if isinstance(self.model, IntegratedForecaster):
+            size = self.model.memory_size
+        memories, inputs = ensemble[:size], ensemble[size:, ..., 0, :]
+        shape = (*memories.shape[:-2], memories.shape[-1])
+        centre = mean(memories.reshape(-1, *memories.shape[-2:])).reshape(shape)
+        return np.concatenate([centre, inputs])
 
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Let the model forecast (see `Forecaster.advance`)."""

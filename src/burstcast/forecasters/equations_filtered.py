@@ -12,9 +12,9 @@ import numpy as np
 from burstcast.base.arrays import FloatArray
 from burstcast.data.encoders.state_maps import StateMaps
 from burstcast.forecasters._filtered import FilteredForecaster
-from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters._square_root_filter import mean, symmetric_members
 from burstcast.forecasters._static_gain_filter import leading_directions, static_gain
+from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
 
 STATIC_SHARE = 1e-3
@@ -35,7 +35,7 @@ class FilteredEquations(FilteredForecaster):
 
     needs_equations: ClassVar[bool] = True
     aware: ClassVar[bool] = True
-    model_class: ClassVar[type[IntegratedForecaster]] = EquationsFromObservation
+    model_class: ClassVar[type[Forecaster]] = EquationsFromObservation
 
     @property
     def _maps(self) -> StateMaps | None:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from burstcast.forecasters._filtered import FilteredForecaster
-from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters._options import AwareOptions, QuadraticOptions
+from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.quadratic_aware import AwareQuadraticModel
 
 
@@ -18,4 +18,4 @@ class FilteredAwareQuadraticModel(QuadraticOptions, AwareOptions, FilteredForeca
 
     aware: ClassVar[bool] = True
     learns_parameters: ClassVar[bool] = True
-    model_class: ClassVar[type[IntegratedForecaster]] = AwareQuadraticModel
+    model_class: ClassVar[type[Forecaster]] = AwareQuadraticModel

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from burstcast.forecasters._filtered import FilteredForecaster
-from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters._options import QuadraticOptions
+from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.quadratic import QuadraticModel
 
 
@@ -13,4 +13,4 @@ from burstcast.forecasters.quadratic import QuadraticModel
 class FilteredQuadraticModel(QuadraticOptions, FilteredForecaster):
     """Integrates the learnt equations from the estimate of an ensemble filter."""
 
-    model_class: ClassVar[type[IntegratedForecaster]] = QuadraticModel
+    model_class: ClassVar[type[Forecaster]] = QuadraticModel
