@@ -31,9 +31,7 @@ class FilteredForecaster(ObservationOptions, FilterOptions, Forecaster):
     has_filter: ClassVar[bool] = True
     model_class: ClassVar[type[Forecaster]]
 
-    model: IntegratedForecaster = (
-        fitted()
-    )  #: forecaster that advances the ensemble, and then forecasts
+    model: Forecaster = fitted()  #: forecaster that advances the ensemble, and then forecasts
     #: standard deviation of the errors of an observation, ``(dimension,)``
     errors: FloatArray = fitted()
 
