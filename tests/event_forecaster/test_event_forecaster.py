@@ -8,7 +8,6 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
-import sklearn.base
 import xarray
 from numpy.testing import assert_array_equal
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -71,19 +70,6 @@ def fitted(training):
 
 
 # -- habits ----------------------------------------------------------------------------------------
-def test_the_defaults():
-    assert burstcast.EventForecaster().get_params() == {
-        **{"observable": 0, "event_threshold": {"quantile": 0.95}, "prediction_times": (1.0,)},
-        **{"window": None, "lyapunov_time": None, "sampling_interval": 1.0, "washout": None},
-        **{"kind": "esn", "members": 10, "searches": 3, "neurons": 500, "validation": "RV"},
-        **{"validation_interval": None, "validation_series": None, "intervals_per_series": None},
-        **{"spectral_radius": (0.05, 1.0), "input_scaling": (0.05, 10.0), "grid": 4},
-        **{"tikhonov": (1e-6, 1e-9, 1e-12), "bayesian_points": 9, "calibrate": True},
-        **{"prior_forecasts": 30.0, "calibration_spacing": None, "start_spacing": None},
-        **{"noise": 0.0, "sampling_stride": 1, "options": None, "random_seed": 0, "case": "series"},
-    }
-
-
 def test_parameters_are_set_by_name():
     forecaster = burstcast.EventForecaster(neurons=50)
     assert forecaster.set_params(neurons=70, members=2) is forecaster
@@ -91,12 +77,6 @@ def test_parameters_are_set_by_name():
     with pytest.raises(ValueError, match=r"no parameter 'neuron' \(did you mean 'neurons'\?\)"):
         forecaster.set_params(members=3, neuron=1)
     assert forecaster.members == 2
-
-
-def test_scikit_learn_clones_it(fitted):
-    copy = sklearn.base.clone(fitted)
-    assert copy.get_params() == fitted.get_params()
-    assert not hasattr(copy, "members_")
 
 
 def test_its_repr_is_short():
@@ -370,7 +350,6 @@ def test_durations_are_in_samples_without_a_lyapunov_time(training, fitted):
         assert_array_equal(member.network.readout.weights, expected.network.readout.weights)
 
 
-# -- files -----------------------------------------------------------------------------------------
 # -- mistakes --------------------------------------------------------------------------------------
 MISTAKES = {
     ValueError: [

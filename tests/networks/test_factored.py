@@ -12,11 +12,10 @@ from burstcast.networks.factored import (
     FactoredStates,
     driven_neurons,
     forecast_under,
-    network_under,
 )
 from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.reservoir import Reservoir, make_reservoir
-from burstcast.networks.training import TrainingSeries, collect, train, train_leaving_one_out
+from burstcast.networks.training import collect, train, train_leaving_one_out
 from burstcast.networks.validation import validate
 from burstcast.networks.validation_strategies.base import ValidationPlan
 from burstcast.networks.validation_strategies.registry import make_strategy
@@ -91,35 +90,6 @@ def test_the_readout_is_that_of_dense_least_squares_also_without_one_series(
         np.testing.assert_allclose(found[row].weights, expected, rtol=1e-4, atol=1e-5)
 
 
-def test_without_factors_it_is_the_plain_readout_bit_for_bit(dynamics, training):
-    plain = TrainingSeries(training.observed, training.input_range)
-    none = replace(training, factors=training.factors[..., :0])
-    expected = train(dynamics, plain, washout=WASHOUT, tikhonov=BETA)
-    found = train(dynamics, none, washout=WASHOUT, tikhonov=BETA)
-    assert np.array_equal(found.weights, expected.weights)
-    states = 0.1 * np.random.default_rng(1).normal(size=(dynamics.reservoir.neurons, 3))
-    network = EchoStateNetwork(dynamics, found, training.input_range)
-    outputs, last = forecast_under(network, states, np.empty((30, 0, 3)))
-    plain_outputs, plain_last = network.forecast(states, 30)
-    assert np.array_equal(outputs, plain_outputs)
-    assert np.array_equal(last, plain_last)
-
-
-def test_a_constant_factor_changes_no_forecast(dynamics, training):
-    """[r, q r, q] with one q spans what [r] spans: the fit is the plain one, up to beta."""
-    constant = np.full((*training.factors.shape[:2], 1), 0.5)
-    told = replace(training, factors=constant)
-    plain = TrainingSeries(training.observed, training.input_range)
-    found = train(dynamics, told, washout=WASHOUT, tikhonov=BETA)
-    layout = FactoredStates.of(dynamics.reservoir, 1)
-    # the two blocks share beta: together they are regularised by beta / (1 + q^2)
-    expected = train(dynamics, plain, washout=WASHOUT, tikhonov=BETA / 1.25)
-    states = states_after(dynamics, plain)[:, WASHOUT:].reshape(-1, layout.neurons)
-    rows = np.column_stack([states, np.ones(len(states))])
-    combined = layout.weights_at(found.weights, np.array([0.5]))
-    np.testing.assert_allclose(rows @ combined, rows @ expected.weights, atol=1e-5)
-
-
 def test_the_closed_loop_under_a_schedule_is_that_of_a_plain_loop(
     dynamics, training, readout, states
 ):
@@ -157,14 +127,6 @@ def test_loops_do_not_depend_on_their_batch_not_even_where_one_diverges(
         assert np.array_equal(alone[..., 0], together[..., one])
         assert np.array_equal(alone_last[:, 0], last[:, one])
         assert np.array_equal(found[..., one], together[..., one])
-
-
-def test_under_constant_factors_it_is_a_plain_network(dynamics, training, readout, states):
-    network = EchoStateNetwork(dynamics, readout, training.input_range)
-    values = np.array([0.2, 0.04])
-    factors = np.tile(values[:, np.newaxis], (40, 1, 5))
-    expected, _ = forecast_under(network, states, factors)
-    assert np.array_equal(network_under(network, values).forecast(states, 40)[0], expected)
 
 
 def test_neurons_that_no_input_reaches():
@@ -205,20 +167,6 @@ def test_recycle_validation_is_that_of_plain_closed_loops(dynamics, training, re
             truth = training.observed[row, start : start + 25, 0]
             expected.append(np.log10(np.mean((outputs[:, 0, 0] - truth) ** 2)))
     np.testing.assert_allclose(validation.log_errors, expected, rtol=1e-9)
-
-
-def test_single_shot_validation_has_the_factors_of_its_interval(dynamics, training):
-    """The objective is worse with another interval's factors: they are told apart."""
-    plan = ValidationPlan(washout=WASHOUT, interval=25, series=4, intervals=4)
-    strategies = [make_strategy("SSV"), make_strategy("RV")]
-
-    def objectives(of_training):
-        found = validate(dynamics, of_training, lambda x: x[0], plan, [BETA], strategies)
-        return [one.objective for one in found]
-
-    shuffled = replace(training, factors=training.factors[::-1])
-    assert len(objectives(training)) == 2
-    assert objectives(training) != objectives(shuffled)
 
 
 def test_factors_and_weights_that_do_not_fit_are_refused(dynamics, training):
