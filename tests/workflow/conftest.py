@@ -1,20 +1,13 @@
 """Campaigns that several modules read, each run once, whatever processes the tests run in."""
 
 import fcntl
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from helpers_rebuilds import TINY, JobServer, Outcome, Project
-
-
-@dataclass(frozen=True)
-class FinishedRun:
-    """A working copy in which results have been made. Tests change copies of it only."""
-
-    project: Project
-    outcome: Outcome
+import yaml
+from helpers_configs import miniature_with_other_names
+from helpers_rebuilds import TINY, JobServer, Project
 
 
 @pytest.fixture(scope="session")
@@ -23,33 +16,51 @@ def job_server(tmp_path_factory) -> Iterator[JobServer]:
         yield server
 
 
-def run_once(place: Path, server: JobServer, preset: str, *targets: str) -> FinishedRun:
-    """A campaign below a directory; another process of pytest that wants it, too, waits for it."""
-    directory, said = place / "project", place / "said.txt"
+def run_once(project: Project, make: Callable[[Project], object]) -> Project:
+    """A campaign in a working copy; another process of pytest that wants it, too, waits for it."""
+    place = project.directory.parent
     place.mkdir(exist_ok=True)
     with open(place / "lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        if not said.exists():
-            project = Project.create(directory, server, preset)
-            outcome = project.made(*targets)
-            said.write_text(outcome.text)
-    return FinishedRun(Project(directory, server, preset), Outcome(0, said.read_text()))
+        if not (place / "made").exists():
+            Project.create(project.directory)
+            make(project)
+            (place / "made").touch()
+    return project
 
 
 @pytest.fixture(scope="session")
 def shared(tmp_path_factory, request) -> Path:
     """A directory of all processes of this run of pytest."""
-    own = tmp_path_factory.getbasetemp()
-    return own.parent if hasattr(request.config, "workerinput") else own
+    base = tmp_path_factory.getbasetemp()
+    return base.parent if hasattr(request.config, "workerinput") else base
 
 
 @pytest.fixture(scope="session")
-def finished(shared, job_server) -> FinishedRun:
-    """All forecasters and tables of the tiny preset."""
-    return run_once(shared / "finished", job_server, TINY, "forecasters", "tables")
+def finished(shared, job_server) -> Project:
+    """All forecasters and tables of the tiny preset. Tests change copies of it only."""
+    project = Project(shared / "finished/project", job_server, TINY)
+    return run_once(project, lambda project: project.made("forecasters", "tables"))
 
 
 @pytest.fixture(scope="session")
-def miniature(shared, job_server) -> FinishedRun:
-    """The paper's campaign in miniature, whole: all tables and figures."""
-    return run_once(shared / "miniature", job_server, "workflow/presets/miniature.yaml")
+def miniature(shared, job_server) -> Project:
+    """The paper's campaign in miniature, all tables, all figures of one case, and the report."""
+    project = Project(shared / "miniature/project", job_server, "small.yaml")
+
+    def make(project: Project) -> None:
+        config = miniature_with_other_names()
+        (project.directory / "small.yaml").write_text(yaml.safe_dump(config))
+        project.made("forecasters", "tables")
+        figures = sorted(name for name in project.planned() if name.endswith(".png"))
+        drawn = [name for name in figures if not name.endswith(OTHERS)]
+        assert 15 < len(drawn) < 0.6 * len(figures)
+        project.made(*(f"{config['results']}/{name}" for name in drawn))
+        outcome = project.snakemake(BURSTCAST_TEST_PRETEND="figure.py")
+        assert outcome.status == 0, outcome.text[-3000:]
+
+    return run_once(project, make)
+
+
+OTHERS = ("_alpha.png", "_Re400.png")
+"""Ends of the names of figures that are not drawn, of cases other than the example."""

@@ -61,6 +61,29 @@ def tiny_campaign(name: str, *overlays: Mapping[str, Any]) -> dict[str, Any]:
     return tiny_with(read(path), *overlays)
 
 
+def miniature_with_other_names() -> dict[str, Any]:
+    """The miniature with three cases for its four.
+
+    One case sorts before another by one rule and after it by another, and parameters are not in the
+    order of the names; unequal numbers of series, so that another case's data do not fit.
+    """
+    config = read(ROOT / "workflow" / "presets" / "miniature.yaml")
+    equations: dict[str, Any] = {"equations": {}, "equations_noisy": {}}
+    lyapunov = {"published_exponent": 0.0145}
+    rare, often = {"event_threshold": 0.16}, {"event_threshold": 0.06}
+    cases = {
+        "alpha": {"parameters": {"reynolds": 500}, "lyapunov": lyapunov, "test_series": 9, **rare},
+        "Zeta": {"parameters": {"reynolds": 450}, "lyapunov": lyapunov, **often},
+    }
+    blocks = [
+        {"cases": ["alpha"], "forecasters": {**networks([40], ("SSV", "RV"), 2), **equations}},
+        {"cases": ["Zeta"], "forecasters": {**networks([40, 30], ("RV", "SSV"), 2), **equations}},
+        {"reynolds": [400], "forecasters": {**networks([40], ("RV",)), "equations": {}}},
+    ]
+    update_config(config, {"cases": cases, "figures": {"example_case": "Zeta"}})
+    return config | {"campaign": blocks}
+
+
 def campaign(*overlays: Mapping[str, Any], blocks: list | None = None) -> Campaign:
     """Campaign of the paper with overlays."""
     return Campaign(load(paper_with(*overlays, blocks=blocks)))

@@ -61,7 +61,7 @@ def settings_of(config, neurons, validation):
 
 @pytest.mark.parametrize(("neurons", "validation"), [(40, "RV"), (30, "SSV")])
 def test_a_network_is_the_workflows_bit_for_bit(finished, neurons, validation):
-    results = finished.project.results
+    results = finished.results
     config = read_json(results / ".run.json")["config"]
     training = config["case_defaults"]["training"]["series"]
     states = read_netcdf(results / CASE / "ensemble.nc", "state")["state"]
@@ -92,7 +92,7 @@ def test_a_network_is_the_workflows_bit_for_bit(finished, neurons, validation):
 
 
 def test_a_forecaster_without_a_search_is_the_workflows(finished):
-    results = finished.project.results
+    results = finished.results
     config = read_json(results / ".run.json")["config"]
     states = read_netcdf(results / CASE / "ensemble.nc", "state")["state"]
     settings = settings_of(config, 40, "RV") | {
@@ -188,16 +188,16 @@ def make(project: Project, names: list[str], overlay: dict | None = None) -> dic
 @pytest.fixture
 def with_noise(finished, tmp_path):
     """The tiny preset, with noise in place of its test series once the ensemble is made anew."""
-    project = finished.project.copy(tmp_path / "noise")
+    project = finished.copy(tmp_path / "noise")
     put_noise(project, TRAINING, TRAINING + TEST)
     return project
 
 
 @pytest.mark.long
 def test_what_is_chosen_stays_bit_for_bit(finished, with_noise):
-    names, test_set = chosen(finished.project), "Re400/evaluation_set.nc"
+    names, test_set = chosen(finished), "Re400/evaluation_set.nc"
     assert len(names) > 20
-    before, logs = digests(finished.project.results), with_noise.logs()
+    before, logs = digests(finished.results), with_noise.logs()
     after = make(with_noise, [*names, test_set])
     assert {name: after[name] for name in names} == {name: before[name] for name in names}
     # while the test set is another one, and all was made anew
@@ -211,9 +211,9 @@ def test_what_is_chosen_stays_bit_for_bit(finished, with_noise):
 @pytest.mark.long
 def test_further_calibration_series_are_neither_training_nor_test(finished, with_noise, tmp_path):
     name = "Re400/calibration_set.nc"
-    beyond = finished.project.copy(tmp_path / "beyond")
+    beyond = finished.copy(tmp_path / "beyond")
     put_noise(beyond, TRAINING + TEST, TRAINING + TEST + 2)
-    before = make(finished.project.copy(tmp_path / "true"), [name], FURTHER)
+    before = make(finished.copy(tmp_path / "true"), [name], FURTHER)
     assert make(with_noise, [name], FURTHER) == before
     # they are those that follow: noise there changes the set
     assert make(beyond, [name], FURTHER) != before

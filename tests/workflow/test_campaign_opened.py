@@ -28,7 +28,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 
 @pytest.fixture(scope="module")
 def opened(finished):
-    return burstcast_workflow.open_campaign(finished.project.results)
+    return burstcast_workflow.open_campaign(finished.results)
 
 
 def test_it_says_what_there_is(opened):
@@ -113,7 +113,7 @@ def test_the_notebook_reads_a_campaign(finished, tmp_path, monkeypatch, capsys):
     """docs/campaign.ipynb, with the tiny campaign in place of the demo."""
     matplotlib.use("agg")
     (tmp_path / "results").mkdir()
-    (tmp_path / "results" / "quick").symlink_to(finished.project.results)
+    (tmp_path / "results" / "quick").symlink_to(finished.results)
     monkeypatch.chdir(tmp_path)
     notebook = json.loads((DOCS / "campaign.ipynb").read_text(encoding="utf-8"))
     names: dict[str, object] = {}
@@ -121,7 +121,7 @@ def test_the_notebook_reads_a_campaign(finished, tmp_path, monkeypatch, capsys):
         if cell["cell_type"] == "code":
             exec("".join(cell["source"]), names)
     said = capsys.readouterr().out
-    table = pd.read_csv(finished.project.results / "tables" / "classification.csv")
+    table = pd.read_csv(finished.results / "tables" / "classification.csv")
     rows = table[table["prediction_time_lt"] == table["prediction_time_lt"].min()]
     assert len(re.findall(r"^ +esn .*RV", said.partition("p25")[0], re.MULTILINE)) == len(
         rows[rows["validation"] == "RV"]

@@ -265,7 +265,7 @@ def test_an_archive_of_nothing_or_with_a_damaged_claim_is_refused(damage, tmp_pa
 
 def test_a_run_says_its_revision_and_files_do_not(finished):
     """Equal runs of different revisions have the same bits: only the claim tells them apart."""
-    results = finished.project.results
+    results = finished.results
     claim = json.loads((results / ".run.json").read_bytes())
     told = versions(claim)
     assert (told["revision"], told["linear algebra"]) == (
@@ -327,7 +327,7 @@ def test_the_tiny_campaign_runs_from_a_wheel_in_an_empty_directory(installed, tm
     assert "100%" in said
     # the same numbers as from a working copy
     for name in ("tables/horizon.csv", "tables/classification.csv", "tables/control.csv"):
-        expected = (finished.project.results / name).read_bytes()
+        expected = (finished.results / name).read_bytes()
         assert (study / "results" / "tiny" / name).read_bytes() == expected
     why = [python, "-m", "snakemake", "-n", "tables", *options]
     assert "Nothing to be done" in said_by(why, study, **environment)

@@ -32,7 +32,7 @@ def results(project):
 
 
 def test_the_claim_of_the_run_has_all_code(finished):
-    claim = json.loads((finished.project.results / ".run.json").read_text())
+    claim = json.loads((finished.results / ".run.json").read_text())
     names = {entry.partition(" @")[0] for entry in claim["code"]}
     scripts = {"forecasters/train.py", "evaluation/horizon.py", "tables/joined.py"}
     assert scripts | {"burstcast.networks.readout", "burstcast.systems.mfe"} <= names
@@ -55,7 +55,7 @@ def test_a_perfect_forecaster_is_perfect_and_a_noisy_one_nearly(finished):
 
 def test_classification_is_counted_from_the_series_themselves(finished):
     """Counts of one network at every prediction time, from the ensemble and its forecasts."""
-    case = finished.project.results / "Re400"
+    case = finished.results / "Re400"
     ensemble = read_netcdf(case / "ensemble.nc")
     test_set = read_netcdf(case / "evaluation_set.nc")
     forecast = read_netcdf(case / "networks" / "esn-N40-RV-seed0" / "forecast.nc")
@@ -84,7 +84,7 @@ def test_classification_is_counted_from_the_series_themselves(finished):
 
 
 def test_a_committee_of_one_network_controls_as_that_network(finished):
-    runs = finished.project.results / "Re400" / "control"
+    runs = finished.results / "Re400" / "control"
     plan = "receding_horizon-decision_interval0.5-horizon1"
     alone = runs / "esn-N40-RV-seed0" / plan
     committee = runs / "esn-N40-RV-committee" / f"{plan}-vote_share0.5"
@@ -96,7 +96,7 @@ def test_a_committee_of_one_network_controls_as_that_network(finished):
 
 
 def test_noise_is_in_what_is_observed_and_not_in_the_truth(finished):
-    case = finished.project.results / "Re400"
+    case = finished.results / "Re400"
     states = read_netcdf(case / "ensemble.nc", "state")["state"]
     events = read_netcdf(case / "events.nc")
     sigma = states[:3].reshape(-1, 9).std(axis=0)
@@ -112,7 +112,7 @@ def test_noise_is_in_what_is_observed_and_not_in_the_truth(finished):
 
 
 def test_the_search_keeps_its_whole_trace_and_the_standard_errors_of_the_intervals(finished):
-    case = finished.project.results / "Re400"
+    case = finished.results / "Re400"
     for validation in ("RV", "SSV"):
         network = case / "networks" / f"esn-N40-{validation}-seed0"
         trace = read_table(network / "search.csv")
@@ -138,7 +138,7 @@ def test_the_search_keeps_its_whole_trace_and_the_standard_errors_of_the_interva
 
 def test_files_say_what_made_them(finished):
     found = 0
-    for path in finished.project.results.glob("[!.]*/**/*"):
+    for path in finished.results.glob("[!.]*/**/*"):
         if path.suffix == ".nc":
             record = read_attributes(path)
         elif path.suffix == ".json":
@@ -147,14 +147,14 @@ def test_files_say_what_made_them(finished):
             continue
         found += 1
         assert set(record) >= {"source", "rule", "settings", "numpy", "scipy", "llvmlite"}, path
-        assert str(finished.project.directory) not in json.dumps(record)
+        assert str(finished.directory) not in json.dumps(record)
     assert found > 20
 
 
 def test_all_variables_have_their_units(finished):
     known = {value for name, value in vars(units).items() if name.isupper()}
     numbers = set()
-    for path in finished.project.results.rglob("*.nc"):
+    for path in finished.results.rglob("*.nc"):
         with netCDF4.Dataset(path) as file:
             for name, variable in file.variables.items():
                 unit = getattr(variable, "units", None)
@@ -171,19 +171,19 @@ def test_all_variables_have_their_units(finished):
 
 
 def test_nothing_is_written_outside_of_the_results(finished):
-    before = {path.name for path in finished.project.directory.iterdir()}
+    before = {path.name for path in finished.directory.iterdir()}
     assert before == {
         *("Snakefile", "config.yaml", "profiles", "resources", "src", "workflow"),
         *("results", ".snakemake", ".burstcast_cache"),
     }
-    assert [path.name for path in finished.project.results.parent.iterdir()] == ["tiny"]
+    assert [path.name for path in finished.results.parent.iterdir()] == ["tiny"]
 
 
 # -- running it again ------------------------------------------------------------------------------
 
 
 def test_a_second_run_does_nothing_and_what_is_left_are_the_figures(finished, tmp_path):
-    project = finished.project.copy(tmp_path / "project")
+    project = finished.copy(tmp_path / "project")
     logs = project.logs()
     outcome = project.snakemake("forecasters", "tables")
     assert outcome.status == 0
@@ -195,7 +195,7 @@ def test_a_second_run_does_nothing_and_what_is_left_are_the_figures(finished, tm
 
 
 def test_a_deleted_network_rebuilds_its_chain_only(finished, tmp_path):
-    project = finished.project.copy(tmp_path / "project")
+    project = finished.copy(tmp_path / "project")
     before, logs = results(project), project.logs()
     (project.results / "Re400/networks/esn-N30-SSV-seed0/forecaster.nc").unlink()
     project.made("forecasters", "tables")
@@ -217,21 +217,21 @@ def test_a_deleted_network_rebuilds_its_chain_only(finished, tmp_path):
 
 def test_one_core_gives_the_same_bits_as_two(finished, tmp_path, monkeypatch):
     monkeypatch.setenv("BURSTCAST_TEST_CORES", "1")
-    project = finished.project.without_results(tmp_path / "project")
+    project = finished.without_results(tmp_path / "project")
     names = ("dataset", "classification", "horizon")
     project.made(*(f"results/tiny/tables/{name}.csv" for name in names))
     alone = results(project)
-    together = results(finished.project)
+    together = results(finished)
     assert len(alone) > 30
     assert alone == {name: together[name] for name in alone}
 
 
 def test_a_target_builds_what_it_needs_and_no_server_is_needed_for_it(finished, tmp_path):
     # jobs in processes of their own, as users run them
-    project = Project(finished.project.without_results(tmp_path / "project").directory)
+    project = Project(finished.without_results(tmp_path / "project").directory)
     project.made("results/tiny/tables/data_generation_parameters.csv")
     assert rules_of({*project.logs()}) == {"simulate", "data_generation_parameters"}
-    alone, together = results(project), results(finished.project)
+    alone, together = results(project), results(finished)
     # the data, its summary, the table and its LaTeX
     assert len(alone) == 4
     assert alone == {name: together[name] for name in alone}
@@ -241,7 +241,7 @@ def test_a_target_builds_what_it_needs_and_no_server_is_needed_for_it(finished, 
 
 
 def test_a_bad_config_stops_before_any_job(finished, tmp_path):
-    project = finished.project.without_results(tmp_path / "project")
+    project = finished.without_results(tmp_path / "project")
     outcome = project.snakemake(overlay={"horizon": {"evnts": 3}})
     assert outcome.status == 1
     assert outcome.text.count("horizon.evnts: unknown setting; did you mean events?") == 1
@@ -288,7 +288,7 @@ SCAN = "scan", "scan/esn-N30-seed0/RV+SSV.csv"
 def test_the_first_job_that_knows_of_a_mistake_names_the_setting(
     finished, tmp_path, rule, target, case, message
 ):
-    project = finished.project.copy(tmp_path / "project")
+    project = finished.copy(tmp_path / "project")
     overlay = {"cases": {"Re400": case}}
     logs = project.logs()
     outcome = project.snakemake(f"results/tiny/Re400/{target}", overlay=overlay)
@@ -299,7 +299,7 @@ def test_the_first_job_that_knows_of_a_mistake_names_the_setting(
 
 
 def test_forecasts_that_do_not_fit_a_computed_lyapunov_time(finished, tmp_path):
-    project = finished.project.copy(tmp_path / "project")
+    project = finished.copy(tmp_path / "project")
     overlay = {
         "cases": {"Re400": COMPUTED},
         "classification": {"longest_prediction_time_lt": 100},
@@ -336,7 +336,7 @@ LORENZ = yaml.safe_load("""
 
 @pytest.fixture(scope="module")
 def lorenz(finished, tmp_path_factory):
-    project = finished.project.without_results(tmp_path_factory.mktemp("lorenz") / "project")
+    project = finished.without_results(tmp_path_factory.mktemp("lorenz") / "project")
     names = ("dataset", "classification", "horizon")
     project.made(*(f"results/lorenz/tables/{name}.csv" for name in names), overlay=LORENZ)
     return project.directory / "results" / "lorenz"
@@ -371,7 +371,7 @@ def test_the_computed_exponent_is_the_unit_of_time(lorenz):
 
 
 def test_it_may_stand_beside_the_shear_flow(finished, tmp_path):
-    project = finished.project.without_results(tmp_path / "project")
+    project = finished.without_results(tmp_path / "project")
     both = [*yaml.safe_load((ROOT / TINY).read_text())["campaign"], *LORENZ["campaign"]]
     jobs = project.dry_run(overlay={"cases": LORENZ["cases"], "campaign": both})
     assert [jobs[rule] for rule in ("simulate", "train", "lyapunov")] == [2, 5, 2]

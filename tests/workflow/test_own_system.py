@@ -309,13 +309,13 @@ def test_a_module_runs_and_its_results_are_known(tmp_path, planned_jobs, finishe
     results = tmp_path / prefix / "results" / "tiny"
     table = results / "tables" / "control.csv"
     # what another rule has made, under its own name, comes from the cache
-    cache = finished.project.directory / ".burstcast_cache"
+    cache = finished.directory / ".burstcast_cache"
     command = [sys.executable, "-m", "snakemake", "--cores", "1", table.relative_to(tmp_path)]
     environment = {**os.environ, "BURSTCAST_CACHE": str(cache)}
     options = {"cwd": tmp_path, "capture_output": True, "text": True, "env": environment}
     result = subprocess.run(command, check=False, **options)
     assert result.returncode == 0, result.stdout + result.stderr
-    assert table.read_bytes() == (finished.project.results / "tables/control.csv").read_bytes()
+    assert table.read_bytes() == (finished.results / "tables/control.csv").read_bytes()
     logs = [path.read_text() for path in (results / "logs").rglob("*.log")]
     assert len(logs) > 10
     assert all("the outputs are those of this job" in log for log in logs)

@@ -114,7 +114,7 @@ def test_words_run_nothing(monkeypatch):
 
 
 def test_what_is_written_is_what_is_declared(finished):
-    tables = sorted((finished.project.results / "tables").glob("*.csv"))
+    tables = sorted((finished.results / "tables").glob("*.csv"))
     assert len(tables) > 25
     for path in tables:
         table = read_table(path)

@@ -223,10 +223,9 @@ class Project:
         rows = [line.split("\t") for line in outcome.text.splitlines() if line.count("\t") == 5]
         names, *rows = rows
         assert names[3:] == ["log-file(s)", "status", "plan"], names
+        below_results = re.compile(r"results/\w+/(?:logs/)?")
         return {
-            output.removeprefix(f"{RESULTS}/")
-            if log == "-"
-            else log.removeprefix(f"{RESULTS}/logs/").removesuffix(".log")
+            below_results.sub("", output if log == "-" else log.removesuffix(".log"), count=1)
             for output, _, _, log, _, plan in rows
             if plan == "update pending"
         }

@@ -19,6 +19,7 @@ from scipy.stats import chi2, t
 from sklearn.metrics import confusion_matrix, precision_recall_fscore_support
 
 from burstcast.base import random_streams
+from burstcast_workflow.campaign.campaign import Campaign
 
 KEYS = ["case", "reynolds", "forecaster", "neurons", "validation", "seed"]
 _FORECASTER = re.compile(
@@ -50,12 +51,12 @@ class Recomputation:
         The campaign's results.
     config
         Its whole config.
-    records
-        Of its cases, by name: event_threshold, parameters, lyapunov.
     """
 
-    def __init__(self, results: Path, config: dict, records: dict[str, dict]) -> None:
-        self.results, self.config, self.records = results, config, records
+    def __init__(self, results: Path, config: dict) -> None:
+        self.results, self.config = results, config
+        campaign = Campaign(config)
+        self.records = {name: campaign.cases[name].dump() for name in campaign.case_names}
 
     def keys(self, path: Path) -> dict[str, Any]:
         """Keys of the forecaster in whose directory a file lies."""
