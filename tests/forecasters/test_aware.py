@@ -189,13 +189,6 @@ def test_perturbations_grow_as_differences_do(kind, models, network, switched):
         np.testing.assert_allclose(grown[:, number], (ahead - behind) / 2e-6, rtol=1e-3, atol=1e-5)
 
 
-def test_a_series_left_out_takes_its_schedule_along(training):
-    model = LEARNT.fit(training, CASE)
-    refitted = next(model.leave_one_out(training, CASE, 20))
-    expected = LEARNT.fit(training[1:], CASE)
-    np.testing.assert_allclose(refitted.coefficients, expected.coefficients, rtol=1e-4, atol=1e-6)
-
-
 def test_the_degree_in_the_parameter_is_an_option(training, switched):
     model = replace(LEARNT, parameter_degree=2).fit(training, CASE)
     assert model.coefficients.shape[0] == 3
