@@ -103,7 +103,8 @@ def machine() -> str:
         )
         processor = lines.get("model name", processor)
         flags = lines.get("flags", "").split()
-        extensions = ", AVX-512" if "avx512f" in flags else ", AVX2" if "avx2" in flags else ""
+        for flag, name in (("avx2", ", AVX2"), ("avx512f", ", AVX-512")):
+            extensions = name if flag in flags else extensions
     blas = next(pool for pool in threadpool_info() if pool["user_api"] == "blas")
     return (
         f"{processor}{extensions}, {os.cpu_count()} cores; {blas['internal_api']} "
@@ -173,15 +174,24 @@ class Row:
 
 
 HEAD = [
-    *("stage", "work", "neurons", "seconds", "ns per neuron-step", "GFLOP/s", "of dgemm"),
-    *("textbook x", "numpy/scipy x"),
+    "stage",
+    "work",
+    "neurons",
+    "seconds",
+    "ns per neuron-step",
+    "GFLOP/s",
+    "of dgemm",
+    "textbook x",
+    "numpy/scipy x",
 ]
 
 
 # What is done by ReservoirPy, too: forecasts, and steps of each.
 RESERVOIRPY_FORECASTS, RESERVOIRPY_STEPS = 200, 100
 RESERVOIRPY_HEAD = [
-    *("neurons", "training on the ten series [s]", "ReservoirPy x"),
+    "neurons",
+    "training on the ten series [s]",
+    "ReservoirPy x",
     f"{RESERVOIRPY_FORECASTS} forecasts of {RESERVOIRPY_STEPS} steps [s]",
     "ReservoirPy x",
 ]

@@ -8,7 +8,7 @@ Records are lorenz96, lorenz63, shear_flow and fitzhugh_nagumo, simulated with n
 and glucose.csv and fulda.csv as examples/real_records/extract.py writes them. Forecasters have
 their defaults, but for those that a record in Lyapunov times of half an hour or a day needs. Scores
 are of one test set at 1, 2 and 3 Lyapunov times; seconds are the processor's, of one thread. The
-table of docs/notebook.md consists of these rows.
+first table of benchmarks/measured.md consists of these rows.
 """
 
 import argparse
@@ -145,7 +145,7 @@ def fulda(path: str) -> Record:
 
 
 SIMULATED: dict[str, Callable[[], Record]] = {
-    one.__name__: one for one in (lorenz96, lorenz63, shear_flow, fitzhugh_nagumo)
+    record.__name__: record for record in (lorenz96, lorenz63, shear_flow, fitzhugh_nagumo)
 }
 
 
@@ -166,14 +166,11 @@ def row(record: Record, kind: str) -> str:
     forecaster.fit(record.series[: record.training])
     seconds = time.process_time() - start
     scores = [forecaster.scores(record.series[record.training :], at) for at in TIMES]
-    cells = [
-        *(f"{one[name]:.2f}" for name in ("f_score", "brier_skill") for one in scores),
-        f"{seconds:.1f}",
-    ]
-    permanent = " ".join(f"{one['permanent_f_score']:.2f}" for one in scores)
+    cells = [f"{score[name]:.2f}" for name in ("f_score", "brier_skill") for score in scores]
+    permanent = " ".join(f"{score['permanent_f_score']:.2f}" for score in scores)
     signs = len(forecaster.warnings_)
     print(f"# {kind}: permanent alarm {permanent}, {scores[0]['events']} events, {signs} warnings")
-    return f"| {kind} | {' '.join(cells[:3])} | {' '.join(cells[3:6])} | {cells[6]} |"
+    return f"| {kind} | {' '.join(cells[:3])} | {' '.join(cells[3:])} | {seconds:.1f} |"
 
 
 def main() -> None:

@@ -84,7 +84,7 @@ class Places:
 
     def mutants(self) -> list[Mutant]:
         """All of them, in the order of the source."""
-        return [found for node in self.tree.body for found in self._of_statement(node, False)]
+        return [mutant for node in self.tree.body for mutant in self._of_statement(node, False)]
 
     def _of_statement(self, node: ast.stmt, inside: bool) -> Iterator[Mutant]:
         if isinstance(node, ast.Raise | ast.Assert | ast.Import | ast.ImportFrom):
@@ -119,8 +119,8 @@ class Places:
                 if isinstance(child, ast.stmt):
                     yield from self._of_statement(child, deeper)
                 elif isinstance(child, ast.ExceptHandler | ast.match_case):
-                    for one in child.body:
-                        yield from self._of_statement(one, deeper)
+                    for entry in child.body:
+                        yield from self._of_statement(entry, deeper)
                 elif isinstance(child, ast.arguments):
                     for default in [*child.defaults, *child.kw_defaults]:
                         if default is not None:
@@ -309,13 +309,13 @@ def load_libraries() -> None:
 
 def passes(tests: Sequence[str], seconds: float, every: bool = False) -> tuple[bool, list[str]]:
     """Whether tests pass in a process of their own, and the failures that they tell."""
-    said = FOUND / "output.txt"
+    output = FOUND / "output.txt"
     child = os.fork()
     if child == 0:
         os.setsid()
         sys.dont_write_bytecode = True  # what is compiled of a mutant must not outlive it
         os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
-        with said.open("w") as file:
+        with output.open("w") as file:
             os.dup2(file.fileno(), 1)
             os.dup2(file.fileno(), 2)
         import pytest
@@ -336,13 +336,13 @@ def passes(tests: Sequence[str], seconds: float, every: bool = False) -> tuple[b
             os.waitpid(child, 0)
             return False, ["takes too long"]
         time.sleep(0.02)
-    lines = [line for line in said.read_text(errors="replace").splitlines() if line.strip()]
+    lines = [line for line in output.read_text(errors="replace").splitlines() if line.strip()]
     if any(line.startswith("ERROR: not found") for line in lines) and "::" in "".join(tests):
         # the name of a test has the number of a process in it, say: all tests of the files
         return passes(sorted({test.partition("::")[0] for test in tests}), seconds, every)
     failures = [line for line in lines if line.startswith(("FAILED", "ERROR", "INTERNALERROR"))]
-    told = failures or lines[-1:] or ["nothing"]
-    return os.waitstatus_to_exitcode(status) == 0, [failure[:200] for failure in told]
+    reasons = failures or lines[-1:] or ["nothing"]
+    return os.waitstatus_to_exitcode(status) == 0, [failure[:200] for failure in reasons]
 
 
 def outcome(mutant: Mutant, tests: Tests, options: argparse.Namespace) -> tuple[str, list[str]]:
@@ -356,9 +356,9 @@ def outcome(mutant: Mutant, tests: Tests, options: argparse.Namespace) -> tuple[
         path.write_bytes(source[: mutant.start] + mutant.new.encode() + source[mutant.end :])
         for stage in filter(None, stages):
             seconds = sum(tests.seconds.get(test, 60.0) for test in stage)
-            passed, said = passes(stage, 30.0 + 4.0 * seconds, options.every)
+            passed, reasons = passes(stage, 30.0 + 4.0 * seconds, options.every)
             if not passed:
-                return "killed", said
+                return "killed", reasons
     finally:
         path.write_bytes(source)
         os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns))
@@ -374,7 +374,8 @@ def sample(modules: Sequence[str], seed: int, number: int) -> list[Mutant]:
     every = [mutant for file in files for mutant in Places(file).mutants()]
     chance = random.Random(seed)
     chance.shuffle(every)
-    return list({(one.path, one.start): one for one in reversed(every)}.values())[::-1][:number]
+    first_of_place = {(mutant.path, mutant.start): mutant for mutant in reversed(every)}
+    return list(first_of_place.values())[::-1][:number]
 
 
 def run(options: argparse.Namespace) -> None:
@@ -382,7 +383,7 @@ def run(options: argparse.Namespace) -> None:
     load_libraries()
     tests = Tests()
     mutants = sample(options.modules, options.seed, options.number)
-    done = {json.dumps(one["mutant"]): one for one in tried()}
+    done = {json.dumps(entry["mutant"]): entry for entry in tried()}
     for number, mutant in enumerate(mutants):
         before = done.get(json.dumps(asdict(mutant)))
         if before and not (options.again and before["outcome"] == "survived"):
@@ -405,18 +406,19 @@ def tried() -> list[dict]:
     """What was tried, the last outcome of each mutant."""
     lines = DRAWN.read_text().splitlines() if DRAWN.exists() else []
     entries = [json.loads(line) for line in lines]
-    return list({json.dumps(one["mutant"]): one for one in entries}.values())
+    return list({json.dumps(entry["mutant"]): entry for entry in entries}.values())
 
 
 def report() -> None:
     """How many were killed, and which survived."""
     entries = tried()
-    survivors = [one for one in entries if one["outcome"] == "survived"]
+    survivors = [entry for entry in entries if entry["outcome"] == "survived"]
     print(
         f"{len(entries)} mutants, {len(entries) - len(survivors)} killed, {len(survivors)} survived"
     )
-    for one in sorted(survivors, key=lambda one: (one["mutant"]["path"], one["mutant"]["start"])):
-        print(f"{one['mutant']['path']} {one['mutant']['what']} | {one['by'][0]}")
+    survivors.sort(key=lambda entry: (entry["mutant"]["path"], entry["mutant"]["start"]))
+    for entry in survivors:
+        print(f"{entry['mutant']['path']} {entry['mutant']['what']} | {entry['by'][0]}")
 
 
 def main() -> int:

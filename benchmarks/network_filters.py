@@ -165,7 +165,7 @@ def forecast(network, states):
 
 def share_of_votes(summaries, time_lt):
     """Share of forecasts of the same points that cross the threshold, ``(points,)``."""
-    votes = [crosses(one, 2 * time_lt - 1, 2, THRESHOLD) for one in summaries]
+    votes = [crosses(summary, 2 * time_lt - 1, 2, THRESHOLD) for summary in summaries]
     return np.mean(votes, axis=0)
 
 

@@ -144,8 +144,8 @@ def smoothed_batch(model, observed, noise, lag, members=20):
         updated = assimilate(rows, observed[step], noise, 1.0)
         past = np.split(updated, len(rows) // dimension)[: lag + 1]
         estimates[step + 1 - len(past)] = mean(past[-1])
-    for age, one in enumerate(past):
-        estimates[steps - 1 - age] = mean(one)
+    for age, ensemble in enumerate(past):
+        estimates[steps - 1 - age] = mean(ensemble)
     return estimates
 
 
@@ -156,9 +156,9 @@ def smoothed_series(model, series, noise, lag=20, length=250, before=40):
     whole = before + length + lag
     firsts = np.clip(starts - before, 0, steps - whole)
     pieces = np.concatenate([series[:, first : first + whole] for first in firsts])
-    found = smoothed_batch(model, pieces.transpose(1, 2, 0), noise, lag).transpose(2, 0, 1)
+    smoothed = smoothed_batch(model, pieces.transpose(1, 2, 0), noise, lag).transpose(2, 0, 1)
     smooth = np.empty_like(series)
-    for piece, start, first in zip(np.split(found, len(starts)), starts, firsts, strict=True):
+    for piece, start, first in zip(np.split(smoothed, len(starts)), starts, firsts, strict=True):
         stop = min(start + length, steps)
         smooth[:, start:stop] = piece[:, start - first : stop - first]
     return smooth
@@ -204,8 +204,8 @@ class TrainingSet:
     def filter_washouts(self):
         """Add washouts smoothed with the learnt equations; the last state is the filter's."""
         parts = np.array_split(self.washouts["observed"].transpose(1, 2, 0), 8, axis=2)
-        found = [smoothed_batch(self.model, part, self.noise, 12) for part in parts]
-        self.washouts["filtered"] = np.concatenate(found, axis=2).transpose(2, 0, 1)
+        filtered = [smoothed_batch(self.model, part, self.noise, 12) for part in parts]
+        self.washouts["filtered"] = np.concatenate(filtered, axis=2).transpose(2, 0, 1)
 
     def learnt(self, variant):
         """Targets of a variant, and what its inputs have beyond them in units of the range."""
@@ -245,7 +245,9 @@ def counts(given, trained, kind):
     for time, happened in zip(TIMES, given.happened, strict=True):
         alarm = crosses(summaries, 2 * time - 1, 2, THRESHOLD)
         outcomes = (alarm & happened, alarm & ~happened, ~alarm & happened)
-        rows.append([np.bincount(given.series[one], minlength=TEST_SERIES) for one in outcomes])
+        rows.append(
+            [np.bincount(given.series[points], minlength=TEST_SERIES) for points in outcomes]
+        )
     return np.array(rows)
 
 
@@ -270,9 +272,9 @@ def long_term(given, trained):
     return np.array([1 - kept.mean(), (chaotic >= THRESHOLD).mean(), distance])
 
 
-def f_scores(found, weights):
+def f_scores(counted, weights):
     """F-scores ``(resamples, networks, times)`` of counts ``(networks, times, 3, series)``."""
-    hits, false, missed = np.moveaxis(np.tensordot(weights, found, axes=(1, 3)), 3, 0)
+    hits, false, missed = np.moveaxis(np.tensordot(weights, counted, axes=(1, 3)), 3, 0)
     return 2 * hits / (2 * hits + false + missed)
 
 
@@ -288,20 +290,20 @@ def train_all(arguments):
             if path.exists():
                 continue
             trained, chosen = network(given, VARIANTS[name], arguments.neurons)
-            found = {kind: counts(given, trained, kind) for kind in arguments.washouts}
-            np.savez(path, **found, long_term=long_term(given, trained))
+            counted = {kind: counts(given, trained, kind) for kind in arguments.washouts}
+            np.savez(path, **counted, long_term=long_term(given, trained))
             print(f"{path.stem}: {trained!r}, objective {chosen.objective:.3f}", flush=True)
 
 
 def paired(folder, neurons, names, kind):
     """Counts of networks that all the variants have, ``(variants, networks, times, 3, series)``."""
-    found = []
+    counted = []
     for number in range(SETS):
         paths = [folder / f"{name}-N{neurons}-set{number}.npz" for name in names]
         files = [np.load(path) for path in paths if path.exists()]
         if len(files) == len(names) and all(kind in file for file in files):
-            found.append([file[kind] for file in files])
-    return np.array(found).swapaxes(0, 1) if found else None
+            counted.append([file[kind] for file in files])
+    return np.array(counted).swapaxes(0, 1) if counted else None
 
 
 def report(arguments):

@@ -4,7 +4,7 @@
 
 For each network: which factorisations fail, how far the weights are from the solution by QR of
 [R; sqrt(beta) I], and the objective of the Recycle Validation that they lead to. Results are in
-docs/solver.md.
+benchmarks/measured.md.
 """
 
 import argparse

@@ -24,12 +24,12 @@ from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
 def least(function: Callable[[], object], repetitions: int = 10) -> float:
     """Milliseconds of the fastest call."""
-    found = []
+    seconds = []
     for _ in range(repetitions):
         start = time.perf_counter()
         function()
-        found.append(time.perf_counter() - start)
-    return 1e3 * min(found)
+        seconds.append(time.perf_counter() - start)
+    return 1e3 * min(seconds)
 
 
 def main() -> None:
@@ -64,8 +64,8 @@ def main() -> None:
     samples = iter(np.tile(series, (3, 1)))
     inputs = np.ascontiguousarray(batch.transpose(1, 2, 0))
     members = forecaster.members_
-    networks = [one.network for one in members if isinstance(one, NetworkForecaster)]
-    memories = [one.start(inputs) for one in members]
+    networks = [member.network for member in members if isinstance(member, NetworkForecaster)]
+    memories = [member.start(inputs) for member in members]
     several = np.ascontiguousarray(np.repeat(inputs[-1:], washout, axis=2))
     states = [np.repeat(memory, washout, axis=1) for memory in memories]
     print(f"{chosen.members} networks of {chosen.neurons} neurons, a washout of {washout} samples")
@@ -73,7 +73,7 @@ def main() -> None:
         "update, one sample": lambda: forecaster.update(next(samples)),
         "probability at 1 LT": lambda: forecaster.probability(1.0),
         "probability at 3 LT": lambda: forecaster.probability(3.0),
-        "  of this: the washout": lambda: [one.start(inputs) for one in members],
+        "  of this: the washout": lambda: [member.start(inputs) for member in members],
         "states of all washouts, one sample": lambda: [
             network.dynamics.open_loop(several / network.input_range[:, np.newaxis], state)
             for network, state in zip(networks, states, strict=True)

@@ -46,16 +46,16 @@ def sums():
     command = ["git", "ls-files", "-z", "src", "workflow", "docs/results"]
     command += ["Snakefile", "setup.py", "tests"]
     listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for name in filter(None, listed.split("\0")):
         path = ROOT / name
         if path.is_file() and (path.suffix in SUFFIXES or path.name == "Snakefile"):
             lines = lines_of(path.read_text(encoding="utf-8"), path.suffix == ".py")
             part = "tests" if name.startswith("tests/") else "product"
-            found[f"{part}, all lines"] += lines.total()
+            counts[f"{part}, all lines"] += lines.total()
             for kind in ("code", "docstrings"):
-                found[f"{part}, {kind}"] += lines[kind]
-    return found
+                counts[f"{part}, {kind}"] += lines[kind]
+    return counts
 
 
 def test_lines_are_counted_by_kind():

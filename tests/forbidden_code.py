@@ -38,12 +38,17 @@ def docstrings_read(path, allowed=frozenset()):
     tree = ast.parse(path.read_bytes(), str(path))
     for node in [*ast.walk(tree)]:
         if isinstance(body := getattr(node, "body", None), list):
-            node.body = [one for one in body if getattr(one, "name", "") not in allowed]
+            node.body = [
+                statement for statement in body if getattr(statement, "name", "") not in allowed
+            ]
     return [
         f"line {node.lineno}: {ast.unparse(node)}"
         for node in ast.walk(tree)
         if getattr(node, "id", getattr(node, "attr", "")) in _DOCSTRINGS
-        or (isinstance(node, ast.ImportFrom) and _DOCSTRINGS & {one.name for one in node.names})
+        or (
+            isinstance(node, ast.ImportFrom)
+            and _DOCSTRINGS & {statement.name for statement in node.names}
+        )
     ]
 
 
@@ -53,22 +58,22 @@ def offered_late(path, package):
     ``package``: its directory.
     """
     tree = ast.parse(path.read_bytes(), str(path))
-    found: list[ast.AST] = [
+    nodes: list[ast.AST] = [
         node for node in tree.body if getattr(node, "name", "") in ("__getattr__", "__dir__")
     ]
     modules = {file.stem for file in package.iterdir()}
     qualified = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module == package.name and not node.level:
-            found += [node] * any(alias.name not in modules for alias in node.names)
+            nodes += [node] * any(alias.name not in modules for alias in node.names)
         if isinstance(node, ast.alias) and node.name == package.name and node.asname:
-            found.append(node)
+            nodes.append(node)
         if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == package.name:
             qualified.add(node.value)
-            found += [node] * (node.attr not in modules)
+            nodes += [node] * (node.attr not in modules)
         if isinstance(node, ast.Name) and node.id == package.name and node not in qualified:
-            found.append(node)
-    return [f"line {node.lineno}: {ast.unparse(node)}" for node in found]
+            nodes.append(node)
+    return [f"line {node.lineno}: {ast.unparse(node)}" for node in nodes]
 
 
 def _places(path, find):

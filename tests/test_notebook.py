@@ -41,19 +41,19 @@ def run(capsys):
         cells = code_cells(DOCS / f"{name}.ipynb")
         for cell in cells:
             exec("".join(cell["source"]), names)
-        said, shown = capsys.readouterr().out, printed(cells)
+        output, shown = capsys.readouterr().out, printed(cells)
         # whatever the last digits are on another machine
-        assert re.sub(NUMBER, "", said).split() == re.sub(NUMBER, "", shown).split()
-        return names, *(list(map(float, re.findall(NUMBER, text))) for text in (said, shown))
+        assert re.sub(NUMBER, "", output).split() == re.sub(NUMBER, "", shown).split()
+        return names, *(list(map(float, re.findall(NUMBER, text))) for text in (output, shown))
 
     return run
 
 
 @pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
 def test_a_scored_forecast(cells, run, capsys):
-    names, said, shown = run("event_forecast")
+    names, output, shown = run("event_forecast")
     assert len(names["figure"].axes[0].lines) == 8  # six networks, the truth, the threshold
-    np.testing.assert_allclose(said, shown, atol=0.1, rtol=0.1)
+    np.testing.assert_allclose(output, shown, atol=0.1, rtol=0.1)
     assert names["forecaster"].score(names["test"]) > 0.9
     assert np.array_equal(
         names["again"].predict(names["test"]), names["forecaster"].predict(names["test"])
@@ -61,12 +61,12 @@ def test_a_scored_forecast(cells, run, capsys):
 
 
 def test_a_record_with_gaps(run):
-    names, said, shown = run("own_data")
-    np.testing.assert_allclose(said, shown, rtol=0.05)
+    names, output, shown = run("own_data")
+    np.testing.assert_allclose(output, shown, rtol=0.05)
     # nothing is filled in: every sample of the series is in the record, without a gap in time
     series, record = names["series"], names["record"].dropna()
     rows = {tuple(row): time for time, *row in record.to_numpy()}
-    times = np.array([[rows[tuple(sample)] for sample in one] for one in series])
+    times = np.array([[rows[tuple(sample)] for sample in samples] for samples in series])
     np.testing.assert_allclose(np.diff(times), 0.02, atol=1e-9)
     assert names["found"].low < 0.906 < names["found"].high
     # the probability is that of the same samples at once
@@ -75,8 +75,8 @@ def test_a_record_with_gaps(run):
 
 
 def test_control_by_what_if(run):
-    names, said, shown = run("what_if")
-    np.testing.assert_allclose(said, shown, rtol=0.2, atol=0.02)
+    names, output, shown = run("what_if")
+    np.testing.assert_allclose(output, shown, rtol=0.2, atol=0.02)
     control = names["run"]
     above = [(values >= 41).mean() for values in (control.free_observable, control.observable)]
     assert above[1] < 0.2 * above[0]
@@ -87,8 +87,8 @@ def test_control_by_what_if(run):
 
 
 def test_forecast_and_control_of_lorenz_96(run):
-    names, said, shown = run("lorenz96")
-    np.testing.assert_allclose(said, shown, rtol=0.2, atol=0.02)
+    names, output, shown = run("lorenz96")
+    np.testing.assert_allclose(output, shown, rtol=0.2, atol=0.02)
     scores = names["run"].scores
     assert scores["exceedance_controlled"].high < 0.1 * scores["exceedance_uncontrolled"].low
     assert scores["control_fraction"].value < 0.1

@@ -92,20 +92,20 @@ def margins_table() -> str:
 def claims_table(tables: Tables) -> str:
     """The paper's claims, its numbers, ours, and whether they agree, with the rule."""
     cells = []
-    for one in CLAIMS:
-        found = one.find(tables)
-        rule = " ".join(str(inspect.getdoc(one.find)).split()).removeprefix("Agrees ")
-        columns = {"section": one.section, "paper": found.paper, "ours": found.ours}
-        columns |= {"agrees": found.agrees, "rule": rule, "why not, or what to know": found.why}
-        cells += [(one.text, head, cell) for head, cell in columns.items()]
+    for claim in CLAIMS:
+        finding = claim.find(tables)
+        rule = " ".join(str(inspect.getdoc(claim.find)).split()).removeprefix("Agrees ")
+        columns = {"section": claim.section, "paper": finding.paper, "ours": finding.ours}
+        columns |= {"agrees": finding.agrees, "rule": rule, "why not, or what to know": finding.why}
+        cells += [(claim.text, head, cell) for head, cell in columns.items()]
     return table("claim", cells)
 
 
 def verdicts_of(tables: Tables) -> dict[str, int]:
     """How many claims agree, nearly or undecidedly, in part, or not."""
-    verdicts = [one.find(tables).agrees for one in CLAIMS]
-    counts = {one: verdicts.count(one) for one in ("yes", "no")}
-    counts["nearly"] = sum(one in ("nearly", "undecided") for one in verdicts)
+    verdicts = [claim.find(tables).agrees for claim in CLAIMS]
+    counts = {answer: verdicts.count(answer) for answer in ("yes", "no")}
+    counts["nearly"] = sum(answer in ("nearly", "undecided") for answer in verdicts)
     return {**counts, "claims": len(CLAIMS), "mixed": len(CLAIMS) - sum(counts.values())}
 
 
@@ -126,22 +126,28 @@ def verdict(kind: str, paper: float, low: float, high: float, digit: float = 0.0
 def reaches(kind: str, paper: float, ours: Any) -> str:
     """Whether the lower end of ours, or only its median, is that large, by the margin."""
     least = paper - MARGINS[kind][1]
-    return "yes" if ours.low >= least else "nearly" if ours.p50 >= least else "no"
+    return _graded(ours.low >= least, nearly=ours.p50 >= least)
 
 
-def larger(one: Any, other: Any) -> str:
+def larger(first: Any, other: Any) -> str:
     """Whether the median of some networks is larger than that of others, beyond their scatter.
 
     Yes if the difference is more than 1.96 of its standard errors, which follow from quartiles of
     networks as for a normal distribution; nearly if it is positive.
     """
-    error = math.hypot(*(_error_of_median(row) for row in (one, other)))
-    return _beyond(one.p50 - other.p50, 1.96 * error)
+    error = math.hypot(*(_error_of_median(row) for row in (first, other)))
+    return _beyond(first.p50 - other.p50, 1.96 * error)
 
 
 def _beyond(difference: float, half: float) -> str:
     """Whether a difference is positive beyond half its interval; nearly if it is positive alone."""
-    return "yes" if difference > half else "nearly" if difference > 0 else "no"
+    return _graded(difference > half, nearly=difference > 0)
+
+
+def _graded(agrees: bool, *, nearly: bool) -> str:
+    if agrees:
+        return "yes"
+    return "nearly" if nearly else "no"
 
 
 def _error_of_median(row: Any) -> float:
@@ -151,29 +157,29 @@ def _error_of_median(row: Any) -> float:
 
 def all_of(holds: Iterable[bool | str]) -> str:
     """Verdict on a claim that is looked up several times, of truth values or verdicts."""
-    verdicts = [one if isinstance(one, str) else ("no", "yes")[bool(one)] for one in holds]
-    counts = {one: verdicts.count(one) for one in ("yes", "nearly", "undecided", "no")}
-    counts = {one: count for one, count in counts.items() if count}
+    verdicts = [hold if isinstance(hold, str) else ("yes" if hold else "no") for hold in holds]
+    counts = {answer: verdicts.count(answer) for answer in ("yes", "nearly", "undecided", "no")}
+    counts = {answer: count for answer, count in counts.items() if count}
     if len(counts) == 1:
         return verdicts[0]
-    return ", ".join(f"{count} {one}" for one, count in counts.items())
+    return ", ".join(f"{count} {answer}" for answer, count in counts.items())
 
 
 def _f(tables: Tables, time: float, case: str = CASE, metric: str = "f_score", **of: Any) -> Any:
-    return tables.one("classification", metric, case=case, prediction_time_lt=time, **of)
+    return tables.row("classification", metric, case=case, prediction_time_lt=time, **of)
 
 
 def _horizon(tables: Tables, case: str = CASE, **of: Any) -> Any:
-    return tables.one("horizon", "mean_horizon_lt", case=case, **of)
+    return tables.row("horizon", "mean_horizon_lt", case=case, **of)
 
 
 def _exceedance(tables: Tables, state: str, **of: Any) -> Any:
-    return tables.one("control", f"exceedance_{state}", **of)
+    return tables.row("control", f"exceedance_{state}", **of)
 
 
-def _said(found: Any, digits: int = 3) -> str:
+def _with_ends(row: Any, digits: int = 3) -> str:
     """Median with the interval of one network."""
-    low, middle, high = (f"{end:.{digits}f}" for end in (found.low, found.p50, found.high))
+    low, middle, high = (f"{end:.{digits}f}" for end in (row.low, row.p50, row.high))
     return f"{middle} ({low} to {high})"
 
 
@@ -202,10 +208,11 @@ def exponents(tables: Tables) -> Finding:
         verdicts.append(verdict("Lyapunov exponent", *ends, digit=1e-4))
     cell = f"{{{name}:.4f}} ({{{name}_low:.4f}} to {{{name}_high:.4f}})"
     paper, ours = (
-        ", ".join(text(one, row) for row in rows) for one in (f"{{{name}_paper:.4f}}", cell)
+        ", ".join(text(template, row) for row in rows)
+        for template in (f"{{{name}_paper:.4f}}", cell)
     )
     differ = [
-        f"{row['reynolds']:g}" for row, found in zip(rows, verdicts, strict=True) if found == "no"
+        f"{row['reynolds']:g}" for row, answer in zip(rows, verdicts, strict=True) if answer == "no"
     ]
     why = (
         f"not at Re = {', '.join(differ)}: the authors' own QR recipe gives 0.0154 on our data, "
@@ -254,8 +261,9 @@ def _horizons_larger(tables: Tables, case: str, neurons: int) -> str:
 @claim("RV outperforms SSV in precision, recall and F-score, Re = 400", "IV A")
 def recycle_beats_single_shot(tables: Tables) -> Finding:
     """Agrees if RV's median is larger beyond the scatter of networks; nearly if it is larger."""
-    better = {one: _pairs(tables, one, case=CASE) for one in ("precision", "recall", "f_score")}
-    counts = [f"{name.replace('_', '-')}: {all_of(one)}" for name, one in better.items()]
+    metrics = ("precision", "recall", "f_score")
+    better = {metric: _pairs(tables, metric, case=CASE) for metric in metrics}
+    counts = [f"{name.replace('_', '-')}: {all_of(pairs)}" for name, pairs in better.items()]
     ours = f"{'; '.join(counts)} ({len(better['recall'])} sizes and prediction times)"
     return Finding("always", ours, all_of(itertools.chain(*better.values())))
 
@@ -264,7 +272,7 @@ def recycle_beats_single_shot(tables: Tables) -> Finding:
 def tuning_beats_size(tables: Tables) -> Finding:
     """Agrees if the median is larger beyond the scatter of networks; nearly if it is larger."""
     rv, ssv = _f(tables, 3, neurons=1500, **RV), _f(tables, 3, neurons=3000, **SSV)
-    ours = f"{_said(rv)} {'>' if rv.p50 > ssv.p50 else '<='} {_said(ssv)}"
+    ours = f"{_with_ends(rv)} {'>' if rv.p50 > ssv.p50 else '<='} {_with_ends(ssv)}"
     return Finding("0.79 > 0.76", ours, larger(rv, ssv))
 
 
@@ -275,7 +283,7 @@ def two_and_three_times_ahead(tables: Tables) -> Finding:
         max((_f(tables, time, neurons=n, **RV) for n in tables.sizes(CASE)), key=lambda e: e.p50)
         for time in (2, 3)
     )
-    ours = f"up to {_said(two)} and {_said(three)}"
+    ours = f"up to {_with_ends(two)} and {_with_ends(three)}"
     kind = "precision, recall, F-score"
     agrees = all_of([reaches(kind, 0.9, two), verdict(kind, 0.8, three.low, three.high)])
     return Finding(">= 0.9 and up to 0.8", ours, agrees)
@@ -286,9 +294,9 @@ def most_events_two_ahead(tables: Tables) -> Finding:
     """Agrees if the intervals of recall and precision of 2000 neurons lie within the margin."""
     recall, right = (_f(tables, 2, metric=m, neurons=2000, **RV) for m in ("recall", "precision"))
     false = f"{1 - right.p50:.3f} ({1 - right.high:.3f} to {1 - right.low:.3f})"
-    ours = f"{_said(recall)} predicted, {false} of the alarms false"
+    ours = f"{_with_ends(recall)} predicted, {false} of the alarms false"
     kind = "precision, recall, F-score"
-    agrees = all_of(verdict(kind, 0.9, one.low, one.high) for one in (recall, right))
+    agrees = all_of(verdict(kind, 0.9, score.low, score.high) for score in (recall, right))
     return Finding("90 %, 10 % false", ours, agrees)
 
 
@@ -302,7 +310,7 @@ def largest_scores(tables: Tables) -> Finding:
     ours = f"{100 * precision:.1f} % and {100 * recall:.1f} %"
     kind = "the same where they are largest"
     agrees = all_of(
-        verdict(kind, *one) for one in ((0.98, *[precision] * 2), (0.99, *[recall] * 2))
+        verdict(kind, *numbers) for numbers in ((0.98, *[precision] * 2), (0.99, *[recall] * 2))
     )
     return Finding("up to 98 % and 99 %", ours, agrees)
 
@@ -313,7 +321,8 @@ def five_times_ahead(tables: Tables) -> Finding:
     recalls = {n: _f(tables, 5, metric="recall", neurons=n, **RV) for n in tables.sizes(CASE)}
     size, recall = max(recalls.items(), key=lambda item: item[1].p50)
     right = _f(tables, 5, metric="precision", neurons=size, **RV)
-    ours = f"5 LT ahead {_said(recall)} of the events, {_said(right)} of the alarms are right"
+    shares = f"{_with_ends(recall)} of the events, {_with_ends(right)} of the alarms are right"
+    ours = f"5 LT ahead {shares}"
     return Finding(
         "up to more than 5 LT", ours, reaches("precision, recall, F-score", 1 / 3, recall)
     )
@@ -323,11 +332,11 @@ def five_times_ahead(tables: Tables) -> Finding:
 def size_levels_off(tables: Tables) -> Finding:
     """Agrees if 500 to 1000 gains two margins, and medians lie within one from 1500 on."""
     scores = {n: _f(tables, 3, neurons=n, **RV) for n in tables.sizes(CASE)}
-    large = [found for n, found in scores.items() if n >= 1500]
+    large = [score for n, score in scores.items() if n >= 1500]
     gain = scores[1000].p50 - scores[500].p50
-    spread = max(found.p50 for found in large) - min(found.p50 for found in large)
+    spread = max(score.p50 for score in large) - min(score.p50 for score in large)
     _, margin = MARGINS["precision, recall, F-score"]
-    ours = ", ".join(f"{n}: {found.p50:.3f}" for n, found in scores.items())
+    ours = ", ".join(f"{n}: {score.p50:.3f}" for n, score in scores.items())
     agrees = all_of([gain > 2 * margin, spread <= margin])
     return Finding("much from 500 to 1000, constant from 1500", ours, agrees)
 
@@ -348,7 +357,7 @@ def recycle_beats_single_shot_in_horizon(tables: Tables) -> Finding:
 def tuning_beats_size_in_horizon(tables: Tables) -> Finding:
     """Agrees if the interval of 1000 lies within the margin of the median of 2500."""
     rv, ssv = _horizon(tables, neurons=1000, **RV), _horizon(tables, neurons=2500, **SSV)
-    ours = f"{_said(rv, 2)} and {_said(ssv, 2)} LT"
+    ours = f"{_with_ends(rv, 2)} and {_with_ends(ssv, 2)} LT"
     return Finding("4.23 and 4.22 LT", ours, verdict("PH_ee", ssv.p50, rv.low, rv.high))
 
 
@@ -357,7 +366,7 @@ def horizon_of_large_networks(tables: Tables) -> Finding:
     """Agrees if the interval of the best size lies within the margin of 5 LT."""
     best = max((_horizon(tables, neurons=n, **RV) for n in tables.sizes(CASE)), key=lambda e: e.p50)
     agrees = verdict("PH_ee", 5.0, best.low, best.high)
-    return Finding("almost 5 LT", f"{_said(best, 2)} LT", agrees)
+    return Finding("almost 5 LT", f"{_with_ends(best, 2)} LT", agrees)
 
 
 # -- Reynolds numbers ------------------------------------------------------------------------------
@@ -365,28 +374,29 @@ def horizon_of_large_networks(tables: Tables) -> Finding:
 
 def _grows(before: Any, later: Any) -> str:
     """Whether a number is larger than another one of other test data."""
-    half = math.hypot(*((one.high - one.low) / 2 for one in (before, later)))
+    half = math.hypot(*((row.high - row.low) / 2 for row in (before, later)))
     return _beyond(later.p50 - before.p50, half)
 
 
 @claim("mean PH_ee with the Reynolds number", "IV C")
 def horizon_grows(tables: Tables) -> Finding:
     """Agrees if it grows by more than both intervals leave open (2000 neurons, RV)."""
-    found = [_horizon(tables, case, neurons=2000, **RV) for case in tables.cases()]
-    higher = [_grows(before, later) for before, later in itertools.pairwise(found)]
-    return Finding("grows", ", ".join(_said(one, 2) for one in found) + " LT", all_of(higher))
+    horizons = [_horizon(tables, case, neurons=2000, **RV) for case in tables.cases()]
+    higher = [_grows(before, later) for before, later in itertools.pairwise(horizons)]
+    ours = ", ".join(_with_ends(horizon, 2) for horizon in horizons) + " LT"
+    return Finding("grows", ours, all_of(higher))
 
 
 @claim("F-score with the Reynolds number, 3 LT ahead", "IV C")
 def score_falls(tables: Tables) -> Finding:
     """Agrees if others are below that at 400 by their intervals, and medians within the margin."""
     first, *others = (_f(tables, 3, case, neurons=2000, **RV) for case in tables.cases())
-    middles = [one.p50 for one in others]
+    middles = [row.p50 for row in others]
     _, margin = MARGINS["precision, recall, F-score"]
     return Finding(
         "lower than at 400, similar to each other",
-        ", ".join(map(_said, (first, *others))),
-        all_of([*(_grows(one, first) for one in others), max(middles) - min(middles) <= margin]),
+        ", ".join(map(_with_ends, (first, *others))),
+        all_of([*(_grows(row, first) for row in others), max(middles) - min(middles) <= margin]),
     )
 
 
@@ -407,7 +417,7 @@ def recycle_everywhere(tables: Tables) -> Finding:
 
 
 def _error(tables: Tables, metric: str, **of: Any) -> Any:
-    return tables.one("statistics", metric, case=CASE, **of)
+    return tables.row("statistics", metric, case=CASE, **of)
 
 
 def _improves(tables: Tables, metrics: dict[str, str], digits: int) -> Finding:
@@ -416,11 +426,8 @@ def _improves(tables: Tables, metrics: dict[str, str], digits: int) -> Finding:
     for metric, title in metrics.items():
         ours = [_error(tables, metric, neurons=n, **RV) for n in tables.sizes(CASE)]
         training = _error(tables, metric, **TRAINING).p50
-        holds += [
-            "yes" if one.p75 < training else "nearly" if one.p50 < training else "no"
-            for one in ours
-        ]
-        values = ", ".join(f"{one.p50:.{digits}g}" for one in ours)
+        holds += [_graded(row.p75 < training, nearly=row.p50 < training) for row in ours]
+        values = ", ".join(f"{row.p50:.{digits}g}" for row in ours)
         texts.append(f"{values} (training set {training:.{digits}g})")
         published = published_value("statistics", metric, reynolds=400, **TRAINING)
         networks = published_rows("statistics", metric, reynolds=400, **RV)
@@ -453,7 +460,7 @@ def density_and_size(tables: Tables) -> Finding:
         f"in {sum(better)} of {len(pairs)} pairs of sizes the larger one's quartiles are below the "
         "smaller one's"
     )
-    return Finding("no significant improvement", ours, all_of(not one for one in better))
+    return Finding("no significant improvement", ours, all_of(not larger for larger in better))
 
 
 @claim("profiles improve on the training set (NRMSE of u; u^2; uv)", "V")
@@ -472,7 +479,10 @@ def flow_improves_less(tables: Tables) -> Finding:
     def factors(error: Callable[..., float], neurons: float) -> list[float]:
         """Geometric means of the errors of the training set over those of networks."""
         return [
-            math.prod(error(one, **TRAINING) / error(one, neurons=neurons, **RV) for one in metrics)
+            math.prod(
+                error(metric, **TRAINING) / error(metric, neurons=neurons, **RV)
+                for metric in metrics
+            )
             ** (1 / len(metrics))
             for metrics in (PROFILES, DENSITY)
         ]
@@ -504,12 +514,14 @@ def exceedances(tables: Tables) -> Finding:
     paper, ours, verdicts, beyond = [], [], [], []
     for reynolds, time in itertools.product((400, 600), (1.0, 2.0)):
         where: dict[str, Any] = {"case": f"Re{reynolds}", "prediction_time_lt": time}
-        found = _exceedance(tables, "controlled", neurons=2000, **where, **RV)
+        exceedance = _exceedance(tables, "controlled", neurons=2000, **where, **RV)
         of = {"reynolds": reynolds, "neurons": 2000, "prediction_time_lt": time, **RV}
         theirs = published_value("control", "exceedance_controlled", **of)
         paper.append(f"{theirs:.4f}")
-        ours.append(_said(found, 4))
-        verdicts.append(verdict("exceedance under control", theirs, found.low, found.high))
+        ours.append(_with_ends(exceedance, 4))
+        verdicts.append(
+            verdict("exceedance under control", theirs, exceedance.low, exceedance.high)
+        )
         perfect = tables.medians(
             "control", "exceedance_controlled", forecaster="equations", **where
         )
@@ -524,9 +536,9 @@ def exceedances(tables: Tables) -> Finding:
 @claim("less is left with the shorter prediction time", "VI")
 def nearer_is_better(tables: Tables) -> Finding:
     """Agrees if the median is smaller beyond the scatter of networks; nearly if it is smaller."""
-    found = tables.rows("control_percentiles", metric="exceedance_controlled", neurons=2000, **RV)
+    left_of = tables.rows("control_percentiles", metric="exceedance_controlled", neurons=2000, **RV)
     texts, verdicts = [], []
-    for case, pair in found.groupby("case", sort=False):
+    for case, pair in left_of.groupby("case", sort=False):
         near, far = (pair[pair["prediction_time_lt"] == time].iloc[0] for time in (1, 2))
         texts.append(f"{case}: {near.p50:.4f} and {far.p50:.4f}")
         verdicts.append(larger(far, near))
@@ -542,9 +554,10 @@ def rarer(tables: Tables) -> Finding:
         for case in tables.cases():
             where = {"case": case, "neurons": 2000, "prediction_time_lt": time, **RV}
             free, left = (_exceedance(tables, s, **where) for s in ("uncontrolled", "controlled"))
-            factors.append((*(free.p50 / one for one in (left.p50, left.high, left.low)), case))
+            middle, low, high = (free.p50 / end for end in (left.p50, left.high, left.low))
+            factors.append((middle, low, high, case))
         factor, low, high, case = max(factors)
-        verdicts.append("yes" if low >= AN_ORDER else "nearly" if factor >= AN_ORDER else "no")
+        verdicts.append(_graded(low >= AN_ORDER, nearly=factor >= AN_ORDER))
         texts.append(f"{time:g} LT ahead by {factor:.1f} ({low:.1f} to {high:.1f}, {case})")
     return Finding(
         "by up to one order of magnitude",
@@ -562,8 +575,8 @@ def tail_decreases(tables: Tables) -> Finding:
     """
     largest: dict[Any, dict[str, float]] = {}
     smallest = math.inf
-    found = tables.rows("control_density", neurons=2000, **RV)
-    for (case, time), bins in found.groupby(["case", "prediction_time_lt"], sort=False):
+    densities = tables.rows("control_density", neurons=2000, **RV)
+    for (case, time), bins in densities.groupby(["case", "prediction_time_lt"], sort=False):
         bins = bins[bins["low"] >= EVENT_THRESHOLD].sort_values("low", ascending=False)
         without, controlled = (
             (bins[f"density_{state}"] * (bins["high"] - bins["low"])).cumsum()

@@ -32,11 +32,12 @@ def beside_published(tables: Tables) -> pd.DataFrame:
         {name: rows for name in names if len(rows := tables.rows(f"{name}_{ending}"))}
         for ending in ("percentiles", "intervals")
     )
-    found = compare(read_table(PUBLISHED), *both)
-    time, small = found["prediction_time_lt"], found["neurons"] < 1000
+    compared = compare(read_table(PUBLISHED), *both)
+    time, small = compared["prediction_time_lt"], compared["neurons"] < 1000
     ahead = np.where(time == time.min(), "0.5 LT", np.where(time == time.max(), "5 LT", "between"))
     scores = np.where(small, "scores below 1000 neurons", "scores from 1000 neurons, " + ahead)
-    return found.assign(group=found["kind"].where(found["kind"] != "classification", scores))
+    kind = compared["kind"]
+    return compared.assign(group=kind.where(kind != "classification", scores))
 
 
 def sides(compared: pd.DataFrame) -> pd.DataFrame:
@@ -45,10 +46,11 @@ def sides(compared: pd.DataFrame) -> pd.DataFrame:
     Objectives, errors and the exceedance under control are better where they are smaller;
     hyperparameters are no better anywhere.
     """
-    known = compared[compared["inside"].notna()]
-    better = (known["p50"] > known["published_p50"]) == known["metric"].isin(_HIGHER_IS_BETTER)
-    inside = known["inside"].astype(bool)
-    chosen = known["metric"].isin(["spectral_radius", "tikhonov"])
+    decided = compared[compared["inside"].notna()]
+    higher_is_better = decided["metric"].isin(_HIGHER_IS_BETTER)
+    better = (decided["p50"] > decided["published_p50"]) == higher_is_better
+    inside = decided["inside"].astype(bool)
+    chosen = decided["metric"].isin(["spectral_radius", "tikhonov"])
     counts = pd.DataFrame(
         {
             "values": True,
@@ -58,8 +60,8 @@ def sides(compared: pd.DataFrame) -> pd.DataFrame:
             "worse_outside": ~better & ~inside & ~chosen,
         }
     )
-    found = counts.groupby(known["group"], sort=False).sum()
-    return pd.concat([found, found.sum().rename("all").to_frame().T]).rename_axis("group")
+    sums = counts.groupby(decided["group"], sort=False).sum()
+    return pd.concat([sums, sums.sum().rename("all").to_frame().T]).rename_axis("group")
 
 
 # -- training sets ---------------------------------------------------------------------------------
@@ -86,8 +88,8 @@ class Score:
     def median(self, tables: Tables, **where: Any) -> float:
         """Median over all networks; NaN for none."""
         values = self.networks(tables, False, **where).to_numpy().ravel()
-        known = values[~np.isnan(values)]
-        return float(np.median(known)) if len(known) else float("nan")
+        defined = values[~np.isnan(values)]
+        return float(np.median(defined)) if len(defined) else float("nan")
 
     def error(self, tables: Tables, **where: Any) -> float:
         """Standard error of one network over the test data, from its interval; 0 for none."""
@@ -125,8 +127,9 @@ def networks_of(tables: Tables) -> list[dict[str, Any]]:
     rows = tables.rows("classification", forecaster="esn")
     if rows.empty:
         return []
-    found = rows[["neurons", "validation"]].drop_duplicates().sort_values(["neurons", "validation"])
-    return [{str(key): value for key, value in row.items()} for row in found.to_dict("records")]
+    keys = ["neurons", "validation"]
+    networks = rows[keys].drop_duplicates().sort_values(keys)
+    return [{str(key): value for key, value in row.items()} for row in networks.to_dict("records")]
 
 
 def inside_counts(authors: Tables, paper: Tables, neurons: int | None = None) -> dict[str, int]:
@@ -140,7 +143,9 @@ def inside_counts(authors: Tables, paper: Tables, neurons: int | None = None) ->
     """
     counts = dict.fromkeys(("values", "narrow", "narrow_authors", "wide", "wide_authors"), 0)
     networks = networks_of(authors)
-    for network in (one for one in networks if neurons in (None, one["neurons"])):
+    for network in networks:
+        if neurons not in (None, network["neurons"]):
+            continue
         for score in all_published(**network):
             values = score.networks(authors, **network).mean(axis=1)
             median = score.median(paper, case=CASE, **network)
@@ -164,7 +169,7 @@ def _with_margin(values: pd.Series, digits: int) -> str:
     return f"{mean:+.{digits}f} ± {margin:.{digits}f}"
 
 
-def differences(authors: Tables, own: Tables, paper: Tables) -> Part:
+def differences(authors: Tables, own_choices: Tables, paper: Tables) -> Part:
     """Distance of published values from the paper's campaign (RV), as a sum of three.
 
     The choices, on the same training sets and seeds; the five training sets beside the campaign's
@@ -172,9 +177,9 @@ def differences(authors: Tables, own: Tables, paper: Tables) -> Part:
     with the authors' choices.
     """
     cells: Part = []
-    for network in networks_of(own):
+    for network in networks_of(own_choices):
         for score in SCORES:
-            both = [score.networks(tables, **network) for tables in (authors, own)]
+            both = [score.networks(tables, **network) for tables in (authors, own_choices)]
             choices = (both[0] - both[1]).dropna(axis=1, how="all").dropna()
             median = score.median(paper, case=CASE, **network)
             if np.isnan(published := score.published(**network)) or choices.empty:
@@ -196,7 +201,9 @@ def gaps(name: str, tables: Tables, score: Score) -> Part:
     """Share of the distance of networks from F = 1 that a washout without noise removes."""
     cells: Part = []
     for network in networks_of(tables):
-        noisy, true = (score.networks(tables, forecaster=one, **network) for one in ("esn", TRUE))
+        noisy, true = (
+            score.networks(tables, forecaster=forecaster, **network) for forecaster in ("esn", TRUE)
+        )
         if true.empty:
             continue
         both = (noisy + 0 * true).dropna(axis=1, how="all").dropna()
@@ -274,12 +281,12 @@ def over_sets(tables: Tables, score: Score, **where: Any) -> pd.DataFrame:
     rows = tables.rows(score.table, forecaster=list(READOUTS), **{**dict(score.where), **where})
     keys = ["forecaster", "neurons", "reynolds"]
     of_sets = rows.groupby([*keys, "case"], sort=False)[score.metric].mean()
-    found = of_sets.groupby(level=keys, sort=False).agg(["mean", "std", "count", "min", "max"])
-    half = student.ppf((1 + CONFIDENCE) / 2, found["count"] - 1)
-    half = half * found["std"] / np.sqrt(found["count"])
-    found = found.assign(low=found["mean"] - half, high=found["mean"] + half).reset_index()
-    found["order"] = found["forecaster"].map(list(READOUTS).index)
-    return renamed(found.sort_values(["order", "reynolds", "neurons"], kind="stable"))
+    means = of_sets.groupby(level=keys, sort=False).agg(["mean", "std", "count", "min", "max"])
+    half = student.ppf((1 + CONFIDENCE) / 2, means["count"] - 1)
+    half = half * means["std"] / np.sqrt(means["count"])
+    means = means.assign(low=means["mean"] - half, high=means["mean"] + half).reset_index()
+    means["order"] = means["forecaster"].map(list(READOUTS).index)
+    return renamed(means.sort_values(["order", "reynolds", "neurons"], kind="stable"))
 
 
 def extremes(rows: pd.DataFrame, column: str) -> pd.DataFrame:
@@ -321,10 +328,10 @@ def over_all_flows(tables: Tables) -> pd.DataFrame:
 
 def costs(tables: Tables, shown: int = 6) -> Part:
     """Times of the jobs of the most expensive rules, and of all."""
-    found = tables.rows("rule_costs").sort_values("minutes", ascending=False)
-    sums = found[["jobs", "minutes"]].sum()
-    total = {**sums.to_dict(), "memory_mib": found["memory_mib"].max(), "rule": "**all**"}
+    costs_of_rules = tables.rows("rule_costs").sort_values("minutes", ascending=False)
+    sums = costs_of_rules[["jobs", "minutes"]].sum()
+    total = {**sums.to_dict(), "memory_mib": costs_of_rules["memory_mib"].max(), "rule": "**all**"}
     cells = {"jobs": "{jobs:.0f}", "took [min]": "{minutes:.0f}"}
     cells |= {"largest memory [MiB]": "{memory_mib:.0f}"}
-    rows = pd.concat([found.head(shown), pd.DataFrame([total])])
+    rows = pd.concat([costs_of_rules.head(shown), pd.DataFrame([total])])
     return part(rows, "{rule}", cells)

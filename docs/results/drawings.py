@@ -7,11 +7,14 @@ from comparisons import HORIZON, f_score, over_sets
 from kept_tables import Tables, published_rows
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from burstcast.figures.parts import looks, style
 
 RV = {"forecaster": "esn", "validation": "RV"}
+SQUARES = {"forecaster": "esn_quadratic", "validation": "RV"}
 SIZES = (500, 1000, 2000)
+PUBLISHED: Any = {"marker": "o", "linestyle": "none", "color": "black", "markerfacecolor": "white"}
 
 
 @style.styled
@@ -71,31 +74,64 @@ def _both(axes: Axes, x: str, ours: Any, theirs: Any, look: Any) -> None:
 @style.styled
 def draw_readouts(tables: Tables) -> Figure:
     """Draw F-score and PH_ee against the size, a curve for each readout, with 95 % intervals."""
-    figure = style.new_figure(style.DOUBLE_COLUMN, 2.6)
+    figure = style.new_figure(style.DOUBLE_COLUMN, 2.4)
     panels = figure.subplots(1, 2)
     for axes, score in zip(panels, (f_score(3.0), HORIZON), strict=True):
-        found = over_sets(tables, score)
-        found = found[found["forecaster"].isin(["esn", "esn_bias", "esn_quadratic"])]
-        curves = found.groupby("readout", sort=False)
-        for (name, curve), look in zip(curves, looks.sequence(curves.ngroups), strict=True):
+        means = over_sets(tables, score)
+        means = means[means["forecaster"].isin(["esn", "esn_bias", "esn_quadratic"])]
+        curves = means.groupby("readout", sort=False)
+        for (name, curve), look in zip(curves, looks.categories(curves.ngroups), strict=True):
             sizes = curve["neurons"].to_numpy(dtype=np.float64)
             axes.fill_between(
                 sizes, curve["low"], curve["high"], alpha=0.2, lw=0, color=look["color"]
             )
-            axes.plot(
-                sizes,
-                curve["mean"],
-                color=look["color"],
-                marker=look["marker"],
-                linestyle=look["linestyle"],
-                label=str(name),
-            )
+            axes.plot(sizes, curve["mean"], label=str(name), **look)
         axes.set_xscale("log", base=2)
-        ticks = sorted(found["neurons"].unique())
+        ticks = sorted(means["neurons"].unique())
         axes.set_xticks(ticks, [f"{size:g}" for size in ticks])
         axes.set_xlabel("neurons")
         axes.set_ylabel(score.title)
-    panels[0].legend(loc="lower right")
+    style.letter_panels(panels)
+    style.label_ends(figure, panels)
+    return figure
+
+
+@style.styled
+def draw_forecasters(paper: Tables, readouts: Tables, beyond: Tables) -> Figure:
+    """Draw F-scores of forecasters with their intervals, Re = 400, beside the published ones."""
+    f_scores = {"name": "classification", "metric": "f_score", "case": "Re400"}
+    sources: list[tuple[str, Tables, dict[str, Any]]] = [
+        ("network, 500 neurons", paper, {"neurons": 500, **RV}),
+        ("network, 2000 neurons", paper, {"neurons": 2000, **RV}),
+        ("network with squares, 500 neurons", readouts, {"neurons": 500} | SQUARES),
+        ("true equations, noisy state", beyond, {"forecaster": "equations_noisy"}),
+        ("learnt equations, filtered", beyond, {"forecaster": "quadratic_filtered"}),
+        ("true equations, filtered", beyond, {"forecaster": "equations_filtered"}),
+    ]
+    figure = style.new_figure(style.DOUBLE_COLUMN, 2.3)
+    panels = figure.subplots(1, 3, sharey=True)
+    for axes, time in zip(panels, (1.0, 3.0, 5.0), strict=True):
+        for place, (_, tables, where) in enumerate(sources):
+            row = tables.row(**f_scores, prediction_time_lt=time, **where)
+            ends = [[row.p50 - row.low], [row.high - row.p50]]
+            axes.errorbar(row.p50, place, xerr=ends, color=style.BLUE, marker="o", capsize=2)
+            if tables is paper:
+                published = published_rows(
+                    "classification", "f_score", reynolds=400, prediction_time_lt=time, **where
+                )
+                place_above = np.full(len(published), place + 0.25)
+                axes.plot(published["p50"], place_above, **PUBLISHED)
+        axes.set_title(f"{time:g} LT ahead", loc="center")
+        axes.set_xlabel("F-score")
+        axes.set_xlim(0, 1.03)
+    panels[0].set_yticks(range(len(sources)), [name for name, *_ in sources])
+    panels[0].set_ylim(-0.6, len(sources) - 0.4)
+    ours = style.bar_handle("burstcast, interval of one forecaster over test series")
+    figure.legend(
+        handles=[ours, Line2D([], [], label="published", **PUBLISHED)],
+        loc="outside upper center",
+        ncols=2,
+    )
     style.letter_panels(panels)
     return figure
 
@@ -105,28 +141,27 @@ def draw_late_actuator(tables: Tables) -> Figure:
     """Draw what the best rule and plans leave, and their duty cycles, by the actuator's delay."""
     runs = tables.runs("control_choices", case="Re400", strength=1.0, noise=0.01)
     runs = runs.sort_values("left", kind="stable")
+    planned = runs[runs["strategy"] == "planned"]
     kinds = {
         "rule": runs[runs["strategy"] == "reactive"],
-        "plans, learnt equations": runs[
-            (runs["strategy"] == "planned") & (runs["forecaster"] == "quadratic_aware_filtered")
-        ],
-        "plans, network": runs[
-            (runs["strategy"] == "planned") & (runs["forecaster"] == "esn_aware")
-        ],
+        "plans, learnt equations": planned[planned["forecaster"] == "quadratic_aware_filtered"],
+        "plans, network": planned[planned["forecaster"] == "esn_aware"],
     }
-    figure = style.new_figure(style.DOUBLE_COLUMN, 2.4)
+    figure = style.new_figure(style.DOUBLE_COLUMN, 2.2)
     panels = figure.subplots(1, 2)
-    for (name, rows), look in zip(kinds.items(), looks.sequence(len(kinds)), strict=True):
-        best = rows.drop_duplicates("delay_lt").sort_values("delay_lt")
-        for axes, of in zip(panels, ("left", "acting"), strict=True):
-            value, low, high = (100 * best[f"{of}{end}"] for end in ("", "_low", "_high"))
-            axes.errorbar(
-                best["delay_lt"], value, (value - low, high - value), label=name, capsize=2, **look
-            )
-    for axes, title in zip(panels, ("exceedance left [%]", "under actuation [%]"), strict=True):
+    titles = {"left": "exceedance left [%]", "acting": "under actuation [%]"}
+    for axes, (metric, title) in zip(panels, titles.items(), strict=True):
+        curves = zip(kinds.items(), looks.categories(len(kinds)), strict=True)
+        for number, ((name, rows), look) in enumerate(curves):
+            best = rows.drop_duplicates("delay_lt").sort_values("delay_lt")
+            value, low, high = (100 * best[f"{metric}{end}"] for end in ("", "_low", "_high"))
+            # a hair apart, so that bars do not hide each other
+            position = best["delay_lt"] + 0.012 * (number - 1)
+            bars = (value - low, high - value)
+            axes.errorbar(position, value, bars, label=name, capsize=2, **look)
         axes.set_xlabel("delay [LT]")
         axes.set_ylabel(title)
         axes.set_ylim(bottom=-2)
-    panels[0].legend(loc="upper left")
     style.letter_panels(panels)
+    style.label_ends(figure, panels)
     return figure

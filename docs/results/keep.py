@@ -112,9 +112,9 @@ def rule_costs(logs: Path) -> pd.DataFrame:
             seconds = float((_EARLIER.search(text) or done)["seconds"])
             rule = path.relative_to(logs).parts[0].removesuffix(".log")
             rows.append((rule, seconds / 60, float(done["mib"])))
-    found = pd.DataFrame(rows, columns=["rule", "minutes", "memory_mib"]).groupby("rule")
-    sums = {"jobs": found.size(), "minutes": found["minutes"].sum()}
-    return pd.DataFrame({**sums, "memory_mib": found["memory_mib"].max()}).reset_index()
+    by_rule = pd.DataFrame(rows, columns=["rule", "minutes", "memory_mib"]).groupby("rule")
+    sums = {"jobs": by_rule.size(), "minutes": by_rule["minutes"].sum()}
+    return pd.DataFrame({**sums, "memory_mib": by_rule["memory_mib"].max()}).reset_index()
 
 
 def _finished_tables(results: Path) -> list[Path]:
@@ -124,7 +124,7 @@ def _finished_tables(results: Path) -> list[Path]:
     except ValueError as error:
         raise RefusedError(str(error)) from error
     more = ["probability_scores"] if results.name in WITH_PROBABILITIES else []
-    found = []
+    paths = []
     for name in (*KEPT_TABLES, *more):
         if name not in made:
             continue
@@ -136,10 +136,10 @@ def _finished_tables(results: Path) -> list[Path]:
         except DamagedResultError as error:
             problem = str(error)
         else:
-            found.append(path)
+            paths.append(path)
             continue
         raise RefusedError(f"{results} is not finished: {problem}; run the campaign first")
-    return found
+    return paths
 
 
 def differences(campaign: str, results: Path) -> list[str]:
@@ -154,29 +154,29 @@ def differences(campaign: str, results: Path) -> list[str]:
         raise RefusedError(f"{results} has no tables to compare: give a campaign's results")
     if not (kept / VERSIONS).exists():
         raise RefusedError(f"{kept} has no tables to compare with: collect them first")
-    found = []
+    problems = []
     for name in OF_SINGLE_NETWORKS:
         theirs = results / "tables" / f"{name}.csv"
         if not theirs.exists() or not theirs.stat().st_size:
             continue
         if not (kept / f"{name}.csv").exists():
-            found.append(f"{name}: is not kept")
+            problems.append(f"{name}: is not kept")
             continue
         ours, others = (
             pd.read_csv(path, dtype=str, keep_default_na=False)
             for path in (kept / f"{name}.csv", theirs)
         )
         if missing := [str(column) for column in ours if column not in others]:
-            found.append(f"{name}: without {', '.join(missing)}")
+            problems.append(f"{name}: without {', '.join(missing)}")
             continue
-        rows, known = (
+        rows, kept_rows = (
             [",".join(row) for row in table[list(ours)].to_numpy().tolist()]
             for table in (others, ours)
         )
-        unknown = set(rows).difference(known)
-        found += [f"{name}: {row}" for row in rows if row in unknown]
+        unknown = set(rows).difference(kept_rows)
+        problems += [f"{name}: {row}" for row in rows if row in unknown]
         print(f"{name}: {len(rows)} rows looked up", file=sys.stderr)
-    return found
+    return problems
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -194,9 +194,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if chosen.command == "collect":
             collect(chosen.results)
             return 0
-        found = differences(chosen.campaign, chosen.results)
-        print("\n".join(found) or "the same")
-        return 1 if found else 0
+        problems = differences(chosen.campaign, chosen.results)
+        print("\n".join(problems) or "the same")
+        return 1 if problems else 0
     except RefusedError as error:
         print(error, file=sys.stderr)
         return 2

@@ -38,13 +38,15 @@ class Tables:
 
     def _from_file(self, name: str) -> pd.DataFrame:
         if name == "control_intervals":
-            both = self._read("control_strategies"), self._read("control")
-            return pd.DataFrame() if any(one.empty for one in both) else intervals_of_control(*both)
+            strategies, control = self._read("control_strategies"), self._read("control")
+            if strategies.empty or control.empty:
+                return pd.DataFrame()
+            return intervals_of_control(strategies, control)
         path = self.directory / f"{name}.csv"
-        found = read_table(path) if path.exists() and path.stat().st_size else pd.DataFrame()
-        if "forecaster" in found:
-            found["name"] = [name_of(row) for row in found.to_dict("records")]
-        return found
+        table = read_table(path) if path.exists() and path.stat().st_size else pd.DataFrame()
+        if "forecaster" in table:
+            table["name"] = [name_of(row) for row in table.to_dict("records")]
+        return table
 
     def rows(self, name: str, **where: Any) -> pd.DataFrame:
         """Rows of a table whose columns have these values, or one of a list; None: no value."""
@@ -71,7 +73,7 @@ class Tables:
         middle = ends.groupby(keys, dropna=False)[["low", "high"]].median().reset_index()
         return rows.merge(middle, on=keys, how="left")
 
-    def one(self, name: str, metric: str, **where: Any) -> Any:
+    def row(self, name: str, metric: str, **where: Any) -> Any:
         """The one row of `medians` with these values, whose columns are its attributes."""
         rows = self.medians(name, metric, **where)
         if len(rows) != 1:
@@ -82,7 +84,7 @@ class Tables:
     def f(self, case: str, time: float, forecaster: str = "esn", **network: Any) -> float:
         """F-score of a forecaster so many Lyapunov times ahead, in the median over networks."""
         where = {"case": case, "prediction_time_lt": time, "forecaster": forecaster, **network}
-        return float(self.one("classification", "f_score", **where).p50)
+        return float(self.row("classification", "f_score", **where).p50)
 
     def runs(self, name: str, **where: Any) -> pd.DataFrame:
         """Runs of control: a row each, with a column for the value and each end of each metric.
@@ -90,10 +92,10 @@ class Tables:
         ``left``, ``acting``: Remaining share of the exceedance, share of the time under actuation.
         ``condition``, ``means``: Condition and strategy in words.
         """
-        found = self.rows(name, **where)
-        keys = [column for column in found if column not in RESULTS]
+        table = self.rows(name, **where)
+        keys = [column for column in table if column not in RESULTS]
         rows = []
-        for _, run in found.groupby(keys, dropna=False, sort=False):
+        for _, run in table.groupby(keys, dropna=False, sort=False):
             row = {str(key): run[key].iloc[0] for key in keys}
             for metric, value, low, high in run[[*RESULTS]].itertuples(index=False):
                 short = {"relative_exceedance": "left", "control_fraction": "acting"}
@@ -104,8 +106,8 @@ class Tables:
 
     def sizes(self, case: str) -> list[int]:
         """Numbers of neurons of a case's networks, ascending."""
-        found = self.rows("horizon_percentiles", case=case, forecaster="esn")
-        return sorted(int(size) for size in found["neurons"].unique()) if len(found) else []
+        rows = self.rows("horizon_percentiles", case=case, forecaster="esn")
+        return sorted(int(size) for size in rows["neurons"].unique()) if len(rows) else []
 
     def cases(self) -> list[str]:
         """The campaign's cases, in its order."""
@@ -203,9 +205,9 @@ class _Cell(string.Formatter):
 
 def text(template: str, row: Mapping[Any, Any]) -> str:
     """First alternative of a template whose numbers are all known; "" if there is none."""
-    for one in template.split("||"):
+    for part in template.split("||"):
         try:
-            return _Cell().vformat(one, (), row)
+            return _Cell().vformat(part, (), row)
         except _UnknownError:
             continue
     return ""
@@ -231,8 +233,8 @@ def table(head: str, *parts: Part) -> str:
     for row, column, cell in chain(*parts):
         if cells.setdefault(row, {}).setdefault(column, cell) != cell:
             raise ValueError(f"two cells for {row}, {column}: {cells[row][column]} and {cell}")
-    known = {row: of for row, of in cells.items() if any(of.values())}
-    lines = [[row, *(of.get(column, "") for column in columns)] for row, of in known.items()]
+    with_cells = {row: of for row, of in cells.items() if any(of.values())}
+    lines = [[row, *(of.get(column, "") for column in columns)] for row, of in with_cells.items()]
     return markdown([head, *columns], lines)
 
 

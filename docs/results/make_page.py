@@ -1,7 +1,7 @@
 """docs/results.md and a page for each campaign, from tables that were kept: ``make results``.
 
 Pages are the templates in ``pages``, rendered with tables and numbers; no number is typed. Beside
-them are two figures and published_values.csv.
+them are four figures and published_values.csv.
 """
 
 import re
@@ -31,12 +31,12 @@ class UnsupportedError(ValueError):
     """The tables do not support a sentence of the page."""
 
 
-def said(*holds: bool, caller: Callable[[], str]) -> str:
+def supported(*holds: bool, caller: Callable[[], str]) -> str:
     """A sentence that compares, if all of its comparisons hold."""
     sentence = caller()
     if not all(holds):
-        told = ", ".join(str(bool(one)) for one in holds)
-        raise UnsupportedError(f"the tables do not support ({told}): {sentence}")
+        verdicts = ", ".join(str(bool(comparison)) for comparison in holds)
+        raise UnsupportedError(f"the tables do not support ({verdicts}): {sentence}")
     return sentence
 
 
@@ -56,8 +56,8 @@ def wrapped(page: str) -> str:
 
 def trio(tables: Tables, times: tuple[float, ...] = (1.0, 3.0, 5.0)) -> Part:
     """F-scores at some prediction times in a cell, a row for each case."""
-    found = tables.medians("classification", "f_score", prediction_time_lt=list(times))
-    wide = found.pivot_table("p50", ["case", "name"], "prediction_time_lt", sort=False)
+    scores = tables.medians("classification", "f_score", prediction_time_lt=list(times))
+    wide = scores.pivot_table("p50", ["case", "name"], "prediction_time_lt", sort=False)
     return [
         (
             str(case).replace("_", " "),
@@ -103,7 +103,7 @@ def pages() -> dict[Path, str]:
         **vars(kept_tables),
         **vars(comparisons),
         "kept": cache(lambda name: Tables(KEPT / name)),
-        "said": said,
+        "supported": supported,
         "trio": trio,
         "in_units": in_units,
         "readout_of": readout_of,
@@ -115,12 +115,12 @@ def pages() -> dict[Path, str]:
         "concat": partial(pd.concat, ignore_index=True),
     }
     names = (TEMPLATES / "names.jinja").read_text(encoding="utf-8")
-    found = {}
+    texts = {}
     for template in sorted(TEMPLATES.glob("*.md.jinja")):
         name = template.name.removesuffix(".jinja")
         body = environment.from_string(names + template.read_text(encoding="utf-8"))
-        found[(DOCS if name == f"{FINDINGS}.md" else KEPT) / name] = wrapped(body.render())
-    return found
+        texts[(DOCS if name == f"{FINDINGS}.md" else KEPT) / name] = wrapped(body.render())
+    return texts
 
 
 def published_values() -> str:
@@ -136,5 +136,11 @@ if __name__ == "__main__":
         ("readout", drawings.draw_readouts(Tables(KEPT / "readout"))),
         ("late_actuator", drawings.draw_late_actuator(Tables(KEPT / "aware"))),
         ("published_scores", drawings.draw_published_scores(Tables(KEPT / "paper"))),
+        (
+            "forecasters",
+            drawings.draw_forecasters(
+                *(Tables(KEPT / name) for name in ("paper", "readout", "beyond_the_paper"))
+            ),
+        ),
     ):
         (DOCS / "images" / f"{name}.png").write_bytes(render(figure, "png"))

@@ -47,11 +47,10 @@ NAVIGATION = {
     "Run and change": ["installing", "settings", "figures", "tables", "errors", "cluster"],
     "Your data, system, model": [
         *("notebook", "event_forecast", "own_data", "lorenz96", "what_if", "campaign"),
-        *("tutorial_data", "data_recipes", "real_records", "tutorial", "fitzhugh_nagumo", "aware"),
-        "sensors",
+        *("tutorial_data", "data_recipes", "real_records", "tutorial", "sensors", "aware"),
     ],
     "Results and method": [
-        *("results", "related_work", "references", "method", "solver", "performance"),
+        *("results", "related_work", "references", "method", "performance"),
     ],
     "Campaigns": [
         *("results/paper", "results/beyond_the_paper", "results/readout", "results/authors"),

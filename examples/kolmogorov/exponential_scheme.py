@@ -43,7 +43,7 @@ class SemilinearSystem(DynamicalSystem):
         """State one step of ETDRK4 later, both of shape ``(dimension, ...)``."""
         rates = tuple(map(float, self.linear_rates()))
         shape = (-1,) + (1,) * (state.ndim - 1)
-        c = _Coefficients(*(part.reshape(shape) for part in _coefficients(rates, time_step)))
+        c = _Coefficients(*[part.reshape(shape) for part in _coefficients(rates, time_step)])
         now = self.nonlinear(state)
         half = c.half_decay * state
         a = half + c.half_step * now

@@ -263,7 +263,8 @@ class KolmogorovFlow(SemilinearSystem):
             if square <= _LOW
         ]
         phased = ("mean_flow", "triad", "triad_m")
-        return (*low, *(f"{name}_{part}" for part in ("real", "imaginary") for name in phased))
+        parts = [f"{name}_{part}" for part in ("real", "imaginary") for name in phased]
+        return (*low, *parts)
 
     def precursor(self, state: FloatArray) -> FloatArray:
         """Minus the modulus of the amplitude of (1, 0), ``(...)``.

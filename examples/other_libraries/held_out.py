@@ -16,7 +16,7 @@ def with_chosen_options(unfitted, names, training, case, washout_lt):
 
     ``names``: Options that are tuples of values. ``training``: ``(series, time, dimension)``.
     """
-    choices = list(itertools.product(*(getattr(unfitted, name) for name in names)))
+    choices = list(itertools.product(*[getattr(unfitted, name) for name in names]))
     if len(choices) == 1:
         return unfitted
     if len(training) <= HELD_OUT:

@@ -44,7 +44,8 @@ class PySINDy(Forecaster):
         spread = np.concatenate(series).std(axis=0)
         optimizer = STLSQ(threshold=threshold, alpha=1e-6)
         learnt = DiscreteSINDy(optimizer, PolynomialLibrary(degree))
-        before, after = [one[:-1] / spread for one in series], [one[1:] / spread for one in series]
+        before = [states[:-1] / spread for states in series]
+        after = [states[1:] / spread for states in series]
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of terms that are all left out
             learnt.fit(before, 1, x_next=after)

@@ -33,7 +33,9 @@ class Boosting(EventClassifier):
     def probabilities(self, washouts, exogenous=None):
         """Probability of an event in each window, ``(points, windows)``."""
         features = self._features(washouts)
-        return np.stack([one.predict_proba(features)[:, 1] for one in self.classifiers], axis=1)
+        return np.stack(
+            [classifier.predict_proba(features)[:, 1] for classifier in self.classifiers], axis=1
+        )
 
     def record(self):
         """The training data."""

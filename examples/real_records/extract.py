@@ -19,12 +19,12 @@ TRAINING = 20 * 91
 def inside(package: str, path: str) -> Path:
     """Path of a file of an installed package."""
     try:
-        found = Path(str(distribution(package).locate_file(path)))
+        file = Path(str(distribution(package).locate_file(path)))
     except PackageNotFoundError:
         sys.exit(f"{package} is not installed: pip install {package}")
-    if not found.is_file():
+    if not file.is_file():
         sys.exit(f"{package} has no {path} any more: install the version that docs/ names")
-    return found
+    return file
 
 
 def with_cycle(table: pd.DataFrame, unit: str, period: float) -> pd.DataFrame:

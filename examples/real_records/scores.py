@@ -21,7 +21,7 @@ print("|---|---|", "---|" * len(COLUMNS), sep="")
 for (time, alarm), rows in kept.groupby(["prediction_time_lt", "alarm"], sort=False):
     cells = rows.set_index("metric")[["value", "low", "high"]]
     written = [
-        "" if pd.isna(value) else f"{value:z.2f} ({low:z.2f} to {high:z.2f})"
+        "" if pd.isna(value) else f"{value:z.2f} ({low:z.2f}\N{EN DASH}{high:z.2f})"
         for value, low, high in cells.reindex(COLUMNS).itertuples(index=False)
     ]
     print(f"| {alarm} | {time:g} |", " | ".join(written), "|")

@@ -150,22 +150,22 @@ class OpenedCampaign:
 
     def _shelf(self, what: str, forecasters: Iterable[CaseForecaster]) -> Shelf[Forecaster]:
         there = {
-            f"{one.case}/{one.name.identifier}": one
-            for one in forecasters
-            if (self.results / one.directory / "forecaster.nc").exists()
+            f"{member.case}/{member.name.identifier}": member
+            for member in forecasters
+            if (self.results / member.directory / "forecaster.nc").exists()
         }
         return Shelf(what, there, lambda name: self._forecaster(there[name]))
 
-    def _forecaster(self, one: CaseForecaster) -> Forecaster:
-        time_unit = self._campaign.cases[one.case].time_unit
+    def _forecaster(self, member: CaseForecaster) -> Forecaster:
+        time_unit = self._campaign.cases[member.case].time_unit
         settings = _Opened(
-            settings_of_job(self._campaign, _Opened.paths(), one.identity),
-            one.identity,
+            settings_of_job(self._campaign, _Opened.paths(), member.identity),
+            member.identity,
             computed_exponent=exponent_in(f"{self.results}/{time_unit}" if time_unit else ""),
         )
         if "backend" in settings.options:
             settings.options["backend"] = usable_backend(settings.options["backend"])
-        path = str(self.results / one.directory / "forecaster.nc")
+        path = str(self.results / member.directory / "forecaster.nc")
         return settings.read_forecaster(path, settings.divergence_bound)
 
 

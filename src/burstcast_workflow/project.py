@@ -15,8 +15,10 @@ VERSION = "burstcast_workflow.harness.version"
 
 HARNESS = (
     "burstcast_workflow.harness",
-    *("burstcast_workflow.tracking", "burstcast_workflow.project"),
-    *("burstcast.base.files.netcdf", "burstcast.base.files.tables"),
+    "burstcast_workflow.tracking",
+    "burstcast_workflow.project",
+    "burstcast.base.files.netcdf",
+    "burstcast.base.files.tables",
 )
 """Packages and modules that are in no fingerprint: an edit of them would run everything again."""
 
@@ -57,19 +59,16 @@ def source_revision() -> str:
 
 def git_revision(root: Path) -> str:
     """Revision of a working copy, with ``-dirty`` where files that git knows differ from it."""
+
+    def git(*arguments: str) -> str:
+        command = ["git", "-C", str(root), *arguments]
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
     try:
-        top, commit, changed = (
-            subprocess.run(
-                ["git", "-C", str(root), *arguments], capture_output=True, text=True, check=True
-            ).stdout.strip()
-            for arguments in (
-                ["rev-parse", "--show-toplevel"],
-                ["rev-parse", "HEAD"],
-                ["status", "--porcelain", "--untracked-files=no", "--", "."],
-            )
-        )
+        if Path(git("rev-parse", "--show-toplevel")).resolve() != root.resolve():
+            return "unknown"  # a directory inside another repository
+        commit = git("rev-parse", "HEAD")
+        changed = git("status", "--porcelain", "--untracked-files=no", "--", ".")
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
-    if Path(top).resolve() != root.resolve():
-        return "unknown"  # a directory inside another repository
     return f"{commit}-dirty" if changed else commit

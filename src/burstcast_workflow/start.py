@@ -81,8 +81,8 @@ def start(workflow: Any, config: Mapping[str, Any]) -> Started:
             f"this workflow lies beside the sources in {beside}, but Python imports burstcast from "
             f"{packages}, another copy: install the one that you want to run (pip install -e)"
         )
-    own, with_libraries = own_modules(checked), checked["rerun_libraries"]
-    sources = Sources(lambda name: file(f"../scripts/{name}"), packages, own, with_libraries)
+    modules, with_libraries = own_modules(checked), checked["rerun_libraries"]
+    sources = Sources(lambda name: file(f"../scripts/{name}"), packages, modules, with_libraries)
     return Started(checked, place, sources, directories, file)
 
 

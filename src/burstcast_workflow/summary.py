@@ -71,11 +71,9 @@ def summary_table(tables: Mapping[str, Path]) -> pd.DataFrame | None:
     table = pd.DataFrame(columns).dropna(how="all")
     first = next(iter(columns))
     table = table.reset_index().sort_values(first, ascending=False, kind="stable")
-    place = {
-        case: number for number, case in enumerate(sorted(set(table["case"]), key=natural_order))
-    }
+    place = sorted(set(table["case"]), key=natural_order).index
     table = table.sort_values("case", key=lambda cases: cases.map(place), kind="stable")
-    forecasters = [_who(row) for row in table[_KEYS].to_dict("records")]
+    forecasters = [_described(row) for row in table[_KEYS].to_dict("records")]
     table = table.drop(columns=_KEYS[1:])
     table.insert(1, "forecaster", forecasters)
     return table
@@ -83,25 +81,23 @@ def summary_table(tables: Mapping[str, Path]) -> pd.DataFrame | None:
 
 def where_results_lie(results: Path) -> str:
     """Places of existing tables and figures, and the figures to look at first."""
-    found = []
+    places = []
     if any((results / "tables").glob("*.csv")):
-        found.append(f"Tables: {results}/tables/*.csv and *.tex.")
+        places.append(f"Tables: {results}/tables/*.csv and *.tex.")
     figures = results / "figures"
     if any(figures.glob("*.png")):
         first = [name for name in LOOK_FIRST_AT if (figures / f"{name}.png").exists()]
         look = f"; look first at {' and '.join(first)}" if first else ""
-        found.append(f"Figures: {figures}/*.pdf and *.png{look}.")
+        places.append(f"Figures: {figures}/*.pdf and *.png{look}.")
     if (results / "report.html").exists():
-        found.append(f"All on one page: {results}/report.html.")
-    return " ".join(found) or f"Results: {results}"
+        places.append(f"All on one page: {results}/report.html.")
+    return " ".join(places) or f"Results: {results}"
 
 
 def _control(tables: Mapping[str, Path]) -> dict[str, "pd.Series[float]"]:
     """Exceedance without and under control, at the prediction time with the least exceedance."""
-    controlled, uncontrolled = (
-        _medians(tables, "control_percentiles", f"exceedance_{flows}")
-        for flows in ("controlled", "uncontrolled")
-    )
+    controlled = _medians(tables, "control_percentiles", "exceedance_controlled")
+    uncontrolled = _medians(tables, "control_percentiles", "exceedance_uncontrolled")
     if controlled is None or uncontrolled is None:
         return {}
     least = controlled.loc[controlled.groupby(_KEYS)["p50"].idxmin()]
@@ -116,10 +112,12 @@ def _control(tables: Mapping[str, Path]) -> dict[str, "pd.Series[float]"]:
 
 def warnings_summary(tables: Path) -> str:
     """Signs that results are less than they seem, each with what to try; "" if there are none."""
-    found = found_warnings(tables_in(tables))
-    if not found:
+    warnings = found_warnings(tables_in(tables))
+    if not warnings:
         return ""
-    lines = [f"  {one.whose}: {one.finding}. Try: {one.advice}." for one in found]
+    lines = [
+        f"  {warning.whose}: {warning.finding}. Try: {warning.advice}." for warning in warnings
+    ]
     left_out = len(lines) - MOST_WARNINGS
     lines = lines[:MOST_WARNINGS] + ([f"  ... and {left_out} more"] if left_out > 0 else [])
     return "\n".join([f"What to look at twice ({tables / _WARNINGS}.csv):", *lines])
@@ -142,19 +140,19 @@ def found_warnings(tables: Mapping[str, Path]) -> list[FoundWarning]:
     table = _read(tables, _WARNINGS)
     if table is None:
         return []
-    names = ["warning", "finding", "advice", "case"]
-    whose: dict[tuple[str, ...], list[str]] = {}
+    forecasters: dict[tuple[str, ...], list[str]] = {}
     for row in table.astype(object).to_dict("records"):
-        whose.setdefault(tuple(row[name] for name in names), []).append(_who(row))
-    kinds = [kind for kind, *_ in whose]
-    repeated = [kinds[:number].count(kind) > 0 for number, kind in enumerate(kinds)]
-    found = [
-        FoundWarning(
-            ", ".join([case, *filter(None, ["; ".join(filter(None, whom))])]), finding, advice
-        )
-        for (_, finding, advice, case), whom in whose.items()
-    ]
-    return [found[number] for number in np.argsort(repeated, kind="stable")]
+        key = row["warning"], row["finding"], row["advice"], row["case"]
+        forecasters.setdefault(key, []).append(_described(row))
+    first: list[FoundWarning] = []
+    others: list[FoundWarning] = []
+    kinds: set[str] = set()
+    for (kind, finding, advice, case), names in forecasters.items():
+        listed = "; ".join(filter(None, names))
+        whose = f"{case}, {listed}" if listed else case
+        (others if kind in kinds else first).append(FoundWarning(whose, finding, advice))
+        kinds.add(kind)
+    return first + others
 
 
 def _read(tables: Mapping[str, Path], name: str) -> pd.DataFrame | None:
@@ -172,5 +170,5 @@ def _medians(tables: Mapping[str, Path], name: str, metric: str) -> pd.DataFrame
     return None if chosen.empty else chosen
 
 
-def _who(row: Mapping[Hashable, Any]) -> str:
+def _described(row: Mapping[Hashable, Any]) -> str:
     return described(row["forecaster"], row["neurons"], row["validation"])

@@ -12,10 +12,12 @@ import yaml
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
-def unreadable_config(arguments: Sequence[str], own: Path = Path("config.yaml")) -> str | None:
+def unreadable_config(
+    arguments: Sequence[str], workflow_config: Path = Path("config.yaml")
+) -> str | None:
     """Describe the first config file that cannot be read; None if all can be read.
 
-    ``arguments`` are snakemake's; the workflow's ``own`` config need not be there.
+    ``arguments`` are snakemake's; the workflow's own config need not be there.
     """
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("--configfile", "--configfiles", nargs="+", default=[], type=Path)
@@ -27,7 +29,9 @@ def unreadable_config(arguments: Sequence[str], own: Path = Path("config.yaml"))
                 "; --configfile takes all words after it: put targets before it" if number else ""
             )
             return f"--configfile {file}: there is {what} of this name{hint}"
-    for file in [*([own] if own.is_file() else []), *files]:
+    if workflow_config.is_file():
+        files = [workflow_config, *files]
+    for file in files:
         text = ""
         try:
             text = file.read_text(encoding="utf-8")

@@ -54,24 +54,23 @@ def explanation(jobs: Sequence[PlannedJob]) -> str:
     for text, numbers in causes.items():
         whole = _set_off(numbers, users)
         by_jobs.setdefault((whole, ", ".join(sorted(cases[text]))), []).append(text)
-    lines = [
-        f"{'; '.join(sorted(texts))}{f' ({whose})' if whose else ''}: "
-        f"{_counted(jobs[number] for number in sorted(numbers))}"
-        for (numbers, whose), texts in sorted(by_jobs.items(), key=lambda item: -len(item[0][0]))
-    ]
-    rules = f": {_counted(jobs)}" if len(lines) > 1 else ""
-    return "\n".join([*lines, f"in all {len(jobs)} job{'s' * (len(jobs) != 1)}{rules}"])
+    lines = []
+    for (numbers, whose), texts in sorted(by_jobs.items(), key=lambda item: -len(item[0][0])):
+        reason = "; ".join(sorted(texts)) + (f" ({whose})" if whose else "")
+        lines.append(f"{reason}: {_counted(jobs[number] for number in sorted(numbers))}")
+    total = f"in all {len(jobs)} job" if len(jobs) == 1 else f"in all {len(jobs)} jobs"
+    return "\n".join([*lines, f"{total}: {_counted(jobs)}" if len(lines) > 1 else total])
 
 
 def own_causes(job: PlannedJob) -> Iterator[tuple[str, str]]:
     """Text of each cause that lies in the job itself, and the case of a setting of several."""
     reason, _, parameters = job.reason.partition(_PARAMETERS)
     for pattern, text in _REASONS:
-        if found := pattern.search(reason):
-            yield text.format(**found.groupdict()).strip(), ""
+        if match := pattern.search(reason):
+            yield text.format(**match.groupdict()).strip(), ""
     if parameters:
         before, _, now = parameters.partition(" now: ")
-        yield from differences(*(_literals(part) for part in (before, now)))
+        yield from differences(_literals(before), _literals(now))
 
 
 def _literals(text: str) -> list[str]:
@@ -80,9 +79,8 @@ def _literals(text: str) -> list[str]:
 
 def differences(before: Iterable[str], now: Iterable[str]) -> Iterator[tuple[str, str]]:
     """Text of each difference of parameters, and the case that it is of, or ""."""
-    (settings, code, libraries), (settings_now, code_now, libraries_now) = map(
-        _sorted_out, (before, now)
-    )
+    settings, code, libraries = _sorted_out(before)
+    settings_now, code_now, libraries_now = _sorted_out(now)
     for case, path in sorted({*settings, *settings_now}):
         pair = (settings.get((case, path), _NONE), settings_now.get((case, path), _NONE))
         if pair[0] != pair[1]:
@@ -127,7 +125,7 @@ def _leaves(path: str, value: Any) -> Iterator[tuple[tuple[str, str], Any]]:
 
 def _change(before: Any, now: Any) -> str:
     if isinstance(before, list) and isinstance(now, list) and len(before) + len(now) > 4:
-        old, new = (Counter(map(_shown, values)) for values in (before, now))
+        old, new = Counter(map(_shown, before)), Counter(map(_shown, now))
         added = [f"with {value}" for value in (new - old).elements()]
         removed = [f"without {value}" for value in (old - new).elements()]
         if len(added) + len(removed) < min(len(before), len(now)):
@@ -155,12 +153,12 @@ def _users(jobs: Sequence[PlannedJob]) -> list[set[int]]:
 
 def _set_off(first: Iterable[int], users: Sequence[set[int]]) -> frozenset[int]:
     """Jobs, and all that these set off, directly or not."""
-    found, waiting = set(first), [*first]
+    reached, waiting = set(first), [*first]
     while waiting:
-        more = users[waiting.pop()] - found
-        found |= more
+        more = users[waiting.pop()] - reached
+        reached |= more
         waiting += more
-    return frozenset(found)
+    return frozenset(reached)
 
 
 def _counted(jobs: Iterable[PlannedJob]) -> str:

@@ -184,7 +184,7 @@ class TerminalHandler(LogHandlerBase):
         self._stream: TextIO = sys.stdout if self.common_settings.stdout else sys.stderr
         self._live = self._stream.isatty()
         self._labels: dict[int, tuple[str, float]] = {}
-        self._said = time.monotonic()
+        self._written_at = time.monotonic()
         self._progress: Progress | None = None
         self._cores = 1
         self._last_share = 0.0
@@ -277,9 +277,10 @@ class TerminalHandler(LogHandlerBase):
         line, share = self._progress.line(now), self._progress.share(now)
         if self._live:
             width = shutil.get_terminal_size().columns - 1
-            self._stream.write(f"\r\x1b[K{f'{line}  {self._running()}'.strip()[:width]}")
+            text = f"{line}  {self._running()}".strip()
+            self._stream.write(f"\r\x1b[K{text[:width]}")
             self._stream.flush()
-            self._said = time.monotonic()
+            self._written_at = time.monotonic()
         elif (
             share >= self._last_share + SHARE_OF_A_LINE
             or self._progress.finished == self._progress.jobs
@@ -305,7 +306,7 @@ class TerminalHandler(LogHandlerBase):
         """Renew the line of progress, or write one with what runs after a silent minute."""
         assert self._progress is not None
         now = time.monotonic()
-        if self._labels and now - self._said >= _HEARTBEAT[self._live] and not interrupted():
+        if self._labels and now - self._written_at >= _HEARTBEAT[self._live] and not interrupted():
             if self._live:
                 self._show()
             else:
@@ -313,7 +314,7 @@ class TerminalHandler(LogHandlerBase):
 
     def _say(self, text: str) -> None:
         """Write lines that stay, above the line of progress."""
-        self._said = time.monotonic()
+        self._written_at = time.monotonic()
         text = _without_places(text)
         self._stream.write(f"\r\x1b[K{text}\n" if self._live else f"{text}\n")
         self._stream.flush()

@@ -51,9 +51,9 @@ def test_files_and_paths_are_those_of_a_function_and_of_what_makes_its_arguments
 
 
 def test_a_function_is_called_with_what_it_declares_and_with_what_is_given_beside():
-    found = called(whole, SETTINGS.__getitem__, lambda name, file: f"{name} of {file.path}")
+    result = called(whole, SETTINGS.__getitem__, lambda name, file: f"{name} of {file.path}")
     flows, state = "flows of runs/flows.nc", "state of source/ensemble.nc"
-    assert found == [(1.5, "table of case/a.csv"), 3, (1, 2), False, flows, state, None]
+    assert result == [(1.5, "table of case/a.csv"), 3, (1, 2), False, flows, state, None]
     more = called(whole, SETTINGS.__getitem__, lambda name, file: name, extra=7)
     assert more[-1] == 7
     with pytest.raises(KeyError, match="random"):

@@ -8,13 +8,9 @@ from typing import Literal, Optional
 
 import pytest
 
-import burstcast.data.encoders
-import burstcast.forecasters
-from burstcast.base.discovery import checked_values, module_of, own_class
-from burstcast.data.encoders.base import Encoder
-from burstcast.data.encoders.identity import IdentityEncoder
-from burstcast.data.encoders.registry import available_encoders, encoder_class
-from burstcast.forecasters.base import fitted
+from burstcast.base.discovery import checked_values, own_class
+from burstcast.data.encoders.registry import encoder_class
+from burstcast.forecasters.base import Forecaster, fitted
 from burstcast.forecasters.nvar import NVAR
 from burstcast.forecasters.registry import (
     all_kinds,
@@ -26,88 +22,10 @@ from burstcast.forecasters.registry import (
 )
 from burstcast.systems.base import DynamicalSystem
 
-OWN = """
-from dataclasses import dataclass
-
-import numpy as np
-from burstcast.data.encoders.base import Encoder
-from burstcast.data.encoders.identity import IdentityEncoder
-
-
-@dataclass(frozen=True)
-class Moduli(Encoder):
-    @classmethod
-    def fit(cls, training, case):
-        return cls()
-
-    @classmethod
-    def channel_names(cls, case):
-        return tuple(f"modulus_{name}" for name in case.components)
-
-    def encode(self, observed):
-        return np.abs(observed)
-
-
-class Begun(Encoder):
-    def encode(self, observed):
-        return observed
-
-
-LARGEST = 3
-"""
-
-
-@pytest.fixture
-def own_moduli(tmp_path, monkeypatch):
-    """The name of a module that Python finds."""
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(sys, "dont_write_bytecode", True)
-    (tmp_path / "own_moduli.py").write_text(OWN)
-    yield "own_moduli"
-    sys.modules.pop("own_moduli", None)
-
-
-def test_a_class_of_ones_own_is_found_by_module_and_class(own_moduli):
-    found = own_class(f"{own_moduli}:Moduli", Encoder, "encoder")
-    assert found is sys.modules["own_moduli"].Moduli
-    assert encoder_class(f"{own_moduli}:Moduli") is found
-    # a class that the module imports has its name there, too
-    assert encoder_class(f"{own_moduli}:IdentityEncoder") is IdentityEncoder
-    assert "own_moduli:Moduli" not in available_encoders()
-
-
-@pytest.mark.parametrize(
-    ("name", "base", "noun", "message"),
-    [
-        ("own_modul:Moduli", Encoder, "encoder", "there is no module own_modul here or among"),
-        ("own_moduli.deep:Moduli", Encoder, "encoder", r"there is no module own_moduli\.deep"),
-        ("own_moduli:Modul", Encoder, "encoder", r"mean 'Moduli'\?\); its encoders are Moduli, Be"),
-        ("own_moduli:Modul", DynamicalSystem, "system", "has no class Modul; its systems are none"),
-        (
-            "own_moduli:Moduli",
-            DynamicalSystem,
-            "system",
-            r"own_moduli.py\) is no system: it must be a subclass of "
-            r"burstcast\.systems\.base\.DynamicalSystem",
-        ),
-        ("own_moduli:LARGEST", Encoder, "encoder", "LARGEST of own_moduli .* is no encoder"),
-        ("own_moduli:", Encoder, "encoder", "own_moduli .* has no class"),
-        ("own_moduli:Begun", Encoder, "encoder", "Begun of own_moduli lacks channel_names, fit"),
-    ],
-)
-def test_what_is_no_such_class_is_told(own_moduli, name, base, noun, message):
-    with pytest.raises(ValueError, match=message):
-        own_class(name, base, noun)
-
 
 def test_an_unknown_kind_says_how_ones_own_are_named():
     with pytest.raises(ValueError, match=r"mean 'pod'\?\); .* is named <module>:<class>"):
         encoder_class("podd")
-
-
-def test_names_of_modules():
-    assert module_of("pod", burstcast.data.encoders) == "burstcast.data.encoders.pod"
-    assert module_of("own_flows.encoders:Moduli", burstcast.data.encoders) == "own_flows.encoders"
 
 
 # -- forecasters -----------------------------------------------------------------------------------
@@ -165,6 +83,10 @@ def test_a_forecaster_of_ones_own_is_made_with_its_options(own_models):
         "burstcast.forecasters.nvar",
     )
     assert "own_models:Damped" not in all_kinds()
+    # a class that the module imports has its name there, too
+    assert own_class("own_models:NVAR", Forecaster, "forecaster") is NVAR
+    with pytest.raises(ValueError, match="has no class Damed; its systems are none"):
+        own_class("own_models:Damed", DynamicalSystem, "system")
     options = {"lags": 3.0, "rates": [1, 2], "shape": "flat", "depth": 4}
     made = make_forecaster("own_models:Damped", options)
     assert made == own_models.Damped(lags=3, rates=(1.0, 2.0), shape="flat", depth=4)
@@ -182,6 +104,7 @@ def test_a_forecaster_of_ones_own_is_made_with_its_options(own_models):
         ),
         ("own_models:LARGEST", {}, "LARGEST of own_models .* is no forecaster: it must be a sub"),
         ("own_models:np", {}, r"subclass of burstcast\.forecasters\.base\.ForecasterKind"),
+        ("own_models:", {}, "own_models .* has no class"),
         ("own_models:Begun", {}, "Begun of own_models lacks advance, fit"),
         ("own_models:Broken", {}, "own_models:Broken cannot be made: KeyError: 'rate'"),
         ("own_models:Damped", {"lags": 0}, "lags must be 1 at least, not 0"),
@@ -240,11 +163,11 @@ def checked(**values):
     ],
 )
 def test_values_have_the_types_of_their_options(name, given, expected):
-    found = checked(**{name: given})[name]
-    assert found == expected
-    assert type(found) is type(expected)
+    value = checked(**{name: given})[name]
+    assert value == expected
+    assert type(value) is type(expected)
     if isinstance(expected, tuple):
-        assert [type(entry) for entry in found] == [type(entry) for entry in expected]
+        assert [type(entry) for entry in value] == [type(entry) for entry in expected]
 
 
 @pytest.mark.parametrize(

@@ -183,6 +183,6 @@ def test_a_dataclass_of_arrays_is_written_with_what_it_says_of_them(tmp_path):
         assert file["state"].dimensions == ("time", "component")
         assert (file["state"].long_name, file["state"].units) == ("states", "1")
         assert file["time"].units == "time units"
-    found = read_record(tmp_path / "seen.nc", Seen)
-    np.testing.assert_array_equal(found.state, seen.state)
-    assert found.error == 0.25
+    record = read_record(tmp_path / "seen.nc", Seen)
+    np.testing.assert_array_equal(record.state, seen.state)
+    assert record.error == 0.25

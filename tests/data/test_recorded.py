@@ -486,10 +486,6 @@ def matlab(path):
     scipy.io.savemat(path / "raw.mat", {"data": [[1, 2], [3, 4]], "t": [0, 1]})
 
 
-def one_series(path):
-    np.save(path / "raw.npy", [[1.0, 2], [3, 4]])
-
-
 def realisations(path):
     np.save(path / "raw.npy", [[[1.0, 2], [3, 4]]])
 
@@ -498,17 +494,9 @@ TWO = {"u": [1, 3], "v": [2, 4]}
 MINUTES = "time,u\n2020-01-01T00:00,1\n2020-01-01T00:06,2\n2020-01-01T00:15,4\n"
 NEWEST = ",u\n2009-08-02,1\n2009-08-01,2\n"
 CASES = [
-    ("raw.txt: blanks", text("raw.txt", "0 1 2\n1 3 4\n"), "lab.csv", 1, TWO),
     ("raw.csv: Zeit", text("raw.csv", "Zeit;Höhe\n0;1,5\n1;2\n"), "lab.csv", 1, {"Höhe": [1.5, 2]}),
     ("raw.dat:", text("raw.dat", "# u v\n1 2\n3 4\n"), "lab.csv", 0.02, TWO),
     ("raw.txt: YY", buoy, "lab.csv", "1 hour", {"WVHT": [1.5, 1.5, 1.5, NAN, 1.5, 1.5]}),
-    (
-        "raw.csv: date,temp",
-        text("raw.csv", "date,temp\n2010/01/31 23:00,1\n2010/02/01 00:00,2\n"),
-        "lab.csv",
-        "1 hour",
-        {"temp": [1, 2]},
-    ),
     (
         "raw.csv: month",
         text("raw.csv", "month,u\n1749-12,1\n1750-01,2\n"),
@@ -524,7 +512,6 @@ CASES = [
     ("raw.csv: a column run", labelled, "run_a.csv", 1, {"u": [3, 4]}),
     ("raw.csv: daily", daily, "lab.csv", "1 day", {"heat": [*[0] * 1000, *[5] * 500]}),
     ("raw.mat", matlab, "lab.csv", 1, TWO),
-    ("raw.npy: one", one_series, "lab.csv", 0.02, TWO),
     ("raw.npy: many", realisations, "lab.nc", 0.02, TWO),
 ]
 

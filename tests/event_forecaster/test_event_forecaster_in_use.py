@@ -3,14 +3,12 @@
 import inspect
 import math
 import pickle
-import re
 import time
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 from sklearn.utils import estimator_checks
 from sklearn.utils.validation import check_is_fitted
 from test_event_forecaster import SMALL, fit, lorenz
@@ -97,26 +95,6 @@ def test_a_search_that_ended_on_its_edge_warns(series):
     narrow = {**TINY, "calibrate": False, "input_scaling": (9.0, 10.0)}
     with pytest.warns(UserWarning, match=r"input_scaling at its (lower|upper) bound .* beyond it"):
         burstcast.EventForecaster(**narrow).fit(series)
-
-
-# -- pages -----------------------------------------------------------------------------------------
-def test_the_page_names_networks_that_the_demo_has():
-    from snakemake.utils import update_config
-
-    from burstcast_workflow.campaign.campaign import Campaign
-    from burstcast_workflow.campaign.loading import load
-
-    config, preset = (
-        yaml.safe_load((DOCS.parent / name).read_text(encoding="utf-8"))
-        for name in ("config.yaml", "workflow/presets/quick.yaml")
-    )
-    update_config(config, preset)
-    forecasters = Campaign(load(config)).forecasters
-    demo = {f"{member.case}/{member.name.identifier}" for member in forecasters}
-    text = (DOCS / "notebook.md").read_text(encoding="utf-8")
-    named = re.findall(r"campaign\.networks\[\"(.*?)\"\]", text)
-    assert named
-    assert set(named) <= demo
 
 
 # -- one observation at a time ---------------------------------------------------------------------

@@ -8,7 +8,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from burstcast.control.actuation import ActuatorShare, actuated_system, reversed_actuation
-from burstcast.systems.forced import ForcedSystem, forced_system
 from burstcast.systems.integration import integrate
 from exponential_scheme import SemilinearSystem
 from helpers_library import FirstObserved
@@ -68,15 +67,15 @@ def test_the_exponential_scheme_is_exact_where_all_is_linear():
             return np.zeros_like(state)
 
     start = np.array([[1.0], [2.0], [3.0]])
-    found = integrate(Decay(), start, 0.5, 1)[-1]
-    np.testing.assert_allclose(found[:, 0], start[:, 0] * np.exp([0.15, -0.5, -200.0]), rtol=1e-13)
+    states = integrate(Decay(), start, 0.5, 1)[-1]
+    np.testing.assert_allclose(states[:, 0], start[:, 0] * np.exp([0.15, -0.5, -200.0]), rtol=1e-13)
 
 
 # -- a force ---------------------------------------------------------------------------------------
 def test_a_force_on_a_semilinear_system_is_the_same_by_each_way_to_it():
     start, system = np.random.default_rng(6).normal(size=(3, 5)), DampedTriad()
     share = ActuatorShare.of(system, {}, [0.0, 0.0, 300.0])
-    found = [
+    states = [
         integrate(forced, start, 0.02, 40, 40)
         for forced in (
             actuated_system(system, {}, [0.0, 0.0, 150.0]),
@@ -85,27 +84,16 @@ def test_a_force_on_a_semilinear_system_is_the_same_by_each_way_to_it():
             reversed_actuation(system, [0.0, 0.0, -300.0], 0.5),
         )
     ]
-    for other in found[1:]:
-        np.testing.assert_array_equal(other, found[0])
+    for other in states[1:]:
+        np.testing.assert_array_equal(other, states[0])
 
 
 def test_a_force_against_scipy():
     system, force, start = DampedTriad(), np.array([2.0, 0.5, -1.0]), np.array([1.0, 0.6, 0.2])
-    found, free = (
-        integrate(one, start[:, np.newaxis], 0.005, 400, 400)[-1, :, 0]
-        for one in (actuated_system(system, {}, list(force)), system)
+    states, free = (
+        integrate(equations, start[:, np.newaxis], 0.005, 400, 400)[-1, :, 0]
+        for equations in (actuated_system(system, {}, list(force)), system)
     )
     expected = scipys(lambda y: system.right_hand_side(y) + force, 2.0, start, "LSODA", 1e-10)
-    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-7)
-    assert not np.allclose(found, free, atol=1e-3)
-
-
-def test_a_force_is_refused_where_a_class_replaces_the_scheme():
-    class Frozen(DampedTriad):
-        def flow_map(self, state, time_step):
-            return state
-
-    with pytest.raises(ValueError, match="Frozen has an integrator of its own"):
-        forced_system(Frozen(), [1.0, 0.0, 0.0])
-    with pytest.raises(ValueError, match="DampedTriad has an integrator of its own"):
-        ForcedSystem(DampedTriad(), [1.0, 0.0, 0.0])  # of the Runge-Kutta scheme
+    np.testing.assert_allclose(states, expected, rtol=1e-5, atol=1e-7)
+    assert not np.allclose(states, free, atol=1e-3)

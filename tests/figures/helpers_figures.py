@@ -93,9 +93,9 @@ def overlapping_texts(texts: Sequence[DrawnText]) -> list[tuple[str, str]]:
     """Pairs of texts that lie on each other by more than a hair."""
     pairs = []
     for first, second in combinations(texts, 2):
-        one, two = first.frame, second.frame
-        width = min(one.x1, two.x1) - max(one.x0, two.x0)
-        height = min(one.y1, two.y1) - max(one.y0, two.y0)
+        frame, other = first.frame, second.frame
+        width = min(frame.x1, other.x1) - max(frame.x0, other.x0)
+        height = min(frame.y1, other.y1) - max(frame.y0, other.y0)
         if width > 1.5 and height > 1.5:
             pairs.append((first.words, second.words))
     return pairs
@@ -108,22 +108,6 @@ def texts_outside(figure: Figure, texts: Sequence[DrawnText]) -> list[str]:
         for text in texts
         if min(text.frame.min) < -1 or (text.frame.max > figure.bbox.max + 1).any()
     ]
-
-
-def interval_rows(percentiles: pd.DataFrame) -> pd.DataFrame:
-    """Intervals of three networks around the medians of a table of percentiles, and wider."""
-    rest = percentiles.drop(columns=["p25", "p50", "p75", "networks"], errors="ignore")
-    return pd.concat(
-        [
-            rest.assign(
-                seed=seed,
-                low=(0.7 + 0.02 * seed) * percentiles["p50"],
-                high=(1.3 + 0.02 * seed) * percentiles["p50"],
-            )
-            for seed in range(3)
-        ],
-        ignore_index=True,
-    )
 
 
 def as_published(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
@@ -219,6 +203,37 @@ LONG_TERM: dict[str, Any] = {
         long_term_file(0.5, neurons=1000, seed=1),
     ],
 }
+
+
+def search_rows() -> pd.DataFrame:
+    """A search whose objective is least near (0.3, 2), with two Tikhonov parameters a point."""
+    grid = [("grid", *point) for point in product((0.1, 0.3, 1.0), (0.1, 1.0, 10.0))]
+    rows = []
+    for source, radius, scaling in [*grid, ("bayesian", 0.3, 2.0), ("bayesian", 0.5, 3.0)]:
+        distance = np.log10(radius / 0.3) ** 2 + np.log10(scaling / 2.0) ** 2
+        for tikhonov, worse in ((1e-6, 0.5), (1e-9, 0.0)):
+            rows.append((source, radius, scaling, tikhonov, distance - 4.0 + worse))
+    columns = ["source", "spectral_radius", "input_scaling", "tikhonov", "objective"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def growing_errors() -> dict[str, Any]:
+    """Forecasts whose errors grow by e in a Lyapunov time, from less for larger networks."""
+    generator = np.random.default_rng(1)
+    truth, signs = generator.normal(0.0, 1.0, (200, 8)), generator.choice([-1.0, 1.0], (200, 8))
+    time_lt = 0.5 * np.arange(1, 9)
+    forecasts = []
+    for size, seed in product((500, 1000, 1500, 2000, 3000), range(3)):
+        errors = (1.0 + 0.1 * seed) * 10 / size * np.exp(time_lt)
+        name = f"esn-N{size}-RV-seed{seed}"
+        forecasts.append({"forecaster": name, "first": truth + signs * errors})
+    others = [{"forecaster": "esn-N500-SSV-seed0", "first": truth}]
+    return {
+        "truth": truth,
+        "forecasts": forecasts + others,
+        "summary": {"mean_observable": 0.0},
+        **{"threshold": 1.0, "tolerance": 0.2, "resolution_lt": 0.5, "validation": "RV"},
+    }
 
 
 def ranking_rows() -> pd.DataFrame:
@@ -386,11 +401,11 @@ def parameter_rows() -> dict[str, list[pd.DataFrame]]:
             f_score = score - 0.1 * (time - 1) - 1e-4 * (value - 400)
             scores.append((case, kind, time, "f_score", *around(f_score, 0.05, 0.04)))
     keys = ["case", "forecaster", "prediction_time_lt"]
-    found = pd.DataFrame(scores, columns=[*keys, "metric", "f_score", "low", "high"])
+    f_scores = pd.DataFrame(scores, columns=[*keys, "metric", "f_score", "low", "high"])
     escape = [f"escape_rate{end}" for end in ("", "_low", "_high")]
     tables = {
-        "scores": found[[*keys, "f_score"]],
-        "intervals": found.drop(columns="f_score"),
+        "scores": f_scores[[*keys, "f_score"]],
+        "intervals": f_scores.drop(columns="f_score"),
         "survivals": pd.DataFrame(rates, columns=[*keys[:2], *escape]),
     }
     return {name: [rows.assign(neurons=np.nan)] for name, rows in tables.items()}
@@ -484,11 +499,11 @@ def reliability_rows() -> pd.DataFrame:
     rows = []
     for (kind, good), probability in product(ALARMS.items(), ("calibrated", "votes")):
         levels = {"esn_committee": 11, "esn": 0, "climatology": 1}.get(kind, 2)
-        told = np.linspace(0, 10, levels).astype(int)
+        bins_used = np.linspace(0, 10, levels).astype(int)
         size = SIZE if kind == "esn_committee" else NO_SIZE
         keys = {"case": "Re400", "forecaster": kind, "probability": probability, **size}
         for number, mean in enumerate(np.linspace(0, 1, 11)):
-            count = (7000 if number == 0 else 40) if number in told else 0
+            count = (7000 if number == 0 else 40) if number in bins_used else 0
             shown = {
                 "mean_probability": mean,
                 "observed_frequency": mean * (good if probability == "votes" else 0.95),
@@ -545,6 +560,8 @@ ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
         **{"inputs": 9, "neurons": 2000, "connectivity": 20, "input_bias": 0.1},
         "hyperparameters": {"spectral_radius": 0.29, "input_scaling": 0.33, "tikhonov": 1e-9},
     },
+    "hyperparameter_search": lambda: {"trace": search_rows()},
+    "error_growth": growing_errors,
     "prediction_schematic": lambda: {
         **{"examples": EXAMPLES, "threshold": THRESHOLD, "symbol": "k"},
         **{"prediction_time_lt": 2.0, "washout_lt": 0.5, "window_lt": 1.0},
@@ -564,8 +581,7 @@ ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
         **{"examples": EXAMPLES, "threshold": THRESHOLD, "washout_lt": 0.5, "symbol": "k"}
     },
     "horizon_by_size": lambda: {
-        "percentiles": (rows := percentile_rows({"mean_horizon_lt": 4.5})),
-        "intervals": interval_rows(rows),
+        "percentiles": percentile_rows({"mean_horizon_lt": 4.5}),
     },
     "by_reynolds": lambda: {
         "horizons": [reynolds_rows("mean_horizon_lt", None)],
@@ -586,14 +602,12 @@ ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
     "profile_errors": lambda: {
         **LONG_TERM,
         **{name: FLOW[name] for name in ("system", "parameters")},
-        "percentiles": (rows := statistics_rows()),
-        "intervals": interval_rows(rows),
+        "percentiles": statistics_rows(),
         "points": 21,
     },
     "long_term_density": lambda: {
         **LONG_TERM,
-        "percentiles": (rows := statistics_rows()),
-        "intervals": interval_rows(rows),
+        "percentiles": statistics_rows(),
         "threshold": THRESHOLD,
         **NAMED,
     },

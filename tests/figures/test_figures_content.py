@@ -1,5 +1,6 @@
 """What the figures show is what they were given."""
 
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -20,21 +21,22 @@ from helpers_figures import (
     drawn,
     drawn_texts,
     frontier_rows,
-    interval_rows,
+    growing_errors,
     overlapping_texts,
     own_flow,
     percentile_rows,
     plane_event,
     plane_states,
+    ranking_rows,
     reliability_rows,
     reynolds_rows,
     score_rows,
+    search_rows,
     statistics_rows,
 )
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
+from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from sklearn.decomposition import PCA
 
 from burstcast.data.encoders.base import EncodingCase
@@ -42,10 +44,16 @@ from burstcast.data.encoders.pod import PodEncoder
 from burstcast.figures.control_tradeoff import over_flows
 from burstcast.figures.encoder_loss import kept
 from burstcast.figures.parts import medians
-from burstcast.figures.parts.alarm_scores import alarms_shown, median_network, times_shown
+from burstcast.figures.parts.alarm_scores import alarms_shown, median_networks, times_shown
 from burstcast.figures.parts.frame import axis_floor, axis_limits, observable_label, true_runs
-from burstcast.figures.parts.looks import ordered_validations, validation
-from burstcast.figures.parts.style import BLUE, columns_that_fit, render
+from burstcast.figures.parts.looks import (
+    controller_lines,
+    families,
+    forecaster_lines,
+    ordered_validations,
+    validation,
+)
+from burstcast.figures.parts.style import label_ends, new_figure, render
 from burstcast.figures.reliability import FEW_FORECASTS
 from burstcast.forecasters._labels import forecaster_label
 from kolmogorov_flow import KolmogorovFlow
@@ -68,8 +76,6 @@ def scores_of(table: pd.DataFrame, **changes: Any) -> Figure:
 
 
 def horizons_of(table: pd.DataFrame, **changes: Any) -> Figure:
-    networks = table[table["forecaster"] == "esn"]
-    changes = {"intervals": interval_rows(networks), **changes}
     return drawn("horizon_by_size", percentiles=table, **changes)
 
 
@@ -89,7 +95,10 @@ def test_scores_adapt_to_the_campaign(
 ) -> None:
     table = percentile_rows(SCORES, sizes, validations, PREDICTION_TIMES)
     figure = scores_of(table)
-    assert len(figure.axes) == (9 if len(sizes) > 1 else 3)
+    assert len(figure.axes) == 3 * min(len(sizes), 3)
+    if len(sizes) > 4:  # of six sizes, the smallest, the largest, and two between them
+        labels = figure.axes[8].get_legend_handles_labels()[1]
+        assert labels == ["500", "1500", "2000", "3000"]
     for name in validations:
         chosen = medians.select(table, metric="precision", validation=name, neurons=500.0)
         assert lines_with(figure.axes[0], list(chosen["p50"])) == 1
@@ -128,33 +137,14 @@ def test_other_networks_are_drawn_at_their_sizes() -> None:
     others = networks[networks["validation"] == "RV"].assign(forecaster="esn_true_washout")
     others["p50"] = [1.25, 1.75]
     both = pd.concat([networks, others])
-    figure = horizons_of(both, intervals=interval_rows(both))
+    figure = horizons_of(both)
     (line,) = [
         line for line in figure.axes[0].get_lines() if line.get_label() == "network, true washout"
     ]
     assert line.get_xydata().tolist() == [[500.0, 1.25], [1000.0, 1.75]]
-    bars = [
-        [shown.get_segments() for shown in one.axes[0].collections if shown.get_gid()]
-        for one in (figure, horizons_of(networks))
-    ]
-    assert bars[0]
-    np.testing.assert_array_equal(*bars)
     scores = percentile_rows(SCORES, prediction_times=PREDICTION_TIMES)
     figure = scores_of(pd.concat([scores, scores.assign(forecaster="esn_true_washout", p50=0.25)]))
     assert lines_with(figure.axes[0], [0.25] * len(PREDICTION_TIMES)) == 2
-
-
-def test_references_have_a_column_of_the_legend_for_their_long_names():
-    kinds = ("esn_aware", "quadratic", "quadratic_aware", "quadratic_aware_filtered")
-    metric = {"metric": "mean_horizon_lt", "p25": 4.4, "p50": 4.4, "p75": 4.4}
-    rows = [{"forecaster": kind, "neurons": np.nan, "validation": None, **metric} for kind in kinds]
-    rows.append({"forecaster": "esn", "neurons": 1000.0, "validation": "RV", **metric})
-    figure = horizons_of(pd.DataFrame(rows).assign(case="Re400"))
-    frames = {text.words: text.frame for text in drawn_texts(figure)}
-    columns = [frames[forecaster_label(kind)].x0 for kind in kinds]
-    assert columns == pytest.approx([columns[0]] * 4)
-    assert frames["RV"].x0 == pytest.approx(frames["interval of one network"].x0)
-    assert frames["RV"].x0 > max(frames[forecaster_label(kind)].x1 for kind in kinds)
 
 
 # -- published values ------------------------------------------------------------------------------
@@ -213,6 +203,35 @@ def test_published_reductions_are_those_of_networks() -> None:
     assert lines_with(figure.axes[0], [1 - 0.3 / 1.02] * 3) == 1
     assert "published" in texts(figure)
     assert "published" not in texts(drawn("control_tradeoff"))
+
+
+# -- the search, and the growth of errors ----------------------------------------------------------
+
+
+def test_the_search_shows_the_best_objective_of_each_point_and_marks_the_least() -> None:
+    axes = drawn("hyperparameter_search").axes[0]
+    grid, bayesian = [shown for shown in axes.collections if isinstance(shown, PathCollection)]
+    assert len(grid.get_offsets()) == 9
+    assert bayesian.get_offsets().tolist() == [[0.3, 2.0], [0.5, 3.0]]
+    assert float(np.min(bayesian.get_array())) == -4.0
+    assert [line.get_xydata().tolist() for line in axes.get_lines()] == [[[0.3, 2.0]]]
+    line = search_rows().query("spectral_radius == 0.3")
+    assert drawn("hyperparameter_search", trace=line).axes  # of one spectral radius: no shades
+
+
+def test_errors_grow_as_they_do_and_forecasts_are_valid_until_they_are_too_large() -> None:
+    figure = drawn("error_growth")
+    error, valid = figure.axes
+    assert [text.get_text() for text in valid.texts] == [
+        f"{size} neurons" for size in (500, 1000, 2000, 3000)
+    ]
+    time_lt = 0.5 * np.arange(1, 9)
+    truth = growing_errors()["truth"]
+    unrelated = np.median(np.abs(truth - np.roll(truth, 100, axis=0)))
+    assert lines_with(error, list(1.1 * 10 / 2000 * np.exp(time_lt) / unrelated)) == 1
+    # errors of all starting points are the same: all are valid, or none
+    for size in (500, 2000):
+        assert lines_with(valid, list(1.1 * 10 / size * np.exp(time_lt) <= 0.2)) == 1
 
 
 # -- Reynolds numbers ------------------------------------------------------------------------------
@@ -282,16 +301,14 @@ def test_published_values_by_reynolds_are_those_that_we_have_as_well() -> None:
 # -- probabilities ---------------------------------------------------------------------------------
 
 
-def test_single_networks_are_medians_of_scores_and_ends_and_others_as_they_are() -> None:
+def test_networks_that_differ_by_seeds_are_medians_of_scores_and_ends():
     rows = alarm_rows("prediction_time_lt", (1.0, 2.0))
-    median = median_network(rows, "prediction_time_lt")
-    single = rows[rows["forecaster"] == "esn"]
-    at_two = single.loc[single["prediction_time_lt"] == 2.0, ["value", "low", "high"]]
-    shown = median[(median["forecaster"] == "esn") & (median["prediction_time_lt"] == 2.0)]
-    expected = at_two.median().to_numpy()
-    np.testing.assert_allclose(shown[["value", "low", "high"]].to_numpy()[0], expected)
-    others = rows[rows["forecaster"] != "esn"].reset_index(drop=True)
-    pd.testing.assert_frame_equal(median[median["forecaster"] != "esn"], others)
+    medians_of = median_networks(rows, "prediction_time_lt").set_index(["forecaster"])
+    for kind in ("esn", "equations"):
+        at_two = rows[(rows["forecaster"] == kind) & (rows["prediction_time_lt"] == 2.0)]
+        expected = at_two[["value", "low", "high"]].median().to_numpy()
+        shown = medians_of.loc[kind].query("prediction_time_lt == 2")[["value", "low", "high"]]
+        np.testing.assert_allclose(shown.to_numpy()[0], expected)
 
 
 def test_alarms_of_one_size_and_strategy_and_of_everybody_else_are_shown() -> None:
@@ -310,13 +327,37 @@ def test_prediction_times_that_are_not_in_the_table_are_not_shown() -> None:
     assert times_shown(table, [3.0]) == [2.0]
 
 
-def test_everybody_has_a_curve_of_skill() -> None:
+def test_every_forecaster_has_a_curve_of_skill_beside_three_others_at_most() -> None:
     scores = score_rows("f_score", "brier_skill")
     votes = scores.assign(probability="votes", value=scores["value"] / 2)
-    committee = scores[(scores["forecaster"] == "esn_committee") & (scores["metric"] == "f_score")]
-    for panel in drawn("forecast_skill", scores=pd.concat([scores, votes])).axes:
-        assert lines_with(panel, committee["value"].tolist()) == 1
-        assert len(panel.get_lines()) == scores["forecaster"].nunique()
+    new = scores[scores["forecaster"] == "analogues"].assign(forecaster="lstm", value=0.42)
+    everything = pd.concat([scores, votes, new])
+    figure = drawn("forecast_skill", scores=everything)
+    curves = [len(axes.get_lines()) for axes in figure.axes]
+    assert max(curves) <= 4
+    assert sum(curves) == 2 * everything["forecaster"].nunique()
+    for kind in ("equations_filtered", "lstm"):
+        values = everything[
+            (everything["forecaster"] == kind)
+            & (everything["metric"] == "f_score")
+            & (everything["probability"] == "calibrated")
+        ]["value"]
+        assert sum(lines_with(axes, list(values)) for axes in figure.axes[::2]) == 1
+    assert {forecaster_label(kind) for kind in everything["forecaster"]} <= set(texts(figure))
+
+
+def test_a_new_kind_of_forecaster_looks_like_no_other() -> None:
+    kinds = ["equations_noisy", "persistence", "lstm", "transformer"]
+    lines = forecaster_lines(kinds)
+    assert list(lines) == kinds
+    assert len({(str(line["color"]), str(line["linestyle"])) for line in lines.values()}) == 4
+    controllers = controller_lines([*kinds, "esn", "random"])
+    assert len({(line["color"], line["marker"]) for line in controllers.values()}) == 6
+    assert families(kinds) == [
+        ("equations", ["equations_noisy"]),
+        ("other forecasters", ["lstm", "transformer"]),
+        ("without a forecast", ["persistence"]),
+    ]
 
 
 def test_reliability_is_drawn_of_those_who_tell_probabilities() -> None:
@@ -365,10 +406,12 @@ def test_bars_of_control_are_intervals_over_flows():
     )
     late = strategies.assign(delay_lt=1.0, low=9.0, high=9.9)  # another strategy than the paper's
     all_strategies = pd.concat([strategies, late])
-    found = over_flows(quartiles, all_strategies).set_index("metric")
-    assert found.loc["reduction", ["p25", "p75"]].tolist() == pytest.approx([1 - 1.37, 1 - 0.91])
-    assert found.loc["control_fraction", ["p25", "p75"]].tolist() == [0.08, 0.11]
-    assert found["p50"].tolist() == quartiles["p50"].tolist()
+    intervals = over_flows(quartiles, all_strategies).set_index("metric")
+    assert intervals.loc["reduction", ["p25", "p75"]].tolist() == pytest.approx(
+        [1 - 1.37, 1 - 0.91]
+    )
+    assert intervals.loc["control_fraction", ["p25", "p75"]].tolist() == [0.08, 0.11]
+    assert intervals["p50"].tolist() == quartiles["p50"].tolist()
     shown = quartiles.assign(p50=-0.1)
     figure = drawn("control_tradeoff", percentiles=shown, strategies=all_strategies)
     # the bar holds zero, which quartiles of three networks exclude
@@ -376,32 +419,45 @@ def test_bars_of_control_are_intervals_over_flows():
     assert bars[0, 1] < 0 < bars[1, 1]
 
 
+def curve_of(axes: Axes, label: str) -> np.ndarray:
+    """Points of a curve with bars: positions and values, ``(2, points)``."""
+    (bars,) = (bars for bars in axes.containers if bars.get_label() == label)
+    return np.transpose(bars.lines[0].get_xydata())
+
+
 def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_conditions() -> None:
     figure = drawn("control_frontier")
     rules, frontier, by_delay, by_strength, by_noise = figure.axes
-    assert "delay" in by_delay.get_xlabel().lower()
-    # of the network, along the horizon, with decisions every 0.25 LT
-    curves = [line for line in frontier.get_lines() if line.get_linestyle() != "None"]
-    (slow,) = (line for line in curves if line.get_xdata()[0] == 0.125 and line.get_color() == BLUE)
-    assert list(slow.get_xdata()) == pytest.approx([0.125, 0.0625, 0.0375])
-    assert list(slow.get_ydata()) == pytest.approx([4e-2, 2e-3, 0.0])
-    # rules have a panel of their own
-    assert lines_with(rules, [0.01, 0.06]) > 0
-    assert lines_with(frontier, [0.01, 0.06]) == 0
+    names = ("reactive", "the paper's strategy, network", "receding horizon, network")
+    committee = "receding horizon, committee of networks"
+    assert {*names, committee, "interval over flows"} <= set(texts(figure))
+    # the run that leaves nothing and acts least betters all others; a small marker is any run
+    assert curve_of(frontier, names[2]).tolist() == [pytest.approx([0.033]), [0.0]]
+    assert curve_of(frontier, committee).tolist() == [pytest.approx([0.025]), [0.0]]
+    assert lines_with(frontier, [4e-2, 4e-2, 2e-3, 2e-3, 0.0, 0.0]) == 1
+    # rules have a panel of their own, and no run of theirs betters another
+    np.testing.assert_allclose(curve_of(rules, "reactive"), [[0.24, 0.5], [0.06, 0.01]])
     # the runs without delay belong to the curve over delays
-    assert lines_with(by_delay, [2e-3, 4e-2, 4e-2]) == 1
-    assert lines_with(by_strength, [4e-2, 4e-2, 2e-3]) == 1
-    assert lines_with(by_noise, [2e-3, 4e-2, 4e-2]) == 1
-    # nothing left has a place on the axis, and the bound above it
+    for panel, shares in (
+        (by_delay, [2e-3, 4e-2, 4e-2]),
+        (by_strength, [4e-2, 4e-2, 2e-3]),
+        (by_noise, [2e-3, 4e-2, 4e-2]),
+    ):
+        np.testing.assert_allclose(curve_of(panel, names[2])[1], shares)
+    assert "delay" in by_delay.get_xlabel().lower()
+    # nothing left has a place on the axis
     low, high = frontier.get_ylim()
     assert low < 0 < high
-    said = set(texts(figure))
-    assert {"reactive", "echo state network", "interval over flows"} <= said
-    assert "receding horizon, 2 LT" in said
-    # a committee beside them, and by what share of the votes it acts
-    (voted,) = (line for line in curves if list(line.get_xdata()) == [0.045, 0.025])
-    assert list(voted.get_ydata()) == [5e-4, 0.0]
-    assert {"committee of networks", "receding horizon, every 0.25 LT, 0.5 of the votes"} <= said
+
+
+def test_of_many_forecasters_those_with_most_runs_are_shown() -> None:
+    table = frontier_rows()
+    few = table[(table["forecaster"] == "equations") & (table["strategy"] == "receding_horizon")]
+    few = few[few["horizon_lt"] == 3.0]
+    others = [few.assign(forecaster=f"kind{number}") for number in range(3)]
+    for axes in drawn("control_frontier", scores=pd.concat([table, *others])).axes:
+        assert len(axes.containers) <= 4
+        assert "receding horizon, kind2" not in [bars.get_label() for bars in axes.containers]
 
 
 def test_the_frontier_of_strategies_that_act_as_often_has_ticks() -> None:
@@ -430,8 +486,8 @@ def test_the_frontier_leaves_out_other_spans_starts_spells_of_quiet_and_networks
 def test_the_frontier_tells_apart_what_is_observed() -> None:
     table = frontier_rows()
     seen = table.assign(observed=None), table.assign(observed="modes_4", value=0.5 * table["value"])
-    said = " ".join(texts(drawn("control_frontier", scores=pd.concat(seen))))
-    assert "observed modes 4" in said
+    shown = texts(drawn("control_frontier", scores=pd.concat(seen)))
+    assert {"reactive", "reactive, observed modes 4"} <= set(shown)
 
 
 def test_strategies_under_one_condition_alone_are_not_compared_under_several() -> None:
@@ -448,8 +504,8 @@ def test_conditions_are_shown_where_nothing_ran_under_the_usual_ones() -> None:
     plain = weak[weak["delay_lt"] == 0].drop_duplicates(
         ["forecaster", "strategy", "metric", "strength"]
     )
-    (axes,) = drawn("control_frontier", scores=plain).axes
-    assert axes.get_xlabel() == "Strength of the actuator"
+    panels = drawn("control_frontier", scores=plain).axes
+    assert {axes.get_xlabel() for axes in panels} == {"Strength of the actuator"}
 
 
 @pytest.mark.parametrize("name", ["control_frontier", "control_tradeoff"])
@@ -561,17 +617,17 @@ NOTHING = {
 
 @pytest.mark.parametrize("name", NOTHING)
 def test_a_figure_of_what_did_not_occur_says_so(name: str) -> None:
-    (said,) = texts(drawn(name, **NOTHING[name]))
-    assert said.startswith("No ")
+    (reason,) = texts(drawn(name, **NOTHING[name]))
+    assert reason.startswith("No ")
 
 
 def test_densities_of_no_flow_say_so() -> None:
     table = ARGUMENTS["control_density"]()["densities"][0]
     names = [name for name in table if name.startswith("density")]
-    (said,) = texts(
+    (reason,) = texts(
         drawn("control_density", densities=[table.assign(**dict.fromkeys(names, np.nan))])
     )
-    assert said.startswith("No flow was free of events")
+    assert reason.startswith("No flow was free of events")
 
 
 def test_strategies_come_in_the_papers_order() -> None:
@@ -587,49 +643,19 @@ def test_the_network_schematic_prints_the_numbers_in_use() -> None:
 # -- bands and bars --------------------------------------------------------------------------------
 
 
-def test_bars_are_the_intervals_of_single_networks():
-    table = percentile_rows({"mean_horizon_lt": 4.5}, validations=("RV",))
-    intervals = interval_rows(table)
-    (axes,) = horizons_of(table).axes
-    bars = [
-        collection.get_segments()
-        for collection in axes.collections
-        if isinstance(collection, LineCollection)
-    ]
-    (segments,) = (found for found in bars if len(found) == table["neurons"].nunique())
-    expected = intervals.groupby("neurons")[["low", "high"]].median()
-    np.testing.assert_allclose([segment[:, 1] for segment in segments], expected.to_numpy())
-    np.testing.assert_allclose([segment[0, 0] for segment in segments], expected.index)
-
-
-def test_quartiles_of_one_network_are_no_band():
+def test_quartiles_of_one_network_are_no_band_and_two_sizes_are_no_line():
     rows = pd.DataFrame({"neurons": [100.0, 200.0, 300.0], "p50": [0.5, 0.6, 0.7]})
-    for spread, entries in ((0.1, 1), (0.0, 0)):
+    for count, spread, entries, joined in (
+        (3, 0.1, 1, True),
+        (3, 0.0, 0, True),
+        (2, 0.1, 1, False),
+    ):
         axes = Figure().subplots()
         quartiles = rows.assign(p25=rows["p50"] - spread, p75=rows["p50"] + spread)
-        medians.draw(axes, quartiles, "neurons", validation("RV"))
+        medians.draw(axes, quartiles.iloc[:count], "neurons", validation("RV"))
         assert len(medians.spread_handles([axes])) == entries
-        assert lines_with(axes, [0.5, 0.6, 0.7]) == 1
-
-
-def test_two_sizes_are_not_joined_by_a_line():
-    rows = pd.DataFrame({"neurons": [300, 700, 900], "p25": 0.1, "p50": 0.2, "p75": 0.3})
-    for count, joined in ((2, False), (3, True)):
-        axes = Figure().subplots()
-        medians.draw(axes, rows.iloc[:count], "neurons", validation("RV"))
+        assert lines_with(axes, [0.5, 0.6, 0.7][:count]) == 1
         assert (axes.lines[0].get_linestyle() != "None") is joined
-
-
-def test_an_axis_holds_the_intervals_of_single_networks():
-    axes = Figure().subplots()
-    ends = {"low": [0.1, 0.2], "high": [0.8, 0.9]}
-    keys = {"forecaster": "esn", "neurons": [100.0, 200.0], "metric": "f_score", "validation": "RV"}
-    axes.plot([100.0, 200.0], [0.5, 0.5])
-    rows = pd.DataFrame({**keys, **ends})
-    medians.draw_single_intervals(axes, rows, "f_score", "RV", validation("RV"))
-    low, high = axes.get_ylim()
-    assert low < 0.1
-    assert high > 0.9
 
 
 def test_errors_beside_each_other_have_axes_of_one_kind() -> None:
@@ -641,14 +667,18 @@ def test_errors_beside_each_other_have_axes_of_one_kind() -> None:
         assert [panel.get_yscale() for panel in panels] == [scale] * 3
 
 
-def test_a_legend_has_as_many_columns_as_have_room():
-    def handles(*lengths):
-        return [Line2D([], [], label="x" * length) for length in lengths]
-
-    assert columns_that_fit(handles(10, 10, 10), 3) == 3
-    assert columns_that_fit(handles(60, 60, 60), 3) == 2
-    assert columns_that_fit(handles(60, 60, 10, 10, 10, 10), 3) == 3  # short ones beside long ones
-    assert columns_that_fit(handles(90, 90, 90), 3) == 1
+def test_labels_at_the_ends_of_curves_lie_at_their_heights_and_not_on_each_other():
+    figure = new_figure(3.4, 2.4)
+    axes = figure.subplots()
+    for label, end in (("low", 0.2), ("high", 0.9), ("higher", 0.91), ("ends sooner", np.nan)):
+        axes.plot([0, 1, 2], [0.0, 0.5, end], label=label)
+    axes.set_ylim(0, 1)
+    label_ends(figure, [axes])
+    heights = {text.get_text(): text.xy[1] for text in axes.texts}
+    assert heights["low"] == pytest.approx(0.2)
+    assert heights["ends sooner"] == pytest.approx(0.5)
+    assert heights["high"] < 0.9 < 0.91 < heights["higher"]
+    assert overlapping_texts(drawn_texts(figure)) == []
 
 
 # -- the networks' own flow ------------------------------------------------------------------------
@@ -707,13 +737,15 @@ def test_all_modes_hold_all_and_few_leading_ones_what_their_coefficients_say():
         states, EncodingCase(flow, {"modes": flow.dimension, "symmetrised": False})
     )
     numbers = np.array([1, 5, flow.dimension])
-    found = kept(encoder, flow, states[0].T, numbers)
-    assert [found[name][-1] for name in found] == pytest.approx([1.0, 1.0, 1.0])
+    shares = kept(encoder, flow, states[0].T, numbers)
+    assert [shares[name][-1] for name in shares] == pytest.approx([1.0, 1.0, 1.0])
     pca = PCA().fit(states[0])
     np.testing.assert_allclose(
-        found["variance"], np.cumsum(pca.explained_variance_ratio_)[numbers - 1]
+        shares["variance"], np.cumsum(pca.explained_variance_ratio_)[numbers - 1]
     )
-    for number, mean, correlation in zip(numbers, found["mean"], found["correlation"], strict=True):
+    for number, mean, correlation in zip(
+        numbers, shares["mean"], shares["correlation"], strict=True
+    ):
         few = PCA(number).fit(states[0])
         decoded = flow.observable(few.inverse_transform(few.transform(states[0])).T)
         true = flow.observable(states[0].T)
@@ -751,10 +783,10 @@ def test_burst_forecast_decodes_channels_and_finds_the_true_state_in_its_series(
 
 
 def test_lost_skill_draws_onsets_of_committees_and_says_each_alarm_once():
-    equations, learnt = drawn("lost_skill").axes
-    labels = [[bars.get_label() for bars in axes.containers] for axes in (equations, learnt)]
-    assert labels[0] == ["flow: equations, true state", "sensors: equations, filtered"]
-    assert labels[1] == [
+    equations, others = drawn("lost_skill").axes
+    labels = [[bars.get_label() for bars in axes.containers] for axes in (equations, others)]
+    assert labels[0] == ["flow: true state", "sensors: filtered"]
+    assert [" ".join(label.split()) for label in labels[1]] == [
         "published precursor",
         "invariants: committee of networks, 50 neurons",
         "invariants: network, 90 neurons",
@@ -764,3 +796,17 @@ def test_lost_skill_draws_onsets_of_committees_and_says_each_alarm_once():
     line = equations.containers[0].lines[0]
     np.testing.assert_allclose(line.get_xdata(), [0.5, 1, 2])
     np.testing.assert_allclose(line.get_ydata(), 0.9 * np.exp(-0.3 * np.array([0.5, 1, 2])))
+
+
+def test_lost_skill_shows_each_kind_at_its_best_and_four_curves_in_a_panel():
+    table = ranking_rows()
+    now = table[(table["alarm"] == "observable_now") & (table["case"] == "flow")]
+    more = [
+        now.assign(alarm=f"kind{number}", forecaster=f"kind{number}", case=case)
+        for number, case in product(range(2), ("flow", "sensors"))
+    ]
+    more[0]["value"] += 0.01  # the first is better in the flow
+    figure = drawn("lost_skill", tables=[table, *more])
+    assert [len(axes.containers) for axes in figure.axes] == [2, 4, 2]
+    assert "flow: kind0" in texts(figure)
+    assert "sensors: kind0" not in texts(figure)

@@ -227,8 +227,8 @@ def test_control_is_compared_under_the_conditions_of_the_paper():
     equations = {"forecaster": "equations", "neurons": np.nan, "validation": np.nan}
     assert intervals_of_control(strategies, control.assign(**equations)).empty
     both = pd.concat([strategies, strategies.assign(**equations)])
-    found = intervals_of_control(both, control.assign(**equations))
-    assert found["forecaster"].tolist() == ["equations"]
+    kept_intervals = intervals_of_control(both, control.assign(**equations))
+    assert kept_intervals["forecaster"].tolist() == ["equations"]
     theirs = published_rows(
         ("control", 400, 2000, "RV", 1, "exceedance_probability", 0.0273, 0.0277, 0.0291)
     )

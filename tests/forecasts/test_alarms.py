@@ -126,7 +126,7 @@ def test_lead_times_are_those_of_all_pairs(seed):
     alarms = generator.random((len(where), 3)) < 0.6
     scored = generator.random(len(where)) < 0.9
     events = SeriesPoints(*np.nonzero(generator.random((3, 100)) < 0.04))
-    found = lead_times(alarms, WINDOWS, where, scored, events)
+    measured = lead_times(alarms, WINDOWS, where, scored, events)
     expected = []
     for row, step in zip(events.series, events.step, strict=True):
         stayed = first = possible = 0
@@ -145,7 +145,7 @@ def test_lead_times_are_those_of_all_pairs(seed):
             stayed = lead if unbroken else stayed
         if possible:
             expected.append((row, stayed, first, possible))
-    columns = (found.series, found.stayed, found.first, found.possible)
+    columns = (measured.series, measured.stayed, measured.first, measured.possible)
     assert list(zip(*(column.tolist() for column in columns), strict=True)) == expected
 
 
@@ -154,26 +154,28 @@ def test_scores_of_lead_times():
     alarms = np.zeros((20, 3), dtype=bool)
     alarms[5:9] = True
     events = SeriesPoints(np.array([0, 1, 1]), np.array([95, 55, 95]))
-    found = lead_times(alarms, WINDOWS, where, np.ones(20, dtype=bool), events)
+    measured = lead_times(alarms, WINDOWS, where, np.ones(20, dtype=bool), events)
     scores = {
         (score.metric, score.lead_time_lt): score.numerator.sum() / score.denominator.sum()
-        for score in lead_time_scores(found, 2, [1, 2, 4.5], 10)
+        for score in lead_time_scores(measured, 2, [1, 2, 4.5], 10)
     }
     assert scores["mean_lead_time_lt", None] == pytest.approx(4.5 / 3)
     assert scores["mean_first_alarm_lt", None] == pytest.approx(4.5 / 3)
     assert scores["mean_possible_lead_time_lt", None] == pytest.approx(4.5)
     assert scores["missed_fraction", None] == pytest.approx(2 / 3)
     assert scores["warned_fraction", 2] == pytest.approx(1 / 3)
-    (last,) = (s for s in lead_time_scores(found, 2, [4.5], 10) if s.lead_time_lt)
+    (last,) = (s for s in lead_time_scores(measured, 2, [4.5], 10) if s.lead_time_lt)
     assert last.numerator.tolist() == [1, 0]
     assert last.denominator.tolist() == [1, 2]
 
 
 def test_no_event():
     nobody = SeriesPoints(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
-    found = lead_times(np.ones((10, 3), bool), WINDOWS, points(10), np.ones(10, bool), nobody)
-    assert found.stayed.shape == (0,)
-    assert all(score.denominator.tolist() == [0] for score in lead_time_scores(found, 1, [1], 10))
+    measured = lead_times(np.ones((10, 3), bool), WINDOWS, points(10), np.ones(10, bool), nobody)
+    assert measured.stayed.shape == (0,)
+    assert all(
+        score.denominator.tolist() == [0] for score in lead_time_scores(measured, 1, [1], 10)
+    )
 
 
 # -- sources of alarms -----------------------------------------------------------------------------
@@ -191,24 +193,24 @@ def test_alarms_are_those_of_baselines_forecasters_and_committees():
         "persistence": alone,
         "precursor": EventProbabilities(values, np.array([0.5, 1.0]), 0.1),
     }
-    sources = {one.identifier: one for one in alarm_sources(forecasts)}
+    sources = {source.identifier: source for source in alarm_sources(forecasts)}
     committees = ["esn-N50-RV-committee", "analogues-committee"]
     assert list(sources) == ["climatology", "observable_now", *forecasts, *committees]
-    assert [name for name, one in sources.items() if one.committee] == committees
+    assert [name for name, source in sources.items() if source.committee] == committees
     assert sources[committees[0]].forecasters == ("esn-N50-RV-seed0", "esn-N50-RV-seed1")
-    assert [name for name, one in sources.items() if not one.compared] == list(forecasts)[1:4]
+    assert [name for name, source in sources.items() if not source.compared] == list(forecasts)[1:4]
 
 
 @pytest.mark.parametrize(
-    ("events", "said"),
+    ("events", "reason"),
     [
         # two standard errors from one half: an area of 0.616
         *(([19, 31], ""), ([20, 30], "area below the ROC curve 0.60, chance 0.50 +- 0.06")),
         *(([45, 5], "no better than chance"), ([0, 0], "0 of 100 starting points")),
     ],
 )
-def test_useless_votes(events, said):
+def test_useless_votes(events, reason):
     outcomes = Outcomes(np.array([0.0, 1.0]), np.array([50, 50]), np.array(events))
-    found = useless_votes(outcomes)
-    assert said in found
-    assert bool(found) == bool(said)
+    measured = useless_votes(outcomes)
+    assert reason in measured
+    assert bool(measured) == bool(reason)

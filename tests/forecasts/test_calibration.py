@@ -57,18 +57,18 @@ def test_the_calibration_is_that_of_scikit_learn(sample, prior, asked):
     )
     oracle = IsotonicRegression(out_of_bounds="clip").fit(values, outcome, sample_weight=weights)
     asked = np.concatenate([whole.levels, asked])
-    found = isotonic(whole, prior)(asked)
-    np.testing.assert_allclose(found, oracle.predict(asked), atol=1e-10)
+    result = isotonic(whole, prior)(asked)
+    np.testing.assert_allclose(result, oracle.predict(asked), atol=1e-10)
 
 
 @given(samples())
 def test_calibration_never_lowers_and_is_reliable_where_it_was_fitted(sample):
     whole = count_by_series(*sample).total()
-    found = isotonic(whole)
+    result = isotonic(whole)
     np.testing.assert_array_equal(UNCALIBRATED(whole.levels), whole.levels)
-    assert (np.diff(found.values) > 0).all()
-    assert (np.diff(found.probabilities) >= 0).all()
-    calibrated = whole.at(found(whole.levels))
+    assert (np.diff(result.values) > 0).all()
+    assert (np.diff(result.probabilities) >= 0).all()
+    calibrated = whole.at(result(whole.levels))
     assert brier_score(calibrated) <= brier_score(whole) + 1e-12
     # levels of their own are hit exactly on average
     assert calibration_error(calibrated, 1000) < 1e-9
@@ -123,12 +123,12 @@ def drawn(slope, points=2000, seed=1):
 @pytest.mark.parametrize("slope", [0.5, 1.0, 3.0])
 def test_logistic_calibration_is_that_of_platt(slope):
     given, happened, _ = sample = drawn(slope)
-    found = logistic(count_by_series(*sample).total())
+    result = logistic(count_by_series(*sample).total())
     odds = np.log(given) - np.log1p(-given)
     oracle = _SigmoidCalibration().fit(odds, happened.astype(float))
     # between its knots the calibration is linear
-    np.testing.assert_allclose(found(given), oracle.predict(odds), atol=5e-4)
-    assert (np.diff(found(np.sort(given))) > 0).all()
+    np.testing.assert_allclose(result(given), oracle.predict(odds), atol=5e-4)
+    assert (np.diff(result(np.sort(given))) > 0).all()
 
 
 def test_logistic_calibration_where_nothing_is_told_or_everything():
@@ -169,10 +169,10 @@ def test_weights_minimise_the_penalised_loss(penalty):
                 + penalty / 2 * ((flat[:-1] * scale) ** 2).sum()
             )
 
-        found = minimize(loss, np.zeros(7), method="BFGS", options={"gtol": 1e-7})
-        assert loss(weights[:, event]) <= found.fun + 1e-6
+        result = minimize(loss, np.zeros(7), method="BFGS", options={"gtol": 1e-7})
+        assert loss(weights[:, event]) <= result.fun + 1e-6
         np.testing.assert_allclose(
-            weights[:, event] * [*scale, 1], found.x * [*scale, 1], atol=2e-3
+            weights[:, event] * [*scale, 1], result.x * [*scale, 1], atol=2e-3
         )
 
 
@@ -184,18 +184,18 @@ def test_fewer_points_than_features_have_the_same_minimum(penalty):
     features[:, 99] = 4.0  # constant
     happened = generator.random((60, 2)) < 1 / (1 + np.exp(2.0 - 2 * features[:, :2]))
     weights = fit_logistic(features, happened, penalty)
-    doubled = [np.concatenate([one, one]) for one in (features, happened)]
+    doubled = [np.concatenate([values, values]) for values in (features, happened)]
     expected = fit_logistic(*doubled, 2 * penalty)
     fresh = generator.normal(size=(500, 100)) * features.std(axis=0) + 2.0
-    found = event_probability(weights, fresh)
-    assert np.ptp(found) > 0.3
-    np.testing.assert_allclose(found, event_probability(expected, fresh), rtol=0, atol=1e-4)
+    result = event_probability(weights, fresh)
+    assert np.ptp(result) > 0.3
+    np.testing.assert_allclose(result, event_probability(expected, fresh), rtol=0, atol=1e-4)
 
 
 def test_probabilities_are_those_of_the_odds():
     weights = np.array([[1.0, 0.0], [2.0, -1.0], [0.5, 3.0]])
-    found = event_probability(weights, np.array([[0.2, -0.3]]))
-    np.testing.assert_allclose(found, 1 / (1 + np.exp([[-(0.2 - 0.6 + 0.5), -(0.3 + 3.0)]])))
+    result = event_probability(weights, np.array([[0.2, -0.3]]))
+    np.testing.assert_allclose(result, 1 / (1 + np.exp([[-(0.2 - 0.6 + 0.5), -(0.3 + 3.0)]])))
 
 
 def test_events_that_are_told_apart_stay_finite_and_a_constant_feature_is_no_trouble():
@@ -228,13 +228,13 @@ def test_each_point_is_forecast_by_what_has_not_seen_its_series(kind):
     washouts = generator.standard_normal((6, 4, 3))
     series = np.array([2, 0, 3, 2, 0, 3])  # none in series 1, and not in order
     points = observable, washouts, series, BOUNDARIES
-    found = out_of_sample_forecasts(kind.fit(training, CASE), training, CASE, 4, *points)
-    assert len(found.members) == (3 if kind.provides_ensemble else 1)
+    result = out_of_sample_forecasts(kind.fit(training, CASE), training, CASE, 4, *points)
+    assert len(result.members) == (3 if kind.provides_ensemble else 1)
     for row in (0, 2, 3):
         anew = kind.fit(np.delete(training, row, axis=0), CASE)
         expected = window_forecasts(anew, observable, washouts[series == row], BOUNDARIES)
         for name, values in vars(expected).items():
-            np.testing.assert_array_equal(getattr(found, name)[series == row], values)
+            np.testing.assert_array_equal(getattr(result, name)[series == row], values)
 
 
 LABELLED_CASE = ForecastingCase(Lorenz63(), 0.01, 1, 10)
@@ -281,17 +281,17 @@ def by_hand(points, washouts, left_out):
 def test_each_fold_is_forecast_by_what_has_learnt_from_the_others(folds, parts):
     points = labelled()
     washouts, series = asked(points)
-    found = out_of_sample_probabilities(precursor(folds), points, LABELLED_CASE, washouts, series)
+    result = out_of_sample_probabilities(precursor(folds), points, LABELLED_CASE, washouts, series)
     for part in parts:
         here = np.isin(series, part)
-        np.testing.assert_array_equal(found[here], by_hand(points, washouts[here], part))
+        np.testing.assert_array_equal(result[here], by_hand(points, washouts[here], part))
 
 
 def test_without_an_event_in_the_other_series_none_is_forecast():
     points = labelled()
     washouts, series = asked(points)
     points.happened[points.series != 2, 1] = False
-    found = out_of_sample_probabilities(precursor(4), points, LABELLED_CASE, washouts, series)
-    assert (found[series == 2, 1] == 0).all()
-    assert (found[series != 2, 1] > 0).all()
-    assert (found[:, 0] > 0).all()
+    result = out_of_sample_probabilities(precursor(4), points, LABELLED_CASE, washouts, series)
+    assert (result[series == 2, 1] == 0).all()
+    assert (result[series != 2, 1] > 0).all()
+    assert (result[:, 0] > 0).all()

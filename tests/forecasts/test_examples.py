@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.forecasts.example_events import (
@@ -54,7 +56,7 @@ def isolated_by_hand(row, values, criterion, before):
         if begin < max(before, quiet) or end + quiet >= len(values):
             continue
         around = [*values[begin - quiet : begin], *values[end : end + quiet + 1]]
-        if max(around) >= threshold or sum(begin < one < end for one in crossings) > 1:
+        if max(around) >= threshold or sum(begin < crossing < end for crossing in crossings) > 1:
             continue
         peak = max(range(begin, end), key=lambda step: values[step])
         middle = 0.5 * (calm + values[peak])
@@ -81,19 +83,19 @@ def test_isolated_events_are_those_of_a_walk_from_each_crossing(before, quiet, l
         for event in isolated_by_hand(row, course, criterion, before)
     ]
     assert len(expected) > 20
-    found = isolated_events(values, criterion, before)
-    assert found == sorted(expected, key=lambda event: abs(event.peak - 2.0))
+    result = isolated_events(values, criterion, before)
+    assert result == sorted(expected, key=lambda event: abs(event.peak - 2.0))
 
 
 def test_what_cannot_be_chosen():
     with pytest.raises(ValueError, match="below"):
         EventCriterion(threshold=1.0, calm=1.0, quiet=1, longest=5, wanted_peak=2.0)
-    known = Wrong(TRUTH, 0.0, np.zeros(3)), OBSERVED, OBSERVED
+    forecasting = Wrong(TRUTH, 0.0, np.zeros(3)), OBSERVED, OBSERVED
     settings = {"washout": 3, "tolerance": 0.2}
-    assert predicted_event([], *known, lead=3, **settings) is None
+    assert predicted_event([], *forecasting, lead=3, **settings) is None
     event = ExampleEvent(0, (5, 10, 20, 30), 2.0)
     with pytest.raises(IndexError, match="beyond its series"):
-        predicted_event([event], *known, lead=4, **settings)
+        predicted_event([event], *forecasting, lead=4, **settings)
 
 
 class Wrong(MadeUpForecaster):
@@ -126,32 +128,32 @@ OBSERVED = np.stack(
 ).astype(float)
 
 
-def choose(failing_from, lead=8, error=0.3):
-    events = isolated_events(TRUTH, CRITERION, before=lead + 2)
-    assert [event.series for event in events] == [0, 1, 2]
-    wrong, settings = Wrong(TRUTH, error, np.array(failing_from)), {"washout": 3, "tolerance": 0.2}
-    chosen = predicted_event(events, wrong, OBSERVED, OBSERVED, lead=lead, **settings)
-    breakdowns = [event.times[3] for event in events]
-    return chosen.series, breakdowns
+EVENTS = isolated_events(TRUTH, CRITERION, before=10)
+BREAKDOWNS = [event.times[3] for event in EVENTS]
+FAILING = st.sampled_from([0, 23, 40, 45, 50, 1000, *BREAKDOWNS, *np.add(BREAKDOWNS, 1).tolist()])
 
 
-def test_the_best_predicted_event_is_chosen():
-    never = 1000
-    assert choose([never] * 3)[0] == 0
-    _, breakdowns = choose([never] * 3)
-    # lost at the very last step that counts, and one step later
-    assert choose([breakdowns[0], never, never])[0] == 1
-    assert choose([breakdowns[0] + 1, never, never])[0] == 0
-    assert choose([0, 0, never])[0] == 2
-    assert choose([0, 1000, 1000], error=0.1)[0] == 0
-    assert choose([40, 1000, 1000], error=np.nan)[0] == 1
+@given(st.tuples(FAILING, FAILING, FAILING), st.sampled_from([0.1, 0.3, np.nan]), st.integers(1, 3))
+def test_the_event_with_the_longest_prediction_up_to_its_breakdown_is_chosen(failing, error, batch):
+    """The first of the best: a prediction is lost at its first step beyond the tolerance."""
+    shares = []
+    for event, first in zip(EVENTS, failing, strict=True):
+        steps = range(event.times[0] - 7, event.times[3] + 1)
+        wrong = [step for step in steps if step >= first and not error < 0.2]
+        shares.append(((min(wrong) if wrong else steps.stop) - steps.start) / len(steps))
+    wrong = Wrong(TRUTH, error, np.array(failing))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("burstcast.forecasts.example_events.CANDIDATES_PER_BATCH", batch)
+        chosen = predicted_event(
+            EVENTS, wrong, OBSERVED, OBSERVED, lead=8, washout=3, tolerance=0.2
+        )
+    assert chosen is EVENTS[shares.index(max(shares))]
 
 
 def test_the_whole_state_must_be_right():
-    events = isolated_events(TRUTH, CRITERION, before=10)
     states = np.pad(OBSERVED, ((0, 0), (0, 0), (0, 1)))
     wrong = states.copy()
-    wrong[0, events[0].times[3], 3] = 0.3
+    wrong[0, EVENTS[0].times[3], 3] = 0.3
 
     class FourthComponentZero(Wrong):
         def advance(self, memory, steps):
@@ -161,18 +163,8 @@ def test_the_whole_state_must_be_right():
 
     forecaster = FourthComponentZero(TRUTH, 0.0, np.zeros(3))
     settings = {"lead": 8, "washout": 3, "tolerance": 0.2}
-    assert predicted_event(events, forecaster, states, states, **settings).series == 0
-    assert predicted_event(events, forecaster, states, wrong, **settings).series == 1
-
-
-def test_without_a_predicted_event_the_longest_prediction_is_chosen_whatever_the_batches(
-    monkeypatch,
-):
-    assert choose([40, 50, 45])[0] == 1
-    assert choose([0, 0, 0])[0] == 0
-    monkeypatch.setattr("burstcast.forecasts.example_events.CANDIDATES_PER_BATCH", 1)
-    assert choose([40, 50, 45])[0] == 1
-    assert choose([0, 1000, 1000])[0] == 1
+    assert predicted_event(EVENTS, forecaster, states, states, **settings).series == 0
+    assert predicted_event(EVENTS, forecaster, states, wrong, **settings).series == 1
 
 
 def test_an_event_is_forecast_from_its_washout_to_after_its_breakdown():
@@ -181,16 +173,16 @@ def test_an_event_is_forecast_from_its_washout_to_after_its_breakdown():
     observed = OBSERVED + np.array([0.01, 0, 0])
     settings = {"lead": 8, "washout": 3, "after": 4, "steps_per_lyapunov_time": 5}
     wrong = Wrong(TRUTH, 0.3, np.full(3, 45))
-    found = forecast_event(event, wrong, space, observed, OBSERVED, **settings)
+    result = forecast_event(event, wrong, space, observed, OBSERVED, **settings)
     shown = np.arange(21, 62)  # the forecast starts from step 23
-    np.testing.assert_allclose(found.time_lt, (shown - 23) / 5)
-    np.testing.assert_array_equal(found.true, TRUTH[1, shown])
+    np.testing.assert_allclose(result.time_lt, (shown - 23) / 5)
+    np.testing.assert_array_equal(result.true, TRUTH[1, shown])
     expected = TRUTH[1, shown] + np.where(shown >= 45, 0.3, 0.0)
     expected[:3] = [np.nan, np.nan, TRUTH[1, 23] + 0.01]
-    np.testing.assert_array_equal(found.forecast, expected)
-    np.testing.assert_array_equal(shown[found.mark], event.times)
-    np.testing.assert_array_equal(found.true_state, OBSERVED[1, list(event.times)])
-    np.testing.assert_array_equal(found.forecast_state[:, 0], expected[found.mark])
+    np.testing.assert_array_equal(result.forecast, expected)
+    np.testing.assert_array_equal(shown[result.mark], event.times)
+    np.testing.assert_array_equal(result.true_state, OBSERVED[1, list(event.times)])
+    np.testing.assert_array_equal(result.forecast_state[:, 0], expected[result.mark])
     none = forecast_event(None, wrong, space, observed, OBSERVED, **settings)
     assert (none.true.shape, none.forecast_state.shape) == ((0,), (0, 3))
 
@@ -244,30 +236,30 @@ def test_evaluations_agree_with_the_prediction_horizon(drift):
     horizon = prediction_horizons(
         Drift(drift), first_component, observed[np.newaxis], truth[np.newaxis, : event + 1], SEARCH
     )[0]
-    found = evaluate_lead_times(Drift(drift), first_component, observed, truth, STARTS, SEARCH)
-    success = found.evaluation_horizon_lt == found.evaluation_lead_time_lt
+    result = evaluate_lead_times(Drift(drift), first_component, observed, truth, STARTS, SEARCH)
+    success = result.evaluation_horizon_lt == result.evaluation_lead_time_lt
     assert (
-        found.evaluation_lead_time_lt[success][0]
+        result.evaluation_lead_time_lt[success][0]
         if success.any()
-        else found.evaluation_horizon_lt[-1]
+        else result.evaluation_horizon_lt[-1]
     ) == horizon
     # by hand: the error grows by the drift in each step and is lost at 1
     steps = np.array([15, 12, 10, 7, 5, 2])
     accurate = np.array([sum(drift * (n + 1) < 1 for n in range(count)) for count in steps])
     expected = np.where(accurate == steps, STARTS, accurate / 5)
-    np.testing.assert_allclose(found.evaluation_horizon_lt, expected)
+    np.testing.assert_allclose(result.evaluation_horizon_lt, expected)
 
 
 def test_evaluations_begin_after_their_start_and_go_beyond_the_event():
     observed, truth = ramp(after=4)
-    found = evaluate_lead_times(Drift(0.5), first_component, observed, truth, [2.0], SEARCH)
+    result = evaluate_lead_times(Drift(0.5), first_component, observed, truth, [2.0], SEARCH)
     start = SEARCH.steps_before_event - 10
-    assert np.isnan(found.evaluation_forecast[0, : start + 1]).all()
+    assert np.isnan(result.evaluation_forecast[0, : start + 1]).all()
     np.testing.assert_allclose(
-        found.evaluation_forecast[0, start + 1 :], start + 1.5 * np.arange(1, 15)
+        result.evaluation_forecast[0, start + 1 :], start + 1.5 * np.arange(1, 15)
     )
     # in Lyapunov times after the event, of five steps
-    np.testing.assert_allclose(found.evaluation_time_lt, (np.arange(len(truth)) - start - 10) / 5)
+    np.testing.assert_allclose(result.evaluation_time_lt, (np.arange(len(truth)) - start - 10) / 5)
     observed, truth = ramp(after=4)
     whole = evaluate_lead_times(Drift(0.0), first_component, observed, truth, STARTS, SEARCH)
     truth[-3:] = np.nan
@@ -293,14 +285,16 @@ def test_outcomes_are_shown_beside_the_truth_and_points_kept_apart():
     points = SeriesPoints(np.array([0, 1]), np.array([4, 2]))
     how = {"before": 3, "reach": 4, "steps_per_lyapunov_time": 2}
     outcomes = ["false positive", "true positive"]
-    found = forecast_outcomes(Drift(1.0), first_component, washouts, truth, points, outcomes, **how)
-    np.testing.assert_array_equal(found.outcome, [1, 0])
-    np.testing.assert_array_equal(found.example_time_lt, np.arange(-3, 5) / 2)
+    result = forecast_outcomes(
+        Drift(1.0), first_component, washouts, truth, points, outcomes, **how
+    )
+    np.testing.assert_array_equal(result.outcome, [1, 0])
+    np.testing.assert_array_equal(result.example_time_lt, np.arange(-3, 5) / 2)
     np.testing.assert_array_equal(
-        found.example_truth, [[1, 2, 3, 4, 5, 6, 7, 8], [np.nan, 10, 11, 12, 13, 14, 15, 16]]
+        result.example_truth, [[1, 2, 3, 4, 5, 6, 7, 8], [np.nan, 10, 11, 12, 13, 14, 15, 16]]
     )
     np.testing.assert_array_equal(
-        found.example_forecast, [[np.nan] * 4 + [6, 8, 10, 12], [np.nan] * 4 + [14, 16, 18, 20]]
+        result.example_forecast, [[np.nan] * 4 + [6, 8, 10, 12], [np.nan] * 4 + [14, 16, 18, 20]]
     )
     nobody = SeriesPoints(np.empty(0, dtype=int), np.empty(0, dtype=int))
     none = forecast_outcomes(None, first_component, washouts[:0], truth, nobody, [], **how)
@@ -311,18 +305,12 @@ def test_outcomes_are_shown_beside_the_truth_and_points_kept_apart():
     )
 
 
-@pytest.mark.parametrize(
-    ("first", "count", "expected"),
-    [
-        (1, 2, [1, 2]),
-        (-2, 4, [np.nan, np.nan, 0, 1]),
-        (3, 3, [3, np.nan, np.nan]),
-        (9, 2, [np.nan, np.nan]),
-        (-5, 2, [np.nan, np.nan]),
-    ],
-)
-def test_stretch(first, count, expected):
-    np.testing.assert_array_equal(stretch(np.arange(4.0), first, count), expected)
+@given(st.integers(-9, 9), st.integers(0, 9))
+def test_a_stretch_is_cut_out_of_the_series_and_nothing_beyond_it(first, count):
+    beyond = np.pad(np.arange(4.0), 20, constant_values=np.nan)
+    np.testing.assert_array_equal(
+        stretch(np.arange(4.0), first, count), beyond[20 + first : 20 + first + count]
+    )
 
 
 HIGH, LOW = 0.2, 0.05

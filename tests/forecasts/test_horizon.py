@@ -9,12 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
-from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasts import horizon
 from burstcast.forecasts.horizon import HorizonSearch, accurate_steps, prediction_horizons
 from burstcast.forecasts.horizon_intervals import resampled_averages
-from burstcast.systems.integration import integrate
-from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from helpers_library import MadeUpForecaster
 
 SEARCH = HorizonSearch(
@@ -105,22 +102,8 @@ def test_horizons_are_those_of_the_papers_procedure(data, starts, between_checks
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(horizon, "STEPS_BETWEEN_CHECKS", between_checks)
         patch.setattr(horizon, "EVENTS_PER_BATCH", data.draw(st.integers(1, 5)))
-        found = prediction_horizons(Drifting(), first, *events(speeds), search)
-    np.testing.assert_allclose(found, expected, rtol=1e-13)
-
-
-def test_the_equations_predict_from_as_far_as_one_looks():
-    """Chaotic shear flow, one sample per time unit."""
-    system = MoehlisFaisstEckhardt(reynolds=400.0)
-    start = np.array([1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0])[:, np.newaxis]
-    perturbed = start + 0.01 * np.random.default_rng(2).random((9, 12))
-    states = integrate(system, perturbed, 0.25, 4 * 420, stride=4)[200:].transpose(2, 0, 1)
-    search = HorizonSearch(3.0, 0.5, 0.01, washout=5, steps_per_lyapunov_time=61)
-    observed = np.ascontiguousarray(states[:, : search.steps_before_event + 1])
-    truth = system.observable(observed.transpose(2, 0, 1))
-    forecaster = EquationsFromTruth(system=system, time_step=0.25, sampling_stride=4)
-    found = prediction_horizons(forecaster, system.observable, observed, truth, search)
-    assert found.tolist() == [3.0] * 12
+        horizons = prediction_horizons(Drifting(), first, *events(speeds), search)
+    np.testing.assert_allclose(horizons, expected, rtol=1e-13)
 
 
 def test_a_forecast_is_given_up_once_it_is_lost(monkeypatch):

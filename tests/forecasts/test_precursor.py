@@ -33,8 +33,8 @@ def test_true_probabilities_are_found(classifier):
 
 def test_features_are_the_present_and_the_lags():
     washouts = np.arange(24.0).reshape(2, 4, 3)
-    found = precursor_features(washouts, (1, 3))
-    assert np.array_equal(found[1], [21, 22, 23, 18, 19, 20, 12, 13, 14])
+    result = precursor_features(washouts, (1, 3))
+    assert np.array_equal(result[1], [21, 22, 23, 18, 19, 20, 12, 13, 14])
     with pytest.raises(ValueError, match="a lag of 4 steps takes a longer washout than 4"):
         precursor_features(washouts, (4,))
 
@@ -79,20 +79,20 @@ def test_areas_are_those_of_scikit_learn():
         strength = generator.integers(0, 9, 50).astype(float)
         happened = generator.random(50) < 0.3
         weights = generator.integers(0, 3, (4, 50))
-        found = ranking_scores(strength, happened, weights)
+        result = ranking_scores(strength, happened, weights)
         for row, weight in enumerate(weights):
             average = average_precision_score(happened, strength, sample_weight=weight)
             area = roc_auc_score(happened, strength, sample_weight=weight)
-            np.testing.assert_allclose(found["average_precision"][row], average)
-            np.testing.assert_allclose(found["roc_area"][row], area)
+            np.testing.assert_allclose(result["average_precision"][row], average)
+            np.testing.assert_allclose(result["roc_area"][row], area)
 
 
 def test_without_events_nothing_is_ranked():
     strength, weights = np.arange(4.0), np.array([[1, 1, 0, 0], [1, 1, 1, 1]])
-    found = ranking_scores(strength, np.array([False, False, True, False]), weights)
-    assert np.isnan(found["roc_area"][0])
-    assert np.isnan(found["average_precision"][0])
-    assert found["roc_area"][1] == 2 / 3
+    result = ranking_scores(strength, np.array([False, False, True, False]), weights)
+    assert np.isnan(result["roc_area"][0])
+    assert np.isnan(result["average_precision"][0])
+    assert result["roc_area"][1] == 2 / 3
 
 
 def forecasts(first, largest, members=0):
@@ -109,13 +109,13 @@ def test_onsets_are_no_events_under_way_and_members_are_averaged():
     window = Window(0, 1, 2.5)
     assert window.happened(truth, ONSET).tolist() == [True, False, False]
     assert window.happened(truth, ANY).tolist() == [True, True, False]
-    one = forecasts([[0, 0], [3, 0], [1, 0]], [[1, 4], [5, 5], [2, 1]])
+    forecast = forecasts([[0, 0], [3, 0], [1, 0]], [[1, 4], [5, 5], [2, 1]])
     window = Window(0, 2, 2.5)
     # the second is above the threshold when the window begins: the mean of 4 and 2
-    assert window.strength(one, ONSET).tolist() == [4, 3, 2]
-    assert window.strength(one, ANY).tolist() == [4, 5, 2]
-    assert Window(1, 1, 2.5).strength(one, ONSET).tolist() == [4, 5, 1]
-    one = forecasts([[0], [0]], [[9], [9]], members=2)
-    one.member_first[:] = 0
-    one.member_largest[:] = np.array([[1, 3], [np.inf, 5]])[:, :, np.newaxis]
-    assert Window(0, 1, 2).strength(one, ONSET).tolist() == [2, 3]
+    assert window.strength(forecast, ONSET).tolist() == [4, 3, 2]
+    assert window.strength(forecast, ANY).tolist() == [4, 5, 2]
+    assert Window(1, 1, 2.5).strength(forecast, ONSET).tolist() == [4, 5, 1]
+    forecast = forecasts([[0], [0]], [[9], [9]], members=2)
+    forecast.member_first[:] = 0
+    forecast.member_largest[:] = np.array([[1, 3], [np.inf, 5]])[:, :, np.newaxis]
+    assert Window(0, 1, 2).strength(forecast, ONSET).tolist() == [2, 3]

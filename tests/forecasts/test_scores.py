@@ -30,21 +30,21 @@ from helpers_library import SERIES, count_by_series, informative_sample, samples
 def test_counts_are_those_of_the_points(sample, seed):
     probability, happened, series = sample
     scored = np.random.default_rng(seed).random(len(series)) < 0.7
-    found = outcomes_by_series(probability, happened, scored, series, SERIES)
-    assert found.points.shape == found.events.shape == (SERIES, len(found.levels))
-    np.testing.assert_array_equal(found.levels, np.unique(probability[scored]))
+    result = outcomes_by_series(probability, happened, scored, series, SERIES)
+    assert result.points.shape == result.events.shape == (SERIES, len(result.levels))
+    np.testing.assert_array_equal(result.levels, np.unique(probability[scored]))
     for row in range(SERIES):
-        for column, level in enumerate(found.levels):
+        for column, level in enumerate(result.levels):
             here = scored & (series == row) & (probability == level)
-            assert found.points[row, column] == here.sum()
-            assert found.events[row, column] == (here & happened).sum()
+            assert result.points[row, column] == here.sum()
+            assert result.events[row, column] == (here & happened).sum()
 
 
 @given(samples())
 def test_other_values_for_the_levels_are_those_of_the_points(sample):
     probability, happened, series = sample
-    found = count_by_series(probability, happened, series)
-    other = found.at(np.round(found.levels, 1))
+    result = count_by_series(probability, happened, series)
+    other = result.at(np.round(result.levels, 1))
     expected = count_by_series(np.round(probability, 1), happened, series)
     for name in ("levels", "points", "events"):
         np.testing.assert_array_equal(getattr(other, name), getattr(expected, name))
@@ -52,14 +52,14 @@ def test_other_values_for_the_levels_are_those_of_the_points(sample):
 
 def test_no_point_that_counts_and_what_cannot_be_counted():
     nothing = np.zeros(3, dtype=bool)
-    found = outcomes_by_series(np.full(3, np.nan), nothing, nothing, np.arange(3), 3)
-    assert found.points.shape == (3, 0)
-    assert found.at(found.levels).total().points.shape == (0,)
+    result = outcomes_by_series(np.full(3, np.nan), nothing, nothing, np.arange(3), 3)
+    assert result.points.shape == (3, 0)
+    assert result.at(result.levels).total().points.shape == (0,)
     with pytest.raises(ValueError, match="not finite"):
         count_by_series(np.array([np.nan]), np.array([True]), np.array([0]))
-    found = count_by_series(np.array([0.1, 0.2]), np.array([True, False]), np.array([0, 1]))
+    result = count_by_series(np.array([0.1, 0.2]), np.array([True, False]), np.array([0, 1]))
     with pytest.raises(ValueError, match="fall"):
-        found.at(np.array([0.5, 0.4]))
+        result.at(np.array([0.5, 0.4]))
 
 
 def test_votes_are_counted_one_by_one():
@@ -153,12 +153,12 @@ def test_the_calibration_error_is_the_mean_gap(sample, bins):
     probability, happened, _ = sample
     chosen = bin_of(probability, bins)
     gaps = [
-        abs(probability[chosen == one].mean() - happened[chosen == one].mean())
-        * (chosen == one).mean()
-        for one in np.unique(chosen)
+        abs(probability[chosen == index].mean() - happened[chosen == index].mean())
+        * (chosen == index).mean()
+        for index in np.unique(chosen)
     ]
-    found = calibration_error(count_by_series(*sample).total(), bins)
-    np.testing.assert_allclose(found, sum(gaps), atol=1e-14)
+    result = calibration_error(count_by_series(*sample).total(), bins)
+    np.testing.assert_allclose(result, sum(gaps), atol=1e-14)
 
 
 def test_each_resample_is_scored_as_if_its_series_were_the_data():
@@ -167,19 +167,19 @@ def test_each_resample_is_scored_as_if_its_series_were_the_data():
     scored = np.ones(len(series), dtype=bool)
     outcomes = outcomes_by_series(probability, happened, scored, series, number)
     weights = bootstrap_weights(number, 3, np.random.default_rng(5))
-    found = resampled_scores(outcomes, weights, 0.4, 10)
+    result = resampled_scores(outcomes, weights, 0.4, 10)
     whole = probability_scores(outcomes.total(), 0.4, 10)
-    for name, score in found.items():
+    for name, score in result.items():
         np.testing.assert_array_equal(score.value, whole[name])
     for row, drawn in enumerate(weights):
         points = np.concatenate(
-            [np.flatnonzero(series == one) for one in np.repeat(np.arange(number), drawn)]
+            [np.flatnonzero(series == index) for index in np.repeat(np.arange(number), drawn)]
         )
         again = outcomes_by_series(
             probability[points], happened[points], scored[points], series[points], number
         )
         expected = probability_scores(again.total(), 0.4, 10)
-        for name, score in found.items():
+        for name, score in result.items():
             np.testing.assert_allclose(score.samples[row], expected[name], err_msg=name)
 
 

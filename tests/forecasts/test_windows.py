@@ -73,11 +73,11 @@ def test_a_window_crosses_if_the_observable_itself_does(
     elements = st.sampled_from([0.0, 0.05, below, THRESHOLD, 0.2, np.nan, np.inf])
     how = {"elements": elements, "fill": st.sampled_from([0.0, 0.05, 0.2])}
     observable = data.draw(npst.arrays(np.float64, (boundaries[-1] + 1, 3), **how))
-    found = crosses(summarise(observable[1:], boundaries), before, length, THRESHOLD)
+    result = crosses(summarise(observable[1:], boundaries), before, length, THRESHOLD)
     first = int((before + 1) * resolution * lyapunov_time)
     last = int((before + 1 + length) * resolution * lyapunov_time)
     expected = [crosses_by_hand(observable[:, row], first, last, THRESHOLD) for row in range(3)]
-    assert found.tolist() == expected
+    assert result.tolist() == expected
 
 
 def test_windows_share_their_common_step_and_hold_both_of_their_ends():
@@ -122,8 +122,8 @@ def training():
 def washouts(training):
     """Twelve stretches of ten steps, with noise."""
     starts = [(row, start) for row in range(3) for start in (20, 70, 120, 200)]
-    found = np.stack([training[row, start : start + 10] for row, start in starts])
-    return found + 0.05 * np.random.default_rng(1).standard_normal(found.shape)
+    result = np.stack([training[row, start : start + 10] for row, start in starts])
+    return result + 0.05 * np.random.default_rng(1).standard_normal(result.shape)
 
 
 @pytest.mark.parametrize("batches", [(1, 1), (5, 30), (12, 7), ()])
@@ -135,15 +135,15 @@ def test_forecasts_are_those_of_each_memory_alone(
     forecaster = kind.fit(training, CASE)
     for name, size in zip(("POINTS_PER_BATCH", "TRAJECTORIES_PER_BATCH"), batches, strict=False):
         monkeypatch.setattr(module, name, size)
-    found = window_forecasts(forecaster, first_component, washouts, BOUNDARIES)
-    assert len(found.members) == number
-    assert found.member_first.shape == (12, number if number > 1 else 0, 2)
+    result = window_forecasts(forecaster, first_component, washouts, BOUNDARIES)
+    assert len(result.members) == number
+    assert result.member_first.shape == (12, number if number > 1 else 0, 2)
     for point, washout in enumerate(washouts):
         given = np.ascontiguousarray(washout[:, :, np.newaxis])
         ensemble = forecaster.ensemble(given)
         members = [np.ascontiguousarray(ensemble[..., member, :]) for member in range(number)]
         for summaries, memory in zip(
-            [found, *found.members], [forecaster.start(given), *members], strict=True
+            [result, *result.members], [forecaster.start(given), *members], strict=True
         ):
             outputs, _ = forecaster.advance(memory, BOUNDARIES[-1])
             expected = summarise(outputs[:, 0], BOUNDARIES)
@@ -173,14 +173,14 @@ def test_forecasts_begin_one_step_after_the_last_observation(monkeypatch):
     washouts[2, -1, 0] = -1
     forecaster = Counting()
     monkeypatch.setattr(module, "POINTS_PER_BATCH", 3)
-    found = window_forecasts(forecaster, first_component, washouts, (2, 5, 9))
+    result = window_forecasts(forecaster, first_component, washouts, (2, 5, 9))
     assert forecaster.batches == [3, 3, 1]
     expected = 100 * np.arange(7)[:, np.newaxis] + np.array([2, 5])
     expected = expected.astype(float)
     expected[2] = np.nan
-    np.testing.assert_array_equal(found.first, expected)
-    np.testing.assert_array_equal(found.largest, expected + np.array([3, 4]))
-    assert found.diverged.tolist() == [False, False, True, False, False, False, False]
+    np.testing.assert_array_equal(result.first, expected)
+    np.testing.assert_array_equal(result.largest, expected + np.array([3, 4]))
+    assert result.diverged.tolist() == [False, False, True, False, False, False, False]
 
 
 def test_forecasts_under_a_schedule_are_those_of_each_point_by_itself(monkeypatch):
@@ -194,11 +194,11 @@ def test_forecasts_under_a_schedule_are_those_of_each_point_by_itself(monkeypatc
     monkeypatch.setattr(module, "POINTS_PER_BATCH", 3)
     monkeypatch.setattr(module, "TRAJECTORIES_PER_BATCH", 5)
     told = with_inputs(washouts, schedule)
-    found = window_forecasts(model, case.system.observable, told, BOUNDARIES)
+    result = window_forecasts(model, case.system.observable, told, BOUNDARIES)
     for point in range(7):
         outputs, _ = model.advance(model.start(told[point][..., np.newaxis]), BOUNDARIES[-1])
         expected = summarise(case.system.observable(outputs.transpose(1, 0, 2)), BOUNDARIES)
-        assert np.array_equal(found.largest[point], expected.largest[0])
+        assert np.array_equal(result.largest[point], expected.largest[0])
 
 
 # -- points with what is observed ------------------------------------------------------------------
@@ -209,20 +209,20 @@ def test_points_one_by_one():
     truth, observed = generator.normal(size=(3, 60)), generator.normal(size=(3, 60, 2))
     washout, spacing, boundaries = 5, 7, (2, 4, 9)
     where = {"spacing": spacing, "washout": washout, "boundaries": boundaries}
-    found = observed_points(observed, truth, lambda state: state[0] * state[1], **where)
+    result = observed_points(observed, truth, lambda state: state[0] * state[1], **where)
     row = 0
     for series in range(3):
         for now in range(washout - 1, 60 - boundaries[-1], spacing):
-            assert (found.points.series[row], found.points.step[row]) == (series, now)
+            assert (result.points.series[row], result.points.step[row]) == (series, now)
             seen = observed[series, now - washout + 1 : now + 1]
-            assert_array_equal(found.washouts[row], seen)
-            assert_array_equal(found.seen[row], seen[:, 0] * seen[:, 1])
+            assert_array_equal(result.washouts[row], seen)
+            assert_array_equal(result.seen[row], seen[:, 0] * seen[:, 1])
             for window, (start, end) in enumerate(pairwise(boundaries)):
                 following = truth[series, now + start : now + end + 1]
-                assert found.truth.first[row, window] == following[0]
-                assert found.truth.largest[row, window] == following.max()
+                assert result.truth.first[row, window] == following[0]
+                assert result.truth.largest[row, window] == following.max()
             row += 1
-    assert row == len(found.points)
+    assert row == len(result.points)
 
 
 # -- probabilities of events in files --------------------------------------------------------------
@@ -246,10 +246,10 @@ POINTS = ForecastPoints(DATA, {"esn": FORECASTS, "precursor": PROBABILITIES}, 1.
 
 def test_a_file_gives_back_what_was_written(tmp_path):
     write_netcdf(tmp_path / "forecast.nc", PROBABILITIES.variables(), {})
-    found = forecasts_from(read_netcdf(tmp_path / "forecast.nc"))
-    assert isinstance(found, EventProbabilities)
-    np.testing.assert_array_equal(found.at(2.0, 0.1), PROBABILITIES.probability[:, 1])
-    np.testing.assert_array_equal(found.at(0.5, 0.1), PROBABILITIES.probability[:, 0])
+    result = forecasts_from(read_netcdf(tmp_path / "forecast.nc"))
+    assert isinstance(result, EventProbabilities)
+    np.testing.assert_array_equal(result.at(2.0, 0.1), PROBABILITIES.probability[:, 1])
+    np.testing.assert_array_equal(result.at(0.5, 0.1), PROBABILITIES.probability[:, 0])
 
 
 @pytest.mark.parametrize("event", [(1.0, 0.1), (0.5, 0.125)])
@@ -259,7 +259,7 @@ def test_another_event_is_refused(event):
 
 
 def test_a_classifier_is_a_source_of_alarms_like_others():
-    alarms = {one.identifier: one for one in POINTS.alarms}
+    alarms = {item.identifier: item for item in POINTS.alarms}
     assert list(alarms) == ["climatology", "observable_now", "esn", "precursor"]
     precursor = alarms["precursor"]
     assert precursor.compared
@@ -288,9 +288,9 @@ def test_points_are_labelled_where_no_event_is_under_way():
 
 def held(variables):
     """Data of variables by name, whose dimensions they have."""
-    for one in variables.values():
-        assert np.ndim(one.data) == len(one.dimensions)
-    return {name: one.data for name, one in variables.items()}
+    for item in variables.values():
+        assert np.ndim(item.data) == len(item.dimensions)
+    return {name: item.data for name, item in variables.items()}
 
 
 def test_files_hold_what_lies_around_each_point_and_event():
@@ -298,8 +298,8 @@ def test_files_hold_what_lies_around_each_point_and_event():
     observed, states = generator.normal(size=(2, 3, 60, 2))
     truth, schedules = generator.normal(size=(5, 60)), generator.normal(size=(3, 59, 1))
     where = {"spacing": 7, "washout": 5, "boundaries": (2, 4, 9)}
-    found = observed_points(observed, truth[2:], first_component, **where)
-    points = held(point_variables(found, states, "x") | schedule_variables(found, schedules, 9))
+    result = observed_points(observed, truth[2:], first_component, **where)
+    points = held(point_variables(result, states, "x") | schedule_variables(result, schedules, 9))
     for row, (series, now) in enumerate(zip(points["series"], points["step"], strict=True)):
         seen = slice(now - 4, now + 1)
         assert_array_equal(points["washout"][row], observed[series, seen])
@@ -307,8 +307,8 @@ def test_files_hold_what_lies_around_each_point_and_event():
         assert_array_equal(points["parameter"][row], schedules[series, now - 4 : now + 9])
         assert points["observable_now"][row] == observed[series, now, 0]
         assert points["washout_maximum"][row] == observed[series, seen, 0].max()
-    assert_array_equal(points["first"], found.truth.first)
-    assert_array_equal(points["largest"], found.truth.largest)
+    assert_array_equal(points["first"], result.truth.first)
+    assert_array_equal(points["largest"], result.truth.largest)
     events = SeriesPoints(np.array([2, 4, 3]), np.array([20, 33, 59]))
     arguments = events, 2, observed, states, truth, 6
     assert "parameter" not in event_variables(*arguments)
@@ -330,9 +330,9 @@ def test_forecasts_come_back_from_their_files(members):
     first, largest = np.random.default_rng(2).random((2, 6, 4))
     of_members = np.random.default_rng(3).random((2, 6, members, 4))
     forecasts = WindowForecasts(first, largest, np.arange(6) % 2 == 0, *of_members)
-    found = forecasts_from(held(forecast_variables(forecasts, "x")))
+    result = forecasts_from(held(forecast_variables(forecasts, "x")))
     for name, values in vars(forecasts).items():
-        assert_array_equal(getattr(found, name), values)
+        assert_array_equal(getattr(result, name), values)
 
 
 def test_events_are_summed_up():

@@ -137,7 +137,7 @@ def test_the_compiler_is_loaded_by_the_first_network_that_runs_compiled():
 
 def test_a_missing_compiler_says_what_to_do(reservoir, monkeypatch):
     monkeypatch.setitem(sys.modules, "llvmlite.binding", None)
-    backend_compiled._drive_of.cache_clear()
+    backend_compiled._function.cache_clear()
     with pytest.raises(RuntimeError, match='backend "scipy"'):
         Dynamics(reservoir, 0.5, 1.0, "compiled").open_loop(np.zeros((1, 4, 1)))
 
@@ -152,7 +152,10 @@ def test_bad_arguments_raise(reservoir):
     opened, closed = dynamics.open_loop, dynamics.closed_loop
     leak, rates = "leak_rate must be above 0 and 1 at most", (0.0, -0.1, 1.1, np.nan)
     for call, reason in [
-        *((lambda one=one: Dynamics(reservoir, 0.5, 1.0, leak_rate=one), leak) for one in rates),
+        *(
+            (lambda rate=rate: Dynamics(reservoir, 0.5, 1.0, leak_rate=rate), leak)
+            for rate in rates
+        ),
         (lambda: Dynamics(reservoir, -0.1, 1.0), "spectral_radius"),
         (lambda: Dynamics(reservoir, 0.5, np.nan), "input_scaling"),
         (lambda: Dynamics(reservoir, 0.5, 1.0, "fortran"), "backend"),
@@ -248,11 +251,11 @@ def test_perturbations_grow_as_finite_differences(network):
         np.testing.assert_allclose(grown[:, number], difference, rtol=0, atol=2e-8)
     # the network's feedback counts, and not only its recurrence
     recurrent = network.dynamics.reservoir.recurrent * network.dynamics.spectral_radius
-    after, one = ClosedLoopTangent(network).advance(states, tangent, 1)
+    after, rate = ClosedLoopTangent(network).advance(states, tangent, 1)
     leak = network.dynamics.leak_rate
     reached = states + (after - states) / leak
     alone = (1 - leak) * tangent[:, 0] + leak * (1 - reached**2) * (recurrent @ tangent[:, 0])
-    assert np.abs(one[:, 0] - alone).max() > 0.1
+    assert np.abs(rate[:, 0] - alone).max() > 0.1
 
 
 def test_perturbations_depend_on_no_batch_and_change_nothing_that_is_given(network):
@@ -264,5 +267,5 @@ def test_perturbations_depend_on_no_batch_and_change_nothing_that_is_given(netwo
     for index in (0, 7, 18):
         chosen = slice(index, index + 1)
         alone = advance(states[:, chosen].copy(), tangent[:, :, chosen].copy(), 4)
-        for one, all_of_them in zip(alone, together, strict=True):
-            np.testing.assert_array_equal(one, all_of_them[..., chosen])
+        for rate, all_of_them in zip(alone, together, strict=True):
+            np.testing.assert_array_equal(rate, all_of_them[..., chosen])

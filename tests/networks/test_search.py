@@ -30,15 +30,15 @@ def bowl(point):
 
 def search(space=PAPER, points=5, seed=1, objective=bowl):
     """Points of the Bayesian search after a 4 x 4 grid."""
-    found = []
+    result = []
 
     def evaluate(point):
-        found.append(point)
+        result.append(point)
         return objective(point)
 
     grid = [(point, objective(point)) for point in space.grid(4)]
     bayesian_search(space, grid, points, evaluate, seed)
-    return found
+    return result
 
 
 def test_the_papers_grid():
@@ -120,23 +120,29 @@ def test_the_best_network_is_that_of_its_own_strategy():
     seen = []
 
     def validator(point, strategies):
-        seen.append([one.name for one in strategies])
+        seen.append([evaluation.name for evaluation in strategies])
         offset = {"RV": 0.0, "SSV": -50.0}
         return [
-            Validation(one.name, beta, np.array([bowl(point) + beta + offset[one.name]]), "", 1.0)
-            for one in strategies
+            Validation(
+                evaluation.name,
+                beta,
+                np.array([bowl(point) + beta + offset[evaluation.name]]),
+                "",
+                1.0,
+            )
+            for evaluation in strategies
             for beta in (1.0, 2.0)
         ]
 
     scanned = scan(validator, PAPER, [single, recycled], 2)
     trace = network_search.search(validator, PAPER, recycled, scanned, 3, 1)
     assert seen == [["SSV", "RV"]] * 4 + [["RV"]] * 3
-    assert [one.number for one in trace[::2]] == [*range(7)]
-    assert [one.source for one in trace[::2]] == ["grid"] * 4 + ["bayesian"] * 3
-    found = network_search.best(trace)
-    assert found.validation.tikhonov == 1.0
-    assert found.objective == pytest.approx(bowl(found.point) + 1)
-    assert bowl(found.point) <= min(map(bowl, PAPER.grid(2)))
+    assert [evaluation.number for evaluation in trace[::2]] == [*range(7)]
+    assert [evaluation.source for evaluation in trace[::2]] == ["grid"] * 4 + ["bayesian"] * 3
+    result = network_search.best(trace)
+    assert result.validation.tikhonov == 1.0
+    assert result.objective == pytest.approx(bowl(result.point) + 1)
+    assert bowl(result.point) <= min(map(bowl, PAPER.grid(2)))
 
 
 def test_the_search_takes_the_leak_rate_of_the_best_point_of_the_grid():
@@ -151,18 +157,20 @@ def test_the_search_takes_the_leak_rate_of_the_best_point_of_the_grid():
 
     scanned = scan(validator, space, [strategy], 4)
     trace = network_search.search(validator, space, strategy, scanned, 3, 1)
-    assert [one.point.leak_rate for one in trace[48:]] == [0.5] * 3
+    assert [evaluation.point.leak_rate for evaluation in trace[48:]] == [0.5] * 3
     # the process knows the grid of this leak rate alone
     alone = SearchSpace(space.spectral_radius, space.input_scaling, (0.5,))
     other = network_search.search(
         validator, alone, strategy, scan(validator, alone, [strategy], 4), 3, 1
     )
-    assert [one.point for one in trace[48:]] == [one.point for one in other[16:]]
+    assert [evaluation.point for evaluation in trace[48:]] == [
+        evaluation.point for evaluation in other[16:]
+    ]
     # rows of tables say the leak rates that are not 1
-    for one in trace:
-        row = one.record()
-        assert ("leak_rate" in row) == (one.point.leak_rate != 1)
-        assert Evaluation.restore(row, one.validation.log_errors) == one
+    for evaluation in trace:
+        row = evaluation.record()
+        assert ("leak_rate" in row) == (evaluation.point.leak_rate != 1)
+        assert Evaluation.restore(row, evaluation.validation.log_errors) == evaluation
 
 
 def test_the_surrogate_has_the_settings_that_it_is_given(monkeypatch):
@@ -177,21 +185,21 @@ def test_the_surrogate_has_the_settings_that_it_is_given(monkeypatch):
     authors = SurrogateSettings((0.1, 3.0), (0.01, 10.0), 0.2, 10)
     paths = []
     for seed, surrogate in ((1, SurrogateSettings()), (1, authors), (2, authors)):
-        found = []
+        result = []
 
-        def evaluate(point, found=found):
-            found.append(point)
+        def evaluate(point, result=result):
+            result.append(point)
             return bowl(point)
 
         bayesian_search(PAPER, grid, 2, evaluate, seed, surrogate)
-        paths.append(found)
-    own, other = (one["kernel"] for one in made[:2])
+        paths.append(result)
+    kernel, other = (evaluation["kernel"] for evaluation in made[:2])
     # by hand, of the kernels of skopt: bounds in logarithms, the constant first
-    np.testing.assert_allclose(np.exp(own.bounds), [[1e-2, 1e3], [1e-2, 1e2], [1e-2, 1e2]])
-    np.testing.assert_allclose(np.exp(own.theta), [1, 1, 1])
+    np.testing.assert_allclose(np.exp(kernel.bounds), [[1e-2, 1e3], [1e-2, 1e2], [1e-2, 1e2]])
+    np.testing.assert_allclose(np.exp(kernel.theta), [1, 1, 1])
     np.testing.assert_allclose(np.exp(other.bounds), [[0.1, 3], [0.01, 10], [0.01, 10]])
     np.testing.assert_allclose(np.exp(other.theta), [1, 0.2, 0.2])
-    assert [one["random_state"] for one in made] == [1, 10, 10]
+    assert [evaluation["random_state"] for evaluation in made] == [1, 10, 10]
     assert paths[1] == paths[2]
     assert paths[0] == search(points=2)
 
@@ -205,37 +213,38 @@ LOG_ERRORS = np.array([[0.2], [0.0], [1.0]]) + SHARED + OWN
 
 
 def test_standard_errors_are_those_of_scipy_and_the_best_has_no_excess():
-    found = objective_uncertainty(LOG_ERRORS)
-    np.testing.assert_allclose(found.standard_error, stats.sem(LOG_ERRORS, axis=1), rtol=1e-12)
+    result = objective_uncertainty(LOG_ERRORS)
+    np.testing.assert_allclose(result.standard_error, stats.sem(LOG_ERRORS, axis=1), rtol=1e-12)
     assert int(np.argmin(LOG_ERRORS.mean(axis=1))) == 1
-    assert (found.excess[1], found.paired_standard_error[1]) == (0, 0)
-    assert np.all(found.excess >= 0)
-    assert np.all(found.paired_standard_error < 0.3 * found.standard_error)
+    assert (result.excess[1], result.paired_standard_error[1]) == (0, 0)
+    assert np.all(result.excess >= 0)
+    assert np.all(result.paired_standard_error < 0.3 * result.standard_error)
     for point in (0, 2):
         paired = stats.ttest_rel(LOG_ERRORS[point], LOG_ERRORS[1]).statistic
-        ratio = found.excess[point] / found.paired_standard_error[point]
+        ratio = result.excess[point] / result.paired_standard_error[point]
         assert ratio == pytest.approx(paired, rel=1e-10)
 
 
-def test_one_interval_says_nothing_about_its_error():
-    found = objective_uncertainty(LOG_ERRORS[:, :1])
-    best = int(np.argmin(LOG_ERRORS[:, 0]))
-    for point in range(3):
-        assert math.isnan(found.standard_error[point])
-        assert math.isnan(found.paired_standard_error[point]) == (point != best)
-    found = objective_uncertainty(np.array([[-5.0], [-5.1], [-5.1]]))
-    np.testing.assert_array_equal(found.paired_standard_error, [np.nan, 0, np.nan])
+NAN, INF = np.nan, np.inf
+
+
+@pytest.mark.parametrize(
+    ("errors", "single", "excess", "paired"),
+    [
+        # one interval says nothing about its error; closed loops that diverge have infinite ones
+        ([[-5.0], [-5.1], [-5.1]], [NAN] * 3, [pytest.approx(0.1), 0, 0], [NAN, 0, NAN]),
+        ([[INF] * 3] * 2, [NAN, NAN], [0, NAN], [0, NAN]),
+        ([[INF] * 3, [2.0] * 3], [NAN, 0], [INF, 0], [NAN, 0]),
+    ],
+)
+def test_what_is_not_defined_is_not_a_number(errors, single, excess, paired):
+    result = objective_uncertainty(np.array(errors))
+    expected = {"standard_error": single, "excess": excess, "paired_standard_error": paired}
+    for name, values in expected.items():
+        for value, wanted in zip(getattr(result, name), values, strict=True):
+            assert value == wanted or np.isnan([value, wanted]).all()
+
+
+def test_a_search_without_points_is_refused():
     with pytest.raises(ValueError, match="no point"):
         objective_uncertainty(np.empty((0, 5)))
-
-
-def test_infinite_errors_have_no_standard_error_and_no_difference():
-    """Closed loops that diverge have them."""
-    errors = np.full((2, 3), np.inf)
-    found = objective_uncertainty(errors)
-    np.testing.assert_array_equal(found.standard_error, [np.nan, np.nan])
-    np.testing.assert_array_equal(found.excess, [0, np.nan])
-    np.testing.assert_array_equal(found.paired_standard_error, [0, np.nan])
-    found = objective_uncertainty(np.vstack([errors[:1], [1.0, 2.0, 3.0]]))
-    np.testing.assert_array_equal(found.excess, [np.inf, 0])
-    np.testing.assert_array_equal(found.paired_standard_error, [np.nan, 0])

@@ -136,8 +136,8 @@ def test_objective_of_the_textbook(strategy, plan, tikhonov, tolerance):
     assert TO_THE_END.starts(LENGTH)[-1] + TO_THE_END.interval == LENGTH
     for strategies in (ALL, (strategy,)):
         made = validations((tikhonov,), strategies, plan)
-        found = {result.strategy: result for result in made}
-        assert found[strategy].objective == pytest.approx(expected, abs=tolerance)
+        result = {result.strategy: result for result in made}
+        assert result[strategy].objective == pytest.approx(expected, abs=tolerance)
 
 
 def test_each_strategy_alone_is_what_it_is_in_the_shared_loop():
@@ -204,7 +204,7 @@ def test_lost_forecasts_count_as_a_large_error_and_stay_finite(monkeypatch):
         return outputs, states
 
     monkeypatch.setattr(Dynamics, "closed_loop", lost)
-    (found,) = validations(strategies=["RV"])
+    (result,) = validations(strategies=["RV"])
     starts = PLAN.starts(10**6)
     truth = [
         [0.5 * (step**2).sum() for step in OBSERVED[series, start : start + PLAN.interval]]
@@ -213,7 +213,7 @@ def test_lost_forecasts_count_as_a_large_error_and_stay_finite(monkeypatch):
     ]
     logs = np.log10(((1.5 - np.array(truth)) ** 2).mean(axis=1))
     logs[:2] = np.log10(DIVERGED_ERROR)
-    assert found.objective == pytest.approx(logs.mean(), rel=1e-12)
+    assert result.objective == pytest.approx(logs.mean(), rel=1e-12)
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e8])
@@ -229,10 +229,10 @@ def test_errors_of_networks_with_an_offset_have_no_unit(scale, monkeypatch):
     def first(states):
         return states[0]
 
-    (found,) = validate(DYNAMICS, training, first, PLAN, [1e-3], strategy)
+    (result,) = validate(DYNAMICS, training, first, PLAN, [1e-3], strategy)
     (expected,) = validate(DYNAMICS, plain, first, PLAN, [1e-3], strategy)
     logs = np.array(expected.log_errors) - np.log10(variance)
-    np.testing.assert_allclose(found.log_errors, logs, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(result.log_errors, logs, rtol=0, atol=1e-6)
 
     def lost(self, weights, input_range, states, steps):
         return np.full((steps, DIMENSION, states.shape[1]), 1e99), states
@@ -288,7 +288,7 @@ def test_use_of_a_series():
 
 
 def test_the_single_shot_may_start_within_the_training_data():
-    (own,) = make_strategy("SSV").folds(SMALL, 4, 40)
+    (fold,) = make_strategy("SSV").folds(SMALL, 4, 40)
     (authors,) = make_strategy("SSV").folds(replace(SMALL, single_shot_lead=1), 4, 40)
-    assert (own.starts, authors.starts) == ((30,), (29,))
-    assert own.trained == authors.trained
+    assert (fold.starts, authors.starts) == ((30,), (29,))
+    assert fold.trained == authors.trained

@@ -8,7 +8,7 @@ import pytest
 from claims import CLAIMS, MARGINS, NOT_KEPT, RV, all_of, claims_table, larger, reaches, verdict
 from comparisons import beside_published, sides
 from kept_tables import PUBLISHED, Tables
-from make_page import DOCS, PUBLISHED_VALUES, UnsupportedError, pages, published_values, said
+from make_page import DOCS, PUBLISHED_VALUES, UnsupportedError, pages, published_values, supported
 
 from burstcast.figures.parts.published import published_percentiles
 
@@ -24,15 +24,15 @@ def test_pages_are_those_of_the_kept_tables():
     assert PUBLISHED_VALUES.read_text(encoding="utf-8") == published_values(), "make results"
     assert {*made} == {DOCS / "results.md", *(DOCS / "results").glob("*.md")}
     of_the_paper = " ".join(made[DOCS / "results" / "paper.md"].split())
-    assert all(one in of_the_paper for one in NOT_KEPT)
+    assert all(text in of_the_paper for text in NOT_KEPT)
     linked = set(re.findall(r"\]\((results/\w+\.md)[)#]", made[DOCS / "results.md"]))
     assert linked == {f"results/{path.name}" for path in (DOCS / "results").glob("*.md")}
 
 
 def test_a_sentence_whose_comparison_fails_is_refused():
-    assert said(True, True, caller=lambda: "a is larger") == "a is larger"
+    assert supported(True, True, caller=lambda: "a is larger") == "a is larger"
     with pytest.raises(UnsupportedError, match=r"\(True, False\): a is larger"):
-        said(True, False, caller=lambda: "a is larger")
+        supported(True, False, caller=lambda: "a is larger")
 
 
 # -- the paper's numbers as if they were ours ------------------------------------------------------
@@ -45,14 +45,14 @@ def published(table):
     the text says of 2500 and 3000), other Reynolds numbers like 600, later ones a little better in
     the horizon as the text says.
     """
-    found = published_percentiles(pd.read_csv(PUBLISHED), table)
-    networks = found[found["forecaster"] == "esn"]
-    parts = [found]
+    rows = published_percentiles(pd.read_csv(PUBLISHED), table)
+    networks = rows[rows["forecaster"] == "esn"]
+    parts = [rows]
     for size in (2500, 3000):
         like = networks[(networks["reynolds"] == 400) & (networks["neurons"] == 2000)]
         keys = ["reynolds", "neurons", "validation", "prediction_time_lt", "metric"]
         new = like.assign(neurons=float(size))
-        there = set(map(str, found[keys].to_numpy().tolist()))
+        there = set(map(str, rows[keys].to_numpy().tolist()))
         parts.append(new[[str(row) not in there for row in new[keys].to_numpy().tolist()]])
     for number, reynolds in enumerate((800, 1000), 1):
         like = networks[networks["reynolds"] == 600].assign(reynolds=reynolds)
@@ -136,26 +136,26 @@ def findings(tables):
 
 
 def test_the_paper_agrees_with_its_own_claims(like_the_paper):
-    found = findings(Tables(like_the_paper))
+    agreement = findings(Tables(like_the_paper))
     # the authors' networks of 1000 are worse than their training set, by the formulas
     density = (
         "the density of k improves on the training set (Kantorovich metric; mean logarithmic error)"
     )
     profiles = "profiles improve on the training set (NRMSE of u; u^2; uv)"
-    assert found.pop(density) == "11 yes, 1 no"
-    assert found.pop(profiles) == "15 yes, 1 nearly, 2 no"
+    assert agreement.pop(density) == "11 yes, 1 no"
+    assert agreement.pop(profiles) == "15 yes, 1 nearly, 2 no"
     # their networks of 500 have clearly larger logarithmic errors than those from 2000 on
     size = "and does not improve with size"
-    assert found.pop(size) == "27 yes, 3 no"
+    assert agreement.pop(size) == "27 yes, 3 no"
     # and their profiles improve by more than their densities at two of six sizes
     field = "the flow field improves less on the training set than the kinetic energy"
-    assert found.pop(field) == "4 yes, 2 no"
+    assert agreement.pop(field) == "4 yes, 2 no"
     # no exceedance that they published is a tenth of that without control two LT ahead
     rarer = "extreme events become rarer by control, 1 and 2 LT ahead"
-    assert found.pop(rarer) == "1 yes, 1 no"
+    assert agreement.pop(rarer) == "1 yes, 1 no"
     # the quartiles of their networks leave some differences open
-    open_ones = [text for text, verdict_ in found.items() if verdict_ != "yes"]
-    assert {text: found[text] for text in open_ones} == {
+    open_ones = [text for text, verdict_ in agreement.items() if verdict_ != "yes"]
+    assert {text: agreement[text] for text in open_ones} == {
         "RV outperforms SSV in precision, recall and F-score, Re = 400": "169 yes, 11 nearly",
         "RV outperforms SSV at Re = 600, 800, 1000": "30 yes, 3 nearly",
         "F-score 3 LT ahead: 1500 neurons with RV exceed 3000 with SSV": "nearly",
@@ -193,8 +193,8 @@ def test_every_claim_can_fail(claim, like_the_paper):
 
 
 def claim(text):
-    (found,) = (one for one in CLAIMS if one.text.startswith(text))
-    return found
+    (claim_of_text,) = (each for each in CLAIMS if each.text.startswith(text))
+    return claim_of_text
 
 
 def test_an_order_of_magnitude_is_looked_up_for_each_prediction_time(like_the_paper):
@@ -203,9 +203,10 @@ def test_an_order_of_magnitude_is_looked_up_for_each_prediction_time(like_the_pa
     weak = (table["prediction_time_lt"] == 2) & (table["case"] != "Re1000")
     table.loc[weak, "density_controlled"] = table.loc[weak, "density_uncontrolled"] / 3
     table.to_csv(path, index=False)
-    found = claim("the density's tail").find(Tables(like_the_paper))
-    assert found.agrees == "2 yes, 1 no"
-    assert found.why == "by 10 or more 1 LT ahead at 4 of 4, 2 LT ahead at 1 of 4 Reynolds numbers"
+    finding = claim("the density's tail").find(Tables(like_the_paper))
+    assert finding.agrees == "2 yes, 1 no"
+    why = "by 10 or more 1 LT ahead at 4 of 4, 2 LT ahead at 1 of 4 Reynolds numbers"
+    assert finding.why == why
 
 
 @pytest.mark.parametrize(
@@ -218,7 +219,7 @@ def test_how_much_rarer_events_become(like_the_paper, uncontrolled, agrees):
     free = table["metric"] == "exceedance_uncontrolled"
     table.loc[free, ["p25", "p50", "p75"]] = uncontrolled
     table.to_csv(path, index=False)
-    found = claim("extreme events become rarer").find(Tables(like_the_paper))
+    finding = claim("extreme events become rarer").find(Tables(like_the_paper))
     # what the paper leaves at Re = 600, the least: 0.0127 and 0.0220, the interval 2 % either way
     factors = (
         uncontrolled
@@ -226,9 +227,9 @@ def test_how_much_rarer_events_become(like_the_paper, uncontrolled, agrees):
         .query("reynolds == 600 and metric == 'exceedance_controlled' and neurons == 2000")
         .set_index("prediction_time_lt")["p50"]
     )
-    assert f"1 LT ahead by {factors[1]:.1f} (" in found.ours
-    assert f"2 LT ahead by {factors[2]:.1f} (" in found.ours
-    assert found.agrees == agrees
+    assert f"1 LT ahead by {factors[1]:.1f} (" in finding.ours
+    assert f"2 LT ahead by {factors[2]:.1f} (" in finding.ours
+    assert finding.agrees == agrees
 
 
 def test_verdicts_are_of_equivalence():
@@ -259,11 +260,11 @@ def test_medians_differ_beyond_the_scatter_of_networks(errors, expected):
     # the standard error of the difference of medians of ten normal numbers of deviation 1
     numbers = np.random.default_rng(3).normal(size=(2, 100_000, 10))
     error = np.subtract(*np.median(numbers, axis=2)).std()
-    one, other = (
+    first, other = (
         row(**{f"p{share}": middle + distance for share, distance in QUARTILES.items()})
         for middle in (errors * error, 0.0)
     )
-    assert larger(one, other) == expected
+    assert larger(first, other) == expected
 
 
 def test_several_verdicts_are_counted():

@@ -55,7 +55,7 @@ def authors(tmp_path):
 
 
 @pytest.fixture
-def own(tmp_path):
+def own_choices(tmp_path):
     return campaign(tmp_path / "own", scored(0.7 + CHOICES))
 
 
@@ -67,10 +67,10 @@ def paper(tmp_path):
 
 def rows_of(part):
     """Texts of cells by row."""
-    found = {}
+    cells_of = {}
     for row, _, cell in part:
-        found.setdefault(row, []).append(cell)
-    return found
+        cells_of.setdefault(row, []).append(cell)
+    return cells_of
 
 
 def published(time):
@@ -78,8 +78,8 @@ def published(time):
     return published_value("classification", "f_score", **where)
 
 
-def test_differences_are_taken_apart(authors, own, paper):
-    row = rows_of(differences(authors, own, paper))["500 neurons, F-score, 3 LT ahead"]
+def test_differences_are_taken_apart(authors, own_choices, paper):
+    row = rows_of(differences(authors, own_choices, paper))["500 neurons, F-score, 3 LT ahead"]
     # by hand: t(4) = 2.776; five sets with our choices have the mean 0.54, the campaign 0.555
     margin = 2.776445 * np.std(SETS, ddof=1) / np.sqrt(5)
     assert row == [
@@ -111,10 +111,10 @@ def test_published_values_inside_are_counted_by_one_rule(authors, paper):
     }
 
 
-def test_the_gap_is_split_by_true_washouts(authors, own):
-    found = gaps("authors'", authors, f_score(2.0))
-    assert rows_of(found) == {"authors' choices, 500 neurons": ["0.700", "0.775", "0.25 ± 0.00"]}
-    assert gaps("our", own, f_score(2.0)) == []
+def test_the_gap_is_split_by_true_washouts(authors, own_choices):
+    rows = gaps("authors'", authors, f_score(2.0))
+    assert rows_of(rows) == {"authors' choices, 500 neurons": ["0.700", "0.775", "0.25 ± 0.00"]}
+    assert gaps("our", own_choices, f_score(2.0)) == []
 
 
 def test_sources_of_scatter_stand_beside_each_other(authors):
@@ -124,9 +124,9 @@ def test_sources_of_scatter_stand_beside_each_other(authors):
     other = {**row, "prediction_time_lt": 2.0, "mean": 0.7}
     path = authors.directory / "training_realisations.csv"
     pd.DataFrame([row, other]).to_csv(path, index=False)
-    found = rows_of(scatter(authors, (f_score(3.0),)))
+    rows = rows_of(scatter(authors, (f_score(3.0),)))
     cells = ["0.500", "0.020", "0.030", f"{ERROR:.3f}"]
-    assert found == {"500 neurons, F-score, 3 LT ahead": cells}
+    assert rows == {"500 neurons, F-score, 3 LT ahead": cells}
 
 
 def test_how_often_the_own_training_set_is_best(tmp_path):
@@ -135,8 +135,8 @@ def test_how_often_the_own_training_set_is_best(tmp_path):
         {"case": case, "forecaster": "esn", **NETWORK, "seed": seed, "prediction_time_lt": time}
         | {"f_score": score + (0.05, -0.05)[seed]}
         for case, shift in (("Re400", None), ("Re400-training1", 0.1), ("Re400-training2", -0.1))
-        for time, own in ours.items()
-        for score in [own if shift is None else 0.6 + shift]
+        for time, value in ours.items()
+        for score in [value if shift is None else 0.6 + shift]
         for seed in (0, 1)
     ]
     text = own_ranks(campaign(tmp_path / "sets", rows), (2.0, 3.0, 4.0))
@@ -165,13 +165,13 @@ def readouts(tmp_path):
 
 def test_intervals_are_over_training_sets(readouts):
     tables, rows = readouts
-    found = over_sets(tables, f_score(3.0))
-    assert found["readout"].tolist() == ["as in the paper"] * 2 + ["squares"] * 2
-    for row in found.to_dict("records"):
+    means = over_sets(tables, f_score(3.0))
+    assert means["readout"].tolist() == ["as in the paper"] * 2 + ["squares"] * 2
+    for row in means.to_dict("records"):
         of = rows[(rows["forecaster"] == row["forecaster"]) & (rows["neurons"] == row["neurons"])]
-        means = of.groupby("case")["f_score"].mean()
-        low, high = stats.t.interval(0.95, 2, means.mean(), stats.sem(means))
-        expected = [means.mean(), low, high, means.min(), means.max()]
+        sets = of.groupby("case")["f_score"].mean()
+        low, high = stats.t.interval(0.95, 2, sets.mean(), stats.sem(sets))
+        expected = [sets.mean(), low, high, sets.min(), sets.max()]
         assert [row[name] for name in ("mean", "low", "high", "min", "max")] == pytest.approx(
             expected
         )
@@ -212,8 +212,8 @@ def test_only_cases_with_the_same_series_are_ranked_beside_each_other(tmp_path):
         for alarm in ("equations_filtered", "climatology")
     ]
     pd.DataFrame(rows).to_csv(tmp_path / "ranking.csv", index=False)
-    found = onsets(Tables(tmp_path), "turbulence")
-    assert found[["case", "alarm"]].to_numpy().tolist() == [
+    shown = onsets(Tables(tmp_path), "turbulence")
+    assert shown[["case", "alarm"]].to_numpy().tolist() == [
         ["sensors", "equations_filtered"],
         ["any", "climatology"],
         ["turbulence", "equations_filtered"],
@@ -226,8 +226,7 @@ def test_the_most_expensive_rules_and_the_sum(tmp_path):
         for rule, minutes in (("cheap", 1), ("dear", 9), ("middle", 3))
     ]
     pd.DataFrame(rows).to_csv(tmp_path / "rule_costs.csv", index=False)
-    found = rows_of(costs(Tables(tmp_path), 2))
-    assert found == {
+    assert rows_of(costs(Tables(tmp_path), 2)) == {
         "dear": ["2", "9", "5"],
         "middle": ["2", "3", "5"],
         "**all**": ["6", "13", "5"],

@@ -92,10 +92,10 @@ def test_nothing_is_removed_that_was_not_collected(path, message, results, monke
     (keep.KEPT / "page.md.jinja").write_text("of the page")
     assert keep.main(["collect", str(results)]) == 0
     (keep.KEPT / "small" / "notes.txt").write_text("a note")
-    before = {one: one.is_file() and one.read_bytes() for one in keep.KEPT.rglob("*")}
+    before = {path: path.is_file() and path.read_bytes() for path in keep.KEPT.rglob("*")}
     assert keep.main(["collect", path]) == 2
     assert re.search(message, capsys.readouterr().err)
-    assert before == {one: one.is_file() and one.read_bytes() for one in before}
+    assert before == {path: path.is_file() and path.read_bytes() for path in before}
 
 
 @pytest.mark.parametrize(
@@ -158,10 +158,10 @@ def test_medians_have_the_interval_of_one_network(tmp_path):
     pd.DataFrame(rows).to_csv(tmp_path / "scores_percentiles.csv", index=False)
     ends = [{**keys, "seed": n, "low": low, "high": 1} for n, low in enumerate((0.0, 0.5, 0.1))]
     pd.DataFrame(ends).to_csv(tmp_path / "scores_intervals.csv", index=False)
-    found = Tables(tmp_path).one("scores", "f", forecaster="esn")
-    assert (found.case, found.p50, found.low, found.high) == ("A", 0.2, 0.1, 1)
+    row = Tables(tmp_path).row("scores", "f", forecaster="esn")
+    assert (row.case, row.p50, row.low, row.high) == ("A", 0.2, 0.1, 1)
     with pytest.raises(LookupError, match=r"scores: 0 rows of f with \{'case': 'B'\}, not one"):
-        Tables(tmp_path).one("scores", "f", case="B")
+        Tables(tmp_path).row("scores", "f", case="B")
     assert not Tables(tmp_path / "none")
 
 
@@ -182,13 +182,13 @@ def test_a_run_of_control_is_a_row(tmp_path):
         *run("none", 0.1, 0.3, options="watch=a1 aware=True", starts="unselected", level=2),
     ]
     pd.DataFrame(rows).to_csv(tmp_path / "runs.csv", index=False)
-    found = Tables(tmp_path).runs("runs", case="A")
-    assert list(found["condition"])[:2] == [
+    runs = Tables(tmp_path).runs("runs", case="A")
+    assert list(runs["condition"])[:2] == [
         "strength 0.5, 1 LT late, 10 % noise",
         "unselected states",
     ]
-    assert list(found["means"])[:2] == ["reactive", "reactive, on a1, aware"]
-    assert found[["left", "left_low", "acting", "effort"]].iloc[0].tolist() == [0.2, 0.0, 0.1, 7]
-    assert best(found, ["forecaster"])["acting"].tolist() == [0.1, 0.3]
+    assert list(runs["means"])[:2] == ["reactive", "reactive, on a1, aware"]
+    assert runs[["left", "left_low", "acting", "effort"]].iloc[0].tolist() == [0.2, 0.0, 0.1, 7]
+    assert best(runs, ["forecaster"])["acting"].tolist() == [0.1, 0.3]
     empty = Tables(tmp_path).runs("runs", case="B")
     assert empty.empty

@@ -56,15 +56,15 @@ def filled(counts, below=0, above=0):
 def test_histogram_density_and_cumulative_are_numpys(values):
     # the edges themselves are where implementations differ
     values = np.concatenate([values, EDGES, [np.nextafter(1.0, 2.0), np.nextafter(0.0, -1.0)]])
-    found = histogram(values, EDGES)
-    np.testing.assert_array_equal(found.counts, np.histogram(values, EDGES)[0])
-    assert found.below == (values < 0).sum()
-    assert found.above == (values > 1).sum()
-    assert found.below + found.inside + found.above == len(values)
+    result = histogram(values, EDGES)
+    np.testing.assert_array_equal(result.counts, np.histogram(values, EDGES)[0])
+    assert result.below == (values < 0).sum()
+    assert result.above == (values > 1).sum()
+    assert result.below + result.inside + result.above == len(values)
     density = np.histogram(values, EDGES, density=True)[0]
-    np.testing.assert_allclose(found.density, density)
-    np.testing.assert_allclose(found.cumulative, [0, *np.cumsum(density * WIDTHS)], atol=1e-14)
-    assert found.cumulative[-1] == 1
+    np.testing.assert_allclose(result.density, density)
+    np.testing.assert_allclose(result.cumulative, [0, *np.cumsum(density * WIDTHS)], atol=1e-14)
+    assert result.cumulative[-1] == 1
 
 
 def test_bin_edges_are_equally_spaced_and_what_is_empty_has_no_density():
@@ -76,16 +76,18 @@ def test_bin_edges_are_equally_spaced_and_what_is_empty_has_no_density():
 
 
 @given(bin_counts, bin_counts, beyond, beyond)
-def test_kantorovich_metric_is_the_integral_of_the_difference_and_scipys(one, two, below, above):
-    first, second = filled(one, below, above), filled(two)
+def test_kantorovich_metric_is_the_integral_of_the_difference_and_scipys(
+    first_counts, two, below, above
+):
+    first, second = filled(first_counts, below, above), filled(two)
     grid = np.linspace(0, 1, 40001)
-    cumulative = [np.interp(grid, EDGES, found.cumulative) for found in (first, second)]
+    cumulative = [np.interp(grid, EDGES, result.cumulative) for result in (first, second)]
     expected = trapezoid(np.abs(cumulative[0] - cumulative[1]), grid)
     assert kantorovich_metric(first, second) == pytest.approx(expected, abs=1e-8)
     assert kantorovich_metric(first, first) == 0
     # bins that are filled evenly, by a thousand values each eighth
     values = (np.arange(8000) + 0.5) / 8000
-    weights = [np.repeat(found.density, (8000 * WIDTHS).astype(int)) for found in (first, second)]
+    weights = [np.repeat(result.density, (8000 * WIDTHS).astype(int)) for result in (first, second)]
     theirs = wasserstein_distance(values, values, *weights)
     assert kantorovich_metric(first, second) == pytest.approx(theirs, abs=2e-4)
 
@@ -94,11 +96,13 @@ def test_kantorovich_metric_is_the_integral_of_the_difference_and_scipys(one, tw
 def test_mean_logarithmic_error_is_that_of_a_plain_loop(first, second, below, above):
     """A bin that is empty in either counts one; no other error is cut off."""
     errors = [
-        abs(math.log10(one / sum(first)) - math.log10(two / sum(second))) if one and two else 1.0
-        for one, two in zip(first, second, strict=True)
+        abs(math.log10(first_counts / sum(first)) - math.log10(two / sum(second)))
+        if first_counts and two
+        else 1.0
+        for first_counts, two in zip(first, second, strict=True)
     ]
-    found = mean_logarithmic_error(filled(first, below, above), filled(second))
-    assert found == pytest.approx(sum(errors) / 4)
+    result = mean_logarithmic_error(filled(first, below, above), filled(second))
+    assert result == pytest.approx(sum(errors) / 4)
 
 
 def test_mean_density_weighs_each_histogram_alike():
@@ -113,8 +117,8 @@ def test_mean_density_weighs_each_histogram_alike():
 def interval(counts, rows, resamples=4000, confidence=0.95):
     how = {"resamples": resamples, "confidence": confidence}
     generator = np.random.default_rng(0)
-    counts = [np.asarray(own, np.int64).reshape(-1, 4) for own in counts]
-    rows = [np.asarray(own, np.int64) for own in rows]
+    counts = [np.asarray(row, np.int64).reshape(-1, 4) for row in counts]
+    rows = [np.asarray(row, np.int64) for row in rows]
     return density_interval(EDGES, counts, rows, generator=generator, **how)
 
 
@@ -123,17 +127,21 @@ def test_density_interval_is_that_of_flows_drawn_one_by_one(seed, confidence):
     """Densities that share flows are resampled together."""
     rows = [[4, 0, 7, 5], [7, 2], [3]]
     generator = np.random.default_rng(seed)
-    counts = [generator.poisson(2, (len(own), 4)) for own in rows[:2]] + [np.zeros((1, 4))]
+    counts = [generator.poisson(2, (len(row), 4)) for row in rows[:2]] + [np.zeros((1, 4))]
     drawn = bootstrap_weights(6, 40, np.random.default_rng(0))
     means = []
     for weights in drawn:
         times = dict(zip([0, 2, 3, 4, 5, 7], weights, strict=True))
         sums = [
-            sum(times[row] * flow for row, flow in zip(own, flows, strict=True))
-            for own, flows in zip(rows, counts, strict=True)
+            sum(times[row] * flow for row, flow in zip(row, flows, strict=True))
+            for row, flows in zip(rows, counts, strict=True)
         ]
-        known = [one / one.sum() / WIDTHS for one in sums if one.sum()]
-        means.append(np.mean(known, axis=0) if known else np.full(4, np.nan))
+        densities = [
+            first_counts / first_counts.sum() / WIDTHS
+            for first_counts in sums
+            if first_counts.sum()
+        ]
+        means.append(np.mean(densities, axis=0) if densities else np.full(4, np.nan))
     ends = np.nanquantile(means, [(1 - confidence) / 2, (1 + confidence) / 2], axis=0)
     np.testing.assert_allclose(interval(counts, rows, 40, confidence), ends, atol=1e-12)
 
@@ -173,19 +181,21 @@ def same(first, second):
 )
 def test_merged_reductions_are_those_of_all_values_of_the_chosen_series(rows):
     series = random_series()
-    found = reduced(series).merged(rows)
+    result = reduced(series).merged(rows)
     flat = series[rows].reshape(-1, 9)
-    np.testing.assert_array_equal(found.histogram.counts, np.histogram(energy(flat.T), ENERGIES)[0])
-    assert found.histogram.below + found.histogram.inside + found.histogram.above == len(flat)
-    assert found.moments.count == len(flat)
-    np.testing.assert_allclose(found.moments.mean, flat.mean(axis=0), atol=1e-14)
-    np.testing.assert_allclose(found.moments.mean_product, flat.T @ flat / len(flat), atol=1e-13)
+    np.testing.assert_array_equal(
+        result.histogram.counts, np.histogram(energy(flat.T), ENERGIES)[0]
+    )
+    assert result.histogram.below + result.histogram.inside + result.histogram.above == len(flat)
+    assert result.moments.count == len(flat)
+    np.testing.assert_allclose(result.moments.mean, flat.mean(axis=0), atol=1e-14)
+    np.testing.assert_allclose(result.moments.mean_product, flat.T @ flat / len(flat), atol=1e-13)
 
 
 def test_no_series_have_no_moments():
-    found = reduced(random_series())
-    assert len(found) == 7
-    none = found.merged(np.zeros(7, dtype=bool))
+    result = reduced(random_series())
+    assert len(result) == 7
+    none = result.merged(np.zeros(7, dtype=bool))
     assert (none.moments.count, none.histogram.inside) == (0, 0)
     assert np.isnan(none.moments.mean).all()
 
@@ -222,8 +232,8 @@ def test_profiles_and_midplane_are_the_averages_of_the_fields():
     y = np.linspace(-1, 1, 9)
     grid = np.meshgrid(x, y, z, indexing="ij", sparse=True)
     u, v, _ = modes.velocity(series.reshape(-1, 9).T, *grid)
-    found = velocity_profiles(equally_spaced_profiles(system, 9), moments)
-    for profile, field in ((found.u, u), (found.uu, u * u), (found.uv, u * v)):
+    result = velocity_profiles(equally_spaced_profiles(system, 9), moments)
+    for profile, field in ((result.u, u), (result.uu, u * u), (result.uv, u * v)):
         np.testing.assert_allclose(profile, field.mean(axis=(0, 1, 3)), atol=1e-12)
     plane = np.square(u[:, :, 4]).mean(axis=0)
     np.testing.assert_allclose(midplane_mean_square(modes, moments, x, z), plane, atol=1e-12)
@@ -231,8 +241,8 @@ def test_profiles_and_midplane_are_the_averages_of_the_fields():
 
 def test_a_system_without_velocities_has_no_modes_and_a_grid_is_the_whole_domain():
     grid = make_flow_grid(MoehlisFaisstEckhardt(400.0, length_x=5.0, length_z=3.0), (3, 5, 7))
-    for found, ends, count in ((grid.x, (0, 5), 3), (grid.y, (-1, 1), 5), (grid.z, (0, 3), 7)):
-        np.testing.assert_array_equal(found, np.linspace(*ends, count))
+    for result, ends, count in ((grid.x, (0, 5), 3), (grid.y, (-1, 1), 5), (grid.z, (0, 3), 7)):
+        np.testing.assert_array_equal(result, np.linspace(*ends, count))
     assert flow_modes(Lorenz63()) is None
     assert equally_spaced_profiles(Lorenz63(), 9) is None
 
@@ -248,12 +258,14 @@ FULL = np.linspace(2.0, 7.0, 11)
 def test_compare_measures_each_thing_against_the_reference():
     whole = reduced(random_series(20))
     reference, candidate = whole.merged(ALL), whole.merged(np.arange(3))
-    found = compare(reference, candidate, MATRICES)
-    assert found.kantorovich == kantorovich_metric(reference.histogram, candidate.histogram)
-    assert found.mean_log_error == mean_logarithmic_error(reference.histogram, candidate.histogram)
-    profiles = [velocity_profiles(MATRICES, one.moments) for one in (reference, candidate)]
-    for name, error in (("u", found.nrmse_u), ("uu", found.nrmse_uu), ("uv", found.nrmse_uv)):
-        true, other = (getattr(one, name) for one in profiles)
+    result = compare(reference, candidate, MATRICES)
+    assert result.kantorovich == kantorovich_metric(reference.histogram, candidate.histogram)
+    assert result.mean_log_error == mean_logarithmic_error(reference.histogram, candidate.histogram)
+    profiles = [
+        velocity_profiles(MATRICES, first_counts.moments) for first_counts in (reference, candidate)
+    ]
+    for name, error in (("u", result.nrmse_u), ("uu", result.nrmse_uu), ("uv", result.nrmse_uv)):
+        true, other = (getattr(first_counts, name) for first_counts in profiles)
         # the range of the reference, not of the candidate
         expected = np.sqrt(np.mean((other - true) ** 2)) / np.ptp(true)
         assert error == pytest.approx(expected)
@@ -284,14 +296,14 @@ def test_the_nearest_candidate_is_that_of_the_smallest_kantorovich_metric():
 def test_the_sampling_floor_is_the_distance_of_disjoint_parts():
     series = random_series(10)
     for sample, size in ((3, 3), (None, 5)):
-        found = sampling_floor(reduced(series), MATRICES, 5, np.random.default_rng(3), sample)
+        result = sampling_floor(reduced(series), MATRICES, 5, np.random.default_rng(3), sample)
         draws = np.random.default_rng(3)
-        for measures in found:
+        for measures in result:
             order = draws.permutation(10)
             parts = [reduced(series[rows]).merged(ALL) for rows in (order[size:], order[:size])]
             expected = compare(*parts, MATRICES)
             assert vars(measures) == pytest.approx(vars(expected), rel=1e-9)
-        assert len({measures.kantorovich for measures in found}) == 5
+        assert len({measures.kantorovich for measures in result}) == 5
 
 
 def test_each_sample_of_resampled_measures_is_compared_as_if_its_runs_were_all():
@@ -303,24 +315,24 @@ def test_each_sample_of_resampled_measures_is_compared_as_if_its_runs_were_all()
     weights = bootstrap_weights(12, 8, np.random.default_rng(3))
     weights[7, kept] = 0  # no run that counts
     for matrices in (MATRICES, None):
-        found = resampled_measures(reference, reduced(runs), kept, matrices, weights)
-        assert list(found) == NAMES
+        result = resampled_measures(reference, reduced(runs), kept, matrices, weights)
+        assert list(result) == NAMES
         for number, weight in enumerate(weights):
             drawn = np.repeat(np.arange(12)[kept], weight[kept])
             candidate = reduced(runs[drawn]).merged(ALL)
             expected = compare(reference, candidate, matrices)
             for name in NAMES:
                 theirs = pytest.approx(getattr(expected, name), rel=1e-12, nan_ok=True)
-                assert found[name][number] == theirs
-        assert np.isnan(found["kantorovich"]).tolist() == [False] * 7 + [True]
+                assert result[name][number] == theirs
+        assert np.isnan(result["kantorovich"]).tolist() == [False] * 7 + [True]
 
 
 def test_reductions_come_back_from_their_file(tmp_path):
-    found = reduced(random_series(5))
+    result = reduced(random_series(5))
     path = tmp_path / "long_term.nc"
-    statistics = statistics_variables(found.merged(slice(1, 3)))
-    write_netcdf(path, {**statistics, **reduction_variables(found)}, {})
-    assert same(reductions_from(read_netcdf(path)), found)
+    statistics = statistics_variables(result.merged(slice(1, 3)))
+    write_netcdf(path, {**statistics, **reduction_variables(result)}, {})
+    assert same(reductions_from(read_netcdf(path)), result)
 
 
 def floor_of(series, **settings):

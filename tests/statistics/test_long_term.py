@@ -8,7 +8,6 @@ import scipy.stats
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.statistics import long_term
 from burstcast.statistics.long_term import (
     Fate,
@@ -19,7 +18,6 @@ from burstcast.statistics.long_term import (
 )
 from burstcast.statistics.reductions import reduce_series
 from burstcast.statistics.survival import Lifetimes, escape_rate, survival_curve
-from burstcast.systems.lorenz63 import Lorenz63
 from helpers_library import MadeUpForecaster
 
 EDGES = np.linspace(0.0, 1.0, 11)
@@ -153,26 +151,26 @@ def run(script, threshold=0.48, fixed_point=FIXED_POINT, bound=10.0, chunk=100):
 )
 def test_fates_and_statistics_are_those_of_the_whole_series(kinds, steps, chunk, seed):
     script = script_of(kinds, steps, seed)
-    found, _ = run(script, chunk=chunk)
+    result, _ = run(script, chunk=chunk)
     expected = [brute_force(states) for states in script.transpose(2, 0, 1)]
     fates, lifetimes = map(list, zip(*expected, strict=True))
-    assert found.fates.tolist() == fates
-    assert found.lifetimes.tolist() == lifetimes
+    assert result.fates.tolist() == fates
+    assert result.lifetimes.tolist() == lifetimes
     kept = script[:, :, np.array(fates) == Fate.KEPT].transpose(2, 0, 1)
-    assert found.statistics.moments.count == kept.shape[0] * steps
+    assert result.statistics.moments.count == kept.shape[0] * steps
     if len(kept):
         expected = reduce_series([kept], first_component, EDGES).merged(slice(None))
-        np.testing.assert_array_equal(found.statistics.histogram.counts, expected.histogram.counts)
+        np.testing.assert_array_equal(result.statistics.histogram.counts, expected.histogram.counts)
         np.testing.assert_array_equal(
-            found.statistics.moments.mean_product, expected.moments.mean_product
+            result.statistics.moments.mean_product, expected.moments.mean_product
         )
 
 
 def test_nothing_is_discarded_without_criteria():
-    found, _ = run(
+    result, _ = run(
         script_of(["chaotic", "laminar", "settling"], 120), threshold=None, fixed_point=None
     )
-    assert (found.fates == Fate.KEPT).all()
+    assert (result.fates == Fate.KEPT).all()
 
 
 @pytest.mark.parametrize(
@@ -183,9 +181,9 @@ def test_a_run_that_has_ended_costs_no_more_time(kind, least, most):
     script = script_of([kind] * 3, 4000)
     if kind == "laminar":
         script[400:] = 0.5
-    found, forecaster = run(script)
+    result, forecaster = run(script)
     assert least <= forecaster.asked / (3 * 4000) <= most
-    assert np.isnan(found.statistics.moments.mean).all() == (kind != "chaotic")
+    assert np.isnan(result.statistics.moments.mean).all() == (kind != "chaotic")
 
 
 def test_slow_departure_from_an_unstable_fixed_point_is_not_cut_off():
@@ -194,8 +192,8 @@ def test_slow_departure_from_an_unstable_fixed_point_is_not_cut_off():
     steps = 1600
     growth = np.exp(np.log(0.1 / 1e-17) * (np.arange(steps) / 1500))
     values = 0.2 + np.minimum(1e-17 * growth, 0.1) * np.cos(np.arange(steps))
-    found, forecaster = run(copies(np.stack([values, values], axis=1)))
-    assert (found.fates == Fate.KEPT).all()
+    result, forecaster = run(copies(np.stack([values, values], axis=1)))
+    assert (result.fates == Fate.KEPT).all()
     assert forecaster.asked == 3 * steps
 
 
@@ -207,37 +205,19 @@ def test_a_variation_as_large_as_the_criterion_says_is_no_fixed_point(chunk, sma
     states = np.stack([values, np.full(1000, 0.1)], axis=1)
     for variation, fate in ((small, Fate.KEPT), (1.001 * small, Fate.FIXED_POINT)):
         criterion = FixedPointCriterion(variation=variation, above=0.05, interval=40)
-        found, _ = run(copies(states), threshold=None, fixed_point=criterion, chunk=chunk)
-        assert set(found.fates) == {fate}
+        result, _ = run(copies(states), threshold=None, fixed_point=criterion, chunk=chunk)
+        assert set(result.fates) == {fate}
 
 
 def test_what_rests_is_a_fixed_point_from_its_first_step_but_not_the_observable_alone():
-    found, _ = run(copies(np.full((400, 2), 0.3)))
-    assert set(found.fates) == {Fate.FIXED_POINT}
-    assert set(found.lifetimes) == {1}
+    result, _ = run(copies(np.full((400, 2), 0.3)))
+    assert set(result.fates) == {Fate.FIXED_POINT}
+    assert set(result.lifetimes) == {1}
     # the first component, the observable, rests; the second moves, and moves the first one later
     time = np.arange(1000)
     values = np.where(time < 900, 0.2, 0.2 + 0.1 * np.sin(time))
-    found, _ = run(copies(np.stack([values, np.sin(time)], axis=1)))
-    assert (found.fates == Fate.KEPT).all()
-
-
-def test_equations_have_the_statistics_of_their_own_trajectories():
-    system = Lorenz63()
-    forecaster = EquationsFromTruth(system=system, time_step=0.01, sampling_stride=2)
-    washouts = np.random.default_rng(2).normal(0, 5, (5, 4, 3)) + np.array([0, 0, 20])
-    edges = np.linspace(-30, 30, 31)
-    found = run_long_term(
-        forecaster, system.observable, washouts, LongTermSettings(700, edges, None, None)
-    )
-    states, _ = forecaster.advance(np.ascontiguousarray(washouts[:, -1].T), 700)
-    series = states.transpose(2, 0, 1)
-    expected = reduce_series([series], system.observable, edges).merged(slice(None))
-    np.testing.assert_array_equal(found.statistics.histogram.counts, expected.histogram.counts)
-    mean_product = found.statistics.moments.mean_product
-    np.testing.assert_array_equal(mean_product, expected.moments.mean_product)
-    # the flow contracts towards the attractor, on which xy averages to beta z
-    assert mean_product[0, 1] == pytest.approx(8 / 3 * found.statistics.moments.mean[2], rel=0.05)
+    result, _ = run(copies(np.stack([values, np.sin(time)], axis=1)))
+    assert (result.fates == Fate.KEPT).all()
 
 
 def test_starting_points_are_shared_out_evenly_as_many_as_there_is_room_for():
@@ -263,24 +243,24 @@ def test_survival_curve_is_the_kaplan_meier_estimate_with_exact_intervals(ends, 
     """Escapes at the last step and survivors are told apart."""
     steps = np.minimum(ends, 10)
     escaped = np.array([end < 10 or (end == 10 and data.draw(st.booleans())) for end in ends])
-    found = survival_curve(Lifetimes(steps, escaped, 10), np.arange(11), confidence)
+    result = survival_curve(Lifetimes(steps, escaped, 10), np.arange(11), confidence)
     censored = scipy.stats.CensoredData(uncensored=steps[escaped], right=steps[~escaped])
     expected = scipy.stats.ecdf(censored).sf.evaluate(np.arange(11))
-    np.testing.assert_allclose(found.share, expected, atol=1e-12)
-    for share, low, high in zip(found.share, found.low, found.high, strict=True):
+    np.testing.assert_allclose(result.share, expected, atol=1e-12)
+    for share, low, high in zip(result.share, result.low, result.high, strict=True):
         alive = scipy.stats.binomtest(round(share * len(ends)), len(ends))
         assert (low, high) == pytest.approx(alive.proportion_ci(confidence, "exact"), abs=1e-9)
 
 
 def test_escape_rate_is_the_maximum_of_the_likelihood():
     lifetimes = exponential(1e-3, 400, 2000)
-    found = escape_rate(lifetimes, 1.0, 0.95, start=0)
+    result = escape_rate(lifetimes, 1.0, 0.95, start=0)
     data = scipy.stats.CensoredData(
         uncensored=lifetimes.steps[lifetimes.escaped], right=lifetimes.steps[~lifetimes.escaped]
     )
     _, scale = scipy.stats.expon.fit(data, floc=0)
-    assert found.rate == pytest.approx(1 / scale, rel=1e-6)
-    assert found.escapes == lifetimes.escaped.sum()
+    assert result.rate == pytest.approx(1 / scale, rel=1e-6)
+    assert result.escapes == lifetimes.escaped.sum()
 
 
 def test_units_are_those_of_time_and_nothing_at_risk_has_no_rate():
@@ -289,32 +269,32 @@ def test_units_are_those_of_time_and_nothing_at_risk_has_no_rate():
     assert times.rate == pytest.approx(4 * steps.rate)
     assert times.time_at_risk == pytest.approx(steps.time_at_risk / 4)
     gone = Lifetimes(np.array([3, 4]), np.array([True, True]), 100)
-    found = escape_rate(gone, 1.0, 0.95)
-    assert (found.escapes, found.time_at_risk) == (0, 0)
-    assert np.isnan([found.rate, found.low, found.high]).all()
+    result = escape_rate(gone, 1.0, 0.95)
+    assert (result.escapes, result.time_at_risk) == (0, 0)
+    assert np.isnan([result.rate, result.low, result.high]).all()
 
 
 @given(st.integers(0, 30), st.floats(0.5, 0.99))
 def test_ends_of_the_interval_have_exact_tails(escapes, confidence):
     steps = np.where(np.arange(40) < escapes, 60, 100)
     lifetimes = Lifetimes(steps, np.arange(40) < escapes, 100)
-    found = escape_rate(lifetimes, 1.0, confidence, start=20)
+    result = escape_rate(lifetimes, 1.0, confidence, start=20)
     tail = (1 - confidence) / 2
     counts = scipy.stats.poisson
-    assert counts.cdf(escapes, found.high * found.time_at_risk) == pytest.approx(tail)
+    assert counts.cdf(escapes, result.high * result.time_at_risk) == pytest.approx(tail)
     if escapes:
-        assert counts.sf(escapes - 1, found.low * found.time_at_risk) == pytest.approx(tail)
+        assert counts.sf(escapes - 1, result.low * result.time_at_risk) == pytest.approx(tail)
     else:
-        assert found.rate == found.low == 0.0
+        assert result.rate == result.low == 0.0
         # the rule of three
-        assert found.high == pytest.approx(-np.log(tail) / found.time_at_risk)
+        assert result.high == pytest.approx(-np.log(tail) / result.time_at_risk)
 
 
 def test_the_beginning_is_left_out():
     steps, escaped = np.array([100, 500, 501, 2000]), np.array([True, True, True, False])
-    found = escape_rate(Lifetimes(steps, escaped, 2000), 1.0, 0.95)
-    assert (found.escapes, found.time_at_risk) == (1, 1501)
-    assert found == escape_rate(Lifetimes(steps, escaped, 2000), 1.0, 0.95, start=500)
+    result = escape_rate(Lifetimes(steps, escaped, 2000), 1.0, 0.95)
+    assert (result.escapes, result.time_at_risk) == (1, 1501)
+    assert result == escape_rate(Lifetimes(steps, escaped, 2000), 1.0, 0.95, start=500)
 
 
 # -- lifetimes of an ensemble ----------------------------------------------------------------------
@@ -328,16 +308,16 @@ def of_training(kept, training, steps=LIFETIMES):
 
 
 def test_lifetimes_of_training_are_those_of_its_series():
-    found = of_training(KEPT, 3)
-    assert found.steps.tolist() == [3, 50, 50, 7, 9, 50]
-    assert found.escaped.tolist() == [True, False, False, True, True, False]
-    assert found.length == 50
+    result = of_training(KEPT, 3)
+    assert result.steps.tolist() == [3, 50, 50, 7, 9, 50]
+    assert result.escaped.tolist() == [True, False, False, True, True, False]
+    assert result.length == 50
     later = np.where(np.arange(11) > 5, 1, LIFETIMES)
-    np.testing.assert_array_equal(of_training(KEPT, 3, steps=later).steps, found.steps)
+    np.testing.assert_array_equal(of_training(KEPT, 3, steps=later).steps, result.steps)
     # trained on the fourth and the fifth
-    found = of_training(KEPT[[3, 4, 2, 0, 1]], 2)
-    assert found.steps.tolist() == [50, 20, 30, 50]
-    assert found.escaped.tolist() == [False, True, True, False]
+    result = of_training(KEPT[[3, 4, 2, 0, 1]], 2)
+    assert result.steps.tolist() == [50, 20, 30, 50]
+    assert result.escaped.tolist() == [False, True, True, False]
 
 
 NOBODY = Lifetimes(np.array([], int), np.array([], bool), 9)

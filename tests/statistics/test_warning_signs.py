@@ -103,14 +103,16 @@ SIGNS = {
 }
 
 
-@pytest.mark.parametrize(("sign", "row"), [(one, row) for one in SIGNS for row in SIGNS[one]])
+@pytest.mark.parametrize(
+    ("sign", "row"), [(finding, row) for finding in SIGNS for row in SIGNS[finding]]
+)
 def test_a_sign_says_this_and_no_more(sign, row):
-    arguments, *said = row
-    found = sign(*arguments)
-    assert len(found) == len(said), texts(found)
-    for one, expected in zip(found, said, strict=True):
-        assert re.fullmatch(expected, one.text), one.text
-        assert one.warning == sign.__name__
+    arguments, *texts_expected = row
+    findings = sign(*arguments)
+    assert len(findings) == len(texts_expected), texts(findings)
+    for finding, expected in zip(findings, texts_expected, strict=True):
+        assert re.fullmatch(expected, finding.text), finding.text
+        assert finding.warning == sign.__name__
 
 
 def test_a_ridge_that_rounding_loses_is_no_edge():
@@ -131,8 +133,8 @@ def test_a_ridge_that_rounding_loses_is_no_edge():
 )
 @given(low=st.floats(1e-9, 1e9), factor=st.floats(1.5, 1e6))
 def test_a_hundredth_of_the_box_is_its_edge_in_any_unit(place, count, low, factor):
-    found = signs.optimum_on_edge("sigma", [low * factor**place], low, low * factor)
-    assert len(found) == count
+    findings = signs.optimum_on_edge("sigma", [low * factor**place], low, low * factor)
+    assert len(findings) == count
 
 
 def test_noise_that_drowns_a_component():
@@ -140,11 +142,11 @@ def test_noise_that_drowns_a_component():
     slow, fast = np.sin(2 * np.pi * time / 500), np.sin(2 * np.pi * time / 10)
     states = np.stack([slow, fast, np.ones(1000)], axis=-1)[np.newaxis]
     assert signs.noise_drowns_components(states, 0.001) == []
-    (found,) = signs.noise_drowns_components(states, 0.1)
+    (findings,) = signs.noise_drowns_components(states, 0.1)
     # of a slow sine the increments are 2 pi / period of its standard deviation
     ratio = 0.1 / (2 * np.pi / 500)
-    assert found.text.startswith("component 0: the noise is up to ")
-    assert float(found.text.split()[7]) == pytest.approx(ratio, rel=0.01)
+    assert findings.text.startswith("component 0: the noise is up to ")
+    assert float(findings.text.split()[7]) == pytest.approx(ratio, rel=0.01)
 
 
 def test_a_flow_that_its_wavenumbers_do_not_resolve():
@@ -155,8 +157,8 @@ def test_a_flow_that_its_wavenumbers_do_not_resolve():
         start = flow.sample_initial_states(2, np.random.default_rng(3))
         states = integrate(flow, start, 0.05, 2000, 100)[10:]
         shares.append(flow.energy_of_last_shell(np.moveaxis(states, 1, 0)))
-    (found,) = signs.unresolved_flow(shares[0])
-    assert found.text.startswith("the largest wavenumbers hold 0.0")
+    (findings,) = signs.unresolved_flow(shares[0])
+    assert findings.text.startswith("the largest wavenumbers hold 0.0")
     assert signs.unresolved_flow(shares[1]) == []
 
 
@@ -178,5 +180,5 @@ def test_a_slow_trend():
     # means that wander are no trend: their errors are correlated
     wandering = np.cumsum(generator.normal(size=(60, 1, 400)), axis=0) * np.ones((60, 5, 400))
     names = [str(number) for number in range(400)]
-    found = texts(signs.slow_trend(start, wandering, names, 30))
-    assert found[0].count(" by ") < 200
+    findings = texts(signs.slow_trend(start, wandering, names, 30))
+    assert findings[0].count(" by ") < 200

@@ -44,8 +44,8 @@ def test_the_jacobian_is_found_where_it_is_not_given(system, method, accuracy):
     assert not has_own(system, "jacobian")
     expected = Lorenz63().jacobian(STATES)
     np.testing.assert_allclose(system.jacobian(STATES), expected, atol=30 * accuracy)
-    found = jacobian(system.right_hand_side, STATES, method)
-    np.testing.assert_array_equal(found, system.jacobian(STATES))
+    derivatives = jacobian(system.right_hand_side, STATES, method)
+    np.testing.assert_array_equal(derivatives, system.jacobian(STATES))
 
 
 def test_absolute_values_are_not_differentiated_by_complex_steps():
@@ -54,9 +54,9 @@ def test_absolute_values_are_not_differentiated_by_complex_steps():
 
     assert derivative_method(folded, 2) == "finite differences"
     states = np.array([[1.0, -2.0], [-0.5, 3.0]])
-    found = jacobian(folded, states, "finite differences")
-    np.testing.assert_allclose(found[0, 0], 2.0 * np.abs(states[0]), rtol=1e-8)
-    np.testing.assert_allclose(found[0, 1], 0.0, atol=1e-8)
+    derivatives = jacobian(folded, states, "finite differences")
+    np.testing.assert_allclose(derivatives[0, 0], 2.0 * np.abs(states[0]), rtol=1e-8)
+    np.testing.assert_allclose(derivatives[0, 1], 0.0, atol=1e-8)
 
 
 def test_a_derivative_along_nothing_is_nothing():
@@ -68,11 +68,11 @@ def test_a_derivative_along_nothing_is_nothing():
 def test_exponents_without_a_jacobian_are_those_with_it():
     start = integrate(Lorenz63(), STATES + np.array([[0.0], [0.0], [25.0]]), 0.01, 2000, 2000)[-1]
     expected = lyapunov_spectrum(Lorenz63(), start, 0.01, 500, 20, 100).exponents
-    found = lyapunov_spectrum(LorenzWithoutJacobian(), start, 0.01, 500, 20, 100).exponents
-    np.testing.assert_allclose(found, expected, rtol=1e-9)
+    derivatives = lyapunov_spectrum(LorenzWithoutJacobian(), start, 0.01, 500, 20, 100).exponents
+    np.testing.assert_allclose(derivatives, expected, rtol=1e-9)
     # chaos enlarges the errors of differences, not what they say about growth
-    found = lyapunov_spectrum(LorenzOfRealNumbers(), start, 0.01, 500, 20, 100).exponents
-    np.testing.assert_allclose(found, expected, rtol=1e-4)
+    derivatives = lyapunov_spectrum(LorenzOfRealNumbers(), start, 0.01, 500, 20, 100).exponents
+    np.testing.assert_allclose(derivatives, expected, rtol=1e-4)
 
 
 def test_states_with_perturbations_are_those_without_bit_for_bit():

@@ -1,7 +1,5 @@
 """Lyapunov exponents against exact and published ones, and the two methods against each other."""
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -85,10 +83,7 @@ def test_linear_system_has_the_eigenvalues_as_exponents():
 def test_perturbations_of_a_linear_system_grow_at_the_leading_rate(leading):
     system, state = Linear((leading, -1.1, -1.8)), np.zeros((3, 4))
     growth = growth_along(system, state, 0.02, 5000, (1e-6, 1e-3), 2000)
-    np.testing.assert_allclose(growth.exponents, leading, rtol=0, atol=1e-7)
-    phase = math.log(1e3) / leading if leading > 0 else math.log(1e-2) / leading
-    assert (np.abs(growth.restarts - 100.0 / phase) <= 1).all()
-    assert growth.duration == pytest.approx(100.0)
+    np.testing.assert_allclose(growth, leading, rtol=0, atol=1e-7)
 
 
 def test_tangent_step_is_the_derivative_of_the_step():
@@ -114,10 +109,9 @@ def test_lorenz_has_the_published_exponents_by_both_methods():
     # volumes shrink at a constant rate
     np.testing.assert_allclose(spectrum.sum(axis=1), -(10.0 + 1.0 + 8.0 / 3.0), rtol=0, atol=2e-3)
     growth = growth_along(Lorenz63(), state, 0.01, 4000, (1e-8 * size, 1e-3 * size), 500)
-    assert growth.restarts.min() >= 1
     # what is left is the angle between perturbations at the two ends of the time
-    np.testing.assert_allclose(growth.exponents, spectrum[:, 0], rtol=0, atol=0.1)
-    assert abs(growth.exponents.mean() - spectrum[:, 0].mean()) < 0.01
+    np.testing.assert_allclose(growth, spectrum[:, 0], rtol=0, atol=0.1)
+    assert abs(growth.mean() - spectrum[:, 0].mean()) < 0.01
 
 
 @pytest.mark.parametrize(("of_state", "of_tangent"), [(np.inf, 2.0), (2.0, np.inf)])
@@ -142,10 +136,8 @@ def test_trajectories_do_not_depend_on_the_batch_and_incomplete_intervals_are_le
 def test_interval_is_students():
     values = np.random.default_rng(1).normal(size=(12, 3))
     estimate = mean_with_interval(values, 0.9)
-    error = scipy.stats.sem(values)
-    low, high = scipy.stats.t.interval(0.9, 11, loc=values.mean(axis=0), scale=error)
+    low, high = scipy.stats.ttest_1samp(values, 0.0).confidence_interval(0.9)
     np.testing.assert_allclose(estimate.mean, values.mean(axis=0))
-    np.testing.assert_allclose(estimate.standard_error, error)
     np.testing.assert_allclose(estimate.low, low)
     np.testing.assert_allclose(estimate.high, high)
     estimate = mean_with_interval(np.array([1.0, 3.0]))
@@ -225,99 +217,10 @@ def test_shear_flow_has_the_published_exponents(reynolds, published, expected):
     assert state.shape[1] == 1000
     size = attractor_size(state)
     growth = growth_along(system, state, 0.25, 12000, (1e-8 * size, 1e-2 * size), 4000)
-    leading = growth.exponents.mean()
+    leading = growth.mean()
     assert leading == pytest.approx(published, rel=0.07)
     assert leading == pytest.approx(expected, abs=3e-4)
     spectrum = lyapunov_spectrum(system, state[:, :100], 0.25, 12000, 20, alignment_steps=4000)
     by_qr = spectrum.exponents.mean(axis=0)
-    assert by_qr[0] == pytest.approx(growth.exponents[:100].mean(), abs=5e-5)
+    assert by_qr[0] == pytest.approx(growth[:100].mean(), abs=5e-5)
     assert abs(by_qr[2]) < 5e-4  # the direction of the flow itself
-
-
-# -- of classical systems, from right-hand sides alone ---------------------------------------------
-
-TRAJECTORIES = 24
-
-
-@dataclass(frozen=True)
-class Equations(FirstObserved, DynamicalSystem):
-    """Three equations, given as a function; no Jacobian."""
-
-    rates: Callable[[FloatArray, FloatArray, FloatArray], tuple]
-
-    dimension: ClassVar[int] = 3
-
-    def right_hand_side(self, state):
-        derivative = np.empty_like(state)
-        for row, rate in enumerate(self.rates(*state)):
-            derivative[row] = rate
-        return derivative
-
-
-# A classical system: its equations, where it starts, a time step; published: its leading exponent,
-# its divergence, its last exponent (of the simple flows what is missing to the divergence).
-SYSTEMS = {
-    "Lorenz": (
-        lambda x, y, z: (10 * (y - x), x * (28 - z) - y, x * y - 8 / 3 * z),
-        *((1.0, 1.0, 20.0), 0.01, 0.9056, -41 / 3, -14.5723),
-    ),
-    "Roessler": (
-        lambda x, y, z: (-y - z, x + 0.2 * y, 0.2 + z * (x - 5.7)),
-        *((-9.0, 0.0, 0.0), 0.03, 0.0714, None, -5.3943),
-    ),
-    "Thomas": (
-        lambda x, y, z: (np.sin(y) - 0.18 * x, np.sin(z) - 0.18 * y, np.sin(x) - 0.18 * z),
-        *((0.1, 0.0, 0.0), 0.1, 0.0349, -0.54, -0.5749),
-    ),
-    "Halvorsen": (
-        lambda x, y, z: (
-            -1.27 * x - 4 * y - 4 * z - y * y,
-            -1.27 * y - 4 * z - 4 * x - z * z,
-            -1.27 * z - 4 * x - 4 * y - x * x,
-        ),
-        *((-5.0, 0.0, 0.0), 0.01, 0.7899, -3.81, -4.5999),
-    ),
-    "Chen": (
-        lambda x, y, z: (35 * (y - x), -7 * x - x * z + 28 * y, x * y - 3 * z),
-        *((-10.0, 0.0, 37.0), 0.004, 2.0272, -10.0, -12.0272),
-    ),
-    # J. C. Sprott, Some simple chaotic flows, Phys. Rev. E 50, R647 (1994), table I; the others:
-    # J. C. Sprott, Chaos and Time-Series Analysis, Oxford University Press (2003), appendix A
-    "Sprott B": (
-        lambda x, y, z: (y * z, x - y, 1 - x * y),
-        *((0.05, 0.05, 0.05), 0.05, 0.210, -1.0, -1.210),
-    ),
-    "Sprott C": (
-        lambda x, y, z: (y * z, x - y, 1 - x * x),
-        *((0.05, 0.05, 0.05), 0.05, 0.163, -1.0, -1.163),
-    ),
-}
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", SYSTEMS)
-def test_exponents_are_the_published_ones(name):
-    """Which J. C. Sprott computed by another method; the divergence one reads off the equations."""
-    rates, start, time_step, leading, divergence, last = SYSTEMS[name]
-    system, generator = Equations(rates), np.random.default_rng(11)
-    start = np.repeat(np.array(start)[:, np.newaxis], TRAJECTORIES, axis=1)
-    start += 1e-2 * generator.standard_normal(start.shape)
-    # until neighbours have forgotten one another, and for some thousand Lyapunov times in all
-    settle, steps = round(25 / leading / time_step), round(120 / leading / time_step)
-    states = integrate(system, start, time_step, settle, settle)[-1]
-    interval = max(1, round(0.2 / abs(last) / time_step))
-    spectrum = lyapunov_spectrum(
-        system, states, time_step, steps, interval, alignment_steps=steps // 4
-    ).exponents
-    found = mean_with_interval(spectrum, 0.999)
-    margin = (found.high - found.low)[0] / 2
-    assert margin < 0.1 * leading
-    assert abs(found.mean[0] - leading) < margin + 0.005 * leading
-    assert abs(found.mean[1]) < 0.05 * leading
-    assert abs(found.mean[2] - last) < margin + 0.005 * abs(last)
-    if divergence is not None:
-        np.testing.assert_allclose(spectrum.sum(axis=1), divergence, rtol=1e-3)
-    growth = perturbation_growth(
-        system, states, time_step, steps, 1e-8, 1e-4, generator, steps // 4
-    )
-    assert growth.exponents.mean() == pytest.approx(found.mean[0], abs=margin)

@@ -59,8 +59,8 @@ def test_noise_biases_no_coefficient():
     deviation = 0.2 * true.std(axis=(0, 1))
     observed = true + deviation * np.random.default_rng(9).standard_normal(true.shape)
     corrected, plain = (
-        polynomial_coefficients(observed, known, 0.05, 2, 10, 4.0)
-        for known in (deviation, 0 * deviation)
+        polynomial_coefficients(observed, noise_deviation, 0.05, 2, 10, 4.0)
+        for noise_deviation in (deviation, 0 * deviation)
     )
     np.testing.assert_allclose(corrected[:, 0], [3.0, 0.0, -1.0], atol=0.01)
     assert np.abs(plain[:, 0] - [3.0, 0.0, -1.0]).max() > 0.1
@@ -95,7 +95,7 @@ def test_factored_coefficients_are_those_of_least_squares(count):
     basis, weights = monomials(2, 2), gregory_weights(6)
     rows, increments = [], []
     for states, of_series in zip(series, factors, strict=True):
-        values = np.array([np.prod(states[:, list(one)], axis=1) for one in basis])
+        values = np.array([np.prod(states[:, list(factors_of)], axis=1) for factors_of in basis])
         for start in range(200 - 6):
             inside = of_series[start : start + 6]
             if (inside == inside[0]).all():
@@ -104,8 +104,8 @@ def test_factored_coefficients_are_those_of_least_squares(count):
                 increments.append(states[start + 6] - states[start])
     assert len(rows) == 3 * 194 if count == 0 else 100 < len(rows) < 3 * 194
     expected = np.linalg.lstsq(np.array(rows), np.array(increments))[0]
-    found = factored_coefficients(series, np.zeros(2), 0.5, 2, 6, 0.0, factors)
-    np.testing.assert_allclose(found.reshape(-1, 2), expected, rtol=1e-6, atol=1e-9)
+    coefficients = factored_coefficients(series, np.zeros(2), 0.5, 2, 6, 0.0, factors)
+    np.testing.assert_allclose(coefficients.reshape(-1, 2), expected, rtol=1e-6, atol=1e-9)
 
 
 def test_the_noise_of_factored_moments_is_taken_out():
@@ -124,7 +124,7 @@ def test_the_noise_of_factored_moments_is_taken_out():
         for _ in range(1500)
     ]
     for name in ("gram", "cross"):
-        samples = np.array([getattr(one, name) for one in noisy])
+        samples = np.array([getattr(factors_of, name) for factors_of in noisy])
         error = samples.std(axis=0) / math.sqrt(len(samples))
         expected = getattr(exact, name)
         assert (np.abs(samples.mean(axis=0) - expected) <= 5 * error + 1e-9).all()
@@ -146,8 +146,10 @@ def test_without_factors_the_equations_are_the_plain_ones(value):
     assert np.array_equal(none[0], plain)
     whole = polynomial_coefficients(series, noise, 0.02, 2, 5, 0.0)
     constant = np.full((4, 400, 1), value)
-    found = factored_coefficients(series, noise, 0.02, 2, 5, 0.0, constant)
-    np.testing.assert_allclose(found[0] + value * found[1], whole, rtol=1e-5, atol=1e-6)
+    coefficients = factored_coefficients(series, noise, 0.02, 2, 5, 0.0, constant)
+    np.testing.assert_allclose(
+        coefficients[0] + value * coefficients[1], whole, rtol=1e-5, atol=1e-6
+    )
 
 
 def test_coefficients_that_depend_on_a_parameter_are_found():
@@ -155,20 +157,23 @@ def test_coefficients_that_depend_on_a_parameter_are_found():
     start = np.random.default_rng(3).normal(size=(3, 4)) + np.array([[1.0], [1.0], [25.0]])
     rho = (25.0, 28.0, 32.0)
     series = np.concatenate(
-        [integrate(Lorenz63(rho=one), start, 0.0025, 4 * 2000, stride=4)[100:] for one in rho],
+        [
+            integrate(Lorenz63(rho=factors_of), start, 0.0025, 4 * 2000, stride=4)[100:]
+            for factors_of in rho
+        ],
         axis=2,
     ).transpose(2, 0, 1)
     noise = 1e-3 * series.std(axis=(0, 1))
     observed = series + noise * np.random.default_rng(4).standard_normal(series.shape)
     scaled = (np.repeat(rho, 4) - 28.5) / 3.5
     factors = np.repeat(scaled[:, np.newaxis, np.newaxis], series.shape[1] - 1, axis=1)
-    found = factored_coefficients(observed, noise, 0.01, 2, 10, 4.0, factors)
+    coefficients = factored_coefficients(observed, noise, 0.01, 2, 10, 4.0, factors)
     basis = monomials(3, 2)
-    slope = np.zeros_like(found[1])
+    slope = np.zeros_like(coefficients[1])
     slope[basis.index((0,)), 1] = 3.5
-    assert np.flatnonzero(found[1]).tolist() == np.flatnonzero(slope).tolist()
-    np.testing.assert_allclose(found[1], slope, atol=0.02)
-    assert found[0][basis.index((0,)), 1] == pytest.approx(28.5, abs=0.05)
+    assert np.flatnonzero(coefficients[1]).tolist() == np.flatnonzero(slope).tolist()
+    np.testing.assert_allclose(coefficients[1], slope, atol=0.02)
+    assert coefficients[0][basis.index((0,)), 1] == pytest.approx(28.5, abs=0.05)
 
 
 SERIES = np.random.default_rng(1).normal(size=(2, 300, 3))
@@ -199,5 +204,5 @@ def test_the_zero_of_a_unit_does_not_matter(centre):
     states = series[:, ::50].reshape(-1, 3).T
     rates = PolynomialSystem(plain, 2, Lorenz63()).right_hand_side(states)
     shifted = states + np.array(centre)[:, np.newaxis]
-    found = PolynomialSystem(moved, 2, Lorenz63()).right_hand_side(shifted)
-    np.testing.assert_allclose(found, rates, atol=1e-2 * np.abs(rates).max())
+    coefficients = PolynomialSystem(moved, 2, Lorenz63()).right_hand_side(shifted)
+    np.testing.assert_allclose(coefficients, rates, atol=1e-2 * np.abs(rates).max())

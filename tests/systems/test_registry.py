@@ -189,8 +189,8 @@ EVERY = {
 @pytest.fixture(params=EVERY, name="one_of_all")
 def every(request):
     """A system, and states of it."""
-    found = EVERY[request.param]
-    return found, np.random.default_rng(2).uniform(-1, 1, (found.dimension, 37))
+    result = EVERY[request.param]
+    return result, np.random.default_rng(2).uniform(-1, 1, (result.dimension, 37))
 
 
 def test_the_interface_is_kept(one_of_all):
@@ -228,8 +228,8 @@ def test_the_jacobian_is_the_complex_step_derivative(name):
         perturbed = states.astype(complex)
         perturbed[component] += 1e-30j
         expected = system.right_hand_side(perturbed).imag / 1e-30
-        found = system.jacobian(states)[:, component]
-        np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-12)
+        result = system.jacobian(states)[:, component]
+        np.testing.assert_allclose(result, expected, rtol=1e-13, atol=1e-12)
 
 
 # -- the Lorenz equations --------------------------------------------------------------------------
@@ -243,18 +243,6 @@ def test_textbook_values_and_fixed_points():
     distance = math.sqrt(system.beta * (system.rho - 1.0))
     points = np.array([[0, distance, -distance], [0, distance, -distance], [0, 27.0, 27.0]])
     np.testing.assert_allclose(system.right_hand_side(points), 0.0, atol=1e-13)
-
-
-def test_series_of_an_ensemble_begin_apart_and_cover_many_turns():
-    ensemble = Lorenz63.case_defaults["ensemble"]
-    assert ensemble["initial_state"][ensemble["perturbed_component"] - 1] == 20.0
-    # starts are spread over a tenth of what z covers, 1 to 48
-    assert ensemble["perturbation"] == 5.0
-    assert ensemble["time_step"] * ensemble["sampling_stride"] == 0.02
-    assert (ensemble["transient"], ensemble["duration"]) == (20.0, 80.0)
-    # z is positive; its fixed points with lobes around them are at rho - 1, that below at 0
-    assert Lorenz63.case_defaults["density"]["range"] == [0.0, 50.0]
-    assert Lorenz63.case_defaults["fixed_point"] == {"variation": 0.1, "above": 0.0}
 
 
 # -- the check of a system -------------------------------------------------------------------------
@@ -317,10 +305,10 @@ def test_mistakes_are_told(methods, message):
 def test_trajectories_begin_as_the_ensemble_of_the_system_does(component, perturbation):
     begin = {"initial_state": [1.0, -2.0, 20.0], "perturbed_component": component}
     system = mistaken(case_defaults={"ensemble": {**begin, "perturbation": perturbation}})
-    found = _initial_states(system, generator())
+    result = _initial_states(system, generator())
     raised = (component or 1) - 1, perturbation or 0.01
     expected = initial_states(np.array([1.0, -2.0, 20.0]), *raised, 16, generator())
-    np.testing.assert_array_equal(found, expected)
+    np.testing.assert_array_equal(result, expected)
 
 
 def test_an_observable_without_values_is_refused():

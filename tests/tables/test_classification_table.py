@@ -65,9 +65,9 @@ def test_points_of_all_series_are_counted_and_resampled_by_series():
     row = tables["classification"][0]
     assert [row[name] for name in OUTCOMES] == [2, 2, 3, 2]
     assert (row["precision"], row["recall"]) == (0.5, 0.4)
-    ends = {one["metric"]: one for one in tables["classification_intervals"][:3]}
+    ends = {row["metric"]: row for row in tables["classification_intervals"][:3]}
     for metric in ("precision", "recall", "f_score"):
         assert ends[metric]["low"] < row[metric] < ends[metric]["high"]
     # alike in all series: nothing is open
     alike = rows_of(POINTS[:3] * 4, np.repeat(np.arange(4), 3))["classification_intervals"]
-    assert {(one["low"], one["high"]) for one in alike[:3]} == {(0.5, 0.5)}
+    assert {(row["low"], row["high"]) for row in alike[:3]} == {(0.5, 0.5)}

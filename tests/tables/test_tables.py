@@ -48,7 +48,7 @@ def test_percentiles_interpolate_between_order_statistics_of_each_group(entries)
         values = [entry[place] for entry in entries if entry[0] == case]
         keys = dict(zip(KEYS, CASES[case], strict=True))
         quantiles = {f"p{100 * f:g}": quantile_by_hand(values, f) for f in (0.25, 0.5, 0.75)}
-        expected = keys | quantiles | {"networks": sum(not math.isnan(one) for one in values)}
+        expected = keys | quantiles | {"networks": sum(not math.isnan(value) for value in values)}
         assert row.pop("metric") == metric
         assert row.pop("case") == expected.pop("case")
         assert row == pytest.approx(expected, abs=1e-9, nan_ok=True)
@@ -103,7 +103,7 @@ def test_the_papers_parameter_tables():
     others = {"connectivity": 20, "input_bias": 0.1, "noise": 0.01}
     network = network_parameters(**bounds, tikhonov=[1e-6, 1e-9, 1e-12], **others)
     values = ["[0.1, 1]", "[0.1, 10]", "[10^{-6}, 10^{-9}, 10^{-12}]", "20", "0.1"]
-    assert list(network["Value"]) == [f"${one}$" for one in [*values, r"0.01\,\sigma_u"]]
+    assert list(network["Value"]) == [f"${number}$" for number in [*values, r"0.01\,\sigma_u"]]
     data = data_parameters(system=[], **DATA, laminarisation_threshold=None, symbol="z")
     assert not data["Explanation"].str.contains("Laminarisation").any()
     assert "$z_e$" in list(data["Parameter"])
@@ -202,8 +202,8 @@ def test_committees_stand_for_their_members_and_common_alarms_are_shown_once():
             *("esn-N90-RV-seed0", "esn-N50-SSV-seed0"),
         ],
     }
-    found = [(case, alarm) for case, names in alarms.items() for alarm in names]
-    rows = pd.DataFrame(found, columns=["case", "alarm"]).merge(
+    pairs = [(case, alarm) for case, names in alarms.items() for alarm in names]
+    rows = pd.DataFrame(pairs, columns=["case", "alarm"]).merge(
         pd.DataFrame({"prediction_time_lt": [0.5, 1.0]}), "cross"
     )
     shown = shown_once(rows)

@@ -23,7 +23,7 @@ def rows_of_warnings(tmp_path, **changed):
     write_netcdf(path, {"state": Variable(("series", "time", "component"), states, "1", "")}, {})
     bounds = {f"{name}_{end}": value for name, value in EXPONENT.items() for end in ("low", "high")}
     outcome = {"prediction_time_lt": 1.0, "true_positive": 50, "false_negative": 0}
-    scores = [{**one, **outcome, "f_score": 0.9} for one in WHO]
+    scores = [{**keys, **outcome, "f_score": 0.9} for keys in WHO]
     alarm = {**WHO[3], "forecaster": "permanent_alarm", **outcome, "f_score": 0.4}
     moments = {"states": 1, "mean": np.zeros(3), "mean_product": np.zeros((3, 3))}
     counts = {"edge": np.arange(3.0), "count": np.array([500, 500]), "below": 0, "above": 0}
@@ -49,42 +49,42 @@ def test_nothing_is_said_of_a_sound_case(tmp_path):
 
 def test_networks_of_a_size_and_strategy_share_a_row(tmp_path):
     lost = pd.DataFrame(
-        [{**one, "discarded_fraction": 0.9, "diverged_fraction": 0.0} for one in WHO]
+        [{**keys, "discarded_fraction": 0.9, "diverged_fraction": 0.0} for keys in WHO]
         + [{**WHO[3], "forecaster": "data", "discarded_fraction": np.nan}]
     )
-    found, rows = rows_of_warnings(tmp_path, statistics=lost)
-    assert [row[:2] for row in found[:2]] == [("esn", 50), ("esn", 90)]
-    assert found[2][0] == "equations"
-    assert {name for *_, name in found} == {"lost_long_runs"}
+    warned, rows = rows_of_warnings(tmp_path, statistics=lost)
+    assert [row[:2] for row in warned[:2]] == [("esn", 50), ("esn", 90)]
+    assert warned[2][0] == "equations"
+    assert {name for *_, name in warned} == {"lost_long_runs"}
     advice = [OF_NETWORKS["lost_long_runs"] + ADVICE["lost_long_runs"]] * 2
     assert [row["advice"] for row in rows] == [*advice, ADVICE["lost_long_runs"]]
     searched = {"spectral_radius": 1.0, "input_scaling": 1.0, "tikhonov": 1e-6}
-    networks = pd.DataFrame([{**one, **searched, "solver": "cholesky"} for one in WHO[:3]])
+    networks = pd.DataFrame([{**keys, **searched, "solver": "cholesky"} for keys in WHO[:3]])
     networks.loc[2, "solver"] = "eigenvalues"
-    found, _ = rows_of_warnings(tmp_path, hyperparameters=networks)
+    warned, _ = rows_of_warnings(tmp_path, hyperparameters=networks)
     edge = [("esn", size, "optimum_on_edge") for size in (50, 90)]
-    assert found == [*edge, ("esn", 90, "ill_conditioned_readout")]
-    exponents = pd.DataFrame([{**one, "number": 1, "lyapunov_exponent": 0.9} for one in WHO])
+    assert warned == [*edge, ("esn", 90, "ill_conditioned_readout")]
+    exponents = pd.DataFrame([{**keys, "number": 1, "lyapunov_exponent": 0.9} for keys in WHO])
     exponents = pd.concat([exponents, exponents.assign(number=2, lyapunov_exponent=-9.0)])
     assert rows_of_warnings(tmp_path, lyapunov_spectrum=exponents)[0] == []
     exponents.loc[exponents["neurons"] == 90, "lyapunov_exponent"] = 0.3
     exponents.loc[exponents["forecaster"] == "equations", "lyapunov_exponent"] = -0.1
-    found = [row[::2] for row in rows_of_warnings(tmp_path, lyapunov_spectrum=exponents)[0]]
-    assert found == [("esn", "own_exponents_differ"), ("equations", "no_chaos_learnt")]
+    warned = [row[::2] for row in rows_of_warnings(tmp_path, lyapunov_spectrum=exponents)[0]]
+    assert warned == [("esn", "own_exponents_differ"), ("equations", "no_chaos_learnt")]
 
 
 def test_scores_are_compared_with_a_permanent_alarm_and_positives_counted_once(tmp_path):
     outcome = {"true_positive": 3, "false_negative": 4}
     scores = pd.DataFrame(
-        {**one, "prediction_time_lt": time, **outcome, "f_score": 0.9 if time < 2 else 0.3}
-        for one in [*WHO, {**WHO[3], "forecaster": "permanent_alarm"}]
+        {**keys, "prediction_time_lt": time, **outcome, "f_score": 0.9 if time < 2 else 0.3}
+        for keys in [*WHO, {**WHO[3], "forecaster": "permanent_alarm"}]
         for time in (1.0, 2.0)
     )
     scores.loc[scores["forecaster"] == "permanent_alarm", "f_score"] = 0.4
-    found, rows = rows_of_warnings(tmp_path, classification=scores)
-    names = [name for *_, name in found]
+    warned, rows = rows_of_warnings(tmp_path, classification=scores)
+    names = [name for *_, name in warned]
     assert names == ["few_positives", *["no_better_than_permanent_alarm"] * 3]
-    assert found[0][:2] == (None, None)
+    assert warned[0][:2] == (None, None)
     assert "7" in rows[0]["finding"]
     assert all("2" in row["finding"] for row in rows[1:])
 
@@ -94,7 +94,7 @@ def test_signs_of_the_case_come_first_and_name_nobody(tmp_path):
     moments = {"states": 1, "mean": np.zeros(3), "mean_product": np.zeros((3, 3))}
     unknown = dict.fromkeys(["lyapunov_exponent", *EXPONENT], np.nan)
     ends = {f"{name}_{end}": np.nan for name in EXPONENT for end in ("low", "high")}
-    found, _ = rows_of_warnings(
+    warned, _ = rows_of_warnings(
         tmp_path,
         data={**outside, **moments},
         events_summary={"usable_events": 1, "largest_observable": 3.0},
@@ -103,4 +103,4 @@ def test_signs_of_the_case_come_first_and_name_nobody(tmp_path):
         noise=30.0,
     )
     names = ("few_events", "nothing_to_calibrate_with", "outside_bins", "noise_drowns_components")
-    assert found == [(None, None, name) for name in (*names, "no_exponent")]
+    assert warned == [(None, None, name) for name in (*names, "no_exponent")]

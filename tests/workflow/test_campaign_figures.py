@@ -328,6 +328,7 @@ EVERYWHERE = {
     *("observable_and_density", "validation_strategies", "network_schematic"),
     *("prediction_schematic", "prediction_examples", "classification_scores"),
     *("horizon_schematic", "horizon_evaluations", "horizon_by_size"),
+    *("hyperparameter_search", "error_growth"),
 }
 
 
@@ -387,7 +388,7 @@ def test_the_frontier_is_made_where_other_strategies_control():
         ({"figures": {"published_overlay": True}}, ""),
         # the example event is chosen where the forecasts are made
         ({"figures": {"example_horizon_lt": 3}}, ""),
-        ({"horizon": {"tolerance": 0.1}}, "horizon_schematic"),
+        ({"horizon": {"tolerance": 0.1}}, "horizon_schematic error_growth"),
         ({"horizon": {"events": 100}}, ""),
         ({"search": {"interval_lt": 1}}, "validation_strategies"),
         ({"forecasters": {"esn": {"connectivity": 10}}}, "network_schematic"),

@@ -146,7 +146,7 @@ def test_closure_in_the_project_is_selective(tmp_path):
     assert "burstcast_workflow.harness.version" in entries
     library = {name for name in entries if name.startswith("burstcast.")}
     # through gather; packages are empty, and the version stands for netcdf
-    packages = {"burstcast.base.files", "burstcast.forecasters"}
+    packages = {"burstcast.base", "burstcast.base.files"}
     assert library == {*packages, "burstcast.base.names"}
 
 

@@ -231,7 +231,7 @@ def test_a_public_name_without_a_docstring_is_found(build):
 
 def test_links_hold_where_their_page_lies(build):
     for link, page, expected in (
-        ("solver.md#x", "method.md", "solver.md#x"),
+        ("performance.md#x", "method.md", "performance.md#x"),
         ("../config.yaml", "method.md", "repository/config.yaml"),
         ("figures.md", "repository/b.md", "../figures.md"),
         ("README.md", "method.md", "index.md"),

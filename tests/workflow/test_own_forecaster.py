@@ -16,7 +16,7 @@ from burstcast.base.files.tables import read_table
 from burstcast.base.names import ForecasterName, parsed
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
-from burstcast_workflow.commands import check_forecaster
+from burstcast_workflow.commands import check
 
 PAGE = (ROOT / "docs/extending.md").read_text()
 (MODULE,) = (
@@ -142,9 +142,9 @@ def test_the_same_name_for_two_forecasters_is_refused(importable):
 
 
 def test_the_page_s_command_checks_the_module(importable, capsys):
-    assert check_forecaster.main("my_models:NVAR", ["lags=3"]) == 0
+    assert check.main("forecaster", "my_models:NVAR", ["lags=3"]) == 0
     assert "NVAR(lags=3, ridge=1e-06): keeps to the interface" in capsys.readouterr().out
-    assert check_forecaster.main("my_models:NVAR", ["lags"]) == 1
+    assert check.main("forecaster", "my_models:NVAR", ["lags"]) == 1
     assert "write NAME=VALUE" in capsys.readouterr().err
 
 

@@ -14,7 +14,7 @@ def asked(work, attempt=1, **wildcards):
 
 def test_training_asks_for_the_square_of_the_neurons_and_everything_else_for_a_constant():
     network = {"case": "Re400", "forecaster": "esn-N3000-RV-seed3"}
-    assert asked("", **network) == asked("", case="Re400") == (500, 10)
+    assert asked("usual", **network) == asked("usual", case="Re400") == (500, 10)
     assert asked("short") == (500, 2)
     mib, time = asked("training", **network)
     # sixteen matrices of 3000 x 3000 numbers

@@ -15,6 +15,7 @@ import yaml
 from helpers_rebuilds import loaded_script
 from snakemake import iocontainers
 from snakemake.api import SnakemakeApi
+from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 from snakemake.utils import update_config
 
@@ -128,7 +129,7 @@ def test_the_rules_are_those_of_the_text():
 @pytest.mark.parametrize("rule", WRITTEN)
 def test_a_rule_says_its_name_wherever_it_is_asked_for(rule):
     """Settings are found by it, and logs are named by it."""
-    asked = r"computed_settings\(\s*\"(\w+)\"|<logs>/(\w+)"
+    asked = r"computed_settings_files\(\s*\"(\w+)\"|<logs>/(\w+)"
     found = [one or other for one, other in re.findall(asked, WRITTEN[rule])]
     assert {*found} == {rule}
     script = script_of(rule).relative_to(SCRIPTS)
@@ -139,7 +140,7 @@ def test_a_rule_says_its_name_wherever_it_is_asked_for(rule):
 def test_what_other_jobs_find_out_is_an_input_of_the_rules_that_read_it(rule):
     # of drawn training series, which the paper's campaign has not, the threshold
     read = re.search("event_threshold|lyapunov.time_unit|drawn_shares", str(settings(rule)))
-    assert ("computed_settings" in WRITTEN[rule]) == bool(read)
+    assert ("computed_settings_files" in WRITTEN[rule]) == bool(read)
 
 
 @pytest.mark.parametrize("rule", STAGES)
@@ -377,6 +378,12 @@ def test_the_directory_of_a_forecaster_says_which_rule_makes_it(directory, rule)
     assert found == ({rule} if rule else set())
 
 
+def test_a_classifier_among_the_models_is_refused_with_its_directory(paper):
+    wildcards = Wildcards(case="Re400", forecaster="precursor")
+    with pytest.raises(WorkflowError, match="Re400/classifiers/precursor"):
+        paper.scheduled(wildcards)
+
+
 def makers_of(path):
     """Names of the rules that make a file."""
     return {name for name, rule in workflow().rules.items() if rule.is_producer(path)}
@@ -435,13 +442,13 @@ def test_files_of_cases_forecasters_and_tables(paper):
 
 
 def test_thresholds_are_inputs_where_they_are_quantiles(paper):
-    assert paper.computed_settings("events") == {}
+    assert paper.computed_settings_files("events") == {}
     other = stages(QUANTILE)
     other.of_script("data/events.py")
     other.of_script("data/simulate.py")
-    thresholds = other.computed_settings("events")[THRESHOLDS]
+    thresholds = other.computed_settings_files("events")[THRESHOLDS]
     assert thresholds(JOB) == ["results/paper/Re600/event_threshold.json"]
-    assert other.computed_settings("simulate")[THRESHOLDS](JOB) == []
+    assert other.computed_settings_files("simulate")[THRESHOLDS](JOB) == []
 
 
 def made(params, wildcards):
@@ -449,10 +456,9 @@ def made(params, wildcards):
 
 
 def test_values_of_a_stage(paper):
-    values = {"given": 3, "asked": lambda wildcards: wildcards.case}
-    params = paper.of_script("data/training_set.py", **values)
+    params = paper.of_script("data/training_set.py", given=3)
     settings, code = made(params, JOB)
-    expected = {"given": 3, "asked": "Re600", "washout_lt": 0.5}
+    expected = {"given": 3, "washout_lt": 0.5}
     assert {name: settings[name] for name in expected} == expected
     assert len(code) > 5
 

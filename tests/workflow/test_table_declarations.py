@@ -50,10 +50,10 @@ def test_every_column_has_its_meaning_and_no_other():
 def test_a_declaration_agrees_with_itself(name):
     table, columns = TABLES[name], columns_of(name)
     assert len(set(columns)) == len(columns)
-    assert table.says.endswith(".")
+    assert table.description.endswith(".")
     assert table.section in SECTIONS
-    assert set(table.own) <= set(columns)
-    assert {*table.percentiles, *table.over} <= set(columns)
+    assert set(table.redefined) <= set(columns)
+    assert {*table.percentiles, *table.group_by} <= set(columns)
     for layout in typeset([name]).values():
         shown = set(table_of(layout["source"]).metrics or columns)
         assert set(layout["metrics"]) <= shown
@@ -105,7 +105,7 @@ def test_words_run_nothing(monkeypatch):
     for name, column in COLUMNS.items():
         monkeypatch.setitem(COLUMNS, name, replace(column, meaning="another", unit="another"))
     for name, table in TABLES.items():
-        words = {"says": "Another.", "section": "warnings", "own": {}}
+        words = {"description": "Another.", "section": "warnings", "redefined": {}}
         monkeypatch.setitem(TABLES, name, replace(table, **words))
     assert told() == before
 

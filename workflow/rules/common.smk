@@ -32,7 +32,7 @@ stages = Stages(campaign, sources)
 # again where one has changed: docs/selective_rebuilds.md. Memory and time: stages/resources.py.
 of_script = stages.of_script
 # Inputs: thresholds and units of time that jobs compute; files of all cases or forecasters.
-computed_settings = stages.computed_settings
+computed_settings_files = stages.computed_settings_files
 case_files, forecaster_files = stages.case_files, stages.forecaster_files
 PLANNED = dict(config)
 # The report reads captions from the config, where they are no setting of any job.
@@ -71,7 +71,7 @@ wildcard_constraints:
 
 onstart:
     if workflow.local_exec and (
-        reason := beyond_memory(one.name.neurons or 0 for one in campaign.networks)
+        reason := beyond_memory(member.name.neurons for member in campaign.networks)
     ):
         raise WorkflowError(reason)
     check_records(workflow, campaign)

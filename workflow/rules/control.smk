@@ -3,7 +3,7 @@
 
 rule control:
     input:
-        **computed_settings("control"),
+        **computed_settings_files("control"),
         ensemble="<results>/{case}/ensemble.nc",
         summary="<results>/{case}/dataset.json",
         forecasters=stages.controlling,
@@ -16,7 +16,7 @@ rule control:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("control/control.py"),
     script:
@@ -25,7 +25,7 @@ rule control:
 
 rule suppressed_event:
     input:
-        **computed_settings("suppressed_event"),
+        **computed_settings_files("suppressed_event"),
         ensemble="<results>/{case}/ensemble.nc",
         summary="<results>/{case}/dataset.json",
         forecasters=stages.controlling,
@@ -36,7 +36,7 @@ rule suppressed_event:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("control/suppressed_event.py"),
     script:

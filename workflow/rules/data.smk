@@ -14,7 +14,7 @@ rule simulate:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/simulate.py"),
     script:
@@ -34,7 +34,7 @@ rule import_data:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/import_data.py"),
     script:
@@ -56,7 +56,7 @@ rule encode:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/encode.py"),
     script:
@@ -66,7 +66,7 @@ rule encode:
 rule training_realisation:
     # the series of another case with other training series
     input:
-        **computed_settings("training_realisation"),
+        **computed_settings_files("training_realisation"),
         source=stages.ensemble_of_source,
     output:
         ensemble="<results>/{case}/ensemble.nc",
@@ -78,7 +78,7 @@ rule training_realisation:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/training_realisation.py"),
     script:
@@ -95,7 +95,7 @@ rule event_threshold:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/event_threshold.py"),
     script:
@@ -105,18 +105,20 @@ rule event_threshold:
 rule scheduled_series:
     # what kinds of forecasters learn from that know the parameters
     input:
-        **computed_settings("scheduled_series"),
+        **computed_settings_files("scheduled_series"),
         ensemble="<results>/{case}/ensemble.nc",
     output:
         scheduled_series="<results>/{case}/scheduled_series.nc",
     log:
         "<logs>/scheduled_series/{case}.log",
     wildcard_constraints:
-        case=any_of_regex([*campaign.simulated_cases, *campaign.where(known=True)]),
+        case=any_of_regex(
+            [*campaign.simulated_cases, *campaign.where(known_columns=True)]
+        ),
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/scheduled_series.py"),
     script:
@@ -136,7 +138,7 @@ rule lyapunov:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/lyapunov.py"),
     script:
@@ -155,7 +157,7 @@ rule neighbour_divergence:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/neighbour_divergence.py"),
     script:
@@ -165,7 +167,7 @@ rule neighbour_divergence:
 rule lengths:
     # what does not fit fails here at once, with one list
     input:
-        **computed_settings("lengths"),
+        **computed_settings_files("lengths"),
         ensemble="<results>/{case}/ensemble.nc",
     output:
         lengths="<results>/{case}/lengths.json",
@@ -177,7 +179,7 @@ rule lengths:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/lengths.py"),
     script:
@@ -186,7 +188,7 @@ rule lengths:
 
 rule evaluation_set:
     input:
-        **computed_settings("evaluation_set"),
+        **computed_settings_files("evaluation_set"),
         ensemble="<results>/{case}/ensemble.nc",
     output:
         evaluation_set="<results>/{case}/evaluation_set.nc",
@@ -197,7 +199,7 @@ rule evaluation_set:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/evaluation_set.py"),
     script:
@@ -206,7 +208,7 @@ rule evaluation_set:
 
 rule switched_evaluation_set:
     input:
-        **computed_settings("switched_evaluation_set"),
+        **computed_settings_files("switched_evaluation_set"),
         ensemble="<results>/{case}/ensemble.nc",
     output:
         evaluation_set="<results>/{case}/evaluation_set.nc",
@@ -217,7 +219,7 @@ rule switched_evaluation_set:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/switched_evaluation_set.py"),
     script:
@@ -226,7 +228,7 @@ rule switched_evaluation_set:
 
 rule events:
     input:
-        **computed_settings("events"),
+        **computed_settings_files("events"),
         ensemble="<results>/{case}/ensemble.nc",
     output:
         events="<results>/{case}/events.nc",
@@ -236,7 +238,7 @@ rule events:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/events.py"),
     script:
@@ -256,7 +258,7 @@ rule reference_statistics:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/reference_statistics.py"),
     script:

@@ -3,7 +3,7 @@
 
 rule forecast:
     input:
-        **computed_settings("forecast"),
+        **computed_settings_files("forecast"),
         forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
         evaluation_set="<results>/{case}/evaluation_set.nc",
     output:
@@ -13,7 +13,7 @@ rule forecast:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("evaluation/forecast.py"),
     script:
@@ -22,7 +22,7 @@ rule forecast:
 
 rule horizon:
     input:
-        **computed_settings("horizon"),
+        **computed_settings_files("horizon"),
         forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
         events="<results>/{case}/events.nc",
         summary="<results>/{case}/dataset.json",
@@ -33,7 +33,7 @@ rule horizon:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("evaluation/horizon.py"),
     script:
@@ -42,7 +42,7 @@ rule horizon:
 
 rule long_term:
     input:
-        **computed_settings("long_term"),
+        **computed_settings_files("long_term"),
         ensemble="<results>/{case}/ensemble.nc",
         forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
     output:
@@ -52,7 +52,7 @@ rule long_term:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("evaluation/long_term.py"),
     script:
@@ -61,7 +61,7 @@ rule long_term:
 
 rule lyapunov_spectrum:
     input:
-        **computed_settings("lyapunov_spectrum"),
+        **computed_settings_files("lyapunov_spectrum"),
         ensemble="<results>/{case}/ensemble.nc",
         forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
         long_term="<results>/{case}/{family}/{forecaster}/long_term.nc",
@@ -72,7 +72,7 @@ rule lyapunov_spectrum:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("evaluation/lyapunov_spectrum.py"),
     script:
@@ -81,7 +81,7 @@ rule lyapunov_spectrum:
 
 rule examples:
     input:
-        **computed_settings("examples"),
+        **computed_settings_files("examples"),
         ensemble="<results>/{case}/ensemble.nc",
         summary="<results>/{case}/dataset.json",
         evaluation_set="<results>/{case}/evaluation_set.nc",
@@ -96,7 +96,7 @@ rule examples:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("evaluation/examples.py"),
     script:
@@ -105,7 +105,7 @@ rule examples:
 
 rule flow_event:
     input:
-        **computed_settings("flow_event"),
+        **computed_settings_files("flow_event"),
         ensemble="<results>/{case}/ensemble.nc",
         summary="<results>/{case}/dataset.json",
         forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
@@ -116,7 +116,7 @@ rule flow_event:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("evaluation/flow_event.py"),
     script:

@@ -1,15 +1,15 @@
-"""From the data to forecasters: the search for a network's hyperparameters, training, fitting."""
+"""Forecasters: the search for a network's hyperparameters, training, fitting, and all results."""
 
 # In all rules: `of_script` gives a job each setting that the class of the script declares, and each
-# module of its code, as parameters; `resources_of`, memory and time; `computed_settings`, files of
-# thresholds and units of time where jobs compute them. A name that a rule repeats is its own, which
-# `module` may change.
+# module of its code, as parameters; `resources_of`, memory and time; `computed_settings_files`,
+# files of thresholds and units of time where jobs compute them. A name that a rule repeats is its
+# own, which `module` may change.
 
 
 rule scan:
     # one job for all strategies that share their sums over the training data
     input:
-        **computed_settings("scan"),
+        **computed_settings_files("scan"),
         ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
     output:
@@ -29,7 +29,7 @@ rule scan:
 
 rule search:
     input:
-        **computed_settings("search"),
+        **computed_settings_files("search"),
         ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
         scan=stages.scan_of_network("csv"),
@@ -53,7 +53,7 @@ rule search:
 
 rule train:
     input:
-        **computed_settings("train"),
+        **computed_settings_files("train"),
         ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
         hyperparameters=stages.hyperparameters,
@@ -75,7 +75,7 @@ rule train:
 
 rule fit:
     input:
-        **computed_settings("fit"),
+        **computed_settings_files("fit"),
         ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
     output:
@@ -87,8 +87,22 @@ rule fit:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("forecasters/fit.py"),
     script:
         "../scripts/forecasters/fit.py"
+
+
+rule forecasters:
+    # all that is computed forecaster by forecaster: the target for planning a large campaign in batches
+    input:
+        case_files("lengths.json", campaign.where(has_known_lengths=False)),
+        forecaster_files("forecaster.nc"),
+        forecaster_files("forecast.nc"),
+        forecaster_files("calibration_forecast.nc"),
+        forecaster_files("horizon.nc", campaign.trajectory_forecasters),
+        forecaster_files("long_term.nc", campaign.long_term_forecasters),
+        forecaster_files("lyapunov_spectrum.nc", campaign.spectrum_forecasters),
+        forecaster_files("flows.nc", campaign.strategy_runs),
+    localrule: True

@@ -5,7 +5,7 @@ from burstcast.base.declared import gathered
 
 rule calibration_set:
     input:
-        **computed_settings("calibration_set"),
+        **computed_settings_files("calibration_set"),
         ensemble="<results>/{case}/ensemble.nc",
     output:
         calibration_set="<results>/{case}/calibration_set.nc",
@@ -14,7 +14,7 @@ rule calibration_set:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/calibration_set.py"),
     script:
@@ -23,7 +23,7 @@ rule calibration_set:
 
 rule calibration_forecast:
     input:
-        **computed_settings("calibration_forecast"),
+        **computed_settings_files("calibration_forecast"),
         ensemble="<results>/{case}/ensemble.nc",
         forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
         calibration_set="<results>/{case}/calibration_set.nc",
@@ -44,7 +44,7 @@ rule calibration_forecast:
 
 rule training_set:
     input:
-        **computed_settings("training_set"),
+        **computed_settings_files("training_set"),
         ensemble="<results>/{case}/ensemble.nc",
     output:
         training_set="<results>/{case}/training_set.nc",
@@ -53,7 +53,7 @@ rule training_set:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("data/training_set.py"),
     script:
@@ -62,7 +62,7 @@ rule training_set:
 
 rule event_probabilities:
     input:
-        **computed_settings("event_probabilities"),
+        **computed_settings_files("event_probabilities"),
         training_set="<results>/{case}/training_set.nc",
         evaluation_set="<results>/{case}/evaluation_set.nc",
         calibration_set="<results>/{case}/calibration_set.nc",
@@ -77,7 +77,7 @@ rule event_probabilities:
     conda:
         "../envs/burstcast.yaml"
     resources:
-        **resources_of(),
+        **resources_of("usual"),
     params:
         *of_script("evaluation/event_probabilities.py"),
     script:
@@ -86,7 +86,7 @@ rule event_probabilities:
 
 rule calibrate:
     input:
-        **computed_settings("calibrate"),
+        **computed_settings_files("calibrate"),
         calibration_forecasts=stages.declared(
             gathered("forecasters/calibration_forecast.nc")
         ),

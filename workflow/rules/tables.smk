@@ -26,7 +26,7 @@ for name in MAKERS:
             name
         input:
             **stages.inputs_of_tables(name),
-            **computed_settings(name),
+            **computed_settings_files(name),
         output:
             tables=[f"<results>/{{case}}/tables/{file}.csv" for file in files_by(name)],
         log:
@@ -47,18 +47,19 @@ for name in MAKERS:
 # -- tables of all cases -----------------------------------------------------------------------------
 
 for section, files in tables_by_section(campaign).items():
-
     # a section of the report at once, and LaTeX for papers; no other job reads these
+    rule_name = f"joined_{section}"
+
     rule:
         name:
-            f"joined_{section}"
+            rule_name
         input:
             of_cases=[path for file in files for path in stages.table_files(file)],
         output:
             tables=[in_report(file) for file in files],
             latex=[f"<results>/tables/{paper}.tex" for paper in typeset(files)],
         log:
-            f"<logs>/joined_{section}.log",
+            f"<logs>/{rule_name}.log",
         group:
             "tables"
         conda:
@@ -66,9 +67,7 @@ for section, files in tables_by_section(campaign).items():
         resources:
             **resources_of("short"),
         params:
-            *of_script(
-                "tables/joined.py", f"joined_{section}", **joined(campaign, files)
-            ),
+            *of_script("tables/joined.py", rule_name, **joined(campaign, files)),
         script:
             "../scripts/tables/joined.py"
 
@@ -76,9 +75,15 @@ for section, files in tables_by_section(campaign).items():
 # -- tables of the whole campaign --------------------------------------------------------------------
 
 
+data_parameters = {
+    "caption": caption_of("data_generation_parameters"),
+    "cases": settings_of_cases(campaign, CaseData, campaign.simulated_cases),
+}
+
+
 rule data_generation_parameters:
     input:
-        **computed_settings("data_generation_parameters"),
+        **computed_settings_files("data_generation_parameters"),
         summaries=case_files("dataset.json", campaign.simulated_cases),
     output:
         table=in_report("data_generation_parameters"),
@@ -92,11 +97,7 @@ rule data_generation_parameters:
     resources:
         **resources_of("short"),
     params:
-        *of_script(
-            "tables/data_generation_parameters.py",
-            caption=caption_of("data_generation_parameters"),
-            cases=settings_of_cases(campaign, CaseData, campaign.simulated_cases),
-        ),
+        *of_script("tables/data_generation_parameters.py", **data_parameters),
     script:
         "../scripts/tables/data_generation_parameters.py"
 
@@ -129,6 +130,11 @@ SCATTERED = [
     for name in ("classification", "horizon", "statistics", "survival")
     if name in cases_of_tables(campaign)
 ]
+scatter = {
+    "tables": written(["training_realisations"]),
+    "scattered": written(SCATTERED),
+    "kinds": kinds_of(campaign),
+}
 
 
 rule training_realisations:
@@ -145,12 +151,7 @@ rule training_realisations:
     resources:
         **resources_of("short"),
     params:
-        *of_script(
-            "tables/training_realisations.py",
-            tables=written(["training_realisations"]),
-            scattered=written(SCATTERED),
-            kinds=kinds_of(campaign),
-        ),
+        *of_script("tables/training_realisations.py", **scatter),
     script:
         "../scripts/tables/training_realisations.py"
 
@@ -166,18 +167,4 @@ rule tables:
         ],
         expand("<results>/tables/{table}.csv", table=table_names(campaign)),
         expand("<results>/tables/{table}.tex", table=latex_names(campaign)),
-    localrule: True
-
-
-rule forecasters:
-    # all that is computed forecaster by forecaster: the target for planning a large campaign in batches
-    input:
-        case_files("lengths.json", campaign.where(has_known_lengths=False)),
-        forecaster_files("forecaster.nc"),
-        forecaster_files("forecast.nc"),
-        forecaster_files("calibration_forecast.nc"),
-        forecaster_files("horizon.nc", campaign.trajectory_forecasters),
-        forecaster_files("long_term.nc", campaign.long_term_forecasters),
-        forecaster_files("lyapunov_spectrum.nc", campaign.spectrum_forecasters),
-        forecaster_files("flows.nc", campaign.strategy_runs),
     localrule: True

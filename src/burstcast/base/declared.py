@@ -23,25 +23,21 @@ def at(
     """Declare a setting: an argument of a function, or a field of a class of settings.
 
     ``path``: Where its value stands in the config. ``case.`` stands for the job's case,
-    ``forecaster.options`` for the section of its kind of forecaster. What is not in the config is a
-    property: of the case, of the job (``job.``), or of what figures show (``shown.``); rules give
-    the rest. ``below``: Keys in that value. ``otherwise``: The value where the setting does not
-    concern a job; without one, it is an error to read it then. ``make``: Makes the value that is
-    used.
+    ``forecaster.options`` for the section of its kind of forecaster; ``job.`` and ``shown.`` for
+    properties of the job and of what figures show. ``below``: Keys in that value. ``otherwise``:
+    The value where the setting does not concern a job. ``make``: Makes the value that is used.
     """
     return Setting(path, below, otherwise, make)
 
 
 def read(place: str, variables: str = "") -> Any:
-    """Declare an input: the content of a file, of each of several, or None where there is none.
+    """Declare an input: a DataFrame of a table, or a mapping of a NetCDF or JSON file.
 
-    A table is a DataFrame, a NetCDF file a mapping of its variables and attributes, a JSON file a
-    mapping. ``place``: The directory, and the name of the file there: ``case`` is the directory of
-    the case, ``example`` of the example network, others are properties of what is shown
-    (`burstcast_workflow.campaign.shown.Shown`). ``<file>.nc:<variable>`` is one variable, and
-    ``<file>.nc:path`` the path of the file, of which only some rows are read. ``variables``: Those
-    of a NetCDF file that are read; default: all of them. Those whose name ends in an asterisk are
-    read where the file has them.
+    ``place``: The directory and the name of the file there: ``case`` is the directory of the case,
+    ``example`` of the example network, others are properties of
+    `burstcast_workflow.campaign.shown.Shown`. ``<file>.nc:<variable>`` is one variable,
+    ``<file>.nc:path`` the path of the file. ``variables``: Those of a NetCDF file that are read, by
+    default all; a name with an asterisk is optional.
     """
     return File(place, variables)
 
@@ -156,10 +152,10 @@ def called(
     content_of: Callable[[str, File], Any],
     **others: Any,
 ) -> Result:
-    """Call a function with what it declares.
+    """Call a function with what it declares, and with other arguments as they are.
 
     ``value_of``: Values of settings, by their paths. ``content_of``: Contents of files, by the name
-    of the argument and its declaration. ``others``: Arguments that are given as they are.
+    of the argument and its declaration.
     """
     values = dict(others)
     for name, declared in _declarations(function):

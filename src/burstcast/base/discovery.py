@@ -1,7 +1,6 @@
 """Classes found by the module that they lie in, so that a new one needs no registration.
 
-The only place of the library that imports modules by name: whatever is found this way must be named
-wherever the code that a result depends on is listed.
+The only place of the library that imports modules by name.
 """
 
 import dataclasses
@@ -36,12 +35,11 @@ def _module_names(*directories: str) -> tuple[str, ...]:
 
 
 def concrete_classes(package: ModuleType, name: str, base: type[Base]) -> list[type[Base]]:
-    """Concrete subclasses that a module of a package itself defines (not those it imports).
-
-    A class whose name begins with an underscore is the module's own and is not found.
-    """
+    """Concrete subclasses that a module of a package itself defines, without ``_Classes``."""
     module = imported(f"{package.__name__}.{name}")
-    return [found for found in classes_in(module, base) if not inspect.isabstract(found)]
+    return [
+        candidate for candidate in classes_in(module, base) if not inspect.isabstract(candidate)
+    ]
 
 
 def classes_in(module: ModuleType, base: type[Base]) -> list[type[Base]]:
@@ -70,30 +68,28 @@ class UnsoundError(ValueError):
 
 
 def own_class(name: str, base: type[Base], noun: str) -> type[Base]:
-    """Find a class in a module of one's own.
+    """Find a class of a user's module by name, ``my_flows.kuramoto:KuramotoSivashinsky``.
 
-    ``name``: Module and class, ``my_flows.kuramoto:KuramotoSivashinsky``: any module that Python
-    finds. ``base``: Interface that the class must fulfil. ``noun``: What such classes are called,
-    for messages: "system". Raises ValueError if there is no such class, or it is unfinished.
+    ``noun``: What such classes are called in messages: "system".
     """
     module_name, _, class_name = name.partition(":")
     module = imported(module_name)
-    found = getattr(module, class_name, None)
+    candidate = getattr(module, class_name, None)
     place = f"{module_name} ({getattr(module, '__file__', None) or 'a namespace package'})"
-    if found is None:
-        names = [candidate.__name__ for candidate in classes_in(module, base)]
+    if candidate is None:
+        names = [member.__name__ for member in classes_in(module, base)]
         raise ValueError(
             f"the module {place} has no class {class_name}{suggestion(class_name, names)}; "
             f"its {noun}s are {', '.join(names) or 'none'}"
         )
-    if not (inspect.isclass(found) and issubclass(found, base)):
+    if not (inspect.isclass(candidate) and issubclass(candidate, base)):
         raise ValueError(
             f"{class_name} of {place} is no {noun}: it must be a subclass of "
             f"{base.__module__}.{base.__qualname__}"
         )
-    if inspect.isabstract(found):
-        raise ValueError(unfinished(found))
-    return found
+    if inspect.isabstract(candidate):
+        raise ValueError(unfinished(candidate))
+    return candidate
 
 
 def unfinished(candidate: type) -> str:
@@ -156,8 +152,7 @@ def suggestion(name: str, candidates: Iterable[str]) -> str:
 def made(noun: str, name: str, part: str, owner: type[Base], values: Mapping[str, Any]) -> Base:
     """Make an object of a class from checked values of its fields (`checked_values`).
 
-    ``noun``, ``name``, ``part``: What it is called in messages, and what its fields are called:
-    "system", "lorenz63", "parameter".
+    ``noun``, ``part``: What it and its fields are called in messages: "system", "parameter".
     """
     checked = checked_values(f"{noun} {name!r}", part, owner, values)
     try:
@@ -170,12 +165,11 @@ def made(noun: str, name: str, part: str, owner: type[Base], values: Mapping[str
 
 
 def checked_values(what: str, part: str, owner: type, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Check the values of the fields of a dataclass.
+    """Check the values of the fields of a dataclass; numbers become floats, sequences tuples.
 
-    ``owner``: The class. Its fields are numbers, or annotated as ``bool``, ``int``, ``str``, a
-    ``Literal``, ``tuple[float, ...]``, ``tuple[str, ...]`` or one of these ``| None``; fields with
-    ``fitted`` in their metadata take no value. ``values``: By the names of its fields; those with a
-    default may be left out. Returns the values: numbers as floats, sequences as tuples.
+    Fields are numbers, or annotated as ``bool``, ``int``, ``str``, a ``Literal``, ``tuple[float,
+    ...]``, ``tuple[str, ...]`` or one of these ``| None``; fields with ``fitted`` in their metadata
+    take no value.
     """
     if not dataclasses.is_dataclass(owner):
         raise TypeError(f"{owner.__name__} must be a dataclass of its {part}s")

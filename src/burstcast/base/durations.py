@@ -6,13 +6,12 @@ import math
 def steps_per_lyapunov_time(exponent: float, sampling_interval: float) -> int:
     """Whole network steps in one Lyapunov time, floor(1 / (exponent * sampling_interval)).
 
-    ``exponent``: Leading Lyapunov exponent, in inverse time units; positive. ``sampling_interval``:
-    Time between two steps of the network, in time units; positive. A quotient that misses a whole
-    number by rounding error only counts as that whole number.
+    A quotient that misses a whole number by rounding error only counts as that whole number.
+    ``exponent``: Leading Lyapunov exponent, in inverse time units. ``sampling_interval``: In time
+    units.
 
     Examples
     --------
-    >>> from burstcast.base.durations import steps_per_lyapunov_time
     >>> steps_per_lyapunov_time(0.0163, 1.0)
     61
     """
@@ -37,12 +36,10 @@ def known_exponent(time_unit: str, published: float | None) -> float | None:
 def steps(duration_lt: float, steps_per_lyapunov_time: int) -> int:
     """Whole network steps in a duration given in Lyapunov times, rounded down.
 
-    A duration such as 0.1 * 3 Lyapunov times that misses a whole number by rounding error only
-    counts as that whole number.
+    A duration that misses a whole number by rounding error only counts as that whole number.
 
     Examples
     --------
-    >>> from burstcast.base.durations import steps
     >>> steps(0.5, 61)
     30
     """

@@ -12,24 +12,12 @@ from burstcast.base.arrays import BoolArray, FloatArray
 def upward_crossings(observable: FloatArray, threshold: float, axis: int = -1) -> BoolArray:
     """Mark the starts of extreme events: steps at or above the threshold after one below it.
 
-    Parameters
-    ----------
-    observable
-        Observable of any shape; a value that is NaN is not at or above the threshold.
-    threshold
-        The event threshold, k_e.
-    axis
-        Axis of time.
-
-    Returns
-    -------
-    Mask of the observable's shape. The first step never starts an event: whether one was under way
-    before is not known.
+    The first step never starts an event: whether one was under way before is not known.
+    ``threshold``: The event threshold, k_e. Returns a mask of the observable's shape, with time
+    along ``axis``.
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from burstcast.base.events import upward_crossings
     >>> upward_crossings(np.array([0.3, 0.05, 0.2, 0.2, 0.0, 0.1]), 0.1).tolist()
     [False, False, True, False, False, True]
     """

@@ -1,7 +1,6 @@
 """Arithmetic expressions of named quantities: read from text, evaluated on arrays.
 
-Only what is listed here is understood: names, numbers, ``+ - * / **``, brackets, and the functions
-of `FUNCTIONS`. Nothing else is ever run, whatever the text says.
+Only names, numbers, ``+ - * / **``, brackets, and `FUNCTIONS` are understood; no other code is run.
 """
 
 import ast
@@ -46,16 +45,14 @@ class Expression:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of quantities in it, in the order of their first use."""
-        found: dict[str, None] = {}
-        self._collect(self._tree, found)
-        return tuple(found)
+        names: dict[str, None] = {}
+        self._collect(self._tree, names)
+        return tuple(names)
 
     def __call__(self, values: Mapping[str, FloatArray]) -> FloatArray:
-        """Evaluate it.
+        """Value for arrays of one shape, by name; each index by itself, in the text's order.
 
-        ``values``: A value for each of `names`, all of one shape. Each index is evaluated
-        independently of all others, operation by operation as the text says. Returns an array of
-        their shape. Where there is no value (the root of a negative number), it is NaN.
+        It is NaN where there is none (the root of a negative number).
         """
         shape = np.shape(values[self.names[0]])
         with np.errstate(all="ignore"):
@@ -75,26 +72,26 @@ class Expression:
                 node.id = ast.get_source_segment(text, node) or node.id
         return tree
 
-    def _collect(self, node: ast.expr, found: dict[str, None]) -> None:
+    def _collect(self, node: ast.expr, names: dict[str, None]) -> None:
         """Collect the names below a node; refuse what is not understood."""
         if isinstance(node, ast.Name):
             if node.id in FUNCTIONS:
                 raise ValueError(f"{self.text!r}: {node.id} is a function: give it an argument")
-            found[node.id] = None
+            names[node.id] = None
         elif isinstance(node, ast.Constant):
             if not isinstance(node.value, int | float) or isinstance(node.value, bool):
                 self._refuse(node)
             if node.value > sys.float_info.max:
                 raise ValueError(f"{self.text!r} has a number that is beyond all doubles")
         elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd | ast.USub):
-            self._collect(node.operand, found)
+            self._collect(node.operand, names)
         elif isinstance(node, ast.BinOp) and type(node.op) in (*_OPERATIONS, ast.Pow):
-            self._collect(node.left, found)
-            self._collect(node.right, found)
+            self._collect(node.left, names)
+            self._collect(node.right, names)
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             if node.func.id not in FUNCTIONS or len(node.args) != 1 or node.keywords:
                 self._refuse(node)
-            self._collect(node.args[0], found)
+            self._collect(node.args[0], names)
         else:
             self._refuse(node)
 

@@ -2,9 +2,8 @@
 
 An identifier of a forecaster is the kind, and then what tells forecasters of a kind apart:
 ``equations``, ``esn-N2000-RV-seed3``. Kinds are modules of `burstcast.forecasters`, or classes of
-one's own: ``my_models.NVAR`` is the class ``NVAR`` of the module ``my_models``. A controller is a
-forecaster, ``none``, random alarms beside a forecaster (``esn-N2000-RV-seed3-random``) or a
-committee (``esn-N2000-RV-committee``).
+users' modules: ``my_models.NVAR``. A controller is a forecaster, ``none``, random alarms beside a
+forecaster (``esn-N2000-RV-seed3-random``) or a committee (``esn-N2000-RV-committee``).
 """
 
 import re

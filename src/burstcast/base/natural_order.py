@@ -4,11 +4,10 @@ import re
 
 
 def natural_order(name: str) -> list[tuple[bool, float, str]]:
-    """Key to sort names by, numbers in them by their size: Re400 before Re1000, alpha, Zeta.
+    """Key to sort names by, numbers in them by their size.
 
     Examples
     --------
-    >>> from burstcast.base.natural_order import natural_order
     >>> sorted(["Re1000", "Zeta", "Re400", "alpha"], key=natural_order)
     ['alpha', 'Re400', 'Re1000', 'Zeta']
     """

@@ -9,18 +9,12 @@ from burstcast.base.arrays import FloatArray, IntArray
 
 
 def bootstrap_weights(count: int, resamples: int, generator: np.random.Generator) -> IntArray:
-    """Number of draws of each of ``count`` units in each bootstrap sample, ``(resamples, count)``.
-
-    Forecasters that are compared are given the same weights: what their samples share cancels.
-    """
+    """Number of draws of each of ``count`` units in each bootstrap sample, ``(resamples, ...)``."""
     return generator.multinomial(count, np.full(count, 1 / count), size=resamples)
 
 
 def percentile_interval(samples: FloatArray, confidence: float) -> tuple[float, float]:
-    """Ends between which a share of the bootstrap samples lies.
-
-    ``samples``: Values of a statistic, ``(resamples,)``; values that are not finite are left out.
-    """
+    """Ends between which a share of the finite bootstrap samples ``(resamples,)`` lies."""
     defined = samples[np.isfinite(samples)]
     if not defined.size:
         return float("nan"), float("nan")

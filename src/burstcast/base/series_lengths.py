@@ -15,17 +15,14 @@ def padded(series: Sequence[FloatArray]) -> FloatArray:
     >>> padded([np.ones((3, 1)), np.ones((1, 1))])[:, :, 0].tolist()
     [[1.0, 1.0, 1.0], [1.0, nan, nan]]
     """
-    found = np.full((len(series), max(map(len, series)), series[0].shape[1]), np.nan)
+    filled = np.full((len(series), max(map(len, series)), series[0].shape[1]), np.nan)
     for row, states in enumerate(series):
-        found[row, : len(states)] = states
-    return found
+        filled[row, : len(states)] = states
+    return filled
 
 
 def series_lengths(states: FloatArray) -> IntArray | None:
-    """Samples of each series, ``(series,)``; None if no series is filled up.
-
-    ``states``: ``(series, time, component)``.
-    """
+    """Samples of each of ``(series, time, component)``; None if no series is filled up."""
     if not np.isnan(states[:, -1]).any():
         return None
     return np.asarray((~np.isnan(states[..., 0])).sum(axis=1), dtype=np.int64)

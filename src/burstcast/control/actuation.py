@@ -95,7 +95,7 @@ class ActuationValues:
         if list(names) == [SHARE]:
             return cls((0.0,), (strength,), (-strength,))
         off, on = SystemParameters.of(system, names), SystemParameters.of(actuated, names)
-        return cls(off.own, on.own)
+        return cls(off.defaults, on.defaults)
 
     def schedule(self, acting: ByteArray | BoolArray) -> FloatArray:
         """Schedule ``(steps, parameters, batch)`` of an actuator.

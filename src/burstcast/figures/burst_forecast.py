@@ -43,11 +43,8 @@ def draw(
     marks = event["mark"]
     times_lt = event["time_lt"][marks]
     decoded = gain @ event["forecast_state"][:, :-1].T + constant[:, np.newaxis]
-    fields = {
-        "truth": states[event["series"], event["first_step"] + marks].T,
-        "forecast": decoded,
-    }
-    fields = {name: planes.vorticity_fields(flow, found) for name, found in fields.items()}
+    fields = {"truth": states[event["series"], event["first_step"] + marks].T, "forecast": decoded}
+    fields = {name: planes.vorticity_fields(flow, shown) for name, shown in fields.items()}
     figure, evolution, lower = planes.evolution_above_fields(
         5.4,
         2.3,

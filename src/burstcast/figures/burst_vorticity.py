@@ -47,8 +47,8 @@ def draw(
     row, step = np.unravel_index(np.argmax(tested), tested.shape)
     row, peak = row + training_series, step + margin
     steps = [peak + round(time * unit) for time in _TIMES_LT]
-    steps = [min(max(one, 0), observable.shape[1] - 1) for one in steps]
-    times_lt = [(one - peak) / unit for one in steps]
+    steps = [min(max(step, 0), observable.shape[1] - 1) for step in steps]
+    times_lt = [(step - peak) / unit for step in steps]
     flow: Any = make_system(system, parameters)
     fields = planes.vorticity_fields(flow, states[row, steps].T)
     shown = np.arange(peak - margin, peak + margin + 1)

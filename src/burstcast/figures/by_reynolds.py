@@ -38,9 +38,10 @@ def draw(
     for name, tables in (("horizon", horizons), ("classification", scores)):
         table = pd.concat(tables, ignore_index=True)
         beside = published_beside(table, published, name)
-        for found, rows in ((ours, table), (theirs, table.iloc[:0] if beside is None else beside)):
-            of_size = medians.select(rows, forecaster="esn", neurons=float(neurons))
-            found[name] = of_size.dropna(subset=["reynolds"])
+        beside = table.iloc[:0] if beside is None else beside
+        of_size: dict[str, object] = {"forecaster": "esn", "neurons": float(neurons)}
+        ours[name] = medians.select(table, **of_size).dropna(subset=["reynolds"])
+        theirs[name] = medians.select(beside, **of_size).dropna(subset=["reynolds"])
     networks = pd.concat(ours.values())
     reynolds = np.unique(networks["reynolds"].astype(np.float64))
     if reynolds.size == 0:
@@ -70,10 +71,10 @@ def draw(
         panel.set_ylabel(medians.LABELS[str(chosen["metric"])])
         for validation, shift in zip(validations, places, strict=True):
             look = looks.validation(validation)
-            own = {"validation": validation, **chosen}
-            rows = medians.select(ours[name], **own)
+            shown = {"validation": validation, **chosen}
+            rows = medians.select(ours[name], **shown)
             medians.draw(panel, rows, "reynolds", look, label=validation, band=False, shift=shift)
-            rows = medians.select(theirs[name], **own)
+            rows = medians.select(theirs[name], **shown)
             medians.draw_published(panel, rows, "reynolds", look, shift=shift)
     for panel, time in zip(upper[1:], prediction_times_lt, strict=True):
         panel.set_title(f"{time:g} LT ahead", loc="center")
@@ -84,10 +85,10 @@ def draw(
         panel.margins(x=0.08, y=0.1)
     for panel, validation in zip(lower, validations, strict=True):
         for number, look in zip(reynolds, looks.sequence(len(reynolds)), strict=True):
-            own = {"metric": "f_score", "validation": validation, "reynolds": number}
-            rows = medians.select(ours["classification"], **own)
+            shown = {"metric": "f_score", "validation": validation, "reynolds": number}
+            rows = medians.select(ours["classification"], **shown)
             medians.draw(panel, rows, "prediction_time_lt", look, label=f"{number:g}")
-            rows = medians.select(theirs["classification"], **own)
+            rows = medians.select(theirs["classification"], **shown)
             medians.draw_published(panel, rows, "prediction_time_lt", look)
         panel.set_title(validation, loc="center")
         panel.set_xlabel(medians.PREDICTION_TIME)

@@ -2,10 +2,11 @@
 ensemble. In grey: forecasters to compare with.
 """
 
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
@@ -15,6 +16,7 @@ from burstcast.figures.parts.published import published_beside
 from burstcast.figures.registry import figure
 
 _METRICS = ("precision", "recall", "f_score")
+_TIME = "prediction_time_lt"
 
 
 @figure(section="forecasts", position=30, cases="networks")
@@ -28,77 +30,75 @@ def draw(
 ) -> Figure:
     """Draw three rows of panels (precision, recall, F-score) in up to three columns.
 
-    The first column holds the size fixed, the second the prediction time; the third shows all
-    sizes for one strategy. With a single size the other columns would repeat the first one and are
-    left out. Where the table has no such size, time or strategy, the nearest or the last is shown.
+    The first column holds the size fixed; the second, where there are three sizes, the prediction
+    time; the last, where there are two, shows up to four sizes for one strategy. Where the table
+    has no such size, time or strategy, the nearest or the last is shown.
     """
     theirs = published_beside(percentiles, published, "classification")
     networks = percentiles[percentiles["forecaster"] == "esn"]
     neurons = medians.nearest_value(networks, "neurons", fixed_neurons)
-    time = medians.nearest_value(networks, "prediction_time_lt", fixed_prediction_time_lt)
+    time = medians.nearest_value(networks, _TIME, fixed_prediction_time_lt)
     validations = looks.ordered_validations(networks["validation"].dropna())
     sizes = np.unique(networks["neurons"].dropna().to_numpy(dtype=np.float64))
     if sizes_validation not in validations:
         sizes_validation = validations[-1]
     theirs = percentiles.iloc[:0] if theirs is None else theirs[theirs["neurons"].isin(sizes)]
 
-    columns = 3 if len(sizes) > 1 else 1
-    figure = style.new_figure(style.DOUBLE_COLUMN * (1.0 if columns > 1 else 0.5), 5.6)
-    panels = figure.subplots(3, columns, sharex="col", sharey=True, squeeze=False)
-    for metric, row in zip(_METRICS, panels, strict=True):
-        medians.draw_references(row[0], percentiles, metric, "prediction_time_lt", neurons=neurons)
-        curves: list[tuple[int, str, Any, str, dict[str, object]]] = []
+    columns = {"size": f"{neurons:g} neurons"}
+    if len(sizes) > 2:
+        columns["time"] = f"PT = {time:g} LT"
+    if len(sizes) > 1:
+        columns["strategy"] = sizes_validation
+    figure = style.new_figure(style.DOUBLE_COLUMN * (1.0 if len(columns) > 1 else 0.5), 5.6)
+    grid = figure.subplots(3, len(columns), sharex="col", sharey=True, squeeze=False)
+    panels = dict(zip(columns, grid.T, strict=True))
+    for row, metric in enumerate(_METRICS):
+        first = panels["size"][row]
+        medians.draw_references(first, percentiles, metric, _TIME, neurons=neurons)
+        first.set_ylabel(medians.LABELS[metric])
         for validation in validations:
-            look, own = looks.validation(validation), {"validation": validation}
-            curves.append((0, "prediction_time_lt", look, validation, {**own, "neurons": neurons}))
-            curves.append((1, "neurons", look, validation, {**own, "prediction_time_lt": time}))
-        for size, look in zip(sizes, looks.sequence(len(sizes)), strict=True):
-            chosen = {"validation": sizes_validation, "neurons": float(size)}
-            curves.append((2, "prediction_time_lt", look, f"{size:g}", chosen))
-        for column, x, look, label, chosen in curves:
-            if column < columns:
-                rows, others = (
-                    medians.select(table, metric=metric, **chosen) for table in (networks, theirs)
-                )
-                medians.draw(row[column], rows, x, look, label=label)
-                medians.draw_published(row[column], others, x, look)
-        row[0].set_ylabel(medians.LABELS[metric])
-    heads = (f"{neurons:g} neurons", f"PT = {time:g} LT", sizes_validation)
-    _finish(figure, panels, sizes, heads)
+            look = looks.validation(validation)
+            chosen = {"metric": metric, "validation": validation}
+            at_size, at_time = {**chosen, "neurons": neurons}, {**chosen, _TIME: time}
+            _draw_curve(first, networks, theirs, at_size, _TIME, look, validation)
+            if "time" in columns:
+                panel = panels["time"][row]
+                _draw_curve(panel, networks, theirs, at_time, "neurons", look, validation)
+        if "strategy" in columns:
+            some = looks.few_of(sizes)
+            for size, look in zip(some, looks.sequence(len(some)), strict=True):
+                at_size = {"metric": metric, "validation": sizes_validation, "neurons": float(size)}
+                panel = panels["strategy"][row]
+                _draw_curve(panel, networks, theirs, at_size, _TIME, look, f"{size:g}")
+    lowest = min((panel.dataLim.y0 for panel in grid.flat if panel.has_data()), default=0.0)
+    grid[0, 0].set_ylim(max(0.0, np.floor(10 * lowest) / 10), 1.02)
+    more = [*medians.spread_handles(grid.flat), *medians.published_handles(grid.flat)]
+    style.legend_above(figure, panels["size"], more, columns=4 if len(columns) > 1 else 2)
+    medians.say_where_empty(grid.flat)
+    for column, (top, _, bottom) in panels.items():
+        top.set_title(columns[column], loc="center")
+        bottom.set_xlabel(medians.NEURONS if column == "time" else medians.PREDICTION_TIME)
+        if column == "time":
+            top.set_xticks(sizes, [f"{size:g}" for size in sizes])
+            top.margins(x=0.08)
+            medians.thin_size_labels(bottom, sizes)
+        else:
+            top.xaxis.set_major_locator(MultipleLocator(1))
+    if "strategy" in columns and panels["strategy"][2].has_data():
+        panels["strategy"][2].legend(title="neurons", loc="best", ncols=2 if len(sizes) > 3 else 1)
+    style.letter_panels(list(grid.flat))
     return figure
 
 
-def _finish(
-    figure: Figure, panels: np.ndarray[Any, Any], sizes: np.ndarray[Any, Any], heads: Any
+def _draw_curve(
+    axes: Axes,
+    networks: pd.DataFrame,
+    theirs: pd.DataFrame,
+    chosen: Mapping[str, object],
+    x: str,
+    look: looks.MarkerStyle,
+    label: str,
 ) -> None:
-    """Set limits, ticks, heads and legends."""
-    lowest = min((panel.dataLim.y0 for panel in panels.flat if panel.has_data()), default=0.0)
-    panels[0, 0].set_ylim(max(0.0, np.floor(10 * lowest) / 10), 1.02)
-    # a metric that is undefined everywhere leaves its panel without curves
-    drawn = [panel.get_legend_handles_labels() for panel in panels[:, 0]]
-    entries = {label: handle for panel in drawn for handle, label in zip(*panel, strict=True)}
-    handles = [
-        *entries.values(),
-        *medians.spread_handles(panels.flat),
-        *medians.published_handles(panels.flat),
-    ]
-    if len(handles) > 3:  # more would hide the curves
-        columns = min(len(handles), 4) if panels.shape[1] > 1 else 2
-        figure.legend(handles=handles, loc="outside upper center", ncols=columns)
-    elif handles:
-        panels[2, 0].legend(handles=handles, loc="best")
-    medians.say_where_empty(panels.flat)
-    for column, (top, bottom) in enumerate(zip(panels[0], panels[2], strict=True)):
-        bottom.set_xlabel(medians.NEURONS if column == 1 else medians.PREDICTION_TIME)
-        top.set_title(heads[column], loc="center")
-        if column != 1:
-            top.xaxis.set_major_locator(MultipleLocator(1))
-    if panels.shape[1] > 1:
-        panels[0, 1].set_xticks(sizes)
-        panels[0, 1].margins(x=0.08)
-        if len(sizes) > 4:
-            panels[0, 1].set_xticks(sizes, [f"{size:g}" for size in sizes], rotation=0)
-            medians.thin_size_labels(panels[2, 1], sizes)
-        if panels[2, 2].has_data():
-            panels[2, 2].legend(title="neurons", loc="best", ncols=2 if len(sizes) > 3 else 1)
-    style.letter_panels(list(panels.flat))
+    """Draw the chosen rows of our networks, and of the published ones."""
+    medians.draw(axes, medians.select(networks, **chosen), x, look, label=label)
+    medians.draw_published(axes, medians.select(theirs, **chosen), x, look)

@@ -45,7 +45,7 @@ def draw(
     if not any(np.isfinite(rows[names[0]]).all() for rows in without):
         return style.nothing_to_show("No flow was free of events for long enough to be controlled.")
     drawn = np.concatenate(
-        [*(rows[names[0]] for rows in without), *(rows[names[1]] for rows in shown)]
+        [rows[names[0]] for rows in without] + [rows[names[1]] for rows in shown]
     )
     positive = drawn[drawn > 0]
     columns = min(2, len(panels))

@@ -50,8 +50,8 @@ def draw(
     figure = style.new_figure(style.DOUBLE_COLUMN, 2.6)
     left, right = figure.subplots(1, 2, sharey=True)
     present = list(shown["forecaster"].unique())
-    for forecaster in sorted(present, key=[*_LABELS, *present].index):
-        look = looks.controller_line(forecaster)
+    lines = looks.controller_lines(sorted(present, key=[*_LABELS, *present].index))
+    for forecaster, look in lines.items():
         label = _LABELS.get(forecaster, forecaster_label(forecaster))
         reduction, fraction = (
             medians.select(shown, forecaster=forecaster, metric=metric) for metric in _ENDS
@@ -82,7 +82,7 @@ def draw(
     exceedances = published_beside(percentiles, published, "control")
     if exceedances is not None:
         rows = medians.select(published_reductions(exceedances, shown), metric="reduction")
-        look = looks.controller_line("esn")
+        look = looks.controller_lines(["esn"])["esn"]
         medians.draw_published(left, rows, "prediction_time_lt", look)
     left.set_xticks(sorted(shown["prediction_time_lt"].dropna().unique()))
     left.margins(x=0.06)

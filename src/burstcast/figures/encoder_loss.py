@@ -91,6 +91,6 @@ def kept(
     variances = encoder.variances
     return {
         "variance": np.array([variances[:n].sum() / variances.sum() for n in numbers]),
-        "mean": np.array([one.mean() / true.mean() for one in decoded]),
-        "correlation": np.array([np.corrcoef(one, true)[0, 1] for one in decoded]),
+        "mean": np.array([values.mean() / true.mean() for values in decoded]),
+        "correlation": np.array([np.corrcoef(values, true)[0, 1] for values in decoded]),
     }

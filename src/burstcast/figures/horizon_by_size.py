@@ -1,12 +1,10 @@
 """Mean prediction horizon of extreme events against reservoir size: medians (lines) and quartiles
-(bands) over the networks of an ensemble. Thin bars: the bootstrap interval of one network's mean
-over the events, in the median. In grey: forecasters to compare with.
+(bands) over the networks of an ensemble. In grey: forecasters to compare with.
 """
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from burstcast.base.declared import read
 from burstcast.figures.parts import medians, style
@@ -18,7 +16,6 @@ from burstcast.figures.registry import figure
 def draw(
     *,
     percentiles: pd.DataFrame = read("case/tables/horizon_percentiles.csv"),
-    intervals: pd.DataFrame = read("case/tables/horizon_intervals.csv"),
     published: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw the mean PH_ee, one curve for each validation strategy, at the sizes of the table."""
@@ -26,26 +23,20 @@ def draw(
     networks = percentiles[percentiles["forecaster"] == "esn"]
     sizes = np.unique(networks["neurons"].dropna().to_numpy(dtype=np.float64))
     many = percentiles["forecaster"].nunique() > 4
-    figure = style.new_figure(style.SINGLE_COLUMN, 3.2 if many else 2.8)
+    figure = style.new_figure(style.SINGLE_COLUMN, 3.6 if many else 2.8)
     axes = figure.subplots()
     # a perfect forecaster reaches the longest lead time of the search
     medians.draw_references(axes, percentiles, metric, "neurons", leave_out=["equations"])
-    references = len(axes.get_legend_handles_labels()[0])
     for validation, look, rows in medians.validations(networks, metric=metric):
         medians.draw(axes, rows, "neurons", look, label=validation)
-        medians.draw_single_intervals(axes, intervals, metric, validation, look)
         if theirs is not None:
             rows = medians.select(theirs, validation=validation, metric=metric)
             medians.draw_published(axes, rows[rows["neurons"].isin(sizes)], "neurons", look)
-    handles, _ = axes.get_legend_handles_labels()
-    handles += [*medians.spread_handles([axes]), *medians.published_handles([axes])]
-    # references, whose names are long, have the first column of the legend
-    handles += [Line2D([], [], linestyle="", label=" ")] * (2 * references - len(handles))
     axes.set_xticks(sizes)
     axes.margins(x=0.06)
     axes.set_xlabel(medians.NEURONS)
     axes.set_ylabel(medians.LABELS[metric])
-    if handles:  # among references at any height there is no room for them
-        figure.legend(handles=handles, loc="outside upper center", ncols=2, columnspacing=1.0)
+    more = [*medians.spread_handles([axes]), *medians.published_handles([axes])]
+    style.legend_above(figure, [axes], more, columns=1 if many else 2)
     medians.say_where_empty([axes])
     return figure

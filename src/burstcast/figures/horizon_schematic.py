@@ -24,13 +24,13 @@ def draw(
     top, bottom = 37, 11
     first = f"event at $t^{{(e)}}$\n$\\tau_e = {longest_lead_time_lt:g}$ LT"
     start = "washout, then closed loop\nfrom $t^{(e)} - \\tau_e$"
-    found = "event predicted\n$\\mathrm{PH}_{\\mathrm{ee}} = \\tau_e$"
+    predicted = "event predicted\n$\\mathrm{PH}_{\\mathrm{ee}} = \\tau_e$"
     missed = "event not predicted\n$\\mathrm{PH}_{\\mathrm{ee}} = $ PH"
     decrease = f"$\\tau_e \\leftarrow \\tau_e - {lead_time_step_lt:g}$ LT"
     for x, y, size, text, colour in (
         (16, top, (27, 15), first, style.BLUE),
         (52, top, (31, 15), start, style.BLUE),
-        (124, top, (25, 15), found, style.GREEN),
+        (124, top, (25, 15), predicted, style.GREEN),
         (124, bottom, (25, 15), missed, style.VERMILLION),
         (52, bottom, (31, 9), decrease, style.BLUE),
     ):

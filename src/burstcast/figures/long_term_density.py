@@ -1,9 +1,8 @@
 """(a) Density of the observable over all data, the training set and the long closed loops of one
 network: the one of the shown size and strategy with the smallest Kantorovich metric.
 (b) Kantorovich metric and (c) mean logarithmic error against reservoir size, medians and
-quartiles over the networks of an ensemble. Thin bars: the bootstrap interval of one
-network over its closed loops, in the median. In grey: the same measures between two random halves
-of the data, in the median. Open markers, if any: published values; diamonds on the right edge: the
+quartiles over the networks of an ensemble. In grey: the same measures between two random halves of
+the data, in the median. Open markers, if any: published values; diamonds on the right edge: the
 published training set.
 """
 
@@ -27,14 +26,13 @@ def draw(
     training: Mapping[str, Any] = read("case/statistics_training.nc"),
     long_term: Sequence[Mapping[str, Any]] = read("long_term_networks/long_term.nc"),
     percentiles: pd.DataFrame = read("case/tables/statistics_percentiles.csv"),
-    intervals: pd.DataFrame = read("case/tables/statistics_intervals.csv"),
     threshold: float = at("case.event_threshold"),
     symbol: str = at("case.space.observable_symbol"),
     observable_name: str = at("case.space.observable_name"),
     published: pd.DataFrame | None = None,
 ) -> Figure:
     """Draw the data, the training set and the best network, and the measures of all networks."""
-    true, trained = (LongTermStatistics.from_arrays(one).histogram for one in (data, training))
+    true, trained = (LongTermStatistics.from_arrays(file).histogram for file in (data, training))
     best = errors.best_of(data, long_term)
     shown = [(true, looks.TRUTH, "True"), (trained, looks.TRAINING, "Train")]
     if best is not None:
@@ -48,7 +46,7 @@ def draw(
     density.set_ylim(0.5 * true.density[true.density > 0].min(), 2.5 * true.density.max())
     density.set_xlim(float(true.edges[0]), float(true.edges[-1]))
     theirs = published_beside(percentiles, published, "statistics")
-    errors.draw(panels, percentiles, intervals, theirs)
+    errors.draw(panels, percentiles, theirs)
     below = list(panels.values())
     more = [*medians.spread_handles(below), *medians.published_handles(below)]
     style.legend_above(figure, [density, below[0]], more, columns=4)

@@ -112,12 +112,11 @@ def _draw_loop(axes: Axes, *, closed: bool) -> None:
     board.clear(axes, 100, 40)
     centres = (20.0, 52.0, 84.0)
     for step, x in enumerate(centres):
-        index = "i" if step == 0 else f"i+{step}"
+        before, index = (("i-1", "i"), ("i", "i+1"), ("i+1", "i+2"))[step]
         driven = not closed or step == 0
         source = r"\mathrm{in}" if driven else r"\mathrm{p}"
         name = rf"$\mathbf{{r}}(t_{{{index}}})$"
         board.box(axes, x, 20, (16, 8), name, 2, facecolor="#E6F0F7", edgecolor=style.BLUE, lw=0.9)
-        before = "i-1" if step == 0 else ("i" if step == 1 else f"i+{step - 1}")
         axes.text(x, 3, rf"$\mathbf{{u}}_{{{source}}}(t_{{{before}}})$", ha="center", va="center")
         board.arrow(axes, (x, 6.5), (x, 16), style.GREEN if driven else style.VERMILLION, 1.0)
         axes.text(x, 36.5, rf"$\mathbf{{u}}_{{\mathrm{{p}}}}(t_{{{index}}})$", ha="center")

@@ -2,10 +2,9 @@
 and time, of all data, the training set and one network: the one of the shown size and strategy
 with the smallest Kantorovich metric. (d-f) Errors of the profiles, normalised by the
 range of the true profile, against reservoir size: medians and quartiles over the networks of an
-ensemble. Thin bars: the bootstrap interval of one network over its closed loops, in the median. In
-grey: the same errors between two random halves of the data, in the median. Open markers, if any:
-published values; diamonds on the right edge: the published training set. U_0: velocity of the
-laminar flow halfway between centre and wall; h: half the distance of the walls.
+ensemble. In grey: the same errors between two random halves of the data, in the median. Open
+markers, if any: published values; diamonds on the right edge: the published training set. U_0:
+velocity of the laminar flow halfway between centre and wall; h: half the distance of the walls.
 """
 
 from collections.abc import Mapping, Sequence
@@ -38,7 +37,6 @@ def draw(
     training: Mapping[str, Any] = read("case/statistics_training.nc"),
     long_term: Sequence[Mapping[str, Any]] = read("long_term_networks/long_term.nc"),
     percentiles: pd.DataFrame = read("case/tables/statistics_percentiles.csv"),
-    intervals: pd.DataFrame = read("case/tables/statistics_intervals.csv"),
     points: int = at("statistics.profile_points"),
     system: str = at("case.system"),
     parameters: Mapping[str, float] = at("case.parameters"),
@@ -49,7 +47,7 @@ def draw(
     modes = flow_modes(make_system(system, parameters))
     assert modes is not None
     matrices = modes.profile_matrices(y)
-    true, trained = (LongTermStatistics.from_arrays(one) for one in (data, training))
+    true, trained = (LongTermStatistics.from_arrays(file) for file in (data, training))
     best = errors.best_of(data, long_term)
     shown = [(true, looks.TRUTH, "True"), (trained, looks.TRAINING, "Train")]
     if best is not None:
@@ -57,15 +55,15 @@ def draw(
     figure = style.new_figure(style.DOUBLE_COLUMN, 4.0)
     panels = figure.subplots(2, 3)
     for statistics, look, name in shown:
-        found = velocity_profiles(matrices, statistics.moments)
-        for axes, profile in zip(panels[0], (found.u, found.uu, found.uv), strict=True):
+        profiles = velocity_profiles(matrices, statistics.moments)
+        for axes, profile in zip(panels[0], (profiles.u, profiles.uu, profiles.uv), strict=True):
             axes.plot(profile, y, label=name, **look)
     for axes, label in zip(panels[0], _LABELS.values(), strict=True):
         axes.set_xlabel(label)
         axes.set_ylim(float(y[0]), float(y[-1]))
         axes.set_ylabel("$y$ [$h$]")
     theirs = published_beside(percentiles, published, "statistics")
-    errors.draw(dict(zip(_LABELS, panels[1], strict=True)), percentiles, intervals, theirs)
+    errors.draw(dict(zip(_LABELS, panels[1], strict=True)), percentiles, theirs)
     more = [*medians.spread_handles(panels.flat), *medians.published_handles(panels.flat)]
     style.legend_above(figure, [panels[0, 0], panels[1, 0]], more, columns=4)
     style.letter_panels(list(panels.flat))

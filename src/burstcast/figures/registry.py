@@ -70,13 +70,13 @@ def available_figures() -> list[str]:
 
 def figure_of(name: str) -> Drawn:
     """The figure of a name."""
-    found = getattr(imported(f"burstcast.figures.{name}"), "draw", None)
-    if not isinstance(found, Drawn):
+    drawn = getattr(imported(f"burstcast.figures.{name}"), "draw", None)
+    if not isinstance(drawn, Drawn):
         raise TypeError(
             f"burstcast/figures/{name}.py has no function draw with the decorator "
             f"@figure(section=..., position=...)"
         )
-    return found
+    return drawn
 
 
 def caption(name: str) -> str:

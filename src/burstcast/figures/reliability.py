@@ -1,9 +1,8 @@
 """Reliability diagrams of forecast probabilities, as shares of votes and calibrated on
 series other than the test series: observed frequency of events against the mean probability, in
 bins. Grey bars: where the frequency would lie, at the level of confidence of the intervals, if the
-calibrated probabilities were right. Open markers: fewer than ten forecasts. Below: how many
-calibrated forecasts lie in each bin. Shown are the forecasters that tell more than two
-probabilities, if there are any.
+calibrated probabilities were right. Below: how many calibrated forecasts lie in each bin. Shown are
+the forecasters that tell more than two probabilities, if there are any.
 """
 
 from collections.abc import Sequence
@@ -13,6 +12,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from burstcast.base.declared import at, read
 from burstcast.figures.parts import alarm_scores, looks, style
@@ -21,6 +21,7 @@ from burstcast.forecasters._labels import forecaster_label
 
 FEW_FORECASTS = 10
 """Bins with fewer are open markers without a line: their frequencies are mostly chance."""
+_OPEN: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "alpha": 0.6}
 
 
 @figure(section="probabilities", position=20)
@@ -42,8 +43,10 @@ def draw(
     shown = np.isclose(bins["prediction_time_lt"].to_numpy()[:, np.newaxis], times).any(axis=1)
     bins = bins[shown & (bins["forecasts"] > 0)]
     by_time = alarm_scores.calibrated(bins).groupby(["forecaster", "prediction_time_lt"])["bin"]
-    told = by_time.nunique().groupby("forecaster").max()
-    kinds = looks.ordered_forecasters(set(told.index[told > 2]) or set(told.index[told > 1]))
+    probabilities = by_time.nunique().groupby("forecaster").max()
+    kinds = looks.ordered_forecasters(
+        set(probabilities.index[probabilities > 2]) or set(probabilities.index[probabilities > 1])
+    )
     if not kinds:
         return style.nothing_to_show("Every forecaster always tells the same probability.")
     width = min(style.DOUBLE_COLUMN, 0.4 + 2.2 * len(times))
@@ -69,7 +72,12 @@ def draw(
     for axes in counts[-1]:
         axes.set_xticks([0.0, 0.5, 1.0])
         axes.set_xlabel("Probability")
-    style.legend_above(figure, diagrams.flat, columns=1 if len(times) == 1 else None)
+    shown = bins["forecaster"].isin(kinds)
+    more = []
+    if (shown & (bins["forecasts"] < FEW_FORECASTS)).any():
+        label = f"fewer than {FEW_FORECASTS} forecasts"
+        more.append(Line2D([], [], label=label, color=style.GREY, marker="o", **_OPEN))
+    style.legend_above(figure, diagrams.flat, more, columns=1 if len(times) == 1 else None)
     style.letter_panels(list(diagrams.flat), inside=True)
     return figure
 
@@ -79,10 +87,12 @@ def _draw_diagram(axes: Axes, bins: pd.DataFrame) -> None:
     for name, look in looks.PROBABILITIES.items():
         rows = bins[bins["probability"] == name].sort_values("mean_probability")
         few = rows["forecasts"] < FEW_FORECASTS
-        lone: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "alpha": 0.6}
-        for part, more in ((rows[~few], {"label": name}), (rows[few], lone)):
-            if not part.empty:
-                axes.plot(part["mean_probability"], part["observed_frequency"], **{**look, **more})
+        if not few.all():
+            many = rows[~few]
+            axes.plot(many["mean_probability"], many["observed_frequency"], label=name, **look)
+        if few.any():
+            lone = rows[few]
+            axes.plot(lone["mean_probability"], lone["observed_frequency"], **{**look, **_OPEN})
     rows = alarm_scores.calibrated(bins)
     axes.vlines(
         rows["mean_probability"],

@@ -1,8 +1,8 @@
-"""Forecasters that know the parameter, against its value: (a, ...) F-score some time ahead and
-(last panel) escape rate from the turbulent state. Dashed vertical lines: values that were trained
-on; at the others, which were never seen, markers are open. For comparison: forecasters that were
-trained at each value. Bars: bootstrap intervals over test series; of escape rates, confidence
-intervals.
+"""Forecasters that know the parameter, against its value, a row for each family: F-score some time
+ahead and (last column) escape rate from the turbulent state. Dashed vertical lines: values that
+were trained on; at the others, which were never seen, markers are open. For comparison: forecasters
+that were trained at each value. Bars: bootstrap intervals over test series; of escape rates,
+confidence intervals.
 """
 
 from collections.abc import Mapping, Sequence
@@ -37,54 +37,52 @@ def draw(
     prediction_times_lt: Sequence[float] = at("shown.prediction_times_lt"),
     neurons: int = at("figures.fixed_neurons"),
 ) -> Figure:
-    """Draw a panel for each prediction time that there is, and one of the escape rates.
+    """Draw a column for each prediction time that there is, and one of the escape rates.
 
     Networks that differ by their seeds are shown by their medians. ``parameter``: ``name`` of the
     parameter, its ``values`` by case, the ``trained`` values, and the ``kinds`` of forecasters that
     know it.
     """
-    found, bars, escapes = (pd.concat(list(tables)) for tables in (scores, intervals, survivals))
+    bars = pd.concat(list(intervals))
     bars = bars[bars["metric"] == "f_score"].drop(columns="metric")
-    keys = [name for name in found.columns if name in bars.columns]
-    found = found.merge(bars, on=keys, how="left").rename(columns={"f_score": "value"})
-    ends = {
-        f"escape_rate{end}": name
-        for end, name in (("", "value"), ("_low", "low"), ("_high", "high"))
-    }
-    escapes = escapes.rename(columns=ends)
+    f_scores = pd.concat(list(scores))
+    keys = [name for name in f_scores.columns if name in bars.columns]
+    f_scores = f_scores.merge(bars, on=keys, how="left").rename(columns={"f_score": "value"})
+    names = {"escape_rate": "value", "escape_rate_low": "low", "escape_rate_high": "high"}
+    escapes = pd.concat(list(survivals)).rename(columns=names)
     escapes = escapes.assign(**(escapes[["value", "low", "high"]] / _RATE_UNIT))
-    found, escapes = (
-        rows[rows["neurons"].isna() | (rows["neurons"] == neurons)] for rows in (found, escapes)
-    )
-    times = [time for time in prediction_times_lt if time in set(found["prediction_time_lt"])]
-    of_panels = [*(found[found["prediction_time_lt"] == time] for time in times), escapes]
-    kinds = ["data", *looks.ordered_forecasters({*found["forecaster"]} - {"permanent_alarm"})]
-    figure = style.new_figure(style.DOUBLE_COLUMN, 3.0)
-    panels: list[Axes] = list(figure.subplots(1, len(of_panels), squeeze=False)[0])
-    for axes, rows in zip(panels, of_panels, strict=True):
-        for value in parameter["trained"]:
-            axes.axvline(value, **_TRAINED)
-        named = rows.assign(parameter=rows["case"].map(parameter["values"]))
-        for number, kind in enumerate(kinds):
-            own = named[named["forecaster"] == kind].groupby("parameter")
-            medians_of_kind = own[["value", "low", "high"]].median().dropna(subset="value")
-            if not medians_of_kind.empty:
-                _draw(axes, medians_of_kind.reset_index(), kind, number, parameter)
-        name = parameter["name"]
-        axes.set_xlabel(
-            "Reynolds number" if name == "reynolds" else name.replace("_", " ").capitalize()
-        )
-        axes.margins(x=0.08)
-    for axes, time in zip(panels, times, strict=False):
-        axes.set_ylim(0, 1)
-        axes.set_ylabel(f"{medians.LABELS['f_score']}, {time:g} LT ahead")
-    panels[-1].set_ylim(bottom=0)
-    panels[-1].set_ylabel(r"Escape rate [$10^{-4}$ / time unit]")
-    medians.say_where_empty(panels)
+    f_scores = f_scores[f_scores["neurons"].isna() | (f_scores["neurons"] == neurons)]
+    escapes = escapes[escapes["neurons"].isna() | (escapes["neurons"] == neurons)]
+    times = [time for time in prediction_times_lt if time in set(f_scores["prediction_time_lt"])]
+    of_columns = [f_scores[f_scores["prediction_time_lt"] == time] for time in times] + [escapes]
+    families = looks.families({*f_scores["forecaster"]} - {"permanent_alarm"})
+    figure = style.new_figure(style.DOUBLE_COLUMN, 1.0 + 1.9 * len(families))
+    grid = figure.subplots(len(families), len(of_columns), sharex=True, sharey="col", squeeze=False)
+    for panels, (_, kinds) in zip(grid, families, strict=True):
+        for axes, rows in zip(panels, of_columns, strict=True):
+            for value in parameter["trained"]:
+                axes.axvline(value, **_TRAINED)
+            named = rows.assign(parameter=rows["case"].map(parameter["values"]))
+            for number, kind in enumerate(["data", *kinds]):
+                by_value = named[named["forecaster"] == kind].groupby("parameter")
+                of_kind = by_value[["value", "low", "high"]].median().dropna(subset="value")
+                if not of_kind.empty:
+                    _draw(axes, of_kind.reset_index(), kind, number, parameter)
+            axes.margins(x=0.08)
+        for axes, time in zip(panels, times, strict=False):
+            axes.set_ylim(0, 1)
+            axes.set_ylabel(f"{medians.LABELS['f_score']}, {time:g} LT ahead")
+        panels[-1].set_ylim(bottom=0)
+        panels[-1].set_ylabel(r"Escape rate [$10^{-4}$ / time unit]")
+    name = parameter["name"]
+    label = "Reynolds number" if name == "reynolds" else name.replace("_", " ").capitalize()
+    for axes in grid[-1]:
+        axes.set_xlabel(label)
+    medians.say_where_empty(grid.flat)
     trained = Line2D([], [], **_TRAINED, label="values trained on")
     more = [trained, style.bar_handle("interval", caps=False)]
-    style.legend_above(figure, [panels[-1], *panels[:-1]], more, 3)
-    style.letter_panels(panels)
+    style.legend_above(figure, [*grid[:, -1], *grid[:, 0]], more, 3)
+    style.letter_panels(list(grid.flat))
     return figure
 
 
@@ -93,7 +91,7 @@ def _draw(
 ) -> None:
     """Draw one kind, its markers open at values of the parameter that it was not trained on."""
     span = max(parameter["values"].values()) - min(parameter["values"].values())
-    look = {**looks.forecaster_line(kind), "linewidth": 0.9, "markersize": 3.5}
+    look = {**looks.forecaster_lines([kind])[kind], "linewidth": 0.9, "markersize": 3.5}
     look["marker"] = looks.OPEN_MARKERS[number % len(looks.OPEN_MARKERS)]
     if kind == "data":
         look |= {"label": "true flow", "color": style.BLACK, "linestyle": "-"}

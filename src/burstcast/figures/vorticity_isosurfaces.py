@@ -57,9 +57,9 @@ def draw(
     states = [event["true_state"][time] for time in _SHOWN]
     velocities = [grid.modes.velocity(state, *points) for state in states]
     vorticities = [grid.modes.vorticity(state, *points)[0] for state in states]
-    level = _LEVEL * max(float(np.abs(one).max()) for one in vorticities)
+    level = _LEVEL * max(float(np.abs(field).max()) for field in vorticities)
     streamwise = planes.symmetric_norm([velocity[0] for velocity in velocities])
-    largest = max(float(np.sqrt((one**2).sum(axis=0)).max()) for one in velocities)
+    largest = max(float(np.sqrt((field**2).sum(axis=0)).max()) for field in velocities)
     figure = style.new_figure(style.DOUBLE_COLUMN, 2.35, layout=None)
     width = 1.0 / len(states)
     # Matplotlib draws in the largest square of the frame and cuts off the rest: the square is made
@@ -86,7 +86,7 @@ def draw(
     box = ", ".join(f"${name}/h$: {_extent(axis)}" for name, axis in (("x", x), ("y", y), ("z", z)))
     figure.text(0.985, 0.04, box, ha="right", va="center")
     figure.text(0.345, 0.1175, "Velocity along $x$, $u$ [$U_0$]", ha="right", va="center")
-    signs = [1, -1] if any(one.min() < -level for one in vorticities) else [1]
+    signs = [1, -1] if any(field.min() < -level for field in vorticities) else [1]
     for place, sign in enumerate(signs):
         text = rf"Vorticity $\omega_x = {sign * level:.2g}\,U_0/h$"
         look: dict[str, Any] = {"color": _COLOURS[sign], "ha": "right", "va": "top"}
@@ -159,12 +159,7 @@ def _draw_velocity(
 
 
 def _draw_vectors(
-    axes: Axes3D,
-    x: FloatArray,
-    y: FloatArray,
-    z: FloatArray,
-    velocity: FloatArray,
-    largest: float,
+    axes: Axes3D, x: FloatArray, y: FloatArray, z: FloatArray, velocity: FloatArray, largest: float
 ) -> None:
     """Draw the in-plane velocity on the far side of the box and on its left end."""
     scale = 1.1 * float(np.ptp(x)) / (_ARROWS * largest)

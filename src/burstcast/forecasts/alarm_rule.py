@@ -24,10 +24,7 @@ class AlarmRule:
 
     @classmethod
     def chosen(cls, outcomes: Outcomes, calibration: Calibration) -> Self:
-        """Rule with the best threshold for probabilities that a calibration makes.
-
-        ``outcomes``: What followed which forecast, not of those to be judged, summed over series.
-        """
+        """Rule with the best threshold for a calibration, by outcomes summed over series."""
         levels = outcomes.at(calibration(outcomes.levels))
         return cls(calibration, best_threshold(levels.levels, levels.points))
 
@@ -54,5 +51,5 @@ def rules_of(
     chosen: Mapping[str, Any], alarm: str, prediction_time_lt: float
 ) -> dict[str, AlarmRule]:
     """Rules of an alarm: by `CALIBRATED` probabilities, and, if it has any, by `VOTES`."""
-    found = chosen["alarms"][alarm][f"{prediction_time_lt:g}"]
-    return {name: AlarmRule.restore(record) for name, record in found.items()}
+    records = chosen["alarms"][alarm][f"{prediction_time_lt:g}"]
+    return {name: AlarmRule.restore(record) for name, record in records.items()}

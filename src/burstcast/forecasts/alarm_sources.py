@@ -1,7 +1,6 @@
 """Sources of alarms in a case: forecasters, committees, and baselines without forecasts.
 
-A committee consists of the members of ensembles: of all networks of a size and strategy, each of
-which is one member, or of one forecaster that provides an ensemble (a filter, analogues).
+A committee votes with all networks of a size and strategy, or with the members of one ensemble.
 """
 
 from collections.abc import Mapping
@@ -56,12 +55,9 @@ def alarm_sources(forecasts: Forecasts) -> list[AlarmSource]:
         for common, voters in groups.items()
         if len(voters) > 1 or _provides_ensemble(forecasts[voters[0]])
     ]
-    return [
-        *(AlarmSource(ForecasterName(name)) for name in BASELINES),
-        *(AlarmSource(parsed(name), (name,)) for name in forecasts),
-        # committees of several networks come first
-        *sorted(committees, key=lambda source: len(source.forecasters) == 1),
-    ]
+    committees.sort(key=lambda source: len(source.forecasters) == 1)  # several networks first
+    baselines = [AlarmSource(ForecasterName(name)) for name in BASELINES]
+    return baselines + [AlarmSource(parsed(name), (name,)) for name in forecasts] + committees
 
 
 def _provides_ensemble(forecasts: WindowForecasts | EventProbabilities) -> bool:

@@ -1,8 +1,4 @@
-"""Alarms from probabilities: raised where the probability reaches a threshold.
-
-`burstcast.forecasts.classification` has precision, recall and F-score. The areas below the receiver
-operating characteristic and the precision-recall curve measure all thresholds at once.
-"""
+"""Alarms from probabilities: raised where the probability reaches a threshold."""
 
 import numpy as np
 
@@ -40,16 +36,12 @@ def best_threshold(probabilities: FloatArray, points: IntArray) -> float:
     """Threshold whose alarms have the largest F-score that probabilities let expect.
 
     Of n forecasts of the probability p, n p are expected to come true, so that alarms from a level
-    on have the F-score 2 sum_alarms(n p) / (sum_alarms(n) + sum(n p)) (Lewis, SIGIR 1995). With
-    probabilities from a plain isotonic regression this is the F-score on the forecasts that it was
-    fitted to; where the calibration smooths out chance, so does this choice.
+    on have the F-score 2 sum_alarms(n p) / (sum_alarms(n) + sum(n p)) (Lewis, SIGIR 1995). The
+    threshold is the middle between the level from which alarms are raised and the next lower one;
+    of equally good ones it is the highest. It is 0 where alarms are raised always, and 1 where no
+    event is expected at all.
 
-    The threshold lies in the middle between the level from which alarms are raised and the next
-    lower one: nothing tells the values between them apart. Of equally good ones it is the highest.
-    It is 0 where alarms are raised always, and 1 where no event is expected at all.
-
-    ``probabilities``: Levels, rising, ``(levels,)``. ``points``: Forecasts of each level,
-    ``(levels,)``: not of those to be judged.
+    ``probabilities``, ``points``: Levels, rising, and forecasts of each, ``(levels,)``.
     """
     expected = points * probabilities
     whole = float(expected.sum())
@@ -63,13 +55,10 @@ def best_threshold(probabilities: FloatArray, points: IntArray) -> float:
 
 
 def useless_votes(outcomes: Outcomes) -> str:
-    """Return why the votes carry no information about events; empty if they do.
+    """Reason why votes carry no information about events; empty if they do.
 
-    Forecasts tell nothing if they rank events above quiet points no better than chance: if the
-    area below the receiver operating characteristic is within two standard errors of a half
-    (Mann & Whitney, Ann. Math. Stat. 18, 1947), as if all points were independent.
-
-    ``outcomes``: Summed over series, ``(levels,)``.
+    It is that the area below the receiver operating characteristic is within two standard errors of
+    a half (Mann & Whitney, Ann. Math. Stat. 18, 1947), as if all points were independent.
     """
     events, points = int(outcomes.events.sum()), int(outcomes.points.sum())
     quiet = points - events
@@ -87,10 +76,9 @@ def useless_votes(outcomes: Outcomes) -> str:
 
 
 def roc_area(outcomes: Outcomes) -> FloatArray:
-    """Area below the receiver operating characteristic, a measure of ranking.
+    """Area below the receiver operating characteristic; NaN where all outcomes are alike.
 
-    The probability that an event had a larger forecast than a quiet point, ties counting half; NaN
-    where all outcomes are alike.
+    The probability that an event had a larger forecast than a quiet point, ties counting half.
     """
     quiet = outcomes.points - outcomes.events
     below = np.cumsum(quiet, axis=-1) - 0.5 * quiet
@@ -99,10 +87,7 @@ def roc_area(outcomes: Outcomes) -> FloatArray:
 
 
 def average_precision(outcomes: Outcomes) -> FloatArray:
-    """Area below the precision-recall curve: precision averaged over the events, in steps.
-
-    NaN without events.
-    """
+    """Area below the precision-recall curve, in steps; NaN without events."""
     precision = np.nan_to_num(counts_at_all_levels(outcomes).precision)
     gained = outcomes.events[..., ::-1]
     return ratio((gained * precision).sum(axis=-1), outcomes.events.sum(axis=-1))

@@ -120,10 +120,7 @@ def decomposition(outcomes: Outcomes, bins: int) -> Decomposition:
 
 
 def calibration_error(outcomes: Outcomes, bins: int) -> FloatArray:
-    """Expected calibration error: mean |mean probability - frequency| over the bins' forecasts.
-
-    Source: Naeini, Cooper & Hauskrecht, AAAI (2015).
-    """
+    """Mean |mean probability - frequency| over the bins' forecasts (Naeini et al., AAAI 2015)."""
     whole = binned(outcomes, bins)
     gaps = whole.points * np.abs(np.nan_to_num(whole.mean_probability - whole.frequency))
     return ratio(gaps.sum(axis=-1), outcomes.points.sum(axis=-1))

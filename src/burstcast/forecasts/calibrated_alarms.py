@@ -15,10 +15,7 @@ def calibrated_alarms(
     event_threshold: float,
     prior: float,
 ) -> dict[str, Any]:
-    """Records of `AlarmRule` by source of alarms, prediction time, and kind of probability.
-
-    ``prior``: Weight of the prior of `isotonic`, for shares of votes.
-    """
+    """Records of `AlarmRule` by source of alarms, prediction time, and kind of probability."""
     return {
         alarm.identifier: {
             f"{time:g}": _rules(points, alarm, time, event_threshold, prior)

@@ -1,10 +1,9 @@
 """Calibration: map from forecast values to frequencies of events in past forecasts.
 
-Isotonic regression: the best non-decreasing map in the sense of least squares, found by pooling
+Isotonic regression is the best non-decreasing map in the sense of least squares, found by pooling
 adjacent violators (Ayer et al., Annals of Mathematical Statistics 26, 1955; for forecasts Zadrozny
-& Elkan, KDD 2002), and linear between the observed values. Ten training series hold few events, so
-that frequencies of rare values are mostly chance: where the forecast is a probability already, it
-counts like some forecasts that came true with this very frequency (a beta prior at each value).
+& Elkan, KDD 2002). Ten training series hold few events, so that frequencies of rare values are
+mostly chance: a beta prior at each value counts like forecasts that came true with this frequency.
 """
 
 from dataclasses import dataclass
@@ -37,11 +36,7 @@ UNCALIBRATED = Calibration(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
 
 
 def pool_adjacent_violators(values: FloatArray, weights: FloatArray) -> FloatArray:
-    """Non-decreasing sequence nearest to values, by weighted least squares.
-
-    ``values``, ``weights``: ``(count,)``; weights are positive. Shape ``(count,)``: neighbours that
-    violate the order share their weighted mean.
-    """
+    """Non-decreasing sequence nearest to ``(count,)`` values, by weighted least squares."""
     means: list[float] = []
     sizes: list[float] = []
     lengths: list[int] = []
@@ -60,19 +55,9 @@ def pool_adjacent_violators(values: FloatArray, weights: FloatArray) -> FloatArr
 def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
     """Calibrate by isotonic regression of the outcomes on the forecast values.
 
-    Parameters
-    ----------
-    outcomes
-        ``(levels,)``. Without any forecast the calibration has no knots.
-    prior
-        Number of forecasts, at each value, that the prior counts for: forecasts that came true with
-        this value as their frequency, so that values must be probabilities. 0: the regression
-        alone; towards the limit of many, the values as they are.
-
-    Raises
-    ------
-    ValueError
-        If the prior is negative or infinite.
+    ``prior``: Number of forecasts at each value that the prior counts for: forecasts that came true
+    with this value as their frequency, so that values must be probabilities. 0: the regression
+    alone.
 
     Examples
     --------
@@ -99,14 +84,10 @@ def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
 def logistic(outcomes: Outcomes) -> Calibration:
     """Calibrate probabilities by logistic regression of the outcomes on their log-odds.
 
-    A smooth map with two parameters, which does not join different probabilities as isotonic
-    regression does: for classifiers, whose probabilities are all different. Source: Platt, in
-    Advances in Large Margin Classifiers, MIT Press 1999, with his targets, which keep the
-    regression finite where events and quiet points are separated completely. Where events have no
-    larger probabilities than quiet points, all probabilities become the base rate.
-
-    ``outcomes``: ``(levels,)``, the levels in [0, 1]. Without any forecast the calibration has no
-    knots.
+    A smooth map, for classifiers, whose probabilities are all different. Source: Platt, in Advances
+    in Large Margin Classifiers, MIT Press 1999, with his targets, which keep the regression finite
+    where events are separated completely. Where events have no larger probabilities than quiet
+    points, all probabilities become the base rate.
     """
     if not outcomes.levels.size:
         return Calibration(np.empty(0), np.empty(0))
@@ -120,9 +101,9 @@ def logistic(outcomes: Outcomes) -> Calibration:
     design = np.stack([odds, np.ones_like(odds)])
     parameters = np.array([0.0, _log_odds(wanted.sum() / points.sum())])
     for _ in range(_NEWTON_STEPS):
-        found = _probability(parameters @ design)
-        gradient = design @ (wanted - points * found)
-        curvature = (design * (points * found * (1 - found))) @ design.T
+        fitted = _probability(parameters @ design)
+        gradient = design @ (wanted - points * fitted)
+        curvature = (design * (points * fitted * (1 - fitted))) @ design.T
         step = np.linalg.lstsq(curvature, gradient, rcond=None)[0]
         parameters = parameters + step / max(1.0, float(np.abs(step).max()))
     if parameters[0] <= 0:

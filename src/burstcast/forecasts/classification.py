@@ -48,10 +48,7 @@ class Counts:
 
     @property
     def f_score(self) -> FloatArray:
-        """2 / (1 / precision + 1 / recall) = 2 TP / (2 TP + FP + FN).
-
-        NaN where nothing was predicted and nothing happened.
-        """
+        """2 TP / (2 TP + FP + FN); NaN where nothing was predicted and nothing happened."""
         return ratio(
             2 * self.true_positive,
             2 * self.true_positive + self.false_positive + self.false_negative,

@@ -27,8 +27,8 @@ class EventCriterion:
     """Conditions on events for figures.
 
     The excursion of an event reaches from the last step at or below the calm level before it to the
-    first one after it. An event is isolated if its excursion crosses the threshold upwards just
-    once, and the observable is below the threshold for a while on both sides of the excursion.
+    first one after it. Isolated events are the only one within their excursion and ``quiet`` steps
+    on both sides.
     """
 
     threshold: float  #: the event threshold, k_e
@@ -62,8 +62,7 @@ def isolated_events(
 ) -> list[ExampleEvent]:
     """All events that meet a criterion, the best first; equally good ones in their order.
 
-    ``observable``: True observable of the test series, ``(series, time)``. ``before``: Steps that
-    the series must have before t_1.
+    ``observable``: ``(series, time)``. ``before``: Steps that the series must have before t_1.
     """
     events = []
     for row, values in enumerate(observable):
@@ -112,14 +111,9 @@ def predicted_event(
 ) -> ExampleEvent | None:
     """Best event that a forecaster predicts from its build-up to its breakdown.
 
-    The forecast starts ``lead`` steps before t_1 and must stay within the tolerance up to t_4: the
-    whole state, since an observable may well be right where the flow is not. The first such event
-    is taken; without any, the event whose forecast stays within the tolerance for the largest share
-    of the steps up to t_4; None without events.
-
-    ``events``: Events of these series, the best first, with at least ``lead + washout - 1`` steps
-    before t_1 (`isolated_events`). ``observed``, ``states``: Observed and true series, ``(series,
-    time, component)``. ``tolerance``: Largest distance from the true state of an accurate forecast.
+    The forecast starts ``lead`` steps before t_1; its state must stay within the tolerance up to
+    t_4. Without such an event, the one with the largest share of accurate steps; None without
+    events. ``events``: The best first, with at least ``lead + washout - 1`` steps before t_1.
     """
     best: tuple[float, ExampleEvent] | None = None
     for first in range(0, len(events), CANDIDATES_PER_BATCH):

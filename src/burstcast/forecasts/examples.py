@@ -30,14 +30,10 @@ def outcome_examples(
     """One starting point for each outcome that occurs.
 
     Of all points with an outcome the one is taken whose burst (the true one; the forecast one for a
-    false positive) has the median height in the window: neither the tallest nor a marginal one.
-    Where there are any, only clear misses and clear false alarms are looked at: those in which the
-    one without an event stays below the threshold in the neighbouring windows as well, so that the
-    error is not one of timing.
-
-    ``washout_maximum``: Largest observable of each observed washout, ``(points,)``; points whose
-    washout reaches the threshold are not scored. ``first_window``, ``windows``: The window that the
-    forecasts are scored in, see `burstcast.forecasts.windows.crosses`.
+    false positive) has the median height in the window. Clear misses and clear false alarms come
+    first: those in which the one without an event stays below the threshold in the neighbouring
+    windows as well. Points whose washout reaches the threshold are not scored. ``first_window``,
+    ``windows``: See `burstcast.forecasts.windows.crosses`.
     """
     span = slice(first_window, first_window + windows)
     wider = slice(max(0, first_window - windows), first_window + 2 * windows)
@@ -100,10 +96,7 @@ def forecast_outcomes(
     reach: int,
     steps_per_lyapunov_time: int,
 ) -> OutcomeExamples:
-    """Forecast from starting points that stand for outcomes (`outcome_examples`).
-
-    ``truth``: True observable of the series, ``(series, time)``.
-    """
+    """Forecast from starting points that stand for outcomes; ``truth`` is ``(series, time)``."""
     true = np.full((len(outcomes), before + 1 + reach), np.nan)
     forecasts = np.full_like(true, np.nan)
     for number, (row, step) in enumerate(zip(points.series, points.step, strict=True)):
@@ -130,11 +123,7 @@ class HorizonExample:
 def horizon_example(
     horizons: FloatArray, lead_times_lt: list[float], wanted_lt: float, evaluations: int = 4
 ) -> HorizonExample | None:
-    """Event whose prediction horizon lies nearest to the wanted one, with its last evaluations.
-
-    ``horizons``: PH_ee of the events in Lyapunov times, ``(events,)``. ``evaluations``: Evaluations
-    to show; fewer where the search ended sooner.
-    """
+    """Event whose horizon is nearest to the wanted one, with its last evaluations."""
     # an event that every start has failed on has a horizon below the shortest start
     match = np.isclose(horizons[:, np.newaxis], np.asarray(lead_times_lt))
     success = np.where(match.any(axis=1), match.argmax(axis=1), -1)
@@ -177,9 +166,9 @@ def evaluate_lead_times(
 ) -> Evaluations:
     """Forecast one event from several starts, and beyond it.
 
-    ``observed``: Observed states up to the event, ``(search.steps_before_event + 1, dimension)``.
-    ``truth``: True observable of the same steps and of any number of steps after the event. Returns
-    forecasts are NaN up to their start; the horizon of one that reaches the event is its tau_e.
+    ``observed``: States up to the event. ``truth``: True observable of the same steps and of those
+    after the event. Forecasts are NaN up to their start; the horizon of one that reaches the event
+    is its tau_e.
     """
     event, steps = search.steps_before_event, search.steps_per_lyapunov_time
     forecast = np.full((len(lead_times_lt), len(truth)), np.nan)
@@ -219,19 +208,18 @@ def evaluate_event(
 ) -> Evaluations:
     """Forecast the event of `horizon_example` from its last starts; nothing if there is none.
 
-    ``observed``: Observed states up to each event, ``(events, search.steps_before_event + 1,
-    dimension)``. ``truth_of``: Gives the true observable of a series, ``(time,)``.
+    ``observed``: ``(events, search.steps_before_event + 1, dimension)``.
     """
     example = horizon_example(horizons, search.lead_times_lt, wanted_lt)
     before = search.steps_before_event
     shown = before + 1 + durations.steps(after_lt, search.steps_per_lyapunov_time)
     truth, starts = np.full(shown, np.nan), tuple[float, ...]()
-    known = np.full(observed.shape[1:], np.nan)
+    before_event = np.full(observed.shape[1:], np.nan)
     if example is not None:
         series, step = int(points.series[example.event]), int(points.step[example.event])
         truth = stretch(truth_of(series), step - before, shown)
-        known, starts = observed[example.event], example.lead_times_lt
-    return evaluate_lead_times(forecaster, observable, known, truth, starts, search)
+        before_event, starts = observed[example.event], example.lead_times_lt
+    return evaluate_lead_times(forecaster, observable, before_event, truth, starts, search)
 
 
 def forecast_observable(
@@ -240,10 +228,7 @@ def forecast_observable(
     washouts: FloatArray,
     steps: int,
 ) -> FloatArray:
-    """Observable of whole forecasts.
-
-    Shape ``(points, steps)``; the first step is the one after the starting point.
-    """
+    """Observable of whole forecasts, ``(points, steps)``, from one step after the start on."""
     memory = forecaster.start(np.ascontiguousarray(washouts.transpose(1, 2, 0)))
     states, _ = forecaster.advance(memory, steps)
     return observable(states.transpose(1, 0, 2)).T

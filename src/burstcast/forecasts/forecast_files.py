@@ -16,35 +16,34 @@ from burstcast.forecasts.windows import WindowForecasts
 
 
 def point_variables(
-    found: ObservedPoints, true_states: FloatArray, name: str
+    observations: ObservedPoints, true_states: FloatArray, name: str
 ) -> dict[str, Variable]:
-    """Variables of a set of starting points.
-
-    ``found``: The points, what is observed up to them, and what truly follows. ``true_states``:
-    True states of the series that the points lie in, ``(series, time, component)``.
-    """
-    points, truth = found.points, found.truth
+    """Variables of a set of starting points of series with true states."""
+    points, truth = observations.points, observations.truth
     each, in_windows = ("point",), ("point", "window")
     return {
         "series": Variable(each, points.series, NUMBER, "row among the series of this set"),
         "step": Variable(each, points.step, NUMBER, "step of the starting point"),
         "washout": Variable(
             ("point", "washout_step", "component"),
-            found.washouts,
+            observations.washouts,
             COMPONENT,
             "observed states up to the starting point",
         ),
         "true_washout": Variable(
             ("point", "washout_step", "component"),
-            segments(true_states, points, found.washouts.shape[1] - 1, 0),
+            segments(true_states, points, observations.washouts.shape[1] - 1, 0),
             COMPONENT,
             "true states up to the starting point, for forecasters that see them",
         ),
         "observable_now": Variable(
-            each, found.seen[:, -1], OBSERVABLE, f"observed {name} at the starting point"
+            each, observations.seen[:, -1], OBSERVABLE, f"observed {name} at the starting point"
         ),
         "washout_maximum": Variable(
-            each, found.seen.max(axis=1), OBSERVABLE, f"largest observed {name} of the washout"
+            each,
+            observations.seen.max(axis=1),
+            OBSERVABLE,
+            f"largest observed {name} of the washout",
         ),
         "first": Variable(
             in_windows, truth.first, OBSERVABLE, f"true {name} at the first step of each window"
@@ -56,18 +55,14 @@ def point_variables(
 
 
 def schedule_variables(
-    found: ObservedPoints, schedules: FloatArray, horizon: int
+    observations: ObservedPoints, schedules: FloatArray, horizon: int
 ) -> dict[str, Variable]:
-    """Variable of the parameters in force over the washouts and the forecasts of points.
-
-    ``schedules``: Schedules of the series that the points lie in, from each sample to the next,
-    ``(series, time - 1, parameters)``.
-    """
-    washout = found.washouts.shape[1]
+    """Variable of the parameters over the washouts and forecasts of points."""
+    washout = observations.washouts.shape[1]
     return {
         "parameter": Variable(
             ("point", "step_in_force", "parameter_name"),
-            segments(schedules, found.points, washout - 1, horizon - 1),
+            segments(schedules, observations.points, washout - 1, horizon - 1),
             None,
             "value of each parameter in force from each sample of the washout and of the forecast "
             "to the next",
@@ -94,10 +89,7 @@ def forecast_variables(forecasts: WindowForecasts, name: str) -> dict[str, Varia
 
 
 def forecasts_from(arrays: Mapping[str, Any]) -> WindowForecasts | EventProbabilities:
-    """Forecasts from the variables of their file; without an ensemble, of no members.
-
-    Of a kind without trajectories, probabilities of events.
-    """
+    """Forecasts, or probabilities of events by a classifier, from the variables of their file."""
     if "probability" in arrays:
         return EventProbabilities.restore(arrays)
     none = np.empty((len(arrays["first"]), 0, arrays["first"].shape[1]))
@@ -109,11 +101,7 @@ def forecasts_from(arrays: Mapping[str, Any]) -> WindowForecasts | EventProbabil
 def event_summary(
     observable: FloatArray, threshold: float, training: int, crossings: int, usable: int
 ) -> dict[str, float]:
-    """Summary of the events of all kept series.
-
-    ``observable``: True observable, ``(series, time)``. ``crossings``, ``usable``: Number of events
-    in all series, and of those whose prediction horizon can be measured.
-    """
+    """Summary of the events of all kept series ``(series, time)``."""
     happens = observable >= threshold
     return {
         "event_share": float(happens.mean()),
@@ -135,11 +123,9 @@ def event_variables(
 ) -> dict[str, Variable]:
     """Variables of events: their places, and observed and true series up to them.
 
-    ``points``, ``first``: Series among all kept ones and step of each event; first of the series in
-    ``observed``. ``observed``, ``states``: Observed and true states of the series with the events,
-    ``(series, time, component)``. ``observable``: True observable of all kept series, ``(series,
-    time)``. ``before``: Steps before each event. ``schedules``: Parameters in force from each
-    sample of these series to the next, ``(series, time - 1, parameters)``; None: the case's own.
+    ``points``, ``first``: Events in all kept series; the first of these in ``observed`` and
+    ``states``. ``observable``: Of all kept series. ``before``: Steps before each event.
+    ``schedules``: Parameters from each sample to the next.
     """
     in_part = SeriesPoints(points.series - first, points.step)
     step_by_step = ("event", "step_before", "component")

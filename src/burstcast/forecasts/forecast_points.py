@@ -45,26 +45,25 @@ class ForecastPoints:
 
     def classifier(self, alarm: AlarmSource) -> EventProbabilities | None:
         """Probabilities that a classifier gives; None where alarms come from anything else."""
-        found = [self.forecasts[name] for name in alarm.forecasters]
-        return found[0] if len(found) == 1 and isinstance(found[0], EventProbabilities) else None
+        forecasts = [self.forecasts[name] for name in alarm.forecasters]
+        return (
+            forecasts[0]
+            if len(forecasts) == 1 and isinstance(forecasts[0], EventProbabilities)
+            else None
+        )
 
     def values(
         self, alarm: AlarmSource, prediction_time_lt: float, event_threshold: float
     ) -> FloatArray:
-        """Values that raise alarms, ``(points,)``.
-
-        They are shares of votes, probabilities of a classifier, or scores of a baseline.
-        """
+        """Votes, probabilities, or scores of a baseline, that raise alarms, ``(points,)``."""
         if classifier := self.classifier(alarm):
             return classifier.at(prediction_time_lt, event_threshold)
-        forecasts = [
-            one
-            for name in alarm.forecasters
-            if isinstance(one := self.forecasts[name], WindowForecasts)
-        ]
-        if forecasts:
-            members = [member for one in forecasts for member in one.members]
-            voters = members if alarm.committee else forecasts
+        voters: list[WindowSummaries] = []
+        for name in alarm.forecasters:
+            forecast = self.forecasts[name]
+            if isinstance(forecast, WindowForecasts):
+                voters += forecast.members if alarm.committee else [forecast]
+        if voters:
             return share_of_votes(voters, *self.windows(prediction_time_lt), event_threshold)
         now: FloatArray = self.data["observable_now"]
         return now if alarm.identifier == "observable_now" else np.zeros(len(now))
@@ -78,22 +77,19 @@ class ForecastPoints:
         self,
         prediction_times_lt: Sequence[float],
         event_threshold: float,
-        known: FloatArray | None = None,
+        exogenous: FloatArray | None = None,
     ) -> LabelledPoints:
-        """Points without an event under way, labelled for training a classifier.
-
-        ``known`` has further features of all points, as `known` returns them.
-        """
+        """Points without an event under way, labelled for training a classifier."""
         times, scored = prediction_times_lt, self.scored(event_threshold)
         happened = np.stack([self.happened(time, event_threshold) for time in times], axis=1)
         return LabelledPoints(
             self.data["washout"][scored],
             happened[scored],
             self.data["series"][scored],
-            None if known is None else known[scored],
+            None if exogenous is None else exogenous[scored],
         )
 
-    def known(
+    def exogenous_features(
         self, prediction_times_lt: Sequence[float], steps_per_lyapunov_time: int
     ) -> FloatArray | None:
         """Features of what is known in advance (`known_features`); None where nothing is."""

@@ -86,8 +86,6 @@ def accurate_steps(
 ) -> IntArray:
     """Steps during which each forecast stays within the tolerance of the truth (paper, eq. 11).
 
-    A forecast ends as soon as it leaves the tolerance.
-
     ``washouts``: ``(steps, dimension, batch)``. ``truth``: True observable from one step after the
     starting point, ``(steps, batch)``. ``tolerance``: Error that counts as lost, in the
     observable's units. Returns accurate steps, ``(batch,)``; all the steps of ``truth`` where the
@@ -123,7 +121,7 @@ def prediction_horizons(
     search: HorizonSearch,
     inputs: int = 0,
 ) -> FloatArray:
-    """PH_ee of each event.
+    """PH_ee of each event, in Lyapunov times, ``(events,)``.
 
     The forecast starts tau_e before the event. If it stays within the tolerance up to the event,
     PH_ee is tau_e; if not, tau_e is shortened and the forecast repeated. If even the shortest tau_e

@@ -6,12 +6,9 @@ from burstcast.base.arrays import FloatArray, IntArray
 
 
 def resampled_averages(horizons_lt: FloatArray, weights: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Mean and median prediction horizon of each bootstrap sample of events.
+    """Mean and median horizon of each bootstrap sample of events, ``(resamples,)`` each.
 
-    ``horizons_lt``: Prediction horizon of each event in Lyapunov times, ``(events,)``. ``weights``:
-    How often each event is in each sample, ``(resamples, events)``
-    (`burstcast.base.resampling.bootstrap_weights`). Returns means and medians,
-    ``(resamples,)`` each; there are none without events.
+    ``weights``: How often each event is in each sample, ``(resamples, events)``.
     """
     if horizons_lt.size == 0:
         return np.empty(0), np.empty(0)

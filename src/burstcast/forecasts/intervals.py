@@ -10,11 +10,7 @@ from burstcast.forecasts.classification import ratio
 def ratio_with_interval(
     numerator: FloatArray, denominator: FloatArray, weights: IntArray, confidence: float
 ) -> tuple[float, float, float]:
-    """Ratio of two sums over series, with its interval.
-
-    ``numerator``, ``denominator``: By series, ``(series,)``. ``weights``: Weights of the series in
-    each resample (`burstcast.base.resampling.bootstrap_weights`).
-    """
+    """Ratio of two sums over series ``(series,)``, with its interval."""
     value = ratio(numerator.sum(), denominator.sum())
     factors = weights.astype(np.float64)
     samples = ratio(factors @ numerator, factors @ denominator)

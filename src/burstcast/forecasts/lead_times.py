@@ -17,10 +17,7 @@ from burstcast.data.starting_points import SeriesPoints
 
 @dataclass(frozen=True)
 class LeadTimes:
-    """Lead times of alarms before each event, in steps; arrays of shape ``(events,)``.
-
-    Events that no starting point could have warned of are left out.
-    """
+    """Lead times of alarms before each event, in steps; arrays of shape ``(events,)``."""
 
     series: IntArray  #: row of each event's series
     #: time from the first starting point after which all were right to the event; 0 if the last one
@@ -38,20 +35,16 @@ def lead_times(
     scored: BoolArray,
     events: SeriesPoints,
 ) -> LeadTimes:
-    """Measure the lead time of alarms before each event.
+    """Measure the lead time of alarms before each event that a starting point could have warned of.
 
     Going back from an event, the starting points end where the observed washout already holds an
-    event (the one before is under way), or where no window reaches any more.
-
-    ``alarms``: Whether each starting point raises an alarm for each window, ``(points, windows)``.
-    ``windows``: First and last step of each window after the starting point. An event is in it if
-    it crosses the threshold after the first step and not after the last one. ``points``: Starting
-    points; within a series in the order of time. ``scored``: Whether no event is under way at a
-    point, ``(points,)``. ``events``: Starts of the events
-    (`burstcast.data.starting_points.crossing_points`).
+    event, or where no window reaches any more. ``alarms``: By starting point, in the order of time,
+    ``(points, windows)``. ``windows``: First and last step of each window after the starting point;
+    it holds an event that crosses the threshold after the first step and not after the last one.
+    ``scored``: Whether no event is under way at a point. ``events``: Starts of the events.
     """
     begins, ends = np.array(windows, dtype=np.int64).reshape(-1, 2).T
-    found = []
+    measured = []
     for row in np.unique(events.series).tolist():
         here = np.flatnonzero(points.series == row)
         for event in events.step[events.series == row].tolist():
@@ -66,16 +59,9 @@ def lead_times(
             right = (alarms[here[able]] & inside[able]).any(axis=1)
             leads = lead[able]
             stayed = np.logical_and.accumulate(right)
-            found.append(
-                (
-                    row,
-                    int(leads[stayed].max(initial=0)),
-                    int(leads[right].max(initial=0)),
-                    int(leads.max()),
-                )
-            )
-    columns = np.array(found, dtype=np.int64).reshape(-1, 4).T
-    return LeadTimes(*columns)
+            longest = [leads[mask].max(initial=0) for mask in (stayed, right)]
+            measured.append((row, *longest, leads.max()))
+    return LeadTimes(*np.array(measured, dtype=np.int64).reshape(-1, 4).T)
 
 
 @dataclass(frozen=True)
@@ -90,32 +76,27 @@ class SeriesRatio:
 
 
 def lead_time_scores(
-    found: LeadTimes, series: int, lead_times_lt: Sequence[float], steps_per_lyapunov_time: int
+    measured: LeadTimes, series: int, lead_times_lt: Sequence[float], steps_per_lyapunov_time: int
 ) -> list[SeriesRatio]:
     """Scores of lead times.
 
-    ``lead_times_lt``: Lead times at which the share of warned events is evaluated. Returns
-    ``mean_lead_time_lt``, ``mean_first_alarm_lt`` and ``mean_possible_lead_time_lt``, over the
-    events, in Lyapunov times (`LeadTimes`); ``missed_fraction``, of events that the last starting
-    point before them was not right about; and for each lead time ``warned_fraction``: of the events
-    that could be warned of so early, those whose alarm came and stayed.
+    Means of `LeadTimes` over the events, in Lyapunov times; the fraction of missed events; and for
+    each lead time the fraction of warned events, of those that could be warned of so early.
     """
 
     def total(of_events: npt.ArrayLike) -> FloatArray:
-        sums = np.bincount(found.series, weights=np.asarray(of_events), minlength=series)
+        sums = np.bincount(measured.series, weights=np.asarray(of_events), minlength=series)
         return np.asarray(sums, dtype=np.float64)
 
-    unit, events = steps_per_lyapunov_time, total(np.ones(len(found.series)))
-    scores: dict[tuple[str, float | None], tuple[FloatArray, FloatArray]] = {
-        ("mean_lead_time_lt", None): (total(found.stayed / unit), events),
-        ("mean_first_alarm_lt", None): (total(found.first / unit), events),
-        ("mean_possible_lead_time_lt", None): (total(found.possible / unit), events),
-        ("missed_fraction", None): (total(found.stayed == 0), events),
-    }
+    unit, events = steps_per_lyapunov_time, total(np.ones(len(measured.series)))
+    scores = [
+        SeriesRatio("mean_lead_time_lt", None, total(measured.stayed / unit), events),
+        SeriesRatio("mean_first_alarm_lt", None, total(measured.first / unit), events),
+        SeriesRatio("mean_possible_lead_time_lt", None, total(measured.possible / unit), events),
+        SeriesRatio("missed_fraction", None, total(measured.stayed == 0), events),
+    ]
     for time in lead_times_lt:
         steps = durations.steps(time, unit)
-        scores["warned_fraction", time] = (
-            total(found.stayed >= steps),
-            total(found.possible >= steps),
-        )
-    return [SeriesRatio(*name, *sums) for name, sums in scores.items()]
+        warned, possible = total(measured.stayed >= steps), total(measured.possible >= steps)
+        scores.append(SeriesRatio("warned_fraction", time, warned, possible))
+    return scores

@@ -29,12 +29,10 @@ def observed_points(
     washout: int,
     boundaries: tuple[int, ...],
 ) -> ObservedPoints:
-    """Evenly spaced starting points of series.
+    """Evenly spaced starting points (`starting_points`) of observed series.
 
-    ``observed``: What forecasters see, ``(series, time, component)``. ``true_observable``: True
-    observable of the same series, ``(series, time)``, which forecasts are scored against.
-    ``observable``: Function from states ``(component, ...)`` to the observable ``(...)``.
-    ``spacing``, ``washout``: Steps between two points, and steps of a washout (`starting_points`).
+    ``observed``: ``(series, time, component)``. ``true_observable``: ``(series, time)``, which
+    forecasts are scored against.
     """
     series, length = true_observable.shape
     lengths = series_lengths(observed)

@@ -1,7 +1,4 @@
-"""Forecasts of each training series by a forecaster that was fitted without it.
-
-Probabilities that are calibrated with them depend on the training series alone.
-"""
+"""Forecasts of each training series by a forecaster that was fitted without it."""
 
 from collections.abc import Callable
 

@@ -13,20 +13,14 @@ def out_of_sample_probabilities(
     case: ForecastingCase,
     washouts: FloatArray,
     series: IntArray,
-    known: FloatArray | None = None,
+    exogenous: FloatArray | None = None,
 ) -> FloatArray:
-    """Probabilities at points of training series by classifiers that have not learnt from them.
+    """Probabilities ``(points, windows)`` by classifiers that have not learnt from the series.
 
-    The training series are dealt out to folds, and points in a series of one fold get the
-    probabilities of a classifier that has learnt from all other folds. Where no event, or nothing
-    but events, follow the points of those in a window, the probability is 0, or 1.
-
-    ``classifier``, ``points``, ``case``: What is fitted, to what, and what it knows
-    (`EventClassifier.fit`). Its option ``folds`` is the number of folds; with as many as training
-    series, or more, each series is left out alone. ``washouts``: Observed states up to the points
-    that are forecast, ``(points, steps, dimension)``. ``series``: Row of the training
-    series of each of them, ``(points,)``. ``known``: Further features of each of them, as of
-    ``points``. Shape ``(points, windows)``.
+    The training series are dealt out to ``classifier.folds`` folds, or as many as there are series.
+    Where no event, or nothing but events, follow the points of the other folds in a window, the
+    probability is 0, or 1. ``points``, ``case``: See `EventClassifier.fit`. ``series``: Training
+    series of each washout. ``exogenous``: Further features of each, as of ``points``.
     """
     rows = np.unique(np.concatenate([points.series, series]))
     count = min(classifier.folds, len(rows))
@@ -35,15 +29,15 @@ def out_of_sample_probabilities(
             "probabilities of training points by classifiers that have not learnt from them take "
             f"two training series and two folds at least, not {len(rows)} and {classifier.folds}"
         )
-    found = np.empty((len(washouts), points.happened.shape[1]))
+    probabilities = np.empty((len(washouts), points.happened.shape[1]))
     for fold in range(count):
         here = np.isin(series, rows[fold::count])
         others = ~np.isin(points.series, rows[fold::count])
         share = points.happened[others].sum(axis=0) / max(1, others.sum())
-        found[here] = share
+        probabilities[here] = share
         both = (share > 0) & (share < 1)
         if here.any() and both.any():
             fitted = classifier.fit(points.of(others, both), case)
-            further = None if known is None else known[here]
-            found[np.ix_(here, both)] = fitted.probabilities(washouts[here], further)
-    return found
+            further = None if exogenous is None else exogenous[here]
+            probabilities[np.ix_(here, both)] = fitted.probabilities(washouts[here], further)
+    return probabilities

@@ -27,10 +27,7 @@ class Outcomes:
         return Outcomes(self.levels, self.points.sum(axis=-2), self.events.sum(axis=-2))
 
     def resampled(self, weights: IntArray) -> "Outcomes":
-        """Sums over resampled series.
-
-        ``weights``: Number of times that each series is in each resample, ``(resamples, series)``.
-        """
+        """Sums over resampled series, by their weights ``(resamples, series)``."""
         # counts are whole numbers below 2^53: exact, and BLAS computes the product
         factors = weights.astype(np.float64)
         return Outcomes(
@@ -40,16 +37,12 @@ class Outcomes:
         )
 
     def at(self, values: FloatArray) -> "Outcomes":
-        """Outcomes with other values for the levels; equal values become one level.
-
-        ``values``: New value of each level, never falling, ``(levels,)``; forecasts of a level
-        whose value is not known, NaN, do not count.
-        """
-        known = ~np.isnan(values)
-        if (np.diff(values[known]) < 0).any():
+        """Outcomes with new values, never falling, for the levels; levels of NaN are left out."""
+        defined = ~np.isnan(values)
+        if (np.diff(values[defined]) < 0).any():
             raise ValueError("values that fall would change the order of the forecasts")
-        points, events = self.points[..., known], self.events[..., known]
-        levels, first = np.unique(values[known], return_index=True)
+        points, events = self.points[..., defined], self.events[..., defined]
+        levels, first = np.unique(values[defined], return_index=True)
         if not levels.size:
             return Outcomes(levels, points, events)
         return Outcomes(
@@ -62,12 +55,10 @@ class Outcomes:
 def outcomes_by_series(
     forecast: FloatArray, happened: BoolArray, scored: BoolArray, series: IntArray, count: int
 ) -> Outcomes:
-    """Count the outcomes of forecasts in each series.
+    """Count the outcomes of forecasts in each of ``count`` series, ``(count, levels)``.
 
-    ``forecast``: Probability or score of each starting point, ``(points,)``. ``happened``: Whether
-    an event followed, ``(points,)``. ``scored``: Whether a point counts, ``(points,)``. ``series``:
-    Row of each point's series, from 0, ``(points,)``. ``count``: Number of series. Returns counts
-    of shape ``(count, levels)``.
+    ``forecast``, ``happened``, ``scored``, ``series``: Probability or score of each starting point,
+    whether an event followed, whether it counts, and its series, ``(points,)``.
     """
     values, rows, true = forecast[scored], series[scored], happened[scored]
     if not np.isfinite(values).all():
@@ -77,7 +68,7 @@ def outcomes_by_series(
     cell = rows * levels.size + column
 
     def tally(cells: IntArray) -> IntArray:
-        found = np.bincount(cells, minlength=shape[0] * shape[1]).astype(np.int64)
-        return found.reshape(shape)
+        counts = np.bincount(cells, minlength=shape[0] * shape[1]).astype(np.int64)
+        return counts.reshape(shape)
 
     return Outcomes(levels, tally(cell), tally(cell[true]))

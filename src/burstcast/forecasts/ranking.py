@@ -1,10 +1,8 @@
 """Ranking of starting points by the danger of an event: scores without any threshold.
 
-A single trajectory forecasts an event or none. The largest observable that it reaches in a window
-ranks starting points more finely, so that single trajectories, ensembles and probabilities can be
-compared. Two events are distinguished: the *onset*, a crossing of the threshold from
-below within the window, and *any* time above it, which is easier, since an event that is under way
-when the window begins counts.
+The largest observable that a trajectory reaches in a window ranks starting points more finely than
+its crossing of the threshold. The *onset* is a crossing from below within the window; *any* time
+above the threshold is easier: an event that is under way when the window begins counts.
 """
 
 from dataclasses import dataclass
@@ -40,34 +38,32 @@ class Window:
     def strength(self, forecasts: WindowForecasts, event: str) -> FloatArray:
         """Largest observable that is forecast for the window, mean over members, ``(points,)``.
 
-        A forecast of an onset that is above the threshold when the window begins says nothing about
-        an onset within it, and ranks with the mean of all others; so does one that is not finite.
+        A forecast that is not finite, or of an onset above the threshold when the window begins,
+        ranks with the mean of all others.
         """
-        found = [self._strength(member, event) for member in forecasts.members]
-        return np.asarray(np.mean(found, axis=0))
+        strengths = [self._strength(member, event) for member in forecasts.members]
+        return np.asarray(np.mean(strengths, axis=0))
 
     def _strength(self, forecast: WindowSummaries, event: str) -> FloatArray:
         largest = self._largest(forecast.largest)
-        known = np.isfinite(largest)
+        usable = np.isfinite(largest)
         if event == ONSET:
-            known &= forecast.first[:, self.first] < self.threshold
-        mean = largest[known].mean() if known.any() else 0.0
-        return np.where(known, largest, mean)
+            usable &= forecast.first[:, self.first] < self.threshold
+        mean = largest[usable].mean() if usable.any() else 0.0
+        return np.where(usable, largest, mean)
 
     def _largest(self, values: FloatArray) -> FloatArray:
-        found: FloatArray = values[:, self.first : self.first + self.count].max(axis=1)
-        return found
+        largest: FloatArray = values[:, self.first : self.first + self.count].max(axis=1)
+        return largest
 
 
 def ranking_scores(
     strength: FloatArray, happened: BoolArray, weights: IntArray
 ) -> dict[str, FloatArray]:
-    """Areas below the ROC curve and below the precision-recall curve, for weighted points.
+    """Areas below the ROC curve and below the precision-recall curve, ``(resamples,)`` each.
 
-    ``strength``: Strength of each point, ``(points,)``. Points of equal strength count as not
-    distinguished. ``happened``: Whether the event followed, ``(points,)``. ``weights``: How often
-    each point counts, ``(resamples, points)``. Returns "roc_area" and "average_precision",
-    ``(resamples,)``; NaN where no event, or nothing but events, has a weight.
+    ``weights``: How often each point counts, ``(resamples, points)``. Points of equal strength are
+    not distinguished. NaN where no event, or nothing but events, has a weight.
     """
     order = np.argsort(-strength, kind="stable")
     ends = np.flatnonzero(np.append(np.diff(strength[order]) != 0.0, True))

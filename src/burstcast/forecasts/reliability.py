@@ -32,11 +32,7 @@ def reliability_diagram(
     confidence: float,
     generator: np.random.Generator,
 ) -> ReliabilityDiagram:
-    """Reliability diagram with consistency bars.
-
-    ``outcomes``: By series, ``(series, levels)``. ``weights``: Weights of the series in each
-    resample (`burstcast.base.resampling.bootstrap_weights`).
-    """
+    """Reliability diagram of outcomes ``(series, levels)`` with consistency bars."""
     resampled = outcomes.resampled(weights)
     drawn = generator.binomial(resampled.points, outcomes.levels)
     frequency = binned(Outcomes(outcomes.levels, resampled.points, drawn), bins).frequency

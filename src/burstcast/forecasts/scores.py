@@ -14,12 +14,10 @@ from burstcast.forecasts.outcomes import Outcomes
 
 
 def probability_scores(outcomes: Outcomes, threshold: float, bins: int) -> dict[str, FloatArray]:
-    """Score probabilities, and the alarms that they raise.
+    """Score probabilities, and the alarms at or above a threshold; NaN where undefined.
 
-    ``outcomes``: Summed over series, ``(levels,)``; of many resamples, ``(resamples, levels)``.
-    ``threshold``: Alarm threshold: alarms are raised at or above it. ``bins``: Number of bins of
-    the decomposition and of the calibration error. Returns scores of shape ``()`` or
-    ``(resamples,)``; NaN where undefined.
+    ``outcomes``: Summed over series, ``(levels,)``, or of resamples, ``(resamples, levels)``.
+    ``bins``: Of the decomposition and of the calibration error.
     """
     parts, counts = decomposition(outcomes, bins), counts_at(outcomes, threshold)
     return {
@@ -41,11 +39,7 @@ def probability_scores(outcomes: Outcomes, threshold: float, bins: int) -> dict[
 def resampled_scores(
     outcomes: Outcomes, weights: IntArray, threshold: float, bins: int
 ) -> dict[str, ResampledScore]:
-    """`probability_scores` of all series, and of resamples.
-
-    ``outcomes``: By series, ``(series, levels)``. ``weights``: How often each series is in each
-    resample, ``(resamples, series)``.
-    """
+    """`probability_scores` of all series, ``(series, levels)``, and of resamples of them."""
     values = probability_scores(outcomes.total(), threshold, bins)
     samples = probability_scores(outcomes.resampled(weights), threshold, bins)
     return {name: ResampledScore(value, samples[name]) for name, value in values.items()}

@@ -11,12 +11,9 @@ from burstcast.forecasts.windows import WindowSummaries, crosses
 def share_of_votes(
     members: Sequence[WindowSummaries], first_window: int, windows: int, threshold: float
 ) -> FloatArray:
-    """Share of the members that forecast a crossing of the threshold in a prediction window.
+    """Share of the members that forecast a crossing (see `crosses`), ``(points,)``, in [0, 1].
 
-    ``members``: Forecasts of the same starting points: by the networks of an ensemble, say. A
-    single one votes with 0 or 1. ``first_window``, ``windows``, ``threshold``: As in
-    `burstcast.forecasts.windows.crosses`. A member whose forecast does not stay finite votes
-    against. Shape ``(points,)``, in [0, 1].
+    A member whose forecast does not stay finite votes against.
     """
     if not members:
         raise ValueError("a committee needs members")

@@ -52,10 +52,9 @@ class WindowForecasts(WindowSummaries):
 def window_boundaries(
     resolution_lt: float, windows: int, steps_per_lyapunov_time: int
 ) -> tuple[int, ...]:
-    """Steps after the starting point at which the windows begin and end.
+    """Steps after the starting point at which the windows begin and end, both included.
 
-    Window i reaches from boundary i to boundary i + 1, both included. The first boundary is one
-    resolution after the starting point: no prediction time is shorter.
+    The first boundary is one resolution after the starting point: no prediction time is shorter.
     """
     durations.positive_steps(resolution_lt, steps_per_lyapunov_time, "the resolution of windows")
     return tuple(
@@ -65,10 +64,7 @@ def window_boundaries(
 
 
 def summarise(observable: FloatArray, boundaries: tuple[int, ...]) -> WindowSummaries:
-    """Window summaries of observables that begin one step after the starting points.
-
-    ``observable``: ``(steps, points)``; entry 0 is one step after the starting point.
-    """
+    """Window summaries of ``(steps, points)`` that begin one step after the starting points."""
     pairs = list(pairwise(boundaries))
     return WindowSummaries(
         first=np.stack([observable[start - 1] for start, _ in pairs], axis=1),
@@ -81,8 +77,8 @@ def crosses(
 ) -> BoolArray:
     """Whether the observable crosses the threshold in a prediction window, ``(points,)``.
 
-    It does if it is below the threshold at the window's first step and at or above it later on. A
-    forecast that does not stay finite in the window crosses nothing.
+    It does if it is finite, below the threshold at the window's first step and at or above it later
+    on.
     """
     span = slice(first_window, first_window + windows)
     if first_window < 0 or first_window + windows > summaries.first.shape[1]:
@@ -93,9 +89,5 @@ def crosses(
 
 
 def crosses_in_window(observable: FloatArray, start: int, end: int, threshold: float) -> BoolArray:
-    """Whether the observable crosses the threshold in one window (see `crosses`), ``(batch,)``.
-
-    ``observable``: ``(steps, batch)``; entry 0 is one step after the forecast was made. ``start``,
-    ``end``: Steps from the forecast to the first and to the last step of the window.
-    """
+    """Whether observables ``(steps, batch)`` cross the threshold from step ``start`` to ``end``."""
     return crosses(summarise(observable, (start, end)), 0, 1, threshold)

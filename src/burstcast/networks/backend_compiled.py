@@ -1,29 +1,22 @@
 """Dynamics of the reservoir in machine code: the fast implementation.
 
-A batch is cut into tiles of 16 trajectories. A tile's state is held as ``(neurons, 16)``, so that
-an entry of the recurrent matrix multiplies 16 neighbouring numbers, and everything that happens to
-a neuron (its row of the matrix, its input, the hyperbolic tangent, its share of the readout)
-happens while it is in the registers or the nearest cache. This is several times faster than a
-sparse product followed by ``numpy.tanh``, which `burstcast.networks.backend_scipy` does.
-
-A batch of eight or fewer has one tile that is narrower: a single trajectory takes half the time.
-
-The arithmetic is spelt out in vectors of so many numbers (`burstcast.base.compiled.machine_code`)
-with explicit fused multiply-adds, not left to a vectorising compiler. Every trajectory goes through
-the same operations in the same order wherever it stands in a tile or a batch, whatever the tile's
-width and the processor: the same bits. A processor without fused multiply-add instructions is slow,
-not wrong.
+A batch is cut into tiles of 16 trajectories, or one narrower tile. A tile's state is held as
+``(neurons, 16)``: an entry of the recurrent matrix multiplies 16 neighbouring numbers, and all that
+happens to a neuron happens while it is in the registers or the nearest cache. This is several times
+faster than `burstcast.networks.backend_scipy`. The arithmetic is spelt out in vectors with explicit
+fused multiply-adds (`burstcast.base.compiled.machine_code`): a trajectory goes through the same
+operations in the same order wherever it stands in a batch, on any processor: the same bits.
 """
 
-from collections.abc import Callable
-from functools import cache, partial
+from collections.abc import Callable, Sequence
+from functools import cache, cached_property, partial
 
 import numpy as np
 import scipy.sparse
 
 from burstcast.base.arrays import FloatArray, Int32Array
 from burstcast.base.compiled.machine_code import ALIGNMENT, Lanes, compiled
-from burstcast.networks.readout import ReadoutKind
+from burstcast.networks.backend import Backend
 
 # Trajectories in a tile, for batches up to this size, or of any. Eight leave the processor waiting
 # for results, 32 do not fit its registers.
@@ -43,8 +36,7 @@ _ROOM = ("fed", "old", "new")
 def _tanh(code: Lanes, x: str) -> str:
     """Hyperbolic tangent, off by at most seven units in the last place (0.6 in the mean).
 
-    The Pade approximant [9/10] of tanh(x / 4) = p / q, and twice
-    tanh(2 y) = 2 tanh(y) / (1 + tanh(y)^2), that is (p, q) <- (2 p q, p^2 + q^2). It needs one
+    The Pade approximant [9/10] of tanh(x / 4) = p / q, and twice (p, q) <- (2 p q, p^2 + q^2): one
     division and no table. Beyond 20, tanh is one to the last place.
     """
     y = code.multiply(code.clamp(x, 20.0), code.fill(0.25))
@@ -64,8 +56,7 @@ def _tanh(code: Lanes, x: str) -> str:
 def _advance(code: Lanes, leaking: bool, old: str, new: str, first: str, last: str) -> None:
     """Compute the new states of the neurons ``first`` to ``last - 1`` of a tile.
 
-    Rows have an even number of entries, which are summed in two chains. A leaking neuron goes
-    from x to x + a (tanh - x).
+    Rows have an even number of entries, summed in two chains. A leak goes to x + a (tanh - x).
     """
 
     def neuron(i: str) -> None:
@@ -97,8 +88,8 @@ def _advance(code: Lanes, leaking: bool, old: str, new: str, first: str, last: s
 def _read_out(code: Lanes, squares: bool, states: str, first: str, last: str) -> None:
     """Add the share of the neurons ``first`` to ``last - 1`` to the outputs of a tile.
 
-    ``weights`` is ``(neurons, rows)``, with an even number of rows. With squares, those of the odd
-    neurons count; ``first`` is even.
+    ``weights`` is ``(neurons, rows)``, with an even number of rows. With squares, ``first`` is
+    even.
     """
 
     def pair(row: str) -> None:
@@ -133,11 +124,10 @@ def _read_out(code: Lanes, squares: bool, states: str, first: str, last: str) ->
 def _drive(width: int, leaking: bool) -> Lanes:
     """Drive a tile of trajectories by data.
 
-    ``inputs`` points to the first trajectory in ``(steps, dimension, batch)``; ``old`` holds the
-    states; ``fed``, ``(dimension + 1, width)``, holds the bias in its last row. If ``recording`` is
-    one, ``record``, ``(neurons, steps, batch)``, receives the state after each input. The final
-    states are in ``new`` after an odd number of steps, in ``old`` after an even one. ``bytes`` is
-    the number of bytes of the tile's trajectories in a row of the batch.
+    ``inputs`` and ``record`` point to the first trajectory in ``(steps, dimension, batch)`` and
+    ``(neurons, steps, batch)``; ``old`` holds the states; ``fed``, ``(dimension + 1, width)``, the
+    bias in its last row. The final states are in ``new`` after an odd number of steps, in ``old``
+    after an even one. ``bytes`` is the number of bytes of the tile's trajectories.
     """
     code = Lanes(
         width,
@@ -165,11 +155,11 @@ def _drive(width: int, leaking: bool) -> Lanes:
 
 
 def _forecast(width: int, leaking: bool, squares: bool) -> Lanes:
-    """Forecast a tile of trajectories.
+    """Forecast a tile of trajectories; arguments as of `_drive`.
 
     ``outputs`` points to the first trajectory in ``(steps, dimension, batch)``; ``read`` is room
-    for the outputs of the tile, with as many rows as ``output_bias`` and ``weights`` have (an even
-    number). The rest is as in `_drive`.
+    for the outputs of the tile, with as many rows as ``output_bias`` and ``weights`` (an even
+    number).
     """
     code = Lanes(
         width,
@@ -213,18 +203,9 @@ def _forecast(width: int, leaking: bool, squares: bool) -> Lanes:
 
 
 @cache
-def _drive_of(width: int, leaking: bool) -> Callable[..., None]:
-    return _function(_drive(width, leaking))
-
-
-@cache
-def _forecast_of(width: int, leaking: bool, squares: bool) -> Callable[..., None]:
-    return _function(_forecast(width, leaking, squares))
-
-
-def _function(lanes: Lanes) -> Callable[..., None]:
+def _function(make: Callable[..., Lanes], *options: int) -> Callable[..., None]:
     try:
-        return compiled(lanes.text, lanes.name, *lanes.arguments)
+        return compiled(make(*options))
     except Exception as error:
         raise RuntimeError(
             f"the compiled backend does not run ({type(error).__name__}: {error}); repair the "
@@ -235,96 +216,79 @@ def _function(lanes: Lanes) -> Callable[..., None]:
 # --- The interface -------------------------------------------------------------------------------
 
 
-class CompiledBackend:
-    """Open and closed loop of one reservoir with its hyperparameters applied.
-
-    The same interface as `burstcast.networks.backend_scipy.ScipyBackend`.
-    """
-
-    def __init__(
-        self,
-        recurrent: scipy.sparse.csr_array,
-        input_column: Int32Array,
-        input_weight: FloatArray,
-        input_bias: float,
-        leak_rate: float,
-        readout: ReadoutKind,
-    ) -> None:
-        self._matrices = (
-            *_even_rows(recurrent),
-            np.ascontiguousarray(input_column, dtype=np.int32),
-            np.ascontiguousarray(input_weight, dtype=np.float64),
-            np.array([leak_rate, -leak_rate]),
-        )
-        self._input_bias = input_bias
-        self._leaking, self._squares = leak_rate != 1, readout == "quadratic"
+class CompiledBackend(Backend):
+    """Open and closed loop in machine code."""
 
     def open_loop(
         self, inputs: FloatArray, states: FloatArray, record: FloatArray | None
     ) -> FloatArray:
-        """Drive the states by data, as `burstcast.networks.dynamics.Dynamics.open_loop` does.
-
-        ``record``, C-contiguous, ``(neurons, steps, batch)``, receives the state after each input.
-        """
+        """Drive the states by data (see `Backend.open_loop`); ``record`` is C-contiguous."""
         inputs = np.ascontiguousarray(inputs)
-        steps, dimension, batch = inputs.shape
-        neurons, width = len(states), _width(batch)
-        fed, old, new = self._fed(dimension, width), _tile(neurons, width), _tile(neurons, width)
-        drive = _drive_of(width, self._leaking)
-        room = _addresses(*self._matrices, fed, old, new)
-        source, kept = inputs.ctypes.data, 0 if record is None else record.ctypes.data
-        final = np.empty_like(states)
-        for first in range(0, batch, width):
-            _fill_tile(old, states, first)
-            size, skipped = 8 * min(width, batch - first), 8 * first
-            drive(
-                *room,
-                source + skipped,
-                kept + skipped,
-                *(neurons, dimension, steps, batch, size, record is not None),
-            )
-            _read_tile(new if steps % 2 else old, final, first)
-        return final
+        drive = _function(_drive, _width(inputs.shape[2]), self.leak_rate != 1)
+        moving = (inputs.ctypes.data, 0 if record is None else record.ctypes.data)
+        return self._run(drive, states, inputs.shape, (), moving, record is not None)
 
     def closed_loop(
         self, weights: FloatArray, input_range: FloatArray, states: FloatArray, steps: int
     ) -> tuple[FloatArray, FloatArray]:
-        """Let the network drive itself; see `burstcast.networks.dynamics.Dynamics.closed_loop`."""
-        neurons, batch = states.shape
-        dimension, width = weights.shape[1], _width(batch)
+        """Let the network drive itself (see `Backend.closed_loop`)."""
+        dimension, width = weights.shape[1], _width(states.shape[1])
         # Rows come in pairs: an odd number is filled up by a row of zeros.
-        padded = np.zeros((neurons + 1, dimension + dimension % 2))
+        padded = np.zeros((len(weights), dimension + dimension % 2))
         padded[:, :dimension] = weights
         input_range = np.ascontiguousarray(input_range, dtype=np.float64)
-        fed, read = self._fed(dimension, width), _tile(padded.shape[1], width)
-        old, new = _tile(neurons, width), _tile(neurons, width)
-        forecast = _forecast_of(width, self._leaking, self._squares)
-        room = _addresses(*self._matrices, fed, old, new, padded, padded[-1], input_range, read)
-        outputs = np.empty((steps, dimension, batch))
-        target = outputs.ctypes.data
-        final = np.empty_like(states)
-        for first in range(0, batch, width):
-            _fill_tile(old, states, first)
-            size = 8 * min(width, batch - first)
-            forecast(
-                *room,
-                target + 8 * first,
-                *(neurons, dimension, steps, batch, size, padded.shape[1]),
-            )
-            _read_tile(new if steps % 2 else old, final, first)
+        squares = self.readout == "quadratic"
+        forecast = _function(_forecast, width, self.leak_rate != 1, squares)
+        outputs = np.empty((steps, dimension, states.shape[1]))
+        fixed = (padded, padded[-1], input_range, _tile(padded.shape[1], width))
+        moving = (outputs.ctypes.data,)
+        final = self._run(forecast, states, outputs.shape, fixed, moving, padded.shape[1])
         return outputs, final
 
-    def _fed(self, dimension: int, width: int) -> FloatArray:
-        fed = _tile(dimension + 1, width)
-        fed[dimension] = self._input_bias
-        return fed
+    def _run(
+        self,
+        function: Callable[..., None],
+        states: FloatArray,
+        shape: tuple[int, ...],
+        fixed: Sequence[FloatArray],
+        moving: Sequence[int],
+        last: int,
+    ) -> FloatArray:
+        """Advance the states of a batch tile by tile; returns the final ones.
+
+        ``shape``: Steps, dimension and batch. ``fixed``, ``moving``, ``last``: Further arguments of
+        the function: arrays common to all tiles, addresses of the first trajectory, an integer.
+        """
+        steps, dimension, batch = shape
+        neurons, width = len(states), _width(batch)
+        fed, old, new = (_tile(rows, width) for rows in (dimension + 1, neurons, neurons))
+        fed[dimension] = self.input_bias
+        addresses = [array.ctypes.data for array in (*self._matrices, fed, old, new, *fixed)]
+        final = np.empty_like(states)
+        for first in range(0, batch, width):
+            part = states[:, first : first + width]
+            count = part.shape[1]
+            old[:, :count] = part
+            old[:, count:] = 0.0
+            starts = [address + 8 * first for address in moving]
+            function(*addresses, *starts, neurons, dimension, steps, batch, 8 * count, last)
+            reached = new if steps % 2 else old
+            final[:, first : first + width] = reached[:, :count]
+        return final
+
+    @cached_property
+    def _matrices(self) -> tuple[FloatArray | Int32Array, ...]:
+        """Arrays of the arguments `_MATRICES`."""
+        return (
+            *_even_rows(self.recurrent),
+            np.ascontiguousarray(self.input_column, dtype=np.int32),
+            np.ascontiguousarray(self.input_weight, dtype=np.float64),
+            np.array([self.leak_rate, -self.leak_rate]),
+        )
 
 
 def _even_rows(matrix: scipy.sparse.csr_array) -> tuple[Int32Array, Int32Array, FloatArray]:
-    """Row starts, columns and values with an even number of entries in each row.
-
-    An odd row gets one more entry, zero, in the column of the row itself.
-    """
+    """Row starts, columns and values, with a zero more on the diagonal in rows of odd length."""
     neurons = matrix.shape[0]
     length = np.diff(matrix.indptr)
     row_start = np.concatenate([[0], np.cumsum(length + length % 2)]).astype(np.int32)
@@ -337,10 +301,6 @@ def _even_rows(matrix: scipy.sparse.csr_array) -> tuple[Int32Array, Int32Array, 
     return row_start, column, value
 
 
-def _addresses(*arrays: FloatArray | Int32Array) -> list[int]:
-    return [array.ctypes.data for array in arrays]
-
-
 def _width(batch: int) -> int:
     return next((width for width in _WIDTHS if batch <= width), _WIDTHS[-1])
 
@@ -351,15 +311,3 @@ def _tile(rows: int, width: int) -> FloatArray:
     memory = np.zeros(rows * width + spare)
     offset = -memory.ctypes.data % ALIGNMENT // 8
     return memory[offset : offset + rows * width].reshape(rows, width)
-
-
-def _fill_tile(tile: FloatArray, states: FloatArray, first: int) -> None:
-    """Copy the states of the trajectories from ``first`` on; the lanes left over are zero."""
-    part = states[:, first : first + tile.shape[1]]
-    tile[:, : part.shape[1]] = part
-    tile[:, part.shape[1] :] = 0.0
-
-
-def _read_tile(tile: FloatArray, states: FloatArray, first: int) -> None:
-    part = states[:, first : first + tile.shape[1]]
-    part[:] = tile[:, : part.shape[1]]

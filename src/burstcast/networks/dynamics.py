@@ -10,29 +10,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Literal, Protocol, get_args
+from typing import Literal, get_args
 
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
+from burstcast.networks.backend import Backend
 from burstcast.networks.backend_compiled import CompiledBackend
 from burstcast.networks.backend_scipy import ScipyBackend
 from burstcast.networks.readout import ReadoutKind, readout_features
 from burstcast.networks.reservoir import Reservoir
-
-
-class DynamicsBackend(Protocol):
-    """Interface of an implementation of the dynamics (see `backend_scipy.ScipyBackend`)."""
-
-    def open_loop(
-        self, inputs: FloatArray, states: FloatArray, record: FloatArray | None
-    ) -> FloatArray:
-        """Drive the states by data; ``record`` receives the state after each input."""
-
-    def closed_loop(
-        self, weights: FloatArray, input_range: FloatArray, states: FloatArray, steps: int
-    ) -> tuple[FloatArray, FloatArray]:
-        """Let the network drive itself."""
 
 
 @dataclass(frozen=True)
@@ -47,10 +34,7 @@ class StatePanel:
 
     @property
     def columns(self) -> FloatArray:
-        """The states as a matrix ``(neurons, (stop - start) * batch)``, for a Gram matrix.
-
-        Its transpose is column-major. The batch varies fastest.
-        """
+        """The states as a matrix ``(neurons, (stop - start) * batch)``, the batch fastest."""
         return self.states.reshape(self.states.shape[0], -1)
 
 
@@ -72,11 +56,6 @@ class Dynamics:
         a in r <- (1 - a) r + a tanh(...), above 0 and 1 at most; 1: neurons do not leak.
     readout
         "linear", or "quadratic": every second entry of the state is squared before the readout.
-
-    Raises
-    ------
-    ValueError
-        If a hyperparameter is out of bounds or not finite, or the backend or readout is unknown.
 
     Examples
     --------
@@ -114,23 +93,9 @@ class Dynamics:
         return readout_features(states, self.readout)
 
     def open_loop(self, inputs: FloatArray, states: FloatArray | None = None) -> FloatArray:
-        """States after a sequence of inputs.
+        """States ``(neurons, batch)`` after a sequence of inputs, from zero or given states.
 
-        Parameters
-        ----------
-        inputs
-            Inputs divided by their range, shape ``(steps, dimension, batch)``.
-        states
-            Initial states, shape ``(neurons, batch)``; None: zero.
-
-        Returns
-        -------
-        Final states, shape ``(neurons, batch)``.
-
-        Raises
-        ------
-        ValueError
-            If a shape does not fit or an input or a state is not finite.
+        ``inputs``: Inputs divided by their range, ``(steps, dimension, batch)``.
         """
         inputs, states = self._check_inputs(inputs, states)
         return self._implementation.open_loop(inputs, states, None)
@@ -143,28 +108,12 @@ class Dynamics:
         breakpoints: Sequence[int] = (),
         columns_per_panel: int = 1000,
     ) -> Iterator[StatePanel]:
-        """Stream the states that a sequence of inputs drives, panel by panel.
+        """Stream the states that a sequence of inputs drives (see `open_loop`), panel by panel.
 
-        Parameters
-        ----------
-        inputs, states
-            As for `open_loop`.
-        breakpoints
-            Steps at which a panel must end, in any order. The last states of the panel that ends
-            at step b are those after the inputs before b, whose prediction is the data at step b;
-            sums over the panels so far cover the steps before b. Zero and the number of steps are
-            always among them.
-        columns_per_panel
-            Largest number of columns of a panel (steps times batch; one step at least).
-
-        Yields
-        ------
-        Panels in the order of time; each is a fresh array.
-
-        Raises
-        ------
-        ValueError
-            As for `open_loop`, or if a breakpoint lies outside the inputs.
+        ``breakpoints``: Steps at which a panel must end, in any order. The last states of the panel
+        that ends at step b are those after the inputs before b, whose prediction is the data at
+        step b. ``columns_per_panel``: Most columns of a panel, steps times batch; one step at
+        least. Yields panels in the order of time, each a fresh array.
         """
         inputs, states = self._check_inputs(inputs, states)
         steps, _, batch = inputs.shape
@@ -188,31 +137,11 @@ class Dynamics:
     ) -> tuple[FloatArray, FloatArray]:
         """Autonomous forecast: every prediction is the next input.
 
-        Parameters
-        ----------
-        weights
-            Readout weights W_out, the bias last, shape ``(neurons + 1, dimension)``.
-        input_range
-            Divisors of the inputs, shape ``(dimension,)``.
-        states
-            Initial states, shape ``(neurons, batch)``. They are not changed.
-        steps
-            Length of the forecast.
-
-        Returns
-        -------
-        outputs
-            Predictions, shape ``(steps, dimension, batch)``; the first is computed from the
-            initial states. A network may diverge: that is a result, not an error.
-        states
-            States after the last prediction was fed back, shape ``(neurons, batch)``: a call with
-            them continues the forecast.
-
-        Raises
-        ------
-        ValueError
-            If a shape does not fit, an initial state or a weight is not finite or a range is not
-            positive.
+        ``weights``: Readout weights W_out, the bias last, ``(neurons + 1, dimension)``.
+        ``input_range``: Divisors of the inputs, ``(dimension,)``. ``states``: Initial states,
+        ``(neurons, batch)``, not changed. Returns predictions, ``(steps, dimension, batch)``, of
+        which the first is computed from the initial states, and the states after the last one was
+        fed back, with which a call continues the forecast. A network may diverge: that is a result.
         """
         neurons, dimension = self.reservoir.neurons, self.reservoir.dimension
         weights = np.ascontiguousarray(weights, dtype=np.float64)
@@ -235,13 +164,17 @@ class Dynamics:
         return self._implementation.closed_loop(weights, input_range, states, steps)
 
     @cached_property
-    def _implementation(self) -> DynamicsBackend:
-        recurrent = self.reservoir.recurrent * self.spectral_radius
-        weight = self.reservoir.input_weight * self.input_scaling
-        columns, bias = self.reservoir.input_column, self.reservoir.input_bias
-        arguments = (recurrent, columns, weight, bias, self.leak_rate, self.readout)
+    def _implementation(self) -> Backend:
+        reservoir = self.reservoir
         implementation = ScipyBackend if self.backend == "scipy" else CompiledBackend
-        return implementation(*arguments)
+        return implementation(
+            reservoir.recurrent * self.spectral_radius,
+            reservoir.input_column,
+            reservoir.input_weight * self.input_scaling,
+            reservoir.input_bias,
+            self.leak_rate,
+            self.readout,
+        )
 
     def _panels(
         self, inputs: FloatArray, states: FloatArray, edges: Sequence[int], steps_per_panel: int

@@ -1,10 +1,9 @@
 """A readout whose weights are linear in factors of parameters: W_out = W_0 + sum_f q_f W_f.
 
-The reservoir does not receive the parameters: its states are multiplied by the factors in force
-(`burstcast.forecasters._parameter_factors`), and the readout is trained on [r; q_f r; q_f]. An
-input for the parameter would have to be interpolated by the reservoir between the few values of the
-training; a factor of the readout is interpolated exactly, as far as one step of the flow is linear
-in it.
+The reservoir does not receive the parameters: the readout is trained on [r; q_f r; q_f] with the
+factors in force (`burstcast.forecasters._parameter_factors`). As an input, a parameter would have
+to be interpolated between the few values of the training; a factor of the readout is interpolated
+exactly, as far as one step of the flow is linear in it.
 """
 
 from collections.abc import Sequence
@@ -42,20 +41,16 @@ class FactoredStates:
         return self.neurons + self.factors * (len(self.driven) + 1)
 
     def features(self, states: FloatArray, factors: FloatArray) -> FloatArray:
-        """Features ``(size, columns)``: the states, the driven states times each factor, factors.
+        """Features ``(size, columns)``: states, driven states times each factor, factors.
 
-        ``states``: ``(neurons, columns)``. ``factors``: Factors in force from each column's step to
-        the next, ``(factors, columns)``.
+        ``states``: ``(neurons, columns)``. ``factors``: From each step to the next, ``(factors,
+        columns)``.
         """
-        driven = states[self.driven]
-        return np.concatenate([states, *(factor * driven for factor in factors), factors])
+        products = [factor * states[self.driven] for factor in factors]
+        return np.concatenate([states, *products, factors])
 
     def weights_at(self, weights: FloatArray, factors: FloatArray) -> FloatArray:
-        """Readout of the states alone under given factors, ``(neurons + 1, dimension)``.
-
-        ``weights``: Weights of the features, ``(size + 1, dimension)``. ``factors``:
-        ``(factors,)``. The bias is last in both.
-        """
+        """Readout of the states alone under factors: ``(neurons + 1, dimension)``."""
         if len(weights) != self.size + 1:
             raise ValueError(f"a readout of {self.size} features has no {len(weights)} weights")
         combined = np.concatenate([weights[: self.neurons], weights[-1:]])

@@ -6,7 +6,6 @@ import numpy as np
 def negligible_ridge(neurons: int, samples: int) -> float:
     """Tikhonov parameter that is lost in rounding: a smaller one gives the same readout.
 
-    States of the reservoir lie between -1 and 1, so that the largest eigenvalue of the matrix that
-    the parameter is added to is ``neurons * samples`` at most; this is its rounding error.
+    It is the rounding error of ``neurons * samples``, which bounds the Gram matrix's eigenvalues.
     """
     return float(np.finfo(np.float64).eps) * neurons * samples

@@ -71,24 +71,10 @@ class EchoStateNetwork:
         )
 
     def washout(self, inputs: FloatArray, states: FloatArray | None = None) -> FloatArray:
-        """States of the reservoir after it has been driven by data.
+        """States ``(neurons, batch)`` after data ``(steps, dimension, batch)``.
 
-        Parameters
-        ----------
-        inputs
-            Data in their own units, shape ``(steps, dimension, batch)``. They end with the starting
-            point of the forecast itself.
-        states
-            Initial states, shape ``(neurons, batch)``; None: zero.
-
-        Returns
-        -------
-        States, shape ``(neurons, batch)``.
-
-        Raises
-        ------
-        ValueError
-            If a shape does not fit or a value is not finite.
+        The data end with the starting point of the forecast itself. ``states``: Initial states;
+        None: zero.
         """
         centred = self._centred(inputs) / self.input_range[:, np.newaxis]
         return self.dynamics.open_loop(centred, states)
@@ -123,19 +109,10 @@ class EchoStateNetwork:
         return outputs, states
 
     def diverged(self, outputs: FloatArray, bound: float) -> BoolArray:
-        """Whether the forecasts of a batch have diverged.
+        """Whether forecasts ``(steps, dimension, batch)`` have diverged, ``(batch,)``.
 
-        Parameters
-        ----------
-        outputs
-            Forecasts, shape ``(steps, dimension, batch)``.
-        bound
-            In training ranges of the component.
-
-        Returns
-        -------
-        Shape ``(batch,)``: whether any value is not finite, or further from the offset (from zero,
-        if there is none) than ``bound`` times its component's training range.
+        They have if a value is not finite, or further from the offset than ``bound`` training
+        ranges.
         """
         largest = bound * self.input_range[:, np.newaxis]
         # Negated, so that nan counts as diverged.

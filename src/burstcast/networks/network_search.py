@@ -1,8 +1,4 @@
-"""The search for a network's hyperparameters: from the scan of a grid on, by Bayesian optimisation.
-
-The workflow runs the scan and the search as jobs of their own, where networks share what they can;
-`burstcast.EventForecaster` runs one after the other.
-"""
+"""The search for a network's hyperparameters, from the scan of a grid on."""
 
 from collections.abc import Sequence
 
@@ -33,17 +29,22 @@ def search(
     They have the leak rate of the best point of the grid. ``scanned``: Evaluations of the grid
     (`burstcast.networks.scan`); those by other strategies are left out.
     """
-    trace = [one for one in scanned if one.validation.strategy == strategy.name]
+    trace = [
+        evaluation for evaluation in scanned if evaluation.validation.strategy == strategy.name
+    ]
     leak_rate = best(trace).point.leak_rate
     on_grid: dict[HyperparameterPoint, float] = {}
-    for one in (one for one in trace if one.point.leak_rate == leak_rate):
-        on_grid[one.point] = min(one.objective, on_grid.get(one.point, float("inf")))
+    for evaluation in trace:
+        point = evaluation.point
+        if point.leak_rate == leak_rate:
+            on_grid[point] = min(evaluation.objective, on_grid.get(point, float("inf")))
 
     def objective(point: HyperparameterPoint) -> float:
         number = trace[-1].number + 1
-        found = [Evaluation(number, "bayesian", point, one) for one in validator(point, [strategy])]
-        trace.extend(found)
-        return best(found).objective
+        validations = validator(point, [strategy])
+        evaluated = [Evaluation(number, "bayesian", point, result) for result in validations]
+        trace.extend(evaluated)
+        return best(evaluated).objective
 
     if points:
         # loaded here only: it takes longer than all the rest of the library
@@ -55,7 +56,7 @@ def search(
 
 def best(evaluations: Sequence[Evaluation]) -> Evaluation:
     """Evaluation with the smallest objective; the first of equals."""
-    return min(evaluations, key=lambda one: one.objective)
+    return min(evaluations, key=lambda evaluation: evaluation.objective)
 
 
 def optimiser_seed(reservoir: ReservoirSeed, case: str, strategy: str) -> int:

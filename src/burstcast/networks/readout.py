@@ -27,9 +27,9 @@ ReadoutKind = Literal["linear", "quadratic"]
 def readout_features(states: FloatArray, readout: ReadoutKind) -> FloatArray:
     """States ``(neurons, ...)`` as the output weights multiply them, ``(neurons, ...)``.
 
-    A quadratic readout sees the squares of the neurons 1, 3, 5, ... (counted from zero) in their
-    place, which breaks the symmetry of the hyperbolic tangent: Lu et al., Chaos 27 (2017) 041102;
-    Pathak et al., Physical Review Letters 120 (2018) 024102.
+    A quadratic readout sees the squares of the neurons 1, 3, 5, ..., which breaks the symmetry of
+    the hyperbolic tangent: Lu et al., Chaos 27 (2017) 041102; Pathak et al., Physical Review
+    Letters 120 (2018) 024102.
     """
     if readout == "linear":
         return states
@@ -77,8 +77,7 @@ class Moments:
 class MomentsAccumulator:
     """Accumulates moments panel by panel, in one Gram matrix.
 
-    The mean of the first panel is subtracted from all the rows, so that the sums are nearly
-    centred; `moments` corrects the rest by a term of rank one.
+    The first panel's mean is subtracted from all rows; `moments` corrects the rest by rank one.
     """
 
     def __init__(self, neurons: int, dimension: int) -> None:
@@ -91,12 +90,7 @@ class MomentsAccumulator:
         self._cross = np.zeros((neurons, dimension))
 
     def add(self, states: FloatArray, targets: FloatArray) -> None:
-        """Add the rows of a panel.
-
-        ``states``: Shape ``(neurons, columns)``; C-contiguous is fastest (see
-        `burstcast.networks.dynamics.StatePanel.columns`). Not changed. ``targets``: Shape
-        ``(dimension, columns)``, in the order of the states' columns.
-        """
+        """Add a panel: states ``(neurons, columns)``, targets ``(dimension, columns)``."""
         neurons, dimension = self._cross.shape
         columns = states.shape[1]
         if states.shape != (neurons, columns) or targets.shape != (dimension, columns):
@@ -157,10 +151,8 @@ class Readout:
 def solve_ridge(moments: Moments, tikhonov: float) -> Readout:
     """Ridge regression of the targets on the states (see the module).
 
-    The matrix is factorised by Cholesky; where rounding has made it indefinite, by a symmetric
-    indefinite factorisation (LDL^T with Bunch-Kaufman pivoting).
-
-    ``tikhonov``: Regularisation beta, added to the plain sum over the training steps; not negative.
+    By Cholesky's factorisation; where rounding has made the matrix indefinite, by LDL^T with
+    Bunch-Kaufman pivoting. ``tikhonov``: beta, added to the plain sum over the training steps.
     """
     if not (tikhonov >= 0 and np.isfinite(tikhonov)):
         raise ValueError(f"the Tikhonov parameter must be finite and not negative: {tikhonov}")

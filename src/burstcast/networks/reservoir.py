@@ -131,10 +131,8 @@ def make_reservoir(
 def spectral_radius(matrix: scipy.sparse.csr_array) -> float:
     """Largest absolute eigenvalue of a square sparse matrix.
 
-    Small matrices are solved densely. For the others, Arnoldi iterations look for the six largest
-    eigenvalues in a Krylov space of 60 vectors from a fixed start, which agrees with the dense
-    eigenvalues to rounding for random matrices. If they do not converge, the dense eigenvalues are
-    the answer.
+    Of large matrices by Arnoldi iterations for the six largest eigenvalues, which agrees with dense
+    eigenvalues to rounding for random matrices; by these where they do not converge.
     """
     neurons = matrix.shape[0]
     if neurons <= _DENSE_NEURONS:
@@ -162,10 +160,7 @@ def _dense_spectral_radius(matrix: scipy.sparse.csr_array) -> float:
 def _bernoulli_positions(
     count: int, probability: float, generator: np.random.Generator
 ) -> IntArray:
-    """Draw the indices of the successes in ``count`` independent trials, ascending.
-
-    The gaps between successes are geometric, so that only the successes are drawn.
-    """
+    """Indices of the successes in ``count`` independent trials, by their geometric gaps."""
     expected = count * probability
     batch = int(expected + 6.0 * np.sqrt(expected)) + 16
     position = np.empty(0, dtype=np.int64)

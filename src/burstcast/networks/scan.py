@@ -25,10 +25,7 @@ class Evaluation:
         return self.validation.objective
 
     def record(self) -> dict[str, str | int | float]:
-        """The evaluation without errors of single intervals, as a row of a table.
-
-        It has the leak rate of neurons that leak.
-        """
+        """The evaluation without errors of single intervals, as a row of a table."""
         leak_rate = self.point.leak_rate
         return {
             "evaluation": self.number,
@@ -61,8 +58,8 @@ class Evaluation:
 
 def leak_rate_of(record: Mapping[Any, Any]) -> float:
     """Leak rate of a record or a row of a table of them: 1 where it has none."""
-    said = record.get("leak_rate")
-    return 1.0 if said is None or said != said else float(said)
+    leak_rate = record.get("leak_rate")
+    return 1.0 if leak_rate is None or leak_rate != leak_rate else float(leak_rate)
 
 
 def scan(
@@ -71,11 +68,7 @@ def scan(
     strategies: Sequence[ValidationStrategy],
     grid: int,
 ) -> list[Evaluation]:
-    """Evaluate all points of a grid.
-
-    ``strategies``: Validated in one go. Others beside a strategy change where sums over the
-    training series are cut, and with it their rounding only (`scanned_with`).
-    """
+    """Evaluate all points of a grid; ``strategies`` are validated in one go (`scanned_with`)."""
     return [
         Evaluation(number, "grid", point, validation)
         for number, point in enumerate(space.grid(grid))

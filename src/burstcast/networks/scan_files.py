@@ -11,13 +11,10 @@ from burstcast.networks.scan import Evaluation
 
 
 def log_error_variables(evaluations: Sequence[Evaluation]) -> dict[str, Variable]:
-    """Variables of the errors in each interval, in the order of the rows of the table.
-
-    Strategies have different numbers of intervals: a row ends with NaN where it has fewer.
-    """
-    found = [one.validation.log_errors for one in evaluations]
-    errors = np.full((len(found), max(map(len, found))), np.nan)
-    for row, of_row in zip(errors, found, strict=True):
+    """Variables of the errors in each interval, by row of the table; filled up with NaN."""
+    log_errors = [evaluation.validation.log_errors for evaluation in evaluations]
+    errors = np.full((len(log_errors), max(map(len, log_errors))), np.nan)
+    for row, of_row in zip(errors, log_errors, strict=True):
         row[: len(of_row)] = of_row
     meaning = "log10 of the mean square error of the observable in each interval"
     return {"log_error": Variable(("row", "interval"), errors, NUMBER, meaning)}

@@ -31,14 +31,11 @@ def bayesian_search(
 ) -> None:
     """Evaluate ``points`` more hyperparameters, chosen by a Gaussian process at one leak rate.
 
-    The Gaussian process has a constant times an anisotropic Matern 5/2 kernel and normalised
-    targets; gp_hedge chooses among expected improvement, lower confidence bound and probability of
-    improvement.
-
-    ``evaluated``: Points of the grid, at one leak rate, with their objectives. ``evaluate``:
-    Objective at a point, to be minimised; it also records the evaluation for the caller. ``seed``:
-    Seed of the optimiser, unless the settings of the Gaussian process have one. ``surrogate``:
-    Settings of the Gaussian process; the fit of its variance starts from 1, or the nearest bound.
+    The process has a constant times an anisotropic Matern 5/2 kernel and normalised targets;
+    gp_hedge chooses among expected improvement, lower confidence bound and probability of
+    improvement. ``evaluated``: Points of the grid with their objectives. ``evaluate``: Objective at
+    a point; it also records the evaluation. ``seed``: Of the optimiser, unless the surrogate has
+    one.
     """
     seed = seed if surrogate.random_state is None else surrogate.random_state
     kernel = ConstantKernel(float(np.clip(1.0, *surrogate.variance)), surrogate.variance) * Matern(

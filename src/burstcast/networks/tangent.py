@@ -26,8 +26,7 @@ from burstcast.networks.network import EchoStateNetwork
 class ClosedLoopTangent:
     """Propagates perturbations of a network's reservoir states along its closed loop.
 
-    All products are of a sparse matrix with a batch, summed in the order of the row's entries: a
-    trajectory's perturbations are bit for bit the same whatever batch it is part of.
+    All products are of a sparse matrix with a batch, and independent of the batch, bit for bit.
     """
 
     def __init__(self, network: EchoStateNetwork) -> None:
@@ -46,11 +45,7 @@ class ClosedLoopTangent:
     def advance(
         self, states: FloatArray, tangent: FloatArray, steps: int
     ) -> tuple[FloatArray, FloatArray]:
-        """States and perturbations ``steps`` steps later; the states have the closed loop's bits.
-
-        ``states``: States of the reservoir, ``(neurons, batch)``. ``tangent``: Perturbations of the
-        states, ``(neurons, perturbations, batch)``.
-        """
+        """States ``(neurons, batch)`` and perturbations ``(neurons, n, batch)`` after steps."""
         shape = tangent.shape
         for _ in range(steps):
             before = states

@@ -106,21 +106,18 @@ def collect(
     last: int | None = None,
     keep: Sequence[int] = (),
 ) -> Collected:
-    """Drive a reservoir by the training series.
+    """Drive a reservoir by the training series, up to and including the step ``last``.
 
-    ``washout``: Number of inputs before the first state that counts, which is the one at step
-    ``washout``. ``last``: Last step that is needed; None: the end of the series. The states up to
-    and including it are driven; its own state counts in the moments as all others do.
+    ``washout``: Number of inputs before the first state that counts. ``snapshots``, ``keep``: Steps
+    before which moments, and at which states, are wanted.
     """
     end = training.length - 1 if last is None else last
     wanted = sorted(set(keep))
     if washout < 1:
         raise ValueError(f"the washout must have at least one step, not {washout}")
-    outside = [
-        *(step for step in wanted if not washout <= step <= end),
-        *(step for step in snapshots if not washout < step <= end),
-    ]
-    if outside or not washout < end <= training.length - 1:
+    inside = all(washout <= step <= end for step in wanted)
+    inside = inside and all(washout < step <= end for step in snapshots)
+    if not inside or not washout < end <= training.length - 1:
         raise ValueError("the steps asked for lie outside of the training series")
     # inputs 0 .. end - 1 lead to the states at steps 1 .. end
     # a copy always: for a single series the transpose is contiguous as it is
@@ -136,7 +133,7 @@ def collect(
     accumulator = MomentsAccumulator(features, training.dimension)
     taken: dict[int, Moments] = {}
     states: dict[int, FloatArray] = {}
-    breakpoints = [washout - 1, *(step - 1 for step in snapshots)]
+    breakpoints = [step - 1 for step in (washout, *snapshots)]
     for panel in dynamics.state_panels(inputs, breakpoints=breakpoints):
         first, stop = panel.start + 1, panel.stop + 1  # steps of the states in this panel
         for step in wanted:
@@ -165,11 +162,8 @@ def train(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from burstcast.networks.dynamics import Dynamics
-    >>> from burstcast.networks.reservoir import make_reservoir
-    >>> from burstcast.networks.training import TrainingSeries, train
     >>> series = np.sin(np.linspace(0, 50, 1000)).reshape(1, 1000, 1)
+    >>> from burstcast.networks.reservoir import make_reservoir
     >>> reservoir = make_reservoir(50, 1, 10, 0.1, np.random.default_rng(0))
     >>> dynamics = Dynamics(reservoir, spectral_radius=0.5, input_scaling=1.0)
     >>> training = TrainingSeries(series, np.array([2.0]))
@@ -184,9 +178,7 @@ def train_leaving_one_out(
 ) -> Iterator[Readout]:
     """Readouts trained on all series but one, for each series in turn.
 
-    Moments are sums over the series: one open loop serves all readouts, and each takes one ridge
-    regression. What the readout forecasts of the series left out is honest, but for what the series
-    has contributed to the hyperparameters and to the range that inputs are divided by.
+    Moments are sums over the series: one open loop serves all readouts.
     """
     if training.series < 2:
         raise ValueError("leaving one series out takes two training series at least")

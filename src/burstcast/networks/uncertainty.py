@@ -25,12 +25,9 @@ class ObjectiveUncertainty:
 def objective_uncertainty(log_errors: FloatArray) -> ObjectiveUncertainty:
     """Standard errors of objectives, and of their differences from the best one.
 
-    The intervals, which are Lyapunov times long, are assumed to be independent.
-
-    ``log_errors``: log10 of the mean square error of each point (and Tikhonov parameter) in each
-    interval, ``(points, intervals)``; the objective is the mean over the intervals. With a single
-    interval, all standard errors but the best point's paired one are NaN; so are differences and
-    errors of infinite objectives (diverged forecasts) where they are not defined.
+    ``log_errors``: log10 of the mean square error of each point in each interval, ``(points,
+    intervals)``, which are assumed to be independent. NaN for a single interval, and where infinite
+    objectives (diverged forecasts) leave differences undefined.
     """
     if not len(log_errors):
         raise ValueError("the search has no point")

@@ -1,9 +1,7 @@
 """Validation of one point of the hyperparameter space, by any strategy.
 
 Source: section "Validation" and the appendix "Training and validation sets" of the paper. One open
-loop over the training series serves all the strategies that train on all series alike: the moments
-of the Single Shot Validation are a snapshot of the moments of the Recycle Validation, taken one
-validation interval before the series end.
+loop over the training series serves all strategies that train on all series alike.
 """
 
 import functools

@@ -1,7 +1,6 @@
-"""Analysis of variance of a balanced design: the scatter that each factor causes.
+"""Analysis of variance of a balanced design, by the method of moments.
 
-Sources: Searle, Casella & McCulloch, Variance Components (Wiley 1992), chapter 4, for components by
-the method of moments.
+Source: Searle, Casella & McCulloch, Variance Components (Wiley 1992), chapter 4.
 """
 
 from collections.abc import Sequence
@@ -40,16 +39,11 @@ class AnalysisOfVariance:
 def analysis_of_variance(values: FloatArray) -> AnalysisOfVariance:
     """Separate the main effects of crossed factors, with one value in each cell.
 
-    ``values``: An axis for each factor, its levels along the axis. A factor of one level has no
-    effect. The residual is what no main effect explains; without degrees of freedom (a single
-    factor of more than one level) it is unknown, and taken as zero in the components.
+    ``values``: An axis for each factor, its levels along the axis. The residual is what no main
+    effect explains; without degrees of freedom it is unknown, and taken as zero in the components.
 
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from burstcast.statistics.analysis_of_variance import analysis_of_variance
-    >>> found = analysis_of_variance(np.array([[1.0, 2.0], [4.0, 5.0]]))
-    >>> [round(one.mean_square, 6) for one in (*found.factors, found.residual)]
+    >>> analysis = analysis_of_variance(np.array([[1.0, 2.0], [4.0, 5.0]]))
+    >>> [round(part.mean_square, 6) for part in (*analysis.factors, analysis.residual)]
     [9.0, 1.0, 0.0]
     """
     if values.size == 0 or not np.isfinite(values).all():
@@ -86,10 +80,7 @@ def student_quantile(degrees: int, confidence: float) -> float:
 
 
 def mean_and_margin(values: Sequence[float], confidence: float) -> tuple[float, float]:
-    """Mean of independent values, and half the width of its confidence interval.
-
-    The margin follows from Student's distribution; NaN for a single value.
-    """
+    """Mean of independent values, and half the width of its Student interval, or NaN."""
     count = len(values)
     error = np.std(values, ddof=1) / np.sqrt(count) if count > 1 else np.nan
     return float(np.mean(values)), float(student_quantile(count - 1, confidence) * error)
@@ -98,10 +89,7 @@ def mean_and_margin(values: Sequence[float], confidence: float) -> tuple[float, 
 def slope_and_margin(
     x: Sequence[float], y: Sequence[float], confidence: float
 ) -> tuple[float, float]:
-    """Slope of the line of least squares, and half the width of its confidence interval.
-
-    The margin follows from Student's distribution; both are NaN for fewer than three points.
-    """
+    """Slope of the line of least squares, and half the width of its Student interval."""
     count = len(x)
     if count < 3:
         return float("nan"), float("nan")

@@ -21,11 +21,7 @@ SETTLED = 0.01
 
 @dataclass(frozen=True)
 class Histogram:
-    """Counts of values in bins.
-
-    A bin holds its lower edge and not its upper one; the last bin holds both, as in
-    `numpy.histogram`.
-    """
+    """Counts of values in bins, which hold their lower edge; the last one holds both."""
 
     edges: FloatArray  #: edges of the bins, increasing, ``(bins + 1,)``
     counts: IntArray  #: values in each bin, ``(bins,)``
@@ -47,18 +43,12 @@ class Histogram:
 
     @property
     def density(self) -> FloatArray:
-        """Probability density, normalised over the values inside the range, ``(bins,)``.
-
-        NaN where no value lies inside.
-        """
+        """Probability density over the values inside the range, ``(bins,)``; NaN without any."""
         return self.counts / (self.inside or np.nan) / np.diff(self.edges)
 
     @property
     def cumulative(self) -> FloatArray:
-        """Cumulative distribution at the edges, from 0 to 1, ``(bins + 1,)``.
-
-        NaN where no value lies inside.
-        """
+        """Cumulative distribution at the edges, ``(bins + 1,)``; NaN without values inside."""
         return np.concatenate([[0], np.cumsum(self.counts)]) / (self.inside or np.nan)
 
 
@@ -81,16 +71,13 @@ def check_edges(edges: FloatArray) -> None:
 
 
 def slots(values: FloatArray, edges: FloatArray) -> IntArray:
-    """Bin index of each value: 0 below the range, 1, 2, ... in the bins, bins + 1 above it.
-
-    ``edges``: ``(bins + 1,)``.
-    """
+    """Bin index of each value: 0 below the range, 1, 2, ... in the bins, bins + 1 above it."""
     if not np.isfinite(values).all():
         raise ValueError("a value that is not finite cannot be counted in a histogram")
-    found = np.searchsorted(edges, values, side="right")
+    indices = np.searchsorted(edges, values, side="right")
     # the last bin holds its upper edge, too
-    found[values == edges[-1]] = len(edges) - 1
-    return found
+    indices[values == edges[-1]] = len(edges) - 1
+    return indices
 
 
 def from_slots(edges: FloatArray, counts: IntArray) -> Histogram:
@@ -109,15 +96,14 @@ def histogram(values: FloatArray, edges: FloatArray) -> Histogram:
     [2, 1]
     """
     check_edges(edges)
-    found = slots(values, edges)
-    return from_slots(edges, np.bincount(found.ravel(), minlength=len(edges) + 1).astype(np.int64))
+    indices = slots(values, edges)
+    return from_slots(
+        edges, np.bincount(indices.ravel(), minlength=len(edges) + 1).astype(np.int64)
+    )
 
 
 def mean_density(histograms: Sequence[Histogram]) -> FloatArray:
-    """Mean of the densities of several histograms, each with the same weight, ``(bins,)``.
-
-    Histograms without values in their range are left out; NaN if none is left.
-    """
+    """Mean of the densities of histograms with values in their range, ``(bins,)``."""
     if not histograms:
         raise ValueError("there is no density to average")
     for other in histograms[1:]:
@@ -138,20 +124,17 @@ def density_interval(
     confidence: float,
     generator: np.random.Generator,
 ) -> FloatArray:
-    """Bootstrap interval of a mean density over what the values were counted in, ``(2, bins)``.
+    """Bootstrap interval of a mean density over flows, ``(2, bins)``.
 
-    ``edges``: Edges of the bins, ``(bins + 1,)``. ``counts``: Counts of each density: values of
-    each flow in each bin, ``(flows, bins)``. ``rows``: Row of each of these flows, ``(flows,)``:
-    densities that share a flow are resampled with it. ``resamples``, ``confidence``: Number of
-    bootstrap samples; share of them inside the interval. Returns both ends in each bin; NaN where
-    no sample has a value inside the range.
+    ``counts``: Of each density, values of each flow in each bin, ``(flows, bins)``. ``rows``: Row
+    of each of these flows, ``(flows,)``: densities that share a flow are resampled with it.
     """
     drawn, places = np.unique(np.concatenate(rows), return_inverse=True)
     weights = bootstrap_weights(max(len(drawn), 1), resamples, generator)
-    ends = np.cumsum([len(own) for own in rows])[:-1]
+    ends = np.cumsum([len(flows) for flows in rows])[:-1]
     densities = []
-    for own, places_of in zip(counts, np.split(places, ends), strict=True):
-        sums = (weights[:, places_of] @ own).astype(np.float64)
+    for flows, places_of in zip(counts, np.split(places, ends), strict=True):
+        sums = (weights[:, places_of] @ flows).astype(np.float64)
         inside = sums.sum(axis=1, keepdims=True)
         densities.append(sums / np.where(inside > 0, inside, np.nan) / np.diff(edges))
     with warnings.catch_warnings():
@@ -164,17 +147,8 @@ def density_interval(
 def kantorovich_metric(first: Histogram, second: Histogram) -> float:
     """Integral of the absolute difference of two cumulative distributions (paper, section 6).
 
-    The densities are constant in each bin, so that the cumulative distributions are straight
-    there: the integral is exact, also where they cross within a bin.
-
-    Returns
-    -------
-    In units of the observable; NaN where a histogram has no values inside its range.
-
-    Raises
-    ------
-    ValueError
-        If the bins differ.
+    The distributions are straight in each bin: the integral is exact, also where they cross within
+    a bin. In units of the observable; NaN where a histogram has no values inside its range.
 
     Examples
     --------
@@ -198,8 +172,7 @@ def kantorovich_metric(first: Histogram, second: Histogram) -> float:
 def mean_logarithmic_error(first: Histogram, second: Histogram) -> float:
     """Mean over the bins of the difference of the densities' decimal logarithms (paper, MLE).
 
-    A bin that is empty in either density, or in both, counts an error of one. Other errors are not
-    bounded.
+    A bin that is empty in either density counts an error of one.
     """
     _check_common_bins(first, second)
     if first.inside == 0 or second.inside == 0:

@@ -15,22 +15,18 @@ def resampled_measures(
     matrices: ProfileMatrices | None,
     weights: IntArray,
 ) -> dict[str, FloatArray]:
-    """Distances of each bootstrap sample of runs from a reference, which is taken as it is.
+    """Distances of each bootstrap sample of runs from a reference, by measure, ``(resamples,)``.
 
-    A distance is never negative, so that the scatter of resampling adds to it: where a network is
-    as near to the data as its runs can tell, the samples lie above the distance itself.
-
-    ``kept``: Runs that count, ``(runs,)``; discarded runs are drawn, too, and left out.
-    ``weights``: How often each run is in each sample, ``(resamples, runs)``
-    (`burstcast.base.resampling.bootstrap_weights`). By measure, ``(resamples,)``; NaN where a
-    sample has no run that counts.
+    A distance is never negative, so that resampling adds to it. ``kept``: Runs that count,
+    ``(runs,)``; others are drawn and left out. ``weights``: ``(resamples, runs)``. NaN where no
+    drawn run counts.
     """
     rows = np.arange(len(runs))[kept]
-    found = [
+    resampled = [
         compare(reference, runs.merged(np.repeat(rows, sample[kept])), matrices)
         for sample in weights
     ]
     return {
-        name: np.array([getattr(measures, name) for measures in found])
+        name: np.array([getattr(measures, name) for measures in resampled])
         for name in Measures.__dataclass_fields__
     }

@@ -1,9 +1,8 @@
 """Long-term runs: long closed loops of one forecaster, reduced to statistics while they run.
 
-All trajectories run side by side, a chunk of steps at a time. None is stored: each is reduced to a
-histogram and moments of its own, which are merged for the trajectories that turn out to count.
-
-Source: section "Statistical prediction of extreme events" of the paper.
+Trajectories run side by side, a chunk of steps at a time. Each is reduced to a histogram and
+moments, which are merged for those that count. Source: section "Statistical prediction of extreme
+events".
 """
 
 import bisect
@@ -100,10 +99,9 @@ class LongTermRun:
 def long_term_starting_points(
     series: int, length: int, spacing: int, washout: int, count: int
 ) -> SeriesPoints:
-    """Choose the starting points of a long-term run, shared out evenly among the training series.
+    """Starting points of a long-term run: the earliest ones, shared out evenly among the series.
 
-    The earliest points of every series are taken, one more in the first series where ``count`` is
-    no multiple of their number. There are fewer than ``count`` where the series have no more room.
+    There are fewer than ``count`` where the series have no more room.
     """
     points = starting_points(series, length, spacing, washout, longest_forecast=0)
     taken = np.sort(np.lexsort((points.series, points.step))[:count])
@@ -118,18 +116,12 @@ def run_long_term(
 ) -> LongTermRun:
     """Let a forecaster run freely from many starting points and keep its statistics.
 
-    A trajectory that laminarises or diverges is dropped at once, and costs no more time. Where both
-    happen, what happens first counts; at the same step, divergence.
-
-    Whether a trajectory is at a fixed point is known for certain at its end only, since the
-    criterion is about its last steps. It is dropped before if it stays there for good: every
-    component of its state has varied by less than `FIXED_POINT_RANGE` for at least as long as
-    remains. Rounding errors, 1e-17 and more at every step, keep on disturbing it. In all that time
-    an instability cannot have made them grow more than the 1e7-fold, or they would show; in the
-    time that remains it cannot take them further than to 1e-3 of the range of the data, which the
-    criterion is blind to.
-
-    Returns statistics over the closed loops alone, without the washouts.
+    A trajectory that laminarises or diverges is dropped at once; what happens first counts, and at
+    the same step divergence. One at a fixed point is dropped before its end only if it stays there
+    for good: every component has varied by less than `FIXED_POINT_RANGE` for at least as long as
+    remains. In all that time an instability cannot have made rounding errors (1e-17) grow more than
+    the 1e7-fold, or they would show; in the time that remains it cannot take them further than to
+    1e-3 of the range of the data.
     """
     points, _, dimension = washouts.shape
     if points == 0:
@@ -171,10 +163,7 @@ def run_long_term(
 def _ends(
     forecaster: Forecaster, states: FloatArray, values: FloatArray, threshold: float | None
 ) -> tuple[IntArray, IntArray]:
-    """Fates of trajectories ``(batch,)`` after a chunk, as far as it decides them, and when.
-
-    The second is the position in the chunk of the step that decides.
-    """
+    """Fates of trajectories ``(batch,)`` after a chunk, and positions of the steps that decide."""
     diverged = forecaster.diverged(states)
     fates = np.where(diverged, Fate.DIVERGED, Fate.KEPT).astype(np.int64)
     at = np.zeros(len(fates), dtype=np.int64)
@@ -237,11 +226,7 @@ class _FixedPointDetector:
         return np.where(at_fixed_point, Fate.FIXED_POINT, Fate.KEPT).astype(np.int64)
 
     def at_rest_since(self, rows: IntArray) -> IntArray:
-        """Position of the first step since which the observable has hardly varied.
-
-        It holds for trajectories at a fixed point, and is no later than the beginning of the
-        interval that the criterion looks at.
-        """
+        """First step since which the observable has hardly varied, for trajectories at rest."""
         return np.minimum(self._rest_since[rows], self._steps - self._criterion.interval)
 
     def _follow_rest(self, rows: IntArray, start: int, values: FloatArray) -> None:

@@ -1,8 +1,6 @@
-"""Lyapunov exponents of a forecaster's own flow, along its long runs.
+"""Lyapunov exponents of a forecaster's own flow, by the QR method along its long runs.
 
-The QR method of `burstcast.systems.lyapunov`, along trajectories of any forecaster that linearises
-its forecasts (`Forecaster.advance_tangent`): the equations, the closed loop of a network. Like the
-flow's own exponents, they belong to the chaotic phase: the trajectories must not leave it.
+The trajectories must not leave the chaotic phase, to which the exponents belong.
 """
 
 from dataclasses import dataclass
@@ -33,15 +31,11 @@ def forecaster_spectrum(
     sampling_interval: float,
     generator: np.random.Generator,
 ) -> LyapunovSpectrum:
-    """Leading Lyapunov exponents of a forecaster along long runs.
+    """Leading Lyapunov exponents of a forecaster along long runs, ``(runs, exponents)``.
 
-    The perturbations align over the first quarter of a run, as for the flow's own exponents
-    (`alignment_of`), and their growth over the rest is measured.
-
-    ``washouts``: Observed states up to the start of each run, ``(runs, steps, dimension)``.
-    ``orthonormalisation_steps``: Steps between two factorisations; an incomplete interval at the
-    end is left out. ``exponents``: Number of exponents; a forecaster has no more than components of
-    its memory. Returns exponents ``(runs, exponents)``; NaN for missing and unresolved ones.
+    The perturbations align over the first quarter of a run (`alignment_of`). ``washouts``: Observed
+    states up to the start of each run, ``(runs, steps, dimension)``. NaN for exponents that are
+    missing (a forecaster has no more than components of its memory) or unresolved.
     """
     alignment = alignment_of(steps, orthonormalisation_steps)
     intervals = (steps - alignment) // orthonormalisation_steps
@@ -94,12 +88,9 @@ class SpectrumSummary:
 def summarise(
     exponents: FloatArray, confidence: float, resamples: int, generator: np.random.Generator
 ) -> SpectrumSummary:
-    """Average the exponents over runs.
+    """Average exponents ``(runs, exponents)`` over runs, with Student's intervals.
 
-    Intervals of exponents are Student's. The dimension is no mean and has percentile bootstrap
-    intervals over runs.
-
-    ``exponents``: ``(runs, exponents)``.
+    The dimension is no mean and has percentile bootstrap intervals over runs.
     """
     runs, count = exponents.shape
     unknown = np.full(count, np.nan)

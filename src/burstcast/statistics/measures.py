@@ -35,18 +35,16 @@ def compare(
     candidate: LongTermStatistics,
     matrices: ProfileMatrices | None,
 ) -> Measures:
-    """Distances of a candidate (a network, the training set) from the reference.
+    """Distances of a candidate from the reference, on the same bins; NaN without any states.
 
-    ``candidate``: What is measured, on the same bins. Without any states no measure is defined.
-    ``matrices``: Matrices of the flow's modes at equally spaced heights from wall to wall; None for
-    a system without velocity modes, whose profiles are not defined.
+    ``matrices``: Of the flow's modes at equally spaced heights; None for a system without modes.
     """
     errors = [float("nan")] * 3
     if matrices is not None and candidate.moments.count > 0:
         true = velocity_profiles(matrices, reference.moments)
-        found = velocity_profiles(matrices, candidate.moments)
+        profiles = velocity_profiles(matrices, candidate.moments)
         errors = [
-            normalised_root_mean_square_error(getattr(true, name), getattr(found, name))
+            normalised_root_mean_square_error(getattr(true, name), getattr(profiles, name))
             for name in ("u", "uu", "uv")
         ]
     return Measures(
@@ -67,14 +65,11 @@ def sampling_floor(
 ) -> list[Measures]:
     """Measures between two independent parts of the true data: the scale of the sampling error.
 
-    Whole series are drawn at random, without replacement, into a sample; it is compared with the
-    series that are left as the reference. The two share no series, hence are independent. By
-    default they are two halves; with ``sample`` as large as what a network's statistics rest on,
-    the floor is what a perfect network would show against the data. Between halves it is about
-    twice what a perfect network that ran for ever would show: both halves err, each by sqrt(2).
-
-    Each split is one draw of the sampling error; the splits share their data, so that their spread
-    shows how far a single split may be off, not how well the mean is known.
+    Whole series are drawn without replacement into a ``sample``, by default a half, which is
+    compared with the series that are left. With a sample as large as a network's, the floor is what
+    a perfect network would show against the data; between halves it is about twice that of a
+    perfect network that ran for ever. The spread over splits, which share their data, is not the
+    error of their mean.
     """
     size = len(series) // 2 if sample is None else sample
     if not 0 < size < len(series):
@@ -108,11 +103,7 @@ def floor_variables(splits: Sequence[Measures]) -> dict[str, Variable]:
 
 
 def nearest(reference: LongTermStatistics, candidates: Sequence[LongTermStatistics]) -> int | None:
-    """Position of the candidate with the smallest Kantorovich metric from the reference.
-
-    ``candidates``: What is compared, on the same bins. Those without values inside the range do not
-    count.
-    """
+    """Position of the candidate with the smallest Kantorovich metric from the reference, if any."""
     distances = [
         kantorovich_metric(reference.histogram, candidate.histogram) for candidate in candidates
     ]
@@ -133,10 +124,7 @@ def best_network(
     reference: LongTermStatistics,
     networks: Mapping[tuple[int, int], LongTermStatistics],
 ) -> BestNetwork | None:
-    """Network with the smallest Kantorovich metric; None if none has any statistics.
-
-    ``networks``: Statistics of networks of one size, by their neurons and seed.
-    """
+    """Network, of those of one size by neurons and seed, with the smallest Kantorovich metric."""
     best = nearest(reference, [*networks.values()])
     if best is None:
         return None

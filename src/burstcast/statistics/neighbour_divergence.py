@@ -4,30 +4,28 @@ Source: Rosenstein, Collins & De Luca, "A practical method for calculating large
 exponents from small data sets", Physica D 65 (1993). The logarithm of the distance of states to
 their nearest neighbours, averaged over many, grows linearly at first, by the leading exponent.
 
-Three things hide that growth in series of finite length, and two of them are taken out here:
+Three things hide that growth in series of finite length:
 
-* Neighbours are apart along the flow, too, which does not grow: in weak chaos it hides the rest
-  for some Lyapunov times. Distances are taken across the flow.
-* Distances saturate, the sooner the more dimensions the attractor has, and noise is a floor below
-  them. Growth that saturates above a floor is fitted to the mean logarithm, by two laws
-  (`POWERS`) and up to two levels (`FITTED`); the estimate is the mean of the four.
-* Neighbours take time until they point in the direction that grows fastest. Nothing is done about
-  it.
+* Neighbours are apart along the flow, too, which does not grow. Distances are taken across the
+  flow.
+* Distances saturate, and noise is a floor below them. Growth that saturates above a floor is
+  fitted to the mean logarithm, by two laws (`POWERS`) and up to two levels (`FITTED`); the estimate
+  is the mean of the four.
+* Neighbours take time until they point in the direction that grows fastest. This is not corrected.
 
-Neighbouring states of noise part as well, and any series has a rate at which they do. An exponent
-is given only where neighbours stay together for longer than those of surrogates: noise with the
-spectra, cross-spectra and distributions of the series (Theiler et al., "Testing for nonlinearity in
-time series: the method of surrogate data", Physica D 58 (1992)). In trials the mean logarithm of
-the distance over the fit was 10 to 270 standard deviations of the surrogates below their mean in
-nine sets of chaotic series, from 400 samples of one series on, and at most 4 in 17 sets of white
-noise, random walks, autoregressive noise and functions of noise.
+Neighbouring states of noise part as well. An exponent is given only where neighbours stay together
+for longer than those of surrogates: noise with the spectra, cross-spectra and distributions of the
+series (Theiler et al., "Testing for nonlinearity in time series: the method of surrogate data",
+Physica D 58 (1992)). In trials the mean logarithm of the distance was 10 to 270 standard deviations
+of the surrogates below their mean in nine sets of chaotic series, and at most 4 in 17 sets of
+noise.
 
-The interval holds the scatter over series, the differences of the four fits, and the error that is
-left then, `METHOD_ERROR`. What came of ten series of 4000 samples, some 25 to 80 Lyapunov
-times each (the pair: 6000 and 84), beside exponents of the equations:
+The interval holds the scatter over series, the differences of the four fits, and the remaining
+error, `METHOD_ERROR`. Estimates from ten series of 4000 samples, some 25 to 80 Lyapunov times each
+(the pair: 6000 and 84), and exponents of the equations:
 
 ===============================================  ========  ================  ==========  ======
-series                                           estimate  interval (95 %)   1 % noise   known
+series                                           estimate  interval (95 %)   1 % noise   true
 ===============================================  ========  ================  ==========  ======
 four species (Lotka-Volterra; Vano et al. 2006)  0.0194    0.0155 to 0.0234  0.0165      0.0204
 bursting neuron (Hindmarsh-Rose)                 0.0147    0.0115 to 0.0177  0.0116      0.0133
@@ -44,9 +42,9 @@ Chen                                             2.04      1.62 to 2.46      1.8
 Thomas                                           0.0643    0.0493 to 0.0801  0.0667      0.0349
 ===============================================  ========  ================  ==========  ======
 
-Thomas' system, in which distances of any size grow faster than infinitesimal ones, is the one that
-the interval misses. One component of a flow of many dimensions is not enough: of the kinetic energy
-of the shear flow alone it is 3.5 times the exponent.
+The interval misses Thomas' system, in which distances of any size grow faster than infinitesimal
+ones. One component of a flow of many dimensions is not enough: the kinetic energy of the shear flow
+alone yields 3.5 times the exponent.
 """
 
 from dataclasses import dataclass
@@ -246,8 +244,8 @@ class _Growth:
         """Fit growth that saturates, above a floor, to the mean logarithm of the distance.
 
         Without the floor, a distance d grows by ``rate * d * (1 - (d / saturated) ** power)`` a
-        step; squares of the distance and of the floor add up. The first point is left out:
-        neighbours were chosen by it, noise included.
+        step; squares of distance and floor add up. The first point, by which neighbours were
+        chosen, is left out.
         """
         steps = np.arange(1, curve.size)
 
@@ -274,10 +272,7 @@ class _Growth:
 
 
 def correlation_steps(series: FloatArray) -> int:
-    """Steps until the autocorrelation of series ``(series, time, component)`` is below 1 / e.
-
-    A quarter of the series if it is not before that.
-    """
+    """Steps until the autocorrelation of series is below 1 / e; a quarter of them at most."""
     departures = series - series.mean(axis=(0, 1))
     variance = np.square(departures).mean()
     most = int(series.shape[1] // 4)
@@ -316,20 +311,20 @@ class _Neighbours:
         neighbour = np.full(len(chosen), -1)
         waiting, count = np.arange(len(chosen)), 2
         while len(waiting) and count <= min(_MOST_CANDIDATES, len(candidates)):
-            found = np.asarray(tree.query(candidates[chosen[waiting]], k=count)[1])
+            neighbours = np.asarray(tree.query(candidates[chosen[waiting]], k=count)[1])
             at = chosen[waiting][:, np.newaxis] % starts
-            others, later = np.divmod(found, starts)
+            others, later = np.divmod(neighbours, starts)
             distinct = (others != chosen[waiting][:, np.newaxis] // starts) | (
                 np.abs(later - at) > window
             )
             has = distinct.any(axis=1)
-            neighbour[waiting[has]] = found[has, distinct[has].argmax(axis=1)]
+            neighbour[waiting[has]] = neighbours[has, distinct[has].argmax(axis=1)]
             waiting, count = waiting[~has], 4 * count
-        known = neighbour >= 0
-        if not known.any():
+        paired = neighbour >= 0
+        if not paired.any():
             raise NoExponentError("no state has a neighbour: the series are too short")
-        series, step = np.divmod(chosen[known], starts)
-        other_series, other_step = np.divmod(neighbour[known], starts)
+        series, step = np.divmod(chosen[paired], starts)
+        other_series, other_step = np.divmod(neighbour[paired], starts)
         distance = np.empty((len(series), steps + 1))
         for ahead in range(steps + 1):
             apart = states[series, step + ahead] - states[other_series, other_step + ahead]
@@ -347,11 +342,7 @@ class _Neighbours:
 def _departure_from_noise(
     series: FloatArray, log_distance: FloatArray, window: int, generator: np.random.Generator
 ) -> float:
-    """How much closer neighbours stay than in surrogates, in standard deviations of these.
-
-    The smaller one of the departures from both kinds of surrogates. ``log_distance``: Mean
-    logarithm of the distance of neighbours after 0, 1, 2, ... steps.
-    """
+    """How much closer neighbours stay than in surrogates of either kind, in standard deviations."""
     departures = []
     for normal in (False, True):
         means = []
@@ -371,10 +362,9 @@ def surrogate(series: FloatArray, generator: np.random.Generator, *, normal: boo
 
     The phases of the Fourier transform are drawn, the same for all components, and the given values
     are put in the order of the result. The line from the first to the last value of each series
-    stays, so that a random walk has no jump at its ends.
-
-    ``normal``: Whether values are first replaced by those of a normal distribution with the same
-    ranks, which turns a function of normal noise into that noise. A random walk stays one without.
+    stays, so that a random walk has no jump at its ends. ``normal``: Whether values are first
+    replaced by normal ones of the same ranks, which turns a function of normal noise into that
+    noise.
     """
     flat = series.reshape(-1, series.shape[2])
     values = (
@@ -402,8 +392,8 @@ def _saturation(
 ) -> float:
     """Mean logarithm of the distance of two states at random."""
     flat, along = (array.reshape(-1, states.shape[2]) for array in (states, directions))
-    one, other = generator.integers(len(flat), size=(2, _RANDOM_PAIRS))
-    distance = _across(flat[one] - flat[other], along[one])
+    first, second = generator.integers(len(flat), size=(2, _RANDOM_PAIRS))
+    distance = _across(flat[first] - flat[second], along[first])
     return float(np.log(distance[distance > 0]).mean())
 
 

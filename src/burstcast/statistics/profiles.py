@@ -1,11 +1,7 @@
 """Velocity statistics of the flow, from the moments of its modes' amplitudes.
 
-Moments and errors are defined for any system. Velocities belong to systems whose state is the
-amplitudes of velocity modes (`systems/mfe_modes.flow_modes`). Averages over time of
-velocities and of products of two of them follow from the mean of a_i and of a_i a_j alone, so that
-no velocity field is ever averaged step by step.
-
-Source: section "Statistical prediction of extreme events" of the paper.
+Averages over time of velocities and of products of two of them follow from the means of a_i and of
+a_i a_j alone. Source: section "Statistical prediction of extreme events" of the paper.
 """
 
 from dataclasses import dataclass
@@ -29,20 +25,13 @@ class Profiles:
 
 
 def equally_spaced_profiles(system: StateSpace, points: int) -> ProfileMatrices | None:
-    """Profiles at equally spaced heights from wall to wall; None for a system without modes.
-
-    ``points``: Number of heights, the walls y = -1 and y = 1 included.
-    """
+    """Profiles at ``points`` heights from wall to wall; None for a system without modes."""
     modes = flow_modes(system)
     return None if modes is None else modes.profile_matrices(np.linspace(-1.0, 1.0, points))
 
 
 def velocity_profiles(matrices: ProfileMatrices, moments: StateMoments) -> Profiles:
-    """Velocity profiles of a flow with these moments.
-
-    ``matrices``: Matrices of the modes at the wanted heights
-    (``flow_modes(system).profile_matrices(y)``).
-    """
+    """Velocity profiles of a flow with these moments, by matrices of its modes."""
     u, uu, uv = matrices.profiles(moments.mean, moments.mean_product)
     return Profiles(u, uu, uv)
 

@@ -1,8 +1,7 @@
 """Series reduced to a histogram and moments, for long-term statistics.
 
-The reductions of every series are kept apart until it is known which series count. They are summed
-step by step in the order of time, so that they do not depend on how the series are cut up. Products
-of states of many components are summed by matrix products, whose last bits depend on it.
+They are summed step by step in the order of time, so that they do not depend on how the series are
+cut up; but for products of many components, which are summed by matrix products.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -30,11 +29,7 @@ class LongTermStatistics:
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, Any]) -> "LongTermStatistics":
-        """Statistics from the variables of their file.
-
-        ``arrays``: ``edge``, ``count``, ``below`` and ``above`` of the histogram; ``states`` (their
-        number), ``mean`` and ``mean_product`` of the moments.
-        """
+        """Statistics from the variables of their file (`statistics_variables`)."""
         return cls(
             histogram=Histogram(
                 edges=arrays["edge"],
@@ -66,10 +61,7 @@ class SeriesReductions:
         return len(self.counts)
 
     def merged(self, rows: BoolArray | IntArray | slice) -> LongTermStatistics:
-        """Statistics of the chosen series together.
-
-        ``rows``: The series: positions, or a mask. There may be none.
-        """
+        """Statistics of some series together, by their positions or a mask; there may be none."""
         counts = self.counts[rows].sum(axis=0)
         number = int(counts.sum())
         divisor = number or np.nan
@@ -85,10 +77,7 @@ class SeriesReductions:
 
 
 class SeriesAccumulator:
-    """Reduces series while they are being made.
-
-    ``edges``: Edges of the histograms' bins, ``(bins + 1,)``.
-    """
+    """Reduces series while they are being made, on the edges of bins ``(bins + 1,)``."""
 
     def __init__(self, series: int, dimension: int, edges: FloatArray) -> None:
         check_edges(edges)
@@ -99,16 +88,12 @@ class SeriesAccumulator:
         self._product_sums = np.zeros((len(self._first), series))
 
     def add(self, rows: IntArray, states: FloatArray, observable: FloatArray) -> None:
-        """Add the next steps of some series.
-
-        ``rows``: The series, each at most once, ``(batch,)``. ``states``: ``(steps, dimension,
-        batch)``. ``observable``: Observable of these states, ``(steps, batch)``.
-        """
+        """Add ``(steps, dimension, batch)`` states of some series, each at most once."""
         if not np.isfinite(states).all():
             raise ValueError("a state that is not finite has no moments")
         width = self._counts.shape[1]
-        found = slots(observable, self._edges) + width * np.arange(len(rows))
-        counts = np.bincount(found.ravel(), minlength=width * len(rows))
+        indices = slots(observable, self._edges) + width * np.arange(len(rows))
+        counts = np.bincount(indices.ravel(), minlength=width * len(rows))
         self._counts[rows] += counts.reshape(len(rows), width)
         sums = self._sums[:, rows]
         if len(sums) >= _MANY_COMPONENTS:
@@ -116,8 +101,8 @@ class SeriesAccumulator:
                 sums += state
             self._sums[:, rows] = sums
             for column, row in enumerate(rows):
-                one = np.ascontiguousarray(states[:, :, column])
-                self._product_sums[:, row] += (one.T @ one)[self._first, self._second]
+                trajectory = np.ascontiguousarray(states[:, :, column])
+                self._product_sums[:, row] += (trajectory.T @ trajectory)[self._first, self._second]
             return
         product_sums = self._product_sums[:, rows]
         for start in range(0, len(states), STEPS_PER_BLOCK):
@@ -143,12 +128,7 @@ def reduce_series(
     observable: Callable[[FloatArray], FloatArray],
     edges: FloatArray,
 ) -> SeriesReductions:
-    """Reduce stored series.
-
-    ``blocks``: The series, ``(series, time, component)`` each: read a few at a time, all series
-    need never be in the memory together. How they are grouped changes no result. ``edges``: Edges
-    of the histogram's bins, ``(bins + 1,)``.
-    """
+    """Reduce stored series, blocks of ``(series, time, component)``; blocks change no result."""
     parts = []
     for block in blocks:
         accumulator = SeriesAccumulator(len(block), block.shape[2], edges)

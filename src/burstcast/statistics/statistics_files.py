@@ -50,5 +50,6 @@ def reduction_variables(runs: SeriesReductions) -> dict[str, Variable]:
 
 def reductions_from(arrays: Mapping[str, Any]) -> SeriesReductions:
     """Reductions of runs from the variables of their file."""
-    names = ("edge", "run_count", "run_sum", "run_product_sum")
-    return SeriesReductions(*(arrays[name] for name in names))
+    return SeriesReductions(
+        arrays["edge"], arrays["run_count"], arrays["run_sum"], arrays["run_product_sum"]
+    )

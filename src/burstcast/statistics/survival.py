@@ -1,9 +1,8 @@
 """Survival in the chaotic phase: survival curve and escape rate.
 
-Chaos in the shear flow is transient: from any state the flow laminarises sooner or later, and once
-a series has forgotten where it began, it does so with the same probability per unit of time,
-whatever its age. The lifetimes are then exponential. A forecaster with another escape rate has
-another flow, however good its forecasts are (Pershin, Beaume, Li & Tobias, arXiv:2111.06783).
+Chaos in the shear flow is transient: once a series has forgotten where it began, it laminarises
+with the same probability per unit of time, so that lifetimes are exponential. A forecaster with
+another escape rate has another flow (Pershin, Beaume, Li & Tobias, arXiv:2111.06783).
 """
 
 from dataclasses import dataclass, replace
@@ -33,16 +32,13 @@ class Lifetimes:
         return cls(steps, escaped, length)
 
     def of_training(self, kept: IntArray, training: int) -> Self:
-        """Lifetimes of the series that were generated for the training series, and of these.
+        """Lifetimes of the series that were generated for the training series.
 
-        Series are kept in the order in which they were generated: all were generated after the last
-        one kept before the training series, and up to the last of these.
-
-        ``training``: Number of training series, the first that were kept.
+        These are all after the last one kept before the training series, up to the last of these.
         """
-        own = kept[:training]
-        first = max(kept[kept < own.min()], default=-1) + 1
-        generated = slice(first, own.max() + 1)
+        chosen = kept[:training]
+        first = max(kept[kept < chosen.min()], default=-1) + 1
+        generated = slice(first, chosen.max() + 1)
         return replace(self, steps=self.steps[generated], escaped=self.escaped[generated])
 
 
@@ -71,10 +67,8 @@ class EscapeRate:
 def survival_curve(lifetimes: Lifetimes, times: IntArray, confidence: float) -> SurvivalCurve:
     """Share of the series that are still in the chaotic phase after some steps.
 
-    Since all are watched for equally long, this is the Kaplan-Meier estimate. The intervals are
-    exact ones of a share (Clopper & Pearson, Biometrika 26 (1934) 404), at each time by itself.
-
-    ``times``: Times in steps, none beyond the length of the series.
+    All are watched for equally long: this is the Kaplan-Meier estimate. The intervals are exact
+    ones of a share (Clopper & Pearson, Biometrika 26 (1934) 404), at each time by itself.
     """
     if lifetimes.steps.size == 0:
         raise ValueError("a survival curve needs a series")
@@ -96,13 +90,9 @@ def escape_rate(
 ) -> EscapeRate:
     """Rate of the exponential distribution of lifetimes, by maximum likelihood.
 
-    The estimate is the number of escapes over the time at risk, series that are still in the
-    chaotic phase at their end included: they are censored. The interval is the exact one of a
-    Poisson count (Garwood, Biometrika 28 (1936) 437); without any escape its upper end is the
-    largest rate that is compatible with having seen none.
-
-    ``start``: Steps at the beginning of each series that are left out, because there it still
-    remembers where it began: what escapes in them is not at risk. None: the first quarter.
+    It is the number of escapes over the time at risk, with the exact interval of a Poisson count
+    (Garwood, Biometrika 28 (1936) 437). ``start``: Steps at the beginning of each series that are
+    left out, in which it still remembers where it began; None: the first quarter.
     """
     if start is None:
         start = lifetimes.length // 4

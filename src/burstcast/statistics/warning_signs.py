@@ -1,15 +1,18 @@
 """Warning signs of weak results: each function tests for one and returns its findings.
 
-What counts as a sign stands here, once, with its reason. None of them is an error: a finding is for
-a person to look at.
+None of them is an error: a finding is for a person to look at.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import wraps
+from typing import ParamSpec
 
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
+
+Arguments = ParamSpec("Arguments")
 
 EDGE_SHARE = 0.5
 """Of the networks of an ensemble with an optimum on the edge of what was searched: single optima
@@ -64,47 +67,47 @@ class Finding:
     text: str  #: what was found, with the numbers
 
 
+def _sign(texts_of: Callable[Arguments, Iterator[str]]) -> Callable[Arguments, list[Finding]]:
+    """A test for a warning sign, of the same name, from a function that yields its texts."""
+
+    @wraps(texts_of)
+    def test(*arguments: Arguments.args, **named: Arguments.kwargs) -> list[Finding]:
+        return [Finding(texts_of.__name__, text) for text in texts_of(*arguments, **named)]
+
+    return test
+
+
+@_sign
 def optimum_on_edge(
     name: str, values: Sequence[float], low: float, high: float, negligible: float = 0.0
-) -> list[Finding]:
+) -> Iterator[str]:
     """Optima of an ensemble's networks on the edges of the search range, on a logarithmic scale.
 
-    ``low``, ``high``: Bounds of the search, positive; if they are equal, there is no edge.
-    ``negligible``: Value below which all values do the same: a lower bound there is no edge.
+    If the bounds are equal, there is no edge; nor is a lower bound below a ``negligible`` value.
     """
     if not (len(values) and high > low):
-        return []
+        return
     place = np.log(np.asarray(values) / low) / np.log(high / low)
-    found = []
     for side, bound, there in (
         ("lower", low, place <= EDGE_TOLERANCE),
         ("upper", high, place >= 1.0 - EDGE_TOLERANCE),
     ):
         is_edge = side == "upper" or low > negligible
         if is_edge and there.mean() >= EDGE_SHARE:
-            text = f"{name} at its {side} bound {bound:g} in {there.sum()} of {there.size} networks"
-            found.append(Finding("optimum_on_edge", text))
-    return found
+            yield f"{name} at its {side} bound {bound:g} in {there.sum()} of {there.size} networks"
 
 
-def few_events(events: int, asked: int, threshold: float, largest: float) -> list[Finding]:
-    """No events, or too few for averages over them.
-
-    ``events``, ``asked``: Events that there are to forecast, and how many were asked for.
-    ``threshold``, ``largest``: Threshold of an event, and largest value of the observable.
-    """
+@_sign
+def few_events(events: int, asked: int, threshold: float, largest: float) -> Iterator[str]:
+    """No events, or too few for averages over them."""
     if largest < threshold:
-        text = (
-            f"no event: the threshold {threshold:g} is above all of the observable, {largest:.4g}"
-        )
+        yield f"no event: the threshold {threshold:g} is above all of the observable, {largest:.4g}"
     elif events < min(FEW_EVENTS, asked):
-        text = f"{events} events to forecast, {asked} were asked for"
-    else:
-        return []
-    return [Finding("few_events", text)]
+        yield f"{events} events to forecast, {asked} were asked for"
 
 
-def few_positives(prediction_times_lt: Sequence[float], positives: Sequence[int]) -> list[Finding]:
+@_sign
+def few_positives(prediction_times_lt: Sequence[float], positives: Sequence[int]) -> Iterator[str]:
     """Scores from few starting points that an event follows, by the prediction time."""
     few = [
         (time, count)
@@ -112,204 +115,167 @@ def few_positives(prediction_times_lt: Sequence[float], positives: Sequence[int]
         if count < FEW_POSITIVES
     ]
     if not few:
-        return []
+        return
     times = ", ".join(f"{time:g}" for time, _ in few)
     least, most = min(count for _, count in few), max(count for _, count in few)
     counted = f"{least}" if least == most else f"{least} to {most}"
-    return [Finding("few_positives", f"{counted} positives at {times} LT")]
+    yield f"{counted} positives at {times} LT"
 
 
-def nothing_to_calibrate_with(washout_maxima: FloatArray, threshold: float) -> list[Finding]:
-    """No starting point in the training series from which a forecast counts.
-
-    ``washout_maxima``: Largest observable of the washout of each starting point, ``(points,)``.
-    ``threshold``: Event threshold; a washout that reaches it is of no use for a forecast.
-    """
-    if (washout_maxima < threshold).any():
-        return []
-    text = (
-        f"no calibration of probabilities: events are under way in the washouts of all "
-        f"{len(washout_maxima)} starting points in the training series"
-    )
-    return [Finding("nothing_to_calibrate_with", text)]
+@_sign
+def nothing_to_calibrate_with(washout_maxima: FloatArray, threshold: float) -> Iterator[str]:
+    """No starting point whose largest washout observable is below the event threshold."""
+    if not (washout_maxima < threshold).any():
+        yield (
+            f"no calibration of probabilities: events are under way in the washouts of all "
+            f"{len(washout_maxima)} starting points in the training series"
+        )
 
 
+@_sign
 def no_better_than_permanent_alarm(
     prediction_times_lt: Sequence[float], f_scores: Sequence[float], permanent: Sequence[float]
-) -> list[Finding]:
-    """F-scores that an alarm at every time has as well.
-
-    ``f_scores``: Median F-scores of an ensemble at these times; NaN where they are undefined.
-    ``permanent``: F-scores of a permanent alarm; NaN where nothing happened.
-    """
-    found = [
+) -> Iterator[str]:
+    """Median F-scores of an ensemble that an alarm at every time has as well; NaN: undefined."""
+    points = [
         (time, score, other)
         for time, score, other in zip(prediction_times_lt, f_scores, permanent, strict=True)
         if score <= other
     ]
-    if not found:
-        return []
-    listed = ", ".join(f"{time:g} LT {score:.2f} ({other:.2f})" for time, score, other in found)
-    text = f"F-scores no better than the F-scores of a permanent alarm, in brackets: {listed}"
-    return [Finding("no_better_than_permanent_alarm", text)]
+    if not points:
+        return
+    listed = ", ".join(f"{time:g} LT {score:.2f} ({other:.2f})" for time, score, other in points)
+    yield f"F-scores no better than the F-scores of a permanent alarm, in brackets: {listed}"
 
 
-def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> list[Finding]:
-    """Long runs that leave the chaotic phase, or diverge.
-
-    ``lost``, ``diverged``: Shares of each network's runs that laminarise, settle or diverge, and
-    that diverge.
-    """
-    found = []
+@_sign
+def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> Iterator[str]:
+    """Shares of each network's long runs that leave the chaotic phase, or diverge."""
     for shares, limit, what in (
         (np.asarray(diverged), DIVERGED_RUNS, "diverge"),
         (np.asarray(lost), LOST_RUNS, "leave the chaotic phase"),
     ):
         there = shares > limit
         if there.any():
-            text = (
+            yield (
                 f"in {there.sum()} of {there.size} forecasters, up to {shares.max():.0%} of the "
                 f"long runs {what}"
             )
-            found.append(Finding("lost_long_runs", text))
-    return found
 
 
-def ill_conditioned_readout(solvers: Sequence[str]) -> list[Finding]:
+@_sign
+def ill_conditioned_readout(solvers: Sequence[str]) -> Iterator[str]:
     """Ridge regressions that rounding has made indefinite (`burstcast.networks.readout`)."""
     indefinite = sum(solver != "cholesky" for solver in solvers)
-    if not indefinite:
-        return []
-    text = f"the ridge regression of {indefinite} of {len(solvers)} networks is indefinite"
-    return [Finding("ill_conditioned_readout", text)]
+    if indefinite:
+        yield f"the ridge regression of {indefinite} of {len(solvers)} networks is indefinite"
 
 
+@_sign
 def exponents_differ(
     leading: tuple[float, float, float],
     growth: tuple[float, float, float],
     published: float | None,
-) -> list[Finding]:
-    """Leading Lyapunov exponents that contradict one another.
-
-    ``leading``, ``growth``: By QR factorisation and by the growth of perturbations: mean, ends of
-    the interval; NaN where it was not computed.
-    """
-    found = []
+) -> Iterator[str]:
+    """Leading exponents by QR and by growth, with their intervals, that contradict one another."""
     # of measured series there is none by growth
     if np.isfinite(growth[0]) and max(leading[1], growth[1]) > min(leading[2], growth[2]):
-        text = (
+        yield (
             f"by QR factorisation {leading[0]:.4g} ({leading[1]:.4g} to {leading[2]:.4g}), by the "
             f"growth of perturbations {growth[0]:.4g} ({growth[1]:.4g} to {growth[2]:.4g})"
         )
-        found.append(Finding("exponents_differ", text))
     if published is not None and abs(leading[0] - published) > EXPONENT_DIFFERENCE * published:
-        text = f"computed {leading[0]:.4g}, published {published:.4g}"
-        found.append(Finding("exponents_differ", text))
-    return found
+        yield f"computed {leading[0]:.4g}, published {published:.4g}"
 
 
-def no_exponent(estimated: float) -> list[Finding]:
-    """No Lyapunov exponent that could be estimated from series.
-
-    ``estimated``: Leading Lyapunov exponent; NaN where the series show none.
-    """
-    if not np.isnan(estimated):
-        return []
-    text = (
-        "the training series show no Lyapunov exponent: neighbouring states do not part, or none "
-        "are found; scores count in the published Lyapunov time"
-    )
-    return [Finding("no_exponent", text)]
+@_sign
+def no_exponent(estimated: float) -> Iterator[str]:
+    """No Lyapunov exponent that could be estimated from series: it is NaN."""
+    if np.isnan(estimated):
+        yield (
+            "the training series show no Lyapunov exponent: neighbouring states do not part, or "
+            "none are found; scores count in the published Lyapunov time"
+        )
 
 
+@_sign
 def own_exponents_differ(
-    estimated: tuple[float, float, float], own: Sequence[float]
-) -> list[Finding]:
-    """An exponent estimated from series, the unit of time, that forecasters' own flows contradict.
-
-    ``own``: Leading Lyapunov exponents of the own flows of an ensemble's forecasters; NaN where
-    there is none.
-    """
-    known = np.asarray(own)[np.isfinite(own)]
-    if not known.size or known.min() <= estimated[0] <= known.max():
-        return []
-    median = float(np.median(known))
+    estimated: tuple[float, float, float], learnt: Sequence[float]
+) -> Iterator[str]:
+    """An estimate, the unit of time, that exponents of an ensemble's own flows contradict."""
+    exponents = np.asarray(learnt)[np.isfinite(learnt)]
+    if not exponents.size or exponents.min() <= estimated[0] <= exponents.max():
+        return
+    median = float(np.median(exponents))
     if median <= 0 or abs(median - estimated[0]) <= OWN_EXPONENT_DIFFERENCE * estimated[0]:
-        return []
-    text = (
+        return
+    yield (
         f"estimated from the series {estimated[0]:.4g} ({estimated[1]:.4g} to {estimated[2]:.4g}), "
-        f"of forecasters' own flows {median:.4g} ({known.min():.4g} to {known.max():.4g} of "
-        f"{known.size}). To count in the forecasters' exponent: "
+        f"of forecasters' own flows {median:.4g} ({exponents.min():.4g} to {exponents.max():.4g} "
+        f"of {exponents.size}). To count in the forecasters' exponent: "
         f"lyapunov: {{published_exponent: {median:.4g}}}"
     )
-    return [Finding("own_exponents_differ", text)]
 
 
-def no_chaos_learnt(estimated: float, own: Sequence[float]) -> list[Finding]:
-    """Forecasters whose own flows are not chaotic: the median of their exponents is not positive.
-
-    ``estimated``: Leading Lyapunov exponent that was estimated from the series. ``own``: Leading
-    Lyapunov exponents of the own flows of an ensemble's forecasters; NaN where there is none.
-    """
-    known = np.asarray(own)[np.isfinite(own)]
-    if not known.size or np.median(known) > 0:
-        return []
-    text = (
+@_sign
+def no_chaos_learnt(estimated: float, learnt: Sequence[float]) -> Iterator[str]:
+    """Forecasters without chaos: the median exponent of their own flows is not positive."""
+    exponents = np.asarray(learnt)[np.isfinite(learnt)]
+    if not exponents.size or np.median(exponents) > 0:
+        return
+    yield (
         f"the forecasters have learnt no chaos: the leading exponents of their own flows are "
-        f"{known.min():.4g} to {known.max():.4g} (of {known.size}), estimated from the series "
-        f"{estimated:.4g}"
+        f"{exponents.min():.4g} to {exponents.max():.4g} (of {exponents.size}), "
+        f"estimated from the series {estimated:.4g}"
     )
-    return [Finding("no_chaos_learnt", text)]
 
 
-def outside_bins(below: int, above: int, inside: int) -> list[Finding]:
+@_sign
+def outside_bins(below: int, above: int, inside: int) -> Iterator[str]:
     """Samples of the observable that no bin of its density holds."""
     samples = below + above + inside
     if not samples or (below + above) / samples <= OUTSIDE_BINS:
-        return []
-    text = f"{below / samples:.2%} of the observable below the bins, {above / samples:.2%} above"
-    return [Finding("outside_bins", text)]
+        return
+    yield f"{below / samples:.2%} of the observable below the bins, {above / samples:.2%} above"
 
 
-def noise_drowns_components(states: FloatArray, noise: float) -> list[Finding]:
-    """Components that change less from sample to sample than the noise does.
+@_sign
+def noise_drowns_components(states: FloatArray, noise: float) -> Iterator[str]:
+    """Components of series that change less from sample to sample than the noise does.
 
-    ``states``: Training series without noise, ``(series, time, component)``. ``noise``: Its
-    standard deviation, in standard deviations of each component.
+    ``noise``: Its standard deviation, in standard deviations of each component.
     """
     increments = np.sqrt(np.mean(np.diff(states, axis=1) ** 2, axis=(0, 1)))
     levels = noise * states.std(axis=(0, 1))
     # a component that does not vary has no noise either
     drowned = np.flatnonzero(levels > NOISE_OVER_INCREMENT * increments)
     if not drowned.size:
-        return []
+        return
     ratio = (levels[drowned] / np.maximum(increments[drowned], np.finfo(float).tiny)).max()
     names = ", ".join(map(str, drowned))
-    text = f"component {names}: the noise is up to {ratio:.3g} times what it changes by in a sample"
-    return [Finding("noise_drowns_components", text)]
+    yield f"component {names}: the noise is up to {ratio:.3g} times what it changes by in a sample"
 
 
-def unresolved_flow(energy: FloatArray) -> list[Finding]:
+@_sign
+def unresolved_flow(energy: FloatArray) -> Iterator[str]:
     """Test whether a truncated flow has much energy in its smallest scales."""
     share = float(energy.mean())
-    if share <= UNRESOLVED_ENERGY:
-        return []
-    text = f"the largest wavenumbers hold {share:.2g} of the energy: the flow is not resolved"
-    return [Finding("unresolved_flow", text)]
+    if not share <= UNRESOLVED_ENERGY:
+        yield f"the largest wavenumbers hold {share:.2g} of the energy: the flow is not resolved"
 
 
+@_sign
 def slow_trend(
     start: FloatArray, states: FloatArray, names: Sequence[str], training: int
-) -> list[Finding]:
+) -> Iterator[str]:
     """Components whose means drift over a record: straight lines through the means of its series.
 
-    Means of neighbouring series are alike. The standard error of a slope is raised for that, by the
-    correlation of each residual with the next, as for an autoregressive process of first order.
-
-    ``start``: Time of the first sample of each series, ``(series,)``.
+    The standard error of a slope is raised by the correlation of each residual with the next, as
+    for an autoregressive process of first order. ``start``: Time of the first sample,
+    ``(series,)``.
     """
     if len(start) < 4 or not np.ptp(start):
-        return []
+        return
     time = (start - start.mean()) / np.ptp(start)
     means = states.mean(axis=1)
     slopes = time @ means / (time @ time)
@@ -322,11 +288,11 @@ def slow_trend(
     drift = slopes / np.maximum(states.std(axis=(0, 1)), np.finfo(float).tiny)
     strong = (np.abs(drift) >= TREND) & (np.abs(slopes) >= TREND_ERRORS * error)
     if not strong.any():
-        return []
+        return
     listed = ", ".join(
-        f"{names[one]} by {drift[one]:+.2g}" for one in np.flatnonzero(strong).tolist()
+        f"{names[component]} by {drift[component]:+.2g}"
+        for component in np.flatnonzero(strong).tolist()
     )
     share = (start[training:].mean() - start[:training].mean()) / np.ptp(start)
     between = f", {share:.0%} of that from training to the others" if training < len(start) else ""
-    text = f"means drift over the record, in standard deviations: {listed}{between}"
-    return [Finding("slow_trend", text)]
+    yield f"means drift over the record, in standard deviations: {listed}{between}"

@@ -11,29 +11,16 @@ from burstcast.systems import differentiation
 
 
 class EnergyBudget(NamedTuple):
-    """Energy budget of E = (1/2) sum_i a_i^2: dE/dt = input - dissipation.
-
-    Attributes
-    ----------
-    input
-        Work of the forces per unit of time, ``(...)``.
-    dissipation
-        Energy that viscosity, or what stands for it, takes per unit of time, ``(...)``.
-    """
+    """Energy budget of E = (1/2) sum_i a_i^2 per unit of time: dE/dt = input - dissipation."""
 
     input: FloatArray
     dissipation: FloatArray
 
 
 class Symmetry(NamedTuple):
-    """A linear map that takes solutions to solutions.
+    """A linear map of states ``(dimension, ...)`` that takes solutions to solutions.
 
-    Attributes
-    ----------
-    transform
-        Function of states ``(dimension, ...)``.
-    order
-        How often it is applied until every state is what it was.
+    Applied ``order`` times it leaves every state as it was.
     """
 
     transform: Callable[[FloatArray], FloatArray]
@@ -74,10 +61,9 @@ class DynamicalSystem(abc.ABC):
         """Observable whose extreme events are forecast, of shape ``(...)``."""
 
     def jacobian(self, state: FloatArray) -> FloatArray:
-        """Jacobian of the right-hand side, ``(dimension, dimension, ...)``.
+        """Jacobian of the right-hand side, ``(dimension, dimension, ...)``: d f_i / d x_j.
 
-        Entry ``[i, j]`` is the derivative of component i of the right-hand side in component j of
-        the state. Optional: without it, it is found by complex steps, or by central differences
+        Optional: without it, it is found by complex steps, or by central differences
         (`burstcast.systems.differentiation`), which is slower, since it is not compiled.
         """
         method = differentiation.derivative_method(self.right_hand_side, self.dimension)
@@ -86,56 +72,39 @@ class DynamicalSystem(abc.ABC):
     def flow_map(self, state: FloatArray, time_step: float) -> FloatArray:
         """State one integration step later, both of shape ``(dimension, ...)``.
 
-        Optional: an integrator of the system's own in place of the classical Runge-Kutta scheme
-        (`burstcast.systems.stiff` has one), or a system that is nothing but a map
-        (`burstcast.systems.flow_map`).
+        Optional: an integrator of the system's own in place of the Runge-Kutta scheme
+        (`burstcast.systems.stiff`), or a map (`burstcast.systems.flow_map`).
         """
         raise NotImplementedError(f"{type(self).__name__} is integrated by the Runge-Kutta scheme")
 
     def forced(self, force: Sequence[float]) -> "DynamicalSystem":
         """The system with a constant force on its right-hand side, one number per component.
 
-        Optional: only an actuation by a force asks for it, and only of a system with a `flow_map`,
-        which must say how the force enters that. `burstcast.systems.forced` has the force on a
-        right-hand side.
+        Optional: needed only for an actuation by a force of a system with a `flow_map`.
         """
         raise NotImplementedError(f"{type(self).__name__} does not say how a force enters it")
 
     def sample_initial_states(self, series: int, generator: np.random.Generator) -> FloatArray:
         """Initial states of an ensemble, ``(dimension, series)``.
 
-        Optional: without it, all series begin near one state that the case says
-        (``ensemble.initial_state``).
+        Optional: without it, all series begin near the case's ``ensemble.initial_state``.
         """
         raise NotImplementedError(f"{type(self).__name__} does not draw initial states")
 
     def energy_budget(self, state: FloatArray) -> EnergyBudget | None:
-        """Energy input and dissipation of states; None if the system does not provide them.
-
-        Optional: only what control costs asks for it. The energy is half the squared length of the
-        state, which the modes of a flow, being orthonormal, make its mean kinetic energy.
-        """
+        """Energy input and dissipation of states, for the costs of control; None if unknown."""
         return None
 
     def symmetries(self) -> tuple[Symmetry, ...]:
-        """Symmetries whose powers, one of each after the other, are all symmetries of the system.
-
-        Optional: training data are enlarged by them (`burstcast.data.encoders.pod`).
-        """
+        """Symmetries, by which training data are enlarged (`burstcast.data.encoders.pod`)."""
         return ()
 
     def energy_of_last_shell(self, state: FloatArray) -> FloatArray:
-        """Share of the energy in the smallest scales that a truncated flow has, ``(...)``.
-
-        Optional: a flow is resolved where it is small.
-        """
+        """Share of the energy in the smallest scales of a truncated flow, ``(...)``."""
         raise NotImplementedError(f"{type(self).__name__} is not truncated")
 
     def precursor(self, state: FloatArray) -> FloatArray:
-        """Quantity of states that theory holds for a precursor of events, ``(...)``.
-
-        Optional: large before an event. Forecasters are compared with it as an alarm.
-        """
+        """Precursor of events by theory, ``(...)``, which is large before an event."""
         raise NotImplementedError(f"{type(self).__name__} has no precursor")
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from burstcast.base.arrays import FloatArray
 from burstcast.base.discovery import UnsoundError
 from burstcast.systems.base import DynamicalSystem, has_own
-from burstcast.systems.compiled import compiled_steps, hindrance
+from burstcast.systems.compiled import hindrance
 from burstcast.systems.differentiation import derivative_method
 from burstcast.systems.flow_map import FlowMap
 from burstcast.systems.integration import integrate
@@ -26,14 +26,13 @@ _STEPS = 400
 def check_system(system: DynamicalSystem, generator: np.random.Generator) -> str:
     """Report on a system's integrator and derivatives, after some steps of 16 trajectories.
 
-    Raises `UnsoundError` with all violations of the interface, or where states do not stay
-    finite.
+    Raises `UnsoundError` with all violations of the interface, or where states do not stay finite.
     """
     start = _initial_states(system, generator)
     if problems := list(interface_problems(system, start)):
         raise UnsoundError(problems)
-    said = type(system).case_defaults.get("ensemble", {})
-    time_step = said.get("time_step") or _rough_time_step(system, start)
+    ensemble = type(system).case_defaults.get("ensemble", {})
+    time_step = ensemble.get("time_step") or _rough_time_step(system, start)
     (reached,) = _finite(partial(integrate, system, start, time_step, _STEPS, _STEPS))[-1:]
     if lost := int((~np.isfinite(system.observable(reached))).sum()):
         raise UnsoundError(
@@ -50,10 +49,7 @@ def check_system(system: DynamicalSystem, generator: np.random.Generator) -> str
 
 
 def interface_problems(system: DynamicalSystem, states: FloatArray) -> Iterator[str]:
-    """Violations of the interface by a system, with one message for each.
-
-    ``states``: States ``(dimension, batch)`` to try it with.
-    """
+    """Violations of the interface by a system, tried with states ``(dimension, batch)``."""
     dimension = len(states)
     functions: list[tuple[str, Callable[[FloatArray], FloatArray], tuple[int, ...]]] = [
         ("observable", system.observable, ())
@@ -67,9 +63,8 @@ def interface_problems(system: DynamicalSystem, states: FloatArray) -> Iterator[
     sound = True
     for name, function, leading in functions:
         problem = _shape_problem(name, function, states, leading)
-        if problem is None:
-            problem = _batch_problem(name, function, states)
-        if problem is not None:
+        problem = problem or _batch_problem(name, function, states)
+        if problem:
             sound = False
             yield problem
     if sound and has_own(system, "jacobian") and not has_own(system, "flow_map"):
@@ -89,16 +84,16 @@ def _shape_problem(
         before = given.copy()
         try:
             with np.errstate(all="ignore"):
-                found = np.asarray(function(given))
+                result = np.asarray(function(given))
         except Exception as error:  # whatever the system raises
             return f"{name} fails for states {given.shape}: {type(error).__name__}: {error}"
         expected = (*leading, *given.shape[1:])
-        if found.shape != expected:
+        if result.shape != expected:
             return (
-                f"{name} returns the shape {found.shape} for states {given.shape}, not {expected}"
+                f"{name} returns the shape {result.shape} for states {given.shape}, not {expected}"
             )
-        if found.dtype != np.float64:
-            return f"{name} returns numbers of type {found.dtype}, not float64"
+        if result.dtype != np.float64:
+            return f"{name} returns numbers of type {result.dtype}, not float64"
         if not np.array_equal(given, before, equal_nan=True):
             return f"{name} changes the states that it is given"
     return None
@@ -122,11 +117,15 @@ def _batch_problem(
 
 
 def _initial_states(system: DynamicalSystem, generator: np.random.Generator) -> FloatArray:
-    said = type(system).case_defaults.get("ensemble", {})
-    if said.get("initial_state") is not None:
-        states = np.repeat(np.array(said["initial_state"], dtype=np.float64)[:, None], 16, axis=1)
-        component = (said.get("perturbed_component") or 1) - 1
-        states[component] += (said.get("perturbation") or 0.01) * generator.random(_TRAJECTORIES)
+    ensemble = type(system).case_defaults.get("ensemble", {})
+    if ensemble.get("initial_state") is not None:
+        states = np.repeat(
+            np.array(ensemble["initial_state"], dtype=np.float64)[:, None], 16, axis=1
+        )
+        component = (ensemble.get("perturbed_component") or 1) - 1
+        states[component] += (ensemble.get("perturbation") or 0.01) * generator.random(
+            _TRAJECTORIES
+        )
         return states
     if has_own(system, "sample_initial_states"):
         try:
@@ -137,11 +136,7 @@ def _initial_states(system: DynamicalSystem, generator: np.random.Generator) -> 
 
 
 def _rough_time_step(system: DynamicalSystem, states: FloatArray) -> float:
-    """A twentieth of the fastest time scale at these states and along their first steps.
-
-    With an integrator of the system's own, which copes with stiffness, of the time scale on which
-    states change; 1 for a map.
-    """
+    """A twentieth of the fastest time scale along the first steps, or of changes; 1 for a map."""
     if isinstance(system, FlowMap):
         return 1.0
     if has_own(system, "flow_map"):
@@ -169,20 +164,13 @@ def _finite(run: Callable[[], FloatArray]) -> FloatArray:
         ) from error
 
 
-def _is_compiled(system: DynamicalSystem, time_step: float) -> bool:
-    try:
-        return compiled_steps((system,), time_step, False) is not None
-    except TypeError:  # no hash
-        return False
-
-
 def _integrator(system: DynamicalSystem, time_step: float) -> str:
-    compiled = _is_compiled(system, time_step)
+    reason = hindrance(system, time_step)
     if has_own(system, "flow_map"):
-        return "its own integrator" + (", compiled" if compiled else "")
-    if compiled:
+        return "its own integrator" + ("" if reason else ", compiled")
+    if reason is None:
         return "Runge-Kutta scheme, compiled"
-    return f"Runge-Kutta scheme, in numpy; not compiled: {hindrance(system, time_step)}"
+    return f"Runge-Kutta scheme, in numpy; not compiled: {reason}"
 
 
 def _derivatives(system: DynamicalSystem, states: FloatArray) -> str:

@@ -1,30 +1,28 @@
 """Time stepping in machine code, made from a system's own numpy expressions.
 
 A system is written down once, in numpy (`burstcast.systems.base.DynamicalSystem`). Here one
-Runge-Kutta step of it is taken with symbols instead of numbers: each operation on a symbol is noted
-down as an instruction on eight numbers, one per trajectory. LLVM makes machine code of the notes
-(`burstcast.base.compiled.machine_code`), in which a step's temporaries stay in registers or the
-nearest cache.
+Runge-Kutta step of it is taken with symbols instead of numbers: each operation on a symbol is
+recorded as an instruction on eight numbers, one per trajectory, from which LLVM makes machine code
+(`burstcast.base.compiled.machine_code`).
 
-It does the operations that numpy does, in numpy's order, and none is fused or reordered: sums,
+The recorded operations are numpy's, in numpy's order, and none is fused or reordered: sums,
 differences, products, quotients and square roots are exactly rounded in both, so that the results
-are the same bits, in any batch, on any processor. Small whole powers are products in both. What
-cannot be noted down (another function, a decision that depends on a state, a matrix product,
-thousands of components) is left to numpy, and so is a system whose compiled step and numpy step
-differ in a single bit.
+are the same bits, in any batch, on any processor. What cannot be recorded (another function, a
+decision that depends on a state, a matrix product, thousands of components) is left to numpy, and
+so is a system whose compiled step and numpy step differ in a single bit.
 """
 
 import logging
 import numbers
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from burstcast.base.arrays import ByteArray, FloatArray
-from burstcast.base.compiled.machine_code import compiled, hexadecimal
+from burstcast.base.compiled.machine_code import Lanes, compiled
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.runge_kutta import step, whole_power
 
@@ -36,28 +34,45 @@ WIDTH = 8
 # A step of so many takes a second to compile.
 _MOST_OPERATIONS = 5000
 
-_VECTOR = f"<{WIDTH} x double>"
-_MASK = f"<{WIDTH} x i1>"
-_CHOICE = f"<{WIDTH} x i8>"
+
+# --- Recording -----------------------------------------------------------------------------------
 
 
-# --- Noting down ---------------------------------------------------------------------------------
+class _Recorder:
+    """Appends operations on symbols to a program."""
 
+    def __init__(self, code: Lanes) -> None:
+        self._code = code
+        self._operations = 0
 
-class _Notes:
-    """Instructions, in the order in which they were noted down."""
+    def symbols(self, vectors: Sequence[str]) -> FloatArray:
+        """State of a batch of one trajectory, ``(dimension, 1)``, whose entries are symbols."""
+        return np.array([[_Symbol(self, vector)] for vector in vectors], dtype=object)
 
-    def __init__(self, prefix: str) -> None:
-        self.lines: list[str] = []
-        self._prefix = prefix
+    def vector(self, value: Any) -> str:
+        """Vector that stands for a symbol or a number."""
+        return value.vector if isinstance(value, _Symbol) else self._code.fill(value)
 
-    def add(self, instruction: str) -> "_Symbol":
-        """Note an instruction down; its result."""
-        if len(self.lines) == _MOST_OPERATIONS:
+    def record(self, operation: str, *operands: object) -> Any:
+        """Append an operation, a method of `Lanes`; its result."""
+        if not all(isinstance(operand, _Symbol | numbers.Real) for operand in operands):
+            return NotImplemented  # an array, which asks each of its entries
+        if self._operations == _MOST_OPERATIONS:
             raise OverflowError(f"a step has more than {_MOST_OPERATIONS} operations")
-        name = f"%{self._prefix}{len(self.lines)}"
-        self.lines.append(f"{name} = {instruction}")
-        return _Symbol(self, name)
+        self._operations += 1
+        return _Symbol(self, getattr(self._code, operation)(*map(self.vector, operands)))
+
+
+def _operators(operation: str) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """An operator of symbols and its reflected form."""
+
+    def operator(self: "_Symbol", other: object) -> Any:
+        return self.recorder.record(operation, self, other)
+
+    def reflected(self: "_Symbol", other: object) -> Any:
+        return self.recorder.record(operation, other, self)
+
+    return operator, reflected
 
 
 class _Symbol:
@@ -67,42 +82,27 @@ class _Symbol:
     a comparison, the conversion to a number) raises an error, and numpy has to do the integration.
     """
 
-    def __init__(self, notes: _Notes, name: str) -> None:
-        self.notes = notes
-        self.name = name
+    def __init__(self, recorder: _Recorder, vector: str) -> None:
+        self.recorder = recorder
+        self.vector = vector
 
-    def __add__(self, other: object) -> Any:
-        return _noted("fadd", self, other)
-
-    def __radd__(self, other: object) -> Any:
-        return _noted("fadd", other, self)
-
-    def __sub__(self, other: object) -> Any:
-        return _noted("fsub", self, other)
-
-    def __rsub__(self, other: object) -> Any:
-        return _noted("fsub", other, self)
-
-    def __mul__(self, other: object) -> Any:
-        return _noted("fmul", self, other)
-
-    def __rmul__(self, other: object) -> Any:
-        return _noted("fmul", other, self)
-
-    def __truediv__(self, other: object) -> Any:
-        return _noted("fdiv", self, other)
-
-    def __rtruediv__(self, other: object) -> Any:
-        return _noted("fdiv", other, self)
+    __add__, __radd__ = _operators("add")
+    __sub__, __rsub__ = _operators("subtract")
+    __mul__, __rmul__ = _operators("multiply")
+    __truediv__, __rtruediv__ = _operators("divide")
 
     def __pow__(self, exponent: object) -> Any:
         return whole_power(self, exponent)
 
-    def __neg__(self) -> "_Symbol":
-        return self.notes.add(f"fneg {_VECTOR} {self.name}")
+    def __neg__(self) -> Any:
+        return self.recorder.record("negate", self)
 
     def __pos__(self) -> "_Symbol":
         return self
+
+    def sqrt(self) -> Any:
+        """Square root; numpy calls the method of this name."""
+        return self.recorder.record("square_root", self)
 
     # all objects have these by themselves
     def __bool__(self) -> bool:
@@ -113,195 +113,80 @@ class _Symbol:
 
     __hash__ = None  # type: ignore[assignment]
 
-    def sqrt(self) -> "_Symbol":
-        """Square root; numpy calls the method of this name."""
-        return self.notes.add(f"call {_VECTOR} @llvm.sqrt.v{WIDTH}f64({_VECTOR} {self.name})")
-
-
-def _noted(instruction: str, left: object, right: object) -> Any:
-    symbol = left if isinstance(left, _Symbol) else right
-    assert isinstance(symbol, _Symbol)
-    if not all(isinstance(operand, _Symbol | numbers.Real) for operand in (left, right)):
-        return NotImplemented  # an array, which asks each of its entries
-    return symbol.notes.add(f"{instruction} {_VECTOR} {_operand(left)}, {_operand(right)}")
-
-
-def _operand(value: Any) -> str:
-    """Reference of an instruction to a symbol or a number."""
-    if isinstance(value, _Symbol):
-        return value.name
-    return _everywhere(f"double {hexadecimal(value)}")
-
-
-def _everywhere(entry: str) -> str:
-    """Vector of equal entries."""
-    return f"<{', '.join([entry] * WIDTH)}>"
-
 
 # --- The program ---------------------------------------------------------------------------------
 
-# The state lies in %state, a vector for each component. The arguments are as in
-# `CompiledSteps.run`. Arrays have rows of `row` numbers, one for each trajectory; the first
-# `trajectories` of them are integrated, a multiple of the width.
-_PROGRAM = """
-declare {vector} @llvm.sqrt.v{width}f64({vector})
 
-define void @run(ptr %states, ptr %choice, ptr %largest,
-                 i64 %row, i64 %trajectories, i64 %kept, i64 %stride) {{
-entry:
-  %state = alloca {vector}, i64 {dimension}, align 64
-  %rows = mul i64 %row, {dimension}
-  br label %tile
+def _program(systems: Sequence[DynamicalSystem], time_step: float, observed: bool) -> Lanes:
+    """Time stepping of a batch, eight trajectories at a time; arguments as of `CompiledSteps.run`.
 
-tile:
-  %first = phi i64 [ 0, %entry ], [ %next_first, %tile_end ]
-  %tile_states = getelementptr double, ptr %states, i64 %first
-  %tile_choice = getelementptr i8, ptr %choice, i64 %first
-  %tile_largest = getelementptr double, ptr %largest, i64 %first
-  {load}
-  br label %sample
-
-sample:
-  %index = phi i64 [ 1, %tile ], [ %next_index, %sample_end ]
-  %before = phi i64 [ 0, %tile ], [ %next_before, %sample_end ]
-  br label %step
-
-step:
-  %count = phi i64 [ 0, %sample ], [ %next_count, %step_end ]
-  {step}
-  br label %step_end
-
-step_end:
-  {watch}
-  %next_count = add i64 %count, 1
-  %more_steps = icmp slt i64 %next_count, %stride
-  br i1 %more_steps, label %step, label %sample_end
-
-sample_end:
-  %sample_offset = mul i64 %index, %rows
-  %sample_states = getelementptr double, ptr %tile_states, i64 %sample_offset
-  {store}
-  %next_before = add i64 %before, %stride
-  %next_index = add i64 %index, 1
-  %more_samples = icmp slt i64 %next_index, %kept
-  br i1 %more_samples, label %sample, label %tile_end
-
-tile_end:
-  %next_first = add i64 %first, {width}
-  %more_tiles = icmp slt i64 %next_first, %trajectories
-  br i1 %more_tiles, label %tile, label %end
-
-end:
-  ret void
-}}
-"""
-
-
-def _program(systems: Sequence[DynamicalSystem], time_step: float, observed: bool) -> str:
-    """Text of the program, in LLVM's language."""
+    Arrays have rows of ``row`` numbers, one for each trajectory; the first ``trajectories`` of them
+    are integrated, a multiple of the width.
+    """
+    pointers, integers = ("states", "choice", "largest"), ("row", "trajectories", "kept", "stride")
+    code = Lanes(WIDTH, "run", pointers, integers)
     dimension = systems[0].dimension
-    # copies between the rows of an array in memory and the state
-    load, store = [], []
-    for i in range(dimension):
-        load += [
-            f"%row{i} = mul i64 %row, {i}",
-            f"%state{i} = getelementptr {_VECTOR}, ptr %state, i64 {i}",
-            f"%given{i} = getelementptr double, ptr %tile_states, i64 %row{i}",
-            f"%start{i} = load {_VECTOR}, ptr %given{i}, align 8",
-            f"store {_VECTOR} %start{i}, ptr %state{i}",
-        ]
-        store += [
-            f"%kept{i} = getelementptr double, ptr %sample_states, i64 %row{i}",
-            f"%sampled{i} = load {_VECTOR}, ptr %state{i}",
-            f"store {_VECTOR} %sampled{i}, ptr %kept{i}, align 8",
-        ]
-    steps = _step(systems[0], time_step) if len(systems) == 1 else _choice(systems, time_step)
-    return _PROGRAM.format(
-        vector=_VECTOR,
-        width=WIDTH,
-        dimension=dimension,
-        load="\n  ".join(load),
-        step="\n  ".join(steps),
-        watch="\n  ".join(_watch(systems[0]) if observed else []),
-        store="\n  ".join(store),
-    )
+    state = code.room(dimension)
+    size = code.times("%row", dimension)
 
+    def stepped(system: DynamicalSystem, vectors: list[str]) -> list[str]:
+        recorder = _Recorder(code)
+        new = step(system, recorder.symbols(vectors), time_step)
+        return [recorder.vector(component) for (component,) in new]
 
-def _step(system: DynamicalSystem, time_step: float) -> list[str]:
-    """One step of all trajectories of the tile."""
-    lines, state = _loaded_state(system.dimension, "old")
-    notes, new = _noted_step(system, time_step, "now", state)
-    stores = [f"store {_VECTOR} {value}, ptr %state{i}" for i, value in enumerate(new)]
-    return [*lines, *notes, *stores]
+    def current() -> list[str]:
+        return [code.load(state, str(i)) for i in range(dimension)]
 
+    def replace(vectors: list[str]) -> None:
+        for i, vector in enumerate(vectors):
+            code.store(state, str(i), vector)
 
-def _choice(systems: Sequence[DynamicalSystem], time_step: float) -> list[str]:
-    """One step of each trajectory of the tile under its own system."""
-    lines, state = _loaded_state(systems[0].dimension, "old")
-    lines += [
-        "%steps_taken = add i64 %before, %count",
-        "%choice_offset = mul i64 %steps_taken, %row",
-        "%step_choice = getelementptr i8, ptr %tile_choice, i64 %choice_offset",
-        f"%chosen = load {_CHOICE}, ptr %step_choice, align 1",
-    ]
-    for number, system in enumerate(systems):
-        name = f"system{number}"
-        notes, new = _noted_step(system, time_step, f"{name}_now", state)
-        lines += [
-            f"%{name}_mask = icmp eq {_CHOICE} %chosen, {_everywhere(f'i8 {number}')}",
-            f"%{name}_bits = bitcast {_MASK} %{name}_mask to i{WIDTH}",
-            f"%{name}_any = icmp ne i{WIDTH} %{name}_bits, 0",
-            f"br i1 %{name}_any, label %{name}_step, label %{name}_end",
-            f"{name}_step:",
-            *notes,
-        ]
-        for i, value in enumerate(new):
-            lines += [
-                f"%{name}_other{i} = load {_VECTOR}, ptr %state{i}",
-                f"%{name}_new{i} = select {_MASK} %{name}_mask, {_VECTOR} {value}, "
-                f"{_VECTOR} %{name}_other{i}",
-                f"store {_VECTOR} %{name}_new{i}, ptr %state{i}",
-            ]
-        lines += [f"br label %{name}_end", f"{name}_end:"]
-    return lines
+    def obey(number: int, system: DynamicalSystem, vectors: list[str], choice: str) -> None:
+        """Take the step of one of several systems where it is chosen."""
+        chosen = code.equal_bytes(choice, number)
 
+        def select() -> None:
+            new, other = stepped(system, vectors), current()
+            replace([code.select(chosen, *pair) for pair in zip(new, other, strict=True)])
 
-def _watch(system: DynamicalSystem) -> list[str]:
-    """Raise the largest observable to the state's; NaN stays, as with `numpy.maximum`."""
-    lines, state = _loaded_state(system.dimension, "reached")
-    notes = _Notes("seen")
-    (observable,) = system.observable(_symbols(notes, state))
-    value = _operand(observable)
-    return [
-        *lines,
-        *notes.lines,
-        f"%so_far = load {_VECTOR}, ptr %tile_largest, align 8",
-        f"%larger = fcmp olt {_VECTOR} %so_far, {value}",
-        f"%undefined = fcmp uno {_VECTOR} {value}, {value}",
-        f"%taken = or {_MASK} %larger, %undefined",
-        f"%largest_now = select {_MASK} %taken, {_VECTOR} {value}, {_VECTOR} %so_far",
-        f"store {_VECTOR} %largest_now, ptr %tile_largest, align 8",
-    ]
+        code.when_any(chosen, select)
 
+    def watch(first: str) -> None:
+        """Raise the largest observable to the state's; NaN stays, as with `numpy.maximum`."""
+        recorder = _Recorder(code)
+        (observable,) = systems[0].observable(recorder.symbols(current()))
+        largest = code.number_at("%largest", first)
+        code.store_row(largest, code.maximum(code.load_row(largest), recorder.vector(observable)))
 
-def _loaded_state(dimension: int, prefix: str) -> tuple[list[str], list[str]]:
-    """Instructions that load the state, and the names that they give its components."""
-    names = [f"%{prefix}{i}" for i in range(dimension)]
-    return [f"{name} = load {_VECTOR}, ptr %state{i}" for i, name in enumerate(names)], names
+    def tile(first: str) -> None:
+        def component(sample: str, i: int) -> str:
+            row = code.plus(code.times(sample, size), code.times("%row", i))
+            return code.number_at("%states", code.plus(row, first))
 
+        def sample(index: str) -> None:
+            before = code.times(code.plus(index, -1), "%stride")
 
-def _noted_step(
-    system: DynamicalSystem, time_step: float, prefix: str, state: list[str]
-) -> tuple[list[str], list[str]]:
-    """Instructions of a step from the state of these names, and the operands that it leads to."""
-    notes = _Notes(prefix)
-    new = step(system, _symbols(notes, state), time_step)
-    return notes.lines, [_operand(component) for (component,) in new]
+            def advance(count: str) -> None:
+                vectors = current()
+                if len(systems) == 1:
+                    replace(stepped(systems[0], vectors))
+                else:
+                    row = code.times(code.plus(before, count), "%row")
+                    choice = code.load_bytes("%choice", code.plus(row, first))
+                    for number, system in enumerate(systems):
+                        obey(number, system, vectors, choice)
+                if observed:
+                    watch(first)
 
+            code.loop("0", "%stride", advance)
+            for i, vector in enumerate(current()):
+                code.store_row(component(index, i), vector)
 
-def _symbols(notes: _Notes, names: list[str]) -> FloatArray:
-    # a batch of one trajectory: an array that computes like one of numbers
-    return np.array([[_Symbol(notes, name)] for name in names], dtype=object)
+        replace([code.load_row(component("0", i)) for i in range(dimension)])
+        code.loop("1", "%kept", sample)
+
+    code.loop("0", "%trajectories", tile, step=WIDTH)
+    return code
 
 
 # --- The interface -------------------------------------------------------------------------------
@@ -313,8 +198,8 @@ class CompiledSteps:
     Made by `compiled_steps`.
     """
 
-    def __init__(self, program: str) -> None:
-        self._run = compiled(program, "run", pointers=3, integers=4)
+    def __init__(self, program: Lanes) -> None:
+        self._run = compiled(program)
 
     def run(
         self,
@@ -359,12 +244,10 @@ class CompiledSteps:
         largest: FloatArray | None,
     ) -> None:
         samples, _, row = states.shape
-        self._run(
-            states.ctypes.data,
-            None if choice is None else choice.ctypes.data,
-            None if largest is None else largest.ctypes.data,
-            *(row, trajectories, samples, stride),
-        )
+        choice_address = None if choice is None else choice.ctypes.data
+        largest_address = None if largest is None else largest.ctypes.data
+        addresses = (states.ctypes.data, choice_address, largest_address)
+        self._run(*addresses, row, trajectories, samples, stride)
 
 
 def compiled_steps(
@@ -379,14 +262,11 @@ def compiled_steps(
 
 
 def hindrance(system: DynamicalSystem, time_step: float) -> str | None:
-    """Why a system is integrated by numpy: the operation that cannot be compiled, with its line.
-
-    None if the system is compiled.
-    """
+    """The operation that cannot be compiled, with its line; None if the system is compiled."""
     try:
         return _attempt((system,), time_step, False)[1]
     except TypeError:  # no hash
-        return "a parameter is an array"
+        return "the system has no hash"
 
 
 @lru_cache(maxsize=64)

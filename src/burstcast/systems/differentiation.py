@@ -21,12 +21,10 @@ _PROBES = 8
 
 
 def derivative_method(function: Function, dimension: int) -> Method:
-    """Method by which a function of states is differentiated.
+    """Method by which a function of states ``(dimension, batch)`` is differentiated.
 
-    Complex steps are taken if they agree with differences at some states, no matter which: they go
-    wrong where the function takes an absolute value, say, or puts its results into real arrays.
-
-    ``function``: Function of states ``(dimension, batch)``.
+    Complex steps are taken if they agree with differences at some states: they go wrong where the
+    function takes an absolute value, say, or puts its results into real arrays.
     """
     # both signs, and sizes from a tenth to three
     states = np.sin(np.arange(1.0, dimension * _PROBES + 1.0)).reshape(dimension, _PROBES)

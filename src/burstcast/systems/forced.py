@@ -9,19 +9,15 @@ from burstcast.systems.base import DynamicalSystem, EnergyBudget, has_own
 
 
 def forced_system(system: DynamicalSystem, force: Sequence[float]) -> DynamicalSystem:
-    """A system with a constant force on its right-hand side, integrated by the system's scheme.
-
-    A system that is integrated by a `flow_map` of its own must say how the force enters that
-    (`DynamicalSystem.forced`).
-    """
+    """A system with a constant force on its right-hand side (see `DynamicalSystem.forced`)."""
     return system.forced(force) if has_own(system, "forced") else ForcedSystem(system, force)
 
 
 class ForcedSystem(DynamicalSystem):
     """A system with a constant force added to its right-hand side (see `forced_system`).
 
-    It is not a dataclass: the force is a vector over the components, and an array among the fields
-    of a system would be taken for a parameter that differs between the trajectories of a batch.
+    It is not a dataclass: with an array among its fields it would have no hash, and not be
+    compiled.
     """
 
     def __init__(self, system: DynamicalSystem, force: Sequence[float]) -> None:

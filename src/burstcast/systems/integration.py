@@ -5,7 +5,6 @@ by numpy otherwise, with identical bits. Trajectories do not depend on one anoth
 they may be integrated in any grouping.
 """
 
-import dataclasses
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -61,8 +60,7 @@ def integrate(
     Parameters
     ----------
     system
-        The equations. A parameter may be an array over the batch, where the system allows it:
-        then each trajectory has its own value.
+        The equations.
     state
         Initial states, ``(dimension, batch)``.
     time_step
@@ -82,11 +80,8 @@ def integrate(
 
     Raises
     ------
-    ValueError
-        If an argument has the wrong shape or sign, or an initial state is not finite (unless
-        trajectories may diverge).
     FloatingPointError
-        If a trajectory leaves the range of floating-point numbers (likewise).
+        If a trajectory leaves the range of floating-point numbers, unless it may.
 
     Examples
     --------
@@ -105,8 +100,8 @@ def integrate(
     if compiled is not None:
         compiled.run(states, stride)
     else:
-        for tile, tile_system in _tiles(system, state.shape[1]):
-            _fill(tile_system, states[..., tile], time_step, stride)
+        for tile in _tiles(state.shape[1]):
+            _fill(system, states[..., tile], time_step, stride)
     if not may_diverge:
         _check_finite(states[-1], time_step)
     return states
@@ -119,27 +114,10 @@ def integrate_switched(
     time_step: float,
     stride: int = 1,
 ) -> FloatArray:
-    """Integrate a batch of trajectories each of which obeys one of several systems at each step.
+    """Integrate like `integrate`, each step of a trajectory under one of several systems.
 
-    Parameters
-    ----------
-    systems
-        The equations, of one dimension. Their parameters are numbers. Up to 16 are compiled, more
-        are integrated by numpy.
-    choice
-        Number of the system that each step obeys, ``(steps, batch)``.
-    state, time_step, stride
-        See `integrate`.
-
-    Returns
-    -------
-    FloatArray
-        ``(steps // stride + 1, dimension, batch)``; the first entry is the initial state.
-
-    Raises
-    ------
-    ValueError, FloatingPointError
-        See `integrate`.
+    ``systems``: Equations of one dimension; up to 16 are compiled. ``choice``: Number of the system
+    that each step obeys, ``(steps, batch)``.
     """
     for system in systems:
         check_batch(system, state, time_step)
@@ -173,8 +151,6 @@ def integrate_observed(
     """Integrate like `integrate`, drop a transient, and watch the observable at every step.
 
     A burst that peaks between two kept states is seen: this is how laminarisation is detected.
-
-    ``transient_steps``: Number of steps before anything is kept or watched.
     """
     check_batch(system, state, time_step)
     _check_steps(steps, stride)
@@ -187,8 +163,8 @@ def integrate_observed(
     if compiled is not None:
         compiled.run(states, stride, largest=largest)
     else:
-        for tile, tile_system in _tiles(system, state.shape[1]):
-            _fill(tile_system, states[..., tile], time_step, stride, largest[tile])
+        for tile in _tiles(state.shape[1]):
+            _fill(system, states[..., tile], time_step, stride, largest[tile])
     _check_finite(states[-1], time_step)
     return ObservedTrajectories(states=states, largest_observable=largest)
 
@@ -205,7 +181,7 @@ def _compiled(
 ) -> CompiledSteps | None:
     try:
         return compiled_steps(tuple(systems), time_step, observed)
-    except TypeError:  # trajectories that differ in a parameter have no program in common
+    except TypeError:  # a system without a hash
         return None
 
 
@@ -249,31 +225,9 @@ def _fill_switched(
                 states[(index + 1) // stride] = current
 
 
-def _tiles(system: DynamicalSystem, batch: int) -> Iterator[tuple[slice, DynamicalSystem]]:
-    """Tiles of a batch, and the system with the parameters of their trajectories."""
+def _tiles(batch: int) -> Iterator[slice]:
     for start in range(0, batch, _TILE):
-        tile = slice(start, min(start + _TILE, batch))
-        cut = {
-            name: np.broadcast_to(value, (batch,))[tile]
-            for name, value in _parameters_over_batch(system).items()
-        }
-        yield tile, dataclasses.replace(system, **cut) if cut else system  # type: ignore[type-var]
-
-
-def _parameters_over_batch(system: DynamicalSystem) -> dict[str, FloatArray]:
-    """Parameters that are arrays over the batch, by their names; a tuple is one parameter."""
-    if not dataclasses.is_dataclass(system):
-        return {}
-    values = {
-        field.name: getattr(system, field.name)
-        for field in dataclasses.fields(system)
-        if field.init
-    }
-    return {
-        name: value
-        for name, value in values.items()
-        if isinstance(value, np.ndarray) and value.ndim > 0
-    }
+        yield slice(start, min(start + _TILE, batch))
 
 
 def check_batch(

@@ -1,24 +1,21 @@
 """Lyapunov exponents: the spectrum by the QR method, the leading one by growth of perturbations.
 
-Both average over many trajectories at once and over the time along each of them (section 2.1 of the
-paper). They share no code beyond the time stepping: the first integrates the linearised equations,
-the second two neighbouring solutions of the full ones, so that each checks the other.
-
-The states to start from are on the attractor. Where chaos is transient, as in the shear flow, the
-exponents belong to the chaotic phase: start from series that are known not to laminarise over
-the time integrated here, and use the time step that they were made with. Both functions then follow
-the very same trajectories, bit for bit, and stay in the chaotic phase.
+Both average over trajectories and over time (section 2.1 of the paper). They share no code beyond
+the time stepping: each checks the other. The states to start from are on the attractor. Where chaos
+is transient, start from series that do not laminarise over the time integrated here, with the time
+step that they were made with: both functions then follow the same trajectories, bit for bit.
 """
 
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import scipy
 
-from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.arrays import FloatArray
 from burstcast.base.files.described import Described
 from burstcast.base.files.units import RATE, TIME
 from burstcast.systems.base import DynamicalSystem, has_own
@@ -47,33 +44,17 @@ class LyapunovSpectrum:
 
 
 @dataclass(frozen=True)
-class PerturbationGrowth:
-    """Leading Lyapunov exponent of each trajectory, from the growth of finite perturbations."""
-
-    exponents: FloatArray  #: ``(batch,)``, in inverse time units
-    #: how often the perturbation was brought back to its initial size; ``(batch,)``
-    restarts: IntArray
-    duration: float  #: time that they are averaged over, in time units
-
-
-@dataclass(frozen=True)
 class Estimate:
     """A mean over independent trajectories with its confidence interval."""
 
-    #: mean, standard_error, low, high: arrays of the shape of the averaged values, without the axis
-    #: of the trajectories
+    #: mean, low, high: arrays of the shape of the averaged values, without the axis of trajectories
     mean: FloatArray
-    standard_error: FloatArray
     low: FloatArray
     high: FloatArray
 
 
 def mean_with_interval(per_series: FloatArray, confidence: float = 0.95) -> Estimate:
-    """Mean over the first axis and its confidence interval (Student's t).
-
-    Exponents of long trajectories are averages over many correlation times, so that the central
-    limit theorem makes them normal already before this mean is taken.
-    """
+    """Mean over the first axis, of trajectories, and its confidence interval (Student's t)."""
     count = len(per_series)
     if count < 2:
         raise ValueError(f"a confidence interval needs at least two trajectories, not {count}")
@@ -82,20 +63,11 @@ def mean_with_interval(per_series: FloatArray, confidence: float = 0.95) -> Esti
     mean = np.asarray(per_series.mean(axis=0))
     error = np.asarray(per_series.std(axis=0, ddof=1) / np.sqrt(count))
     margin = scipy.special.stdtrit(count - 1, 0.5 + 0.5 * confidence) * error
-    return Estimate(
-        mean=mean,
-        standard_error=error,
-        low=np.asarray(mean - margin),
-        high=np.asarray(mean + margin),
-    )
+    return Estimate(mean, low=np.asarray(mean - margin), high=np.asarray(mean + margin))
 
 
 def exponents_record(spectrum: Estimate, growth: Estimate) -> dict[str, Any]:
-    """Lists and numbers that a file of Lyapunov exponents has.
-
-    ``spectrum``, ``growth``: All exponents by QR, and the leading one by the growth of
-    perturbations, each with its interval (`mean_with_interval`).
-    """
+    """Contents of a file of Lyapunov exponents: all by QR, the leading one by growth as well."""
     ends = ("mean", "low", "high")
     return {
         "leading": {name: float(getattr(spectrum, name)[0]) for name in ends},
@@ -107,13 +79,7 @@ def exponents_record(spectrum: Estimate, growth: Estimate) -> dict[str, Any]:
 
 
 def alignment_of(steps: int, orthonormalisation_steps: int) -> int:
-    """Steps of a series until its perturbations are aligned: a quarter of the series.
-
-    The first exponents lie so close together that this takes long (see `lyapunov_spectrum`).
-
-    ``orthonormalisation_steps``: Steps between two factorisations; the quarter is rounded down to
-    whole intervals.
-    """
+    """Steps until perturbations are aligned: a quarter of a series, in whole intervals."""
     return steps // 4 // orthonormalisation_steps * orthonormalisation_steps
 
 
@@ -158,9 +124,7 @@ def lyapunov_spectrum(
     Raises
     ------
     ValueError
-        If an argument has the wrong shape or sign, if there is no complete interval, if the system
-        has fewer dimensions than exponents are asked for, or if the
-        interval is so long that the weakest direction is lost to rounding.
+        If the interval is so long that the weakest direction is lost to rounding.
     FloatingPointError
         If a trajectory leaves the range of floating-point numbers.
 
@@ -215,14 +179,11 @@ def lyapunov_spectrum(
 
 
 def checked_jacobian(system: DynamicalSystem, states: FloatArray) -> float:
-    """Compare the Jacobian that a system gives with differences of its right-hand side.
-
-    ``states``: ``(dimension, batch)``.
-    """
-    found = jacobian(system.right_hand_side, states, "finite differences")
-    difference = np.abs(system.jacobian(states) - found).max(axis=2)
+    """Relative error of a system's Jacobian against differences; states ``(dimension, batch)``."""
+    differences = jacobian(system.right_hand_side, states, "finite differences")
+    difference = np.abs(system.jacobian(states) - differences).max(axis=2)
     i, j = np.unravel_index(int(np.argmax(difference)), difference.shape)
-    error = float(difference[i, j]) / max(float(np.abs(found).max()), 1e-300)
+    error = float(difference[i, j]) / max(float(np.abs(differences).max()), 1e-300)
     if not error < _JACOBIAN_TOLERANCE:
         raise ValueError(
             f"jacobian: the entry [{i}, {j}] differs from differences of right_hand_side by "
@@ -241,8 +202,7 @@ def tangent_growth(
     """Logarithmic growth of perturbations that are orthonormalised after each interval.
 
     This is the QR method (`lyapunov_spectrum`) for whatever makes trajectories: the equations, or
-    the closed loop of a network. The perturbations may be fewer than the state has components;
-    their growth is then that along the leading directions.
+    the closed loop of a network.
 
     ``advance``: Takes states and perturbations over one interval: the derivative of the map that
     takes the states. ``state``: ``(..., batch)``. ``tangent``: Perturbations in columns, ``(batch,
@@ -278,10 +238,8 @@ def kaplan_yorke_dimension(exponents: FloatArray) -> float:
     j + S_j / abs(exponent j + 1) (Kaplan & Yorke, in Functional Differential Equations and
     Approximation of Fixed Points, Lecture Notes in Mathematics 730 (1979) 204).
 
-    ``exponents``: The leading ones, ``(exponents,)``; they are taken from the largest to the
-    smallest, and NaN, too weak to be known, as none. Returns zero where the first exponent is
-    negative; NaN where the sum of all that are known is not: the dimension is larger than their
-    number.
+    ``exponents``: The leading ones, ``(exponents,)``; NaN counts as missing. Returns zero where the
+    first exponent is negative; NaN where the sum of all is not: the dimension exceeds their number.
 
     Examples
     --------
@@ -304,36 +262,27 @@ def tangent_flow(system: DynamicalSystem) -> DynamicalSystem:
     """The variational equations: a state x and one perturbation v, dv/dt = J(x) v.
 
     A step of the scheme yields the state of a step of the system alone, bit for bit, and the
-    perturbation multiplied by the derivative of that step. Several perturbations of one state are
-    several trajectories: the state is computed with each of them, which is fast, too.
-
-    Where the system has no Jacobian, J(x) v is found by complex steps or differences; where it has
-    an integrator of its own, so is the derivative of that.
-
-    Of twice the dimension: the components of x, then of v. It has no Jacobian.
+    perturbation multiplied by the derivative of that step: of the Jacobian, or, where the system
+    has none or an integrator of its own, by complex steps or differences. Several perturbations of
+    one state are several trajectories, of twice the dimension: the components of x, then of v.
     """
-    if not has_own(system, "flow_map"):
-        if has_own(system, "jacobian"):
-            return _TangentFlow(system)
-        method = derivative_method(system.right_hand_side, system.dimension)
-        logger.info("%s has no Jacobian: derivatives by %s", type(system).__name__, method)
-        return _DifferentiatedFlow(system, method)
-
-    def one_step(state: FloatArray) -> FloatArray:
-        return step(system, state, _PROBE_STEP)
-
-    method = derivative_method(one_step, system.dimension)
-    logger.info("%s has its own integrator: derivatives by %s", type(system).__name__, method)
-    return _TangentMap(system, method)
-
-
-_PROBE_STEP = 1e-3
-"""Time step with which it is tried out how an integrator is differentiated."""
+    if has_own(system, "flow_map"):
+        method = derivative_method(partial(step, system, time_step=1e-3), system.dimension)
+        logger.info("%s has its own integrator: derivatives by %s", type(system).__name__, method)
+        return _TangentMap(system, method)
+    if has_own(system, "jacobian"):
+        return _TangentFlow(system)
+    method = derivative_method(system.right_hand_side, system.dimension)
+    logger.info("%s has no Jacobian: derivatives by %s", type(system).__name__, method)
+    return _TangentFlow(system, method)
 
 
 @dataclass(frozen=True)
 class _TangentFlow(DynamicalSystem):
+    """State and perturbation ``(2 dimension, ...)``; derivatives by the Jacobian, or a method."""
+
     system: DynamicalSystem
+    method: Method | None = None
 
     observable_name: ClassVar[str] = "observable of the state"
     observable_symbol: ClassVar[str] = "x"
@@ -343,18 +292,17 @@ class _TangentFlow(DynamicalSystem):
         object.__setattr__(self, "dimension", 2 * self.system.dimension)
 
     def right_hand_side(self, state: FloatArray) -> FloatArray:
-        """Time derivative of state and perturbation; both of shape ``(2 dimension, ...)``."""
+        """Time derivative of state and perturbation."""
+        function = self.system.right_hand_side
         x, perturbation = np.split(state, 2)
+        if self.method is not None:
+            return np.concatenate([function(x), derivative(function, x, perturbation, self.method)])
         jacobian = self.system.jacobian(x)
         # term by term, so that the rounding does not depend on how a library multiplies matrices
         change = jacobian[:, 0] * perturbation[0]
         for column in range(1, len(x)):
             change = change + jacobian[:, column] * perturbation[column]
-        return np.concatenate([self.system.right_hand_side(x), change])
-
-    def jacobian(self, state: FloatArray) -> FloatArray:
-        """Not available: it would need second derivatives."""
-        raise NotImplementedError
+        return np.concatenate([function(x), change])
 
     def observable(self, state: FloatArray) -> FloatArray:
         """Observable of the state."""
@@ -362,37 +310,21 @@ class _TangentFlow(DynamicalSystem):
 
 
 @dataclass(frozen=True)
-class _DifferentiatedFlow(_TangentFlow):
-    method: Method
+class _TangentMap(_TangentFlow):
+    """State and perturbation under an integrator, which is differentiated by the method."""
 
-    def right_hand_side(self, state: FloatArray) -> FloatArray:
-        """Time derivative of state and perturbation; both of shape ``(2 dimension, ...)``."""
-        x, perturbation = np.split(state, 2)
-        function = self.system.right_hand_side
-        return np.concatenate([function(x), derivative(function, x, perturbation, self.method)])
-
-
-@dataclass(frozen=True)
-class _TangentMap(_DifferentiatedFlow):
     def flow_map(self, state: FloatArray, time_step: float) -> FloatArray:
         """State and perturbation one integration step later."""
+        assert self.method is not None
         x, perturbation = np.split(state, 2)
-
-        def advance(states: FloatArray) -> FloatArray:
-            return step(self.system, states, time_step)
-
+        advance = partial(step, self.system, time_step=time_step)
         return np.concatenate([advance(x), derivative(advance, x, perturbation, self.method)])
 
 
 def with_perturbations(
     system: DynamicalSystem, state: FloatArray, tangent: FloatArray, time_step: float, steps: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Integrate a system together with perturbations of its states.
-
-    ``state``: ``(dimension, batch)``. ``tangent``: Perturbations of each state, ``(dimension,
-    number, batch)``. Returns both, so many steps later: the states bit for bit those without
-    perturbations.
-    """
+    """States ``(dimension, batch)`` and perturbations ``(dimension, n, batch)`` after steps."""
     columns = np.ascontiguousarray(tangent.transpose(2, 0, 1))
     state, columns = _propagated(tangent_flow(system), state, columns, time_step, steps)
     return state, np.ascontiguousarray(columns.transpose(1, 2, 0))
@@ -406,10 +338,9 @@ def _propagated(
     columns = np.empty((2, dimension, batch, number))
     columns[0] = state[:, :, np.newaxis]
     columns[1] = tangent.transpose(1, 0, 2)
-    end = integrate(flow, columns.reshape(2 * dimension, batch * number), time_step, steps, steps)[
-        -1
-    ]
-    states, tangents = end.reshape(columns.shape)
+    joined = columns.reshape(2 * dimension, batch * number)
+    end = integrate(flow, joined, time_step, steps, steps)[-1]
+    states, tangents = end.reshape(2, dimension, batch, number)
     # contiguous: numpy factorises stacks of strided matrices more slowly
     return np.ascontiguousarray(states[:, :, 0]), np.ascontiguousarray(tangents.transpose(1, 0, 2))
 
@@ -423,19 +354,15 @@ def perturbation_growth(
     saturation_distance: float,
     generator: np.random.Generator,
     alignment_steps: int = 0,
-) -> PerturbationGrowth:
-    """Leading Lyapunov exponent from the divergence of neighbouring trajectories.
+) -> FloatArray:
+    """Leading Lyapunov exponents ``(batch,)`` from the divergence of neighbouring trajectories.
 
     Beside each trajectory runs a neighbour. When nonlinearity is about to saturate their distance,
     the neighbour is brought back to the initial distance along the direction that it has reached
     (Benettin et al., Meccanica 15 (1980) 9), and growth starts anew from another point of the
     attractor. A distance that falls far below the initial one is renewed likewise, before rounding
-    errors show in it.
-
-    The exponent of a trajectory is the ratio of all its logarithmic growth, of the last incomplete
-    phase too, to all the time. It is not the mean of the rates of the single phases: a phase ends
-    when the perturbation has grown by a fixed factor, so that fast phases are short, and a mean
-    that gives each phase one vote would count the bursts of growth too much.
+    errors show in it. The exponent is the ratio of all logarithmic growth to all the time: a mean
+    of the rates of phases would count short phases, of fast growth, too much.
 
     ``initial_distance``, ``saturation_distance``: Distances between neighbours at the start of a
     growth phase and at its end, in units of the state (see `attractor_size`). ``alignment_steps``:
@@ -456,24 +383,20 @@ def perturbation_growth(
     direction *= initial_distance / _norm(direction)
     pair = np.stack([state, state + direction], axis=1)
     log_growth = np.zeros(state.shape[1])
-    restarts = np.zeros(state.shape[1], dtype=np.int64)
     distance = _distance(pair)
     for index in range(alignment_steps + steps):
         if index == alignment_steps:
             log_growth = -np.log(distance / initial_distance)
-            restarts[:] = 0
         pair = integrate(system, pair.reshape(len(pair), -1), time_step, 1)[-1].reshape(pair.shape)
         distance = _distance(pair)
         restart = (distance > saturation_distance) | (distance < 0.01 * initial_distance)
         if restart.any():
             log_growth[restart] += np.log(distance[restart] / initial_distance)
-            restarts[restart] += 1
             direction = (pair[:, 1, restart] - pair[:, 0, restart]) / distance[restart]
             pair[:, 1, restart] = pair[:, 0, restart] + initial_distance * direction
             distance[restart] = initial_distance
     log_growth += np.log(distance / initial_distance)
-    duration = steps * time_step
-    return PerturbationGrowth(exponents=log_growth / duration, restarts=restarts, duration=duration)
+    return log_growth / (steps * time_step)
 
 
 def attractor_size(states: FloatArray) -> float:

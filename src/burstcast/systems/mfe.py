@@ -110,10 +110,7 @@ class MoehlisFaisstEckhardt(DynamicalSystem):
     Parameters
     ----------
     reynolds
-        Reynolds number. Either one number or an array that broadcasts against the trailing axes
-        of the states: then each trajectory of a batch has its own Reynolds number (as the
-        control needs), and evolves bit for bit as it does alone. Systems with an array have no
-        hash and cannot be compared.
+        Reynolds number.
     length_x, length_z
         Size of the periodic box in x and z; the walls are at y = -1 and y = 1.
 
@@ -132,12 +129,12 @@ class MoehlisFaisstEckhardt(DynamicalSystem):
     (0.0, 0.5)
     """
 
-    reynolds: float | FloatArray
+    reynolds: float
     length_x: float = 4.0 * math.pi
     length_z: float = 2.0 * math.pi
 
     _quadratic: _Coefficients = field(init=False, repr=False, compare=False)
-    _growth: FloatArray = field(init=False, repr=False, compare=False)  # (9, *reynolds.shape)
+    _growth: FloatArray = field(init=False, repr=False, compare=False)  # linear rates, negative
 
     dimension: ClassVar[int] = 9
     observable_name: ClassVar[str] = "kinetic energy"
@@ -145,31 +142,19 @@ class MoehlisFaisstEckhardt(DynamicalSystem):
 
     def __post_init__(self) -> None:
         for name in ("reynolds", "length_x", "length_z"):
-            value = np.array(getattr(self, name), dtype=np.float64)
-            value.setflags(write=False)
-            if not (np.isfinite(value).all() and (value > 0.0).all()):
-                raise ValueError(f"{name} must be positive and finite, not {getattr(self, name)}")
-            if name != "reynolds" and value.ndim > 0:
-                raise ValueError(f"{name} must be one number, not an array of shape {value.shape}")
-            object.__setattr__(self, name, value if value.ndim > 0 else float(value))
+            value = float(getattr(self, name))
+            if not 0.0 < value < math.inf:
+                raise ValueError(f"{name} must be positive and finite, not {value}")
+            object.__setattr__(self, name, value)
         alpha = 2.0 * math.pi / self.length_x
         gamma = 2.0 * math.pi / self.length_z
         object.__setattr__(self, "_quadratic", _quadratic_coefficients(alpha, gamma))
-        rates = _viscous_rates(alpha, gamma).reshape((9,) + (1,) * np.ndim(self.reynolds))
-        object.__setattr__(self, "_growth", -rates / np.asarray(self.reynolds))
-
-    def _growth_rates(self, trailing_axes: int) -> FloatArray:
-        """Linear growth rates (negative), shaped to multiply states with so many further axes."""
-        missing = trailing_axes - (self._growth.ndim - 1)
-        return self._growth.reshape((9,) + (1,) * missing + self._growth.shape[1:])
+        object.__setattr__(self, "_growth", -_viscous_rates(alpha, gamma) / self.reynolds)
 
     def right_hand_side(self, state: FloatArray) -> FloatArray:
-        """Time derivative of the amplitudes; both of shape ``(9, ...)``.
-
-        Complex states are differentiated likewise (for complex-step derivatives).
-        """
+        """Time derivative of the amplitudes; both of shape ``(9, ...)``, real or complex."""
         c = self._quadratic
-        growth = self._growth_rates(state.ndim - 1)
+        growth = self._growth.reshape((9,) + (1,) * (state.ndim - 1))
         derivative = np.multiply(state, growth, order="C")
         derivative[0] -= growth[0]  # the body force keeps a_1 = 1 against viscosity
 
@@ -216,9 +201,8 @@ class MoehlisFaisstEckhardt(DynamicalSystem):
         a1, a2, a3, a4, a5, a6, a7, a8, a9 = state
         shear = a1 + a9
         j = np.zeros((9, *state.shape), dtype=state.dtype)
-        diagonal = self._growth_rates(state.ndim - 1)
         for i in range(9):
-            j[i, i] = diagonal[i]
+            j[i, i] = self._growth[i]
 
         j[0, 1] = j[8, 1] = c.streak_roll * a3
         j[0, 2] = j[8, 2] = c.streak_roll * a2
@@ -287,13 +271,11 @@ class MoehlisFaisstEckhardt(DynamicalSystem):
     def energy_budget(self, state: FloatArray) -> EnergyBudget:
         """Input of the body force and viscous dissipation, both of shape ``(...)``.
 
-        The amplitude equations times the amplitudes, summed: the quadratic terms are advection,
-        which only exchanges energy between the modes (sum_ijk T_ijk a_i a_j a_k = 0 for modes
-        without divergence and without flow through the walls), so that dk/dt = I - D with the
-        input I = (beta^2 / Re) a_1 of the force and the dissipation D = (1 / Re) sum_i d_i a_i^2,
-        where d_i is the mean squared gradient of mode i.
+        The quadratic terms only exchange energy between the modes, so that dk/dt = I - D with I =
+        (beta^2 / Re) a_1 and D = (1 / Re) sum_i d_i a_i^2, where d_i is the mean squared gradient
+        of mode i.
         """
-        rates = -self._growth_rates(state.ndim - 1)
+        rates = -self._growth
         dissipation = rates[0] * np.square(state[0])
         for rate, row in zip(rates[1:], state[1:], strict=True):
             dissipation = dissipation + rate * row * row

@@ -91,11 +91,7 @@ class ProfileMatrices:
     def profiles(
         self, mean: FloatArray, second_moments: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Profiles of u, u^2 and uv over y, from the moments of the amplitudes.
-
-        ``mean``: Mean of a over time, ``(9,)``. ``second_moments``: Mean of the products a_i a_j
-        (not of the deviations from the mean), ``(9, 9)``.
-        """
+        """Profiles of u, u^2 and uv from time means of a_i, ``(9,)``, and a_i a_j, ``(9, 9)``."""
         return (
             self.u @ mean,
             np.tensordot(self.uu, second_moments, axes=2),
@@ -141,11 +137,7 @@ class MoehlisFaisstEckhardtModes:
         return _fields(components, amplitudes, x, y, z)
 
     def midplane_velocity(self, amplitudes: FloatArray, x: FloatArray, z: FloatArray) -> FloatArray:
-        """Velocity u along x in the midplane y = 0.
-
-        ``amplitudes``: ``(9, ...)``. ``x``, ``z``: Coordinates of the grid's lines, ``(points in
-        x,)`` and ``(points in z,)``. Shape ``(..., points in x, points in z)``.
-        """
+        """Velocity u in the midplane y = 0 of amplitudes ``(9, ...)``: ``(..., x, z)``."""
         u = self._velocity_terms()[0]
         plane: FloatArray = _fields([u], amplitudes, x[:, np.newaxis], np.zeros(()), z)[0]
         return plane
@@ -153,11 +145,7 @@ class MoehlisFaisstEckhardtModes:
     def midplane_mean_square(
         self, second_moments: FloatArray, x: FloatArray, z: FloatArray
     ) -> FloatArray:
-        """Time average of u^2 in the midplane, from the second moments of the amplitudes.
-
-        ``second_moments``: Mean over time of the products a_i a_j, ``(9, 9)``. Shape ``(points in
-        x, points in z)``.
-        """
+        """Time average of u^2 in the midplane, from the means of a_i a_j, ``(9, 9)``."""
         modes = self.midplane_velocity(np.eye(_MODES), x, z)
         square: FloatArray = np.einsum(
             "ixz,ij,jxz->xz", modes, second_moments, modes, optimize=True
@@ -168,9 +156,9 @@ class MoehlisFaisstEckhardtModes:
         """Averages over x and z at the heights ``y``, see `ProfileMatrices`."""
         u, v, _ = self._velocity_terms()
         # the constant 1 as a field of one term: its products with u are u itself
-        one = _Term(mode=0, coefficient=1.0, x=_ONE, y=_ONE, z=_ONE)
+        unity = _Term(mode=0, coefficient=1.0, x=_ONE, y=_ONE, z=_ONE)
         return ProfileMatrices(
-            u=_mean_products(u, [one], y)[:, :, 0],
+            u=_mean_products(u, [unity], y)[:, :, 0],
             uu=_mean_products(u, u, y),
             uv=_mean_products(u, v, y),
         )
@@ -219,10 +207,8 @@ def _difference(
     first: _Component, first_direction: str, second: _Component, second_direction: str
 ) -> _Component:
     """Subtract a derivative of one component from a derivative of another."""
-    return (
-        *(term.derivative(first_direction) for term in first),
-        *(term.derivative(second_direction).times(-1.0) for term in second),
-    )
+    added = tuple(term.derivative(first_direction) for term in first)
+    return added + tuple(term.derivative(second_direction).times(-1.0) for term in second)
 
 
 def _fields(

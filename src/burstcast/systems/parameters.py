@@ -30,13 +30,13 @@ class Parameters:
 
     names: tuple[str, ...]  #: one name for each parameter, in the order of a schedule's second axis
     #: values in force where there is no schedule; empty where nothing is known without one
-    own: tuple[float, ...]
+    defaults: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        if not self.names or len(self.own) not in (0, len(self.names)):
+        if not self.names or len(self.defaults) not in (0, len(self.names)):
             raise ValueError(
                 f"parameters need a value for each name, one at least: not the names "
-                f"{list(self.names)} and the values {list(self.own)}"
+                f"{list(self.names)} and the values {list(self.defaults)}"
             )
 
     def system(self, values: Sequence[float]) -> DynamicalSystem:
@@ -44,14 +44,8 @@ class Parameters:
         raise ValueError(f"no equations are known for the parameters {', '.join(self.names)}")
 
     def constant(self, steps: int, batch: int, values: Sequence[float] | None = None) -> FloatArray:
-        """Schedule of constant values, ``(steps, parameters, batch)``; by default the case's own.
-
-        Examples
-        --------
-        >>> Parameters(("reynolds",), (400.0,)).constant(2, 3).shape
-        (2, 1, 3)
-        """
-        values = self.own if values is None else values
+        """Schedule of constant values, ``(steps, parameters, batch)``; by default the defaults."""
+        values = self.defaults if values is None else values
         if not len(values):
             raise ValueError(
                 f"{', '.join(self.names)}: values over the whole forecast must be given, for "
@@ -95,7 +89,7 @@ class SystemParameters(Parameters):
     --------
     >>> from burstcast.systems.mfe import MoehlisFaisstEckhardt
     >>> parameters = SystemParameters.of(MoehlisFaisstEckhardt(400.0), ["reynolds"])
-    >>> parameters.own, parameters.system([600.0]).reynolds
+    >>> parameters.defaults, parameters.system([600.0]).reynolds
     ((400.0,), 600.0)
     """
 
@@ -105,17 +99,18 @@ class SystemParameters(Parameters):
     @classmethod
     def of(cls, system: DynamicalSystem, names: Sequence[str]) -> "SystemParameters":
         """Parameters of a system by the names of its fields."""
-        known: list[str] = []
+        field_names: list[str] = []
         if is_dataclass(system):
-            known = [one.name for one in fields(system) if one.init]
+            field_names = [parameter.name for parameter in fields(system) if parameter.init]
         for name in names:
-            if name not in known:
+            if name not in field_names:
                 raise ValueError(
-                    f"{type(system).__name__} has no parameter {name!r}{suggestion(name, known)}; "
-                    f"its parameters are {', '.join(known) or 'none'}"
+                    f"{type(system).__name__} has no parameter {name!r}"
+                    f"{suggestion(name, field_names)}; its parameters are "
+                    f"{', '.join(field_names) or 'none'}"
                 )
-        own = tuple(float(getattr(system, name)) for name in names)
-        return cls(tuple(names), own, free=system)
+        defaults = tuple(float(getattr(system, name)) for name in names)
+        return cls(tuple(names), defaults, free=system)
 
     def system(self, values: Sequence[float]) -> DynamicalSystem:
         """Equations with these values in place of the system's own."""
@@ -127,11 +122,7 @@ class SystemParameters(Parameters):
 
 
 def stretches(schedule: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
-    """Stretches of a schedule over which no trajectory's values change.
-
-    ``schedule``: ``(steps, parameters, batch)``. Returns steps of each stretch in the order of
-    time, and the values over it, ``(parameters, batch)``.
-    """
+    """Stretches of a schedule without a change: their steps, and values ``(parameters, batch)``."""
     steps = len(schedule)
     changed = (schedule[1:] != schedule[:-1]).any(axis=(1, 2))
     for start, stop in pairwise([0, *(np.flatnonzero(changed) + 1).tolist(), steps]):
@@ -140,11 +131,9 @@ def stretches(schedule: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
 
 
 def values_in(values: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Different values in a schedule.
+    """Different values of a schedule, or of one step of it, ``(number, parameters)``.
 
-    ``values``: ``(steps, parameters, batch)``, or ``(parameters, batch)``. Returns the different
-    values ``(number, parameters)``, and which of them each step and trajectory has, ``(steps,
-    batch)`` or ``(batch,)``.
+    Returns also which of them each step and trajectory has, ``(steps, batch)`` or ``(batch,)``.
     """
     last = np.moveaxis(values, -2, -1)
     different, which = np.unique(
@@ -160,17 +149,15 @@ def integrate_scheduled(
     time_step: float,
     stride: int = 1,
 ) -> FloatArray:
-    """Integrate a batch of trajectories under parameters that change in time.
+    """Integrate a batch under parameters that change in time, ``(steps + 1, dimension, batch)``.
 
-    ``schedule``: Values in force during each step of the result, ``(steps, parameters, batch)``:
-    ``stride`` integration steps each. Shape ``(steps + 1, dimension, batch)``; the first entry is
-    the initial state.
+    ``schedule``: Values during each step of the result, ``stride`` integration steps each.
     """
     steps = len(schedule)
     parameters.check(schedule, steps, state.shape[1])
     different, which = values_in(schedule)
     if len(different) < 2:
-        values = different[0].tolist() if len(different) else parameters.own
+        values = different[0].tolist() if len(different) else parameters.defaults
         return integrate(parameters.system(values), state, time_step, steps * stride, stride)
     systems = [parameters.system(values) for values in different.tolist()]
     choice = np.repeat(which, stride, axis=0)

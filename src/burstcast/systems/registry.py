@@ -36,8 +36,7 @@ def make_system(name: str, parameters: Mapping[str, float]) -> DynamicalSystem:
     """Make the system ``name`` with these parameters.
 
     ``name``: Name of a module of `burstcast.systems` ("mfe", "lorenz63", ...), or module and class
-    of one's own, "my_flows.kuramoto:KuramotoSivashinsky". ``parameters``: Values of the fields of
-    the system's class; those with a default may be left out.
+    of a user, "my_flows.kuramoto:KuramotoSivashinsky".
     """
     return made("system", name, "parameter", system_class(name), parameters)
 
@@ -58,9 +57,9 @@ def system_class(name: str) -> type[DynamicalSystem]:
     if not classes:
         # an unfinished class; the interface itself, and bases of systems, are in other modules
         begun = [
-            found
-            for found in classes_in(module, DynamicalSystem)  # type: ignore[type-abstract]
-            if found is not DynamicalSystem
+            candidate
+            for candidate in classes_in(module, DynamicalSystem)  # type: ignore[type-abstract]
+            if candidate is not DynamicalSystem
         ]
         raise ValueError(unfinished(begun[0]) if begun else _unknown(name))
     if len(classes) > 1:
@@ -84,12 +83,12 @@ def system_module(name: str) -> str:
     return module_of(name, burstcast.systems)
 
 
-def _complete(found: type[DynamicalSystem]) -> type[DynamicalSystem]:
-    if missing := _missing(found):
+def _complete(candidate: type[DynamicalSystem]) -> type[DynamicalSystem]:
+    if missing := _missing(candidate):
         raise ValueError(
-            f"the class {found.__name__} of {found.__module__} lacks {', '.join(missing)}"
+            f"the class {candidate.__name__} of {candidate.__module__} lacks {', '.join(missing)}"
         )
-    return found
+    return candidate
 
 
 def _unknown(name: str) -> str:

@@ -48,16 +48,13 @@ def _takes_powers(system: DynamicalSystem) -> bool:
 
 
 def step(system: DynamicalSystem, state: FloatArray, time_step: float) -> FloatArray:
-    """One integration step; states of shape ``(dimension, ...)``.
-
-    Of the fourth-order Runge-Kutta scheme, unless the system has an integrator of its own.
-    """
+    """One step of the Runge-Kutta scheme, or of the system's integrator, ``(dimension, ...)``."""
     if has_own(system, "flow_map"):
         return system.flow_map(state, time_step)
     if state.dtype != object:  # symbols have powers of their own
         try:
             takes_powers = _takes_powers(system)
-        except TypeError:  # no hash: a parameter is an array over the batch
+        except TypeError:  # a system without a hash
             takes_powers = True
         state = state.view(_States) if takes_powers else state
     slope_1 = system.right_hand_side(state)
@@ -75,11 +72,7 @@ def combine(
     slope_4: FloatArray,
     time_step: float,
 ) -> FloatArray:
-    """Last stage of the scheme: state + time_step / 6 (slope_1 + 2 slope_2 + 2 slope_3 + slope_4).
-
-    Public because the tangent dynamics (`burstcast.systems.lyapunov`) is the same scheme applied
-    to the linearised equations, and has to follow the very trajectory that `integrate` yields.
-    """
+    """Last stage: state + time_step / 6 (slope_1 + 2 slope_2 + 2 slope_3 + slope_4)."""
     increment = slope_2 + slope_3
     increment *= 2.0
     increment += slope_1

@@ -41,10 +41,7 @@ def component_names(space: StateSpace) -> tuple[str, ...]:
 
 
 def make_measured(description: Mapping[str, Any]) -> StateSpace:
-    """Make `burstcast.systems.measured.MeasuredSeries` of its fields.
-
-    Found by name, as systems are: only what is about measured series depends on its code.
-    """
+    """Make a `MeasuredSeries`, found by name so that code of other cases does not depend on it."""
     (measured,) = concrete_classes(burstcast.systems, MEASURED, object)
     series: StateSpace = measured(**description)  # type: ignore[assignment]
     return series

@@ -15,10 +15,7 @@ from burstcast.systems.forced import ForcedSystem
 
 
 class StiffSystem(DynamicalSystem):
-    """A system of stiff equations: a subclass says the equations as any system does.
-
-    Its `jacobian`, if it has one, is given to the scheme.
-    """
+    """A system of stiff equations; its `jacobian`, if it has one, is given to the scheme."""
 
     method: ClassVar[Literal["Radau", "BDF", "LSODA"]] = "Radau"
     """Scheme of `scipy.integrate.solve_ivp`."""

@@ -28,14 +28,16 @@ def with_ends(name: str, value: Any, low: Any, high: Any) -> dict[str, Any]:
     return {name: value, f"{name}_low": low, f"{name}_high": high}
 
 
-def medians_over_seeds(found: Iterable[tuple[ForecasterName, Scores]]) -> dict[str, Scores]:
+def medians_over_seeds(
+    scores_of_seeds: Iterable[tuple[ForecasterName, Scores]],
+) -> dict[str, Scores]:
     """Scores by forecaster, with the median over networks that differ by their seeds.
 
-    ``found``: Forecasters or controllers, and their scores by name. By identifier, in the order in
-    which they come; "median of" networks by what these share.
+    ``scores_of_seeds``: Forecasters or controllers, and their scores by name. Returns them by
+    identifier, in the order in which they come; "median of" networks by what these share.
     """
     alike: dict[ForecasterName, list[tuple[str, Scores]]] = {}
-    for name, scores in found:
+    for name, scores in scores_of_seeds:
         common = replace(name, kind=name.keys["forecaster"], seed=None, role=None, label=None)
         identifier = replace(common, seed=name.seed).identifier
         alike.setdefault(common, []).append((identifier, scores))

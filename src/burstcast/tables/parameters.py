@@ -25,8 +25,8 @@ def data_parameters(
 
     ``system``: Parameters of the equations: symbol (LaTeX in math mode), explanation, value.
     """
-    rows = [
-        *((f"${name}$", explanation, value) for name, explanation, value in system),
+    rows = [(f"${name}$", explanation, value) for name, explanation, value in system]
+    rows += [
         ("$dt$", "Integration time step", time_step),
         (f"${symbol}_l$", "Laminarisation threshold", laminarisation_threshold),
         (f"${symbol}_e$", "Extreme event threshold", event_threshold),
@@ -34,8 +34,8 @@ def data_parameters(
         ("", "Length of each time series", series_duration),
         ("", "Number of time series in the training set", training_series),
     ]
-    known = [(*names, latex_number(value)) for *names, value in rows if value is not None]
-    return pd.DataFrame(known, columns=_COLUMNS)
+    with_values = [(*names, latex_number(value)) for *names, value in rows if value is not None]
+    return pd.DataFrame(with_values, columns=_COLUMNS)
 
 
 def network_parameters(

@@ -20,16 +20,16 @@ def scatter_of_families(
     bases = scores["case"].map(lambda case: realisation_of(case)[0])
     for base in dict.fromkeys(bases[bases != scores["case"]]):
         of_family = scores[bases == base]
-        known = of_family.get("reynolds", pd.Series(dtype=np.float64)).dropna()
-        reynolds = float(known.iloc[0]) if len(known) else None
+        numbers = of_family.get("reynolds", pd.Series(dtype=np.float64)).dropna()
+        reynolds = float(numbers.iloc[0]) if len(numbers) else None
         if reynolds is not None and reynolds.is_integer():
             reynolds = int(reynolds)
         of_family = of_family[of_family["forecaster"].isin(kinds)]
         for values, members in of_family.groupby(list(keys), dropna=False, sort=False):
             for metric in metrics:
                 groups = [
-                    one[metric].dropna().to_numpy(dtype=np.float64)
-                    for _, one in members.groupby("case")
+                    of_set[metric].dropna().to_numpy(dtype=np.float64)
+                    for _, of_set in members.groupby("case")
                 ]
                 scatter = variance_components(groups)
                 yield {

@@ -15,7 +15,6 @@ from burstcast.tables.latex import escape, latex_number, to_latex
 
 Layout = Mapping[str, Any]
 
-WHO = "forecaster"
 PERCENTILES, INTERVAL = ("p50", "p25", "p75"), ("value", "low", "high")
 
 
@@ -61,8 +60,9 @@ def wide_tables(
         chosen = chosen[whole] if whole.any() else chosen
     interval = PERCENTILES if "p50" in chosen.columns else INTERVAL
     for case, of_case in chosen.groupby("case", sort=False):
-        row_keys = [WHO, *layout["more_rows"]]  # seeds only where the case has networks
-        named = of_case.assign(**{WHO: [_who(row) for row in of_case.to_dict("records")]})
+        row_keys = ["forecaster", *layout["more_rows"]]  # seeds only where the case has networks
+        words = [_in_words(row) for row in of_case.to_dict("records")]
+        named = of_case.assign(forecaster=words)
         if "strategy" in row_keys:
             named["strategy"] = _plans(named, layout["conditions"])
         for key in row_keys:
@@ -93,14 +93,14 @@ def wide_table(
     """
     if table.duplicated([*rows, columns]).any():
         raise ValueError(f"two rows have the same {', '.join([*rows, columns])}")
-    found: dict[tuple[object, ...], dict[str, object]] = {}
+    cells_of_rows: dict[tuple[object, ...], dict[str, object]] = {}
     for record in table.to_dict("records"):
         key = tuple(record[name] for name in rows)
-        row = found.setdefault(key, dict(zip(rows, key, strict=True)))
+        row = cells_of_rows.setdefault(key, dict(zip(rows, key, strict=True)))
         value, low, high = (float(record[name]) for name in interval)
         row[record[columns]] = cell(value, low, high, specs.get(str(record["metric"])))
     names = list(dict.fromkeys(table[columns]))
-    result = pd.DataFrame(list(found.values()), columns=[*rows, *names])
+    result = pd.DataFrame(list(cells_of_rows.values()), columns=[*rows, *names])
     return result.fillna(dict.fromkeys(names, "--"))
 
 
@@ -112,9 +112,9 @@ def cell(value: float, low: float, high: float, spec: str | None) -> str:
     if not np.isfinite(value):
         return "--"
     texts = [
-        latex_number(one, digits=3) if spec is None else f"${one:{spec}}$"
-        for one in (value, low, high)
-        if np.isfinite(one)
+        latex_number(end, digits=3) if spec is None else f"${end:{spec}}$"
+        for end in (value, low, high)
+        if np.isfinite(end)
     ]
     return texts[0] if len(texts) < 3 or low == high else "{} ({} to {})".format(*texts)
 
@@ -137,7 +137,7 @@ def _long_form(rows: pd.DataFrame, metrics: Sequence[str], keys: Sequence[str]) 
     )
 
 
-def _who(row: Mapping[Any, Any]) -> str:
+def _in_words(row: Mapping[Any, Any]) -> str:
     """Forecaster in words: "network, 700 neurons, RV"."""
     neurons, validation = row.get("neurons"), row.get("validation")
     parts = [forecaster_label(str(row["forecaster"]))]

@@ -33,10 +33,9 @@ class Campaign(ControlRuns):
         inputs = MEASURED_INPUTS if measured else SIMULATED_INPUTS
         left_open = {name: value for name, value in inputs.items() if sections["esn"][name] is None}
         sections = {**sections, "esn": {**sections["esn"], **left_open}}
-        known = self.cases[case].known if case else []
-        if known:
-            told = {**sections["aware"], "parameters": known, "transform": "identity"}
-            sections = {**sections, "aware": told}
+        if case and (columns := self.cases[case].known_columns):
+            of_columns = {"parameters": columns, "transform": "identity"}
+            sections = {**sections, "aware": {**sections["aware"], **of_columns}}
         return sections
 
     def prediction_time(self, wanted: float) -> float:
@@ -51,7 +50,7 @@ class Campaign(ControlRuns):
         values = [value for run in self.strategy_runs for _, value in run.plan.settings]
         used = {"options"} if any(map(is_option, values)) else set()
         used |= {"observed"} if any(run.plan.observed for run in self.strategy_runs) else set()
-        names = {(one.name.kind, one.name.label) for one in self.networks}
+        names = {(network.name.kind, network.name.label) for network in self.networks}
         leaking = any(self.options(kind, label=label)["leak_rate"] != [1] for kind, label in names)
         used |= {"leak_rate"} if leaking else set()
         return {"options", "observed", "leak_rate"} - used
@@ -85,9 +84,9 @@ class Campaign(ControlRuns):
     def _own_options(self) -> dict[tuple[str, str | None], dict[str, Any]]:
         """Options of classes of one's own, by kind and label."""
         return {
-            (kind, own.label): own.options
+            (kind, forecaster.label): forecaster.options
             for block in self.config.campaign
-            for kind, own in block.forecasters.own.items()
+            for kind, forecaster in block.forecasters.own.items()
         }
 
     def modules(self, wildcards: Mapping[str, str]) -> dict[str, list[str]]:
@@ -100,28 +99,28 @@ class Campaign(ControlRuns):
         cases = [names["case"]] if "case" in names else list(self.case_names)
         if "strategy" in names and (part := self.plan(names["strategy"]).observed):
             cases.append(part)
+        forecasters = [member.name for member in self.forecasters]
         if "forecaster" in names or "controller" in names:
-            forecasters = [name for name in [name_of(names)] if name.asks_forecasters]
-        else:
-            forecasters = [one.name for one in self.forecasters]
-        strategy = [self.plan(names["strategy"]).kind] if "strategy" in names else []
-        strategies = names.get("strategies")
-        validations = (
-            strategies.split("+") if strategies else {one.validation for one in forecasters}
-        )
+            name = name_of(names)
+            forecasters = [name] if name.asks_forecasters else []
+        validations = {name.validation for name in forecasters if name.validation}
+        if "strategies" in names:
+            validations = set(names["strategies"].split("+"))
+        validation_modules = [strategy_module(name).rpartition(".")[2] for name in validations]
         encoded = [self.cases[case] for case in cases if self.cases[case].is_encoded]
         # and the sources of encoded cases
-        cases += [one.source.name for one in encoded]
-        encoders = {one.encoder.kind for one in encoded if one.encoder}
-        return {
-            **({"burstcast.data.encoders": sorted(encoders)} if encoders else {}),
+        cases += [case.source.name for case in encoded]
+        modules = {
             "burstcast.systems": sorted({self.cases[case].system for case in cases}),
-            "burstcast.forecasters": sorted({one.kind for one in forecasters}),
-            "burstcast.control.strategies": strategy,
-            "burstcast.networks.validation_strategies": sorted(
-                strategy_module(name).rpartition(".")[2] for name in validations if name
-            ),
+            "burstcast.forecasters": sorted({name.kind for name in forecasters}),
+            "burstcast.control.strategies": [],
+            "burstcast.networks.validation_strategies": sorted(validation_modules),
         }
+        if "strategy" in names:
+            modules["burstcast.control.strategies"] = [self.plan(names["strategy"]).kind]
+        if encoders := {case.encoder.kind for case in encoded if case.encoder}:
+            modules["burstcast.data.encoders"] = sorted(encoders)
+        return modules
 
     def all_modules(self) -> dict[str, list[str]]:
         """Modules that any job reaches by a name (`modules`)."""
@@ -140,10 +139,9 @@ def nearest(values: Sequence[float], wanted: float) -> float | None:
     return min(values, key=lambda value: (abs(value - wanted), value), default=None)
 
 
-WHOSE = ("forecaster", "controller", "reservoir")
-"""Wildcards that name a forecaster or a controller of a job, or the network of a reservoir."""
-
-
 def name_of(wildcards: Mapping[str, str]) -> ForecasterName:
     """Forecaster or controller of a job, or the network that its reservoir is for."""
-    return parsed(next(filter(None, map(wildcards.get, WHOSE)), "none"))
+    for wildcard in ("forecaster", "controller", "reservoir"):
+        if wildcard in wildcards:
+            return parsed(wildcards[wildcard])
+    return parsed("none")

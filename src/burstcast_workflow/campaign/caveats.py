@@ -20,12 +20,12 @@ def extrapolations(campaign: Campaign) -> Iterator[str]:
         case = campaign.cases[name]
         sources = [campaign.cases[source] for source in campaign.sources(name)]
         factors = factors_of(campaign.config, sources)
-        strengths = {
-            sign * plan.strength
-            for _, plan in plans_of(campaign.config, name)
-            if case.actuation is not None and plan.strategy.informed
-            for sign in ((1, -1) if dict(plan.settings).get("reversible") else (1,))
-        }
+        strengths: set[float] = set()
+        for _, plan in plans_of(campaign.config, name):
+            if case.actuation is not None and plan.strategy.informed:
+                strengths.add(plan.strength)
+                if dict(plan.settings).get("reversible"):
+                    strengths.add(-plan.strength)
         if case.training.actuation and case.training.actuation.tested:
             strengths.add(case.training.actuation.strength)
         for strength in (0.0, *sorted(strengths)):
@@ -39,15 +39,13 @@ def few_points(campaign: Campaign) -> str:
     That is fewer than the events that a score takes (`FEW_POSITIVES`), as far as Lyapunov times are
     known.
     """
-    config, found = campaign.config, []
+    config, lacking = campaign.config, []
     for name, case in campaign.cases.items():
         steps, samples = case.steps_per_lyapunov_time, case.samples
         if not isinstance(case, Simulated) or steps is None or samples is None:
             continue
-        room = [
-            durations.steps(one, steps)
-            for one in (config.washout_lt, config.classification.reach_lt)
-        ]
+        washout = durations.steps(config.washout_lt, steps)
+        reach = durations.steps(config.classification.reach_lt, steps)
         calibration = config.probability.calibration_series or case.training.series
         few = []
         for use, series, spacing_lt in (
@@ -55,14 +53,14 @@ def few_points(campaign: Campaign) -> str:
             ("calibrate with", calibration, config.probability.start_spacing_lt),
         ):
             spacing = durations.steps(spacing_lt, steps)
-            points = len(starting_points(series, samples, spacing, *room))
+            points = len(starting_points(series, samples, spacing, washout, reach))
             if points < FEW_POSITIVES:
                 few.append(f"{points} to {use}")
         if few:
-            found.append(f"{name} has {' and '.join(few)}")
-    if not found:
+            lacking.append(f"{name} has {' and '.join(few)}")
+    if not lacking:
         return ""
     return (
-        f"fewer than {FEW_POSITIVES} starting points of forecasts: {', '.join(found)}; raise "
+        f"fewer than {FEW_POSITIVES} starting points of forecasts: {', '.join(lacking)}; raise "
         "test_series, training.series or ensemble.duration, or lower start_spacing_lt"
     )

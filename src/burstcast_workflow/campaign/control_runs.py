@@ -46,10 +46,10 @@ class ControlRuns(Members):
         """The paper's control: controllers, cases, prediction times; random alarms beside."""
         control = self.config.control
         runs = [
-            ControlRun(one.case, one.name, paper_plan(time, control.window_lt))
-            for one in self.chosen(control.forecasters)
-            if self.cases[one.case].actuation is not None
-            for time in self._control_times(one)
+            ControlRun(member.case, member.name, paper_plan(time, control.window_lt))
+            for member in self.chosen(control.forecasters)
+            if self.cases[member.case].actuation is not None
+            for time in self._control_times(member)
         ]
         if control.random_alarms:
             runs += [
@@ -88,9 +88,9 @@ class ControlRuns(Members):
             cases = [self.cases[part].source.name] if part else controlled
             return [(case, ForecasterName("none")) for case in cases]
         chosen = [
-            (self.cases[one.case].source.name, one.name)
-            for one in (self.chosen(block.forecasters) if block.forecasters else ())
-            if (one.case == part if part else one.case in controlled)
+            (self.cases[member.case].source.name, member.name)
+            for member in (self.chosen(block.forecasters) if block.forecasters else ())
+            if (member.case == part if part else member.case in controlled)
         ]
         if block.committee:
             common = [(case, replace(name, seed=None, role="committee")) for case, name in chosen]
@@ -132,9 +132,9 @@ class ControlRuns(Members):
         """The plan of control that is called so (a KeyError if there is none)."""
         return self._plans[identifier]
 
-    def _control_times(self, one: CaseForecaster) -> list[float]:
+    def _control_times(self, member: CaseForecaster) -> list[float]:
         times, sweep = set(self.config.control.prediction_times_lt), self.config.control.sweep
-        if one.case in sweep.cases and (one.name.seed or 0) < sweep.seeds:
+        if member.case in sweep.cases and (member.name.seed or 0) < sweep.seeds:
             times.update(sweep.prediction_times_lt)
         return sorted(times)
 

@@ -225,8 +225,8 @@ def settings_of_job(
     given as they are, beside them.
     """
     job = Job(campaign, wildcards)
-    found = {path: job.value(path) for path in paths}
-    concerning = {path: value for path, value in found.items() if value is not LEFT_OUT}
+    asked = {path: job.value(path) for path in paths}
+    concerning = {path: value for path, value in asked.items() if value is not LEFT_OUT}
     result: dict[str, Any] = canonical({**concerning, **(values or {})})
     return result
 

@@ -71,7 +71,7 @@ def _control(campaign: Campaign, case: Simulated, steps: int) -> list[str]:
                 time_step=case.ensemble.time_step,
             )
             plan.strategy.check(schedule)
-            if (space := space_of(seen)) is not None:
+            if (space := space_of(vars(seen))) is not None:
                 plan.strategy.check_system(space, case.actuation.force is not None)
     return problems
 

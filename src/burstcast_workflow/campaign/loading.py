@@ -80,8 +80,8 @@ def load(
             sound, aside = sound_part(config, yaml.load(file, _LOADER))
     if sound is not None:
         sound = completed(sound)
-        found = [*contradictions(sound), *misfits(sound)]
-        problems += [text for text in found if not any(name in text for name in aside)]
+        relations = [*contradictions(sound), *misfits(sound)]
+        problems += [text for text in relations if not any(name in text for name in aside)]
     if problems or sound is None:
         raise ConfigError(problems, aside)
     return sound.dump()
@@ -118,8 +118,10 @@ def _misread(node: yaml.Node | None, name: str) -> Iterator[str]:
         lines: dict[tuple[str, str], int] = {}
         for key, value in node.value:
             line, below = key.start_mark.line + 1, f"{name}.{key.value}".removeprefix(".")
-            if first := lines.get(known := (key.tag, str(key.value))):
+            name_of_key = key.tag, str(key.value)
+            if name_of_key in lines:
+                first = lines[name_of_key]
                 yield f"line {line}: the key {below} is there already, in line {first}"
-            lines.setdefault(known, line)
+            lines.setdefault(name_of_key, line)
             yield from _misread(key, f"the key {below}")
             yield from _misread(value, below)

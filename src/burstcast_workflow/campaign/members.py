@@ -1,9 +1,8 @@
 """The members of a campaign: its cases, and the forecasters of each."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
 from typing import Any
 
 from burstcast.base.names import ForecasterName, parsed
@@ -11,8 +10,7 @@ from burstcast.base.natural_order import natural_order
 from burstcast.forecasters.base import Forecaster, ForecasterKind
 from burstcast.forecasters.registry import kind_class
 from burstcast_workflow.config.cases import cases_of
-from burstcast_workflow.config.forecasters import Choice, NetworkAxes, OwnForecaster
-from burstcast_workflow.config.kinds import Section
+from burstcast_workflow.config.forecasters import Choice
 from burstcast_workflow.config.model import Configuration
 
 
@@ -71,15 +69,15 @@ class Members:
     @cached_property
     def forecasters(self) -> tuple[CaseForecaster, ...]:
         """All forecasters of all cases, each once."""
-        found = {
+        members = {
             CaseForecaster(case, name)
             for block in self.config.campaign
-            for kind, axes in block.forecasters.kinds.items()
-            for name in _names(kind, axes)
+            for kind in block.forecasters.kinds
+            for name in block.forecasters.names(kind)
             for case in block.case_names
             if case in self.cases
         }
-        return tuple(sorted(found, key=_order))
+        return tuple(sorted(members, key=_order))
 
     def _of(self, is_so: Callable[[CaseForecaster], object]) -> tuple[CaseForecaster, ...]:
         """Forecasters of which something is true."""
@@ -105,15 +103,15 @@ class Members:
         """Networks that have a search of their own."""
         return tuple(network for network in self.networks if self.searched(network) == network)
 
-    def searched(self, one: CaseForecaster) -> CaseForecaster:
+    def searched(self, member: CaseForecaster) -> CaseForecaster:
         """Network whose search finds the hyperparameters of a network: itself, or a shared one.
 
         Networks that know the parameters and are trained on the same series share the search of the
         first case, and networks with true washouts the searches of networks with noisy ones.
         """
-        case = self.sources(one.case)[0] if one.kind.learns_parameters else one.case
-        kind = one.kind.searched_as or one.name.kind
-        return CaseForecaster(case, replace(one.name, kind=kind))
+        case = self.sources(member.case)[0] if member.kind.learns_parameters else member.case
+        kind = member.kind.searched_as or member.name.kind
+        return CaseForecaster(case, replace(member.name, kind=kind))
 
     def sources(self, case: str) -> list[str]:
         """Cases whose series the kinds that know the parameters are trained on, for a case."""
@@ -159,7 +157,7 @@ class Members:
         return tuple(
             member
             for member in self.chosen(self.config.statistics.forecasters)
-            if not (self.cases[member.case].known and member.kind.learns_parameters)
+            if not (self.cases[member.case].known_columns and member.kind.learns_parameters)
         )
 
     @cached_property
@@ -177,7 +175,7 @@ class Members:
     @cached_property
     def case_names(self) -> tuple[str, ...]:
         """Cases that some forecaster of the campaign is made for."""
-        return tuple(dict.fromkeys(one.case for one in self.forecasters))
+        return tuple(dict.fromkeys(member.case for member in self.forecasters))
 
     def where(self, **values: bool) -> tuple[str, ...]:
         """Names of the cases that have the given properties: ``where(is_encoded=True)``."""
@@ -209,20 +207,6 @@ class Members:
         """Cases of equations with forecasters that know their parameters."""
         aware = {member.case for member in self.forecasters if member.kind.learns_parameters}
         return tuple(case for case in self.simulated_cases if case in aware)
-
-
-def _names(kind: str, axes: Section | dict[str, Section]) -> Iterator[ForecasterName]:
-    """Forecasters of one kind in a block: all combinations along its axes."""
-    if isinstance(axes, dict):
-        yield from (ForecasterName(kind, label=label) for label in axes)
-        return
-    if not isinstance(axes, NetworkAxes):
-        yield ForecasterName(kind, label=axes.label if isinstance(axes, OwnForecaster) else None)
-        return
-    labels: list[str | None] = [*axes.variants] or [None]
-    for label, neurons, validation in product(labels, axes.neurons, axes.validation):
-        for seed in range(axes.seeds):
-            yield ForecasterName(kind, neurons, validation, seed, label=label)
 
 
 def _order(member: CaseForecaster) -> tuple[Any, ...]:

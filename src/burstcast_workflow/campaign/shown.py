@@ -101,7 +101,7 @@ class Choices:
     @property
     def control_example(self) -> list[str]:
         """The case of the run of control that the figures of one event are taken from."""
-        return [run.case for run in [self.example_run] if run]
+        return [] if self.example_run is None else [self.example_run.case]
 
     @cached_property
     def example_run(self) -> ControlRun | None:
@@ -160,12 +160,12 @@ class Shown(Choices):
         """
         place, slash, name = file.path.partition("/")
         if file.of_each:
-            found = self._of_case(getattr(self.campaign, place))
+            places = self._of_case(getattr(self.campaign, place))
         else:
-            found = getattr(self, place)
-        if isinstance(found, list):
-            return [f"{_directory(each)}{slash}{name}" for each in found]
-        return [] if found is None else f"{_directory(found)}{slash}{name}"
+            places = getattr(self, place)
+        if isinstance(places, list):
+            return [f"{_directory(each)}{slash}{name}" for each in places]
+        return [] if places is None else f"{_directory(places)}{slash}{name}"
 
     # -- places of files: a directory, or several, below the results directory ---------------------
 
@@ -216,8 +216,8 @@ class Shown(Choices):
         if self.campaign.cases[self.case].undecoded or not self._is_plane(self.source):
             return []
         networks = self.campaign.select(case=self.case, kind="esn")
-        found = [*networks, *self._of_case(self.campaign.trajectory_forecasters)]
-        return [forecaster for forecaster in found if not forecaster.kind.sees_truth]
+        forecasters = [*networks, *self._of_case(self.campaign.trajectory_forecasters)]
+        return [forecaster for forecaster in forecasters if not forecaster.kind.sees_truth]
 
     @property
     def decoded_forecaster(self) -> CaseForecaster:
@@ -308,8 +308,8 @@ class Shown(Choices):
     def parameter(self) -> dict[str, Any]:
         """The first parameter that forecasters know: its values by case, and those trained on."""
         campaign, cases = self.campaign, self.aware_cases
-        known = [member for member in campaign.forecasters if member.kind.learns_parameters]
-        aware = [member for member in known if member.case in cases]
+        learning = [member for member in campaign.forecasters if member.kind.learns_parameters]
+        aware = [member for member in learning if member.case in cases]
         sources = {source for case in cases for source in campaign.sources(case)}
         return {
             "name": campaign.config.forecasters.aware.parameters[0],

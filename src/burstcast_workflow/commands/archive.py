@@ -25,14 +25,20 @@ from burstcast_workflow.commands.planned import planned, reasons
 from burstcast_workflow.harness.storage import atomic
 from burstcast_workflow.project import project_root
 from burstcast_workflow.start import names_of_rules
+from burstcast_workflow.tracking import environment
 from burstcast_workflow.tracking.environment import library_version
 from burstcast_workflow.tracking.run import CLAIM
 
-LIBRARIES = (
-    *("burstcast", "llvmlite", "matplotlib", "netCDF4", "numpy", "pandas", "pydantic"),
-    *("scikit-image", "scikit-learn", "scikit-optimize", "scipy", "snakemake"),
-)
-"""Libraries whose versions are recorded."""
+LIBRARIES = [
+    "burstcast",
+    "matplotlib",
+    "netCDF4",
+    "pandas",
+    "pydantic",
+    "scikit-image",
+    "snakemake",
+]
+"""Libraries whose versions are recorded beside those that change results."""
 
 _TIME = (1980, 1, 1, 0, 0, 0)  # the earliest time of a zip file
 _README = """\
@@ -61,7 +67,9 @@ def versions(claim: Mapping[str, Any]) -> dict[str, Any]:
     """
     return {
         "python": platform.python_version(),
-        "libraries": {library: library_version(library) for library in LIBRARIES},
+        "libraries": {
+            name: library_version(name) for name in sorted([*LIBRARIES, *environment.LIBRARIES])
+        },
         "revision": claim["revision"],
         "linear algebra": claim["linear algebra"],
     }
@@ -89,27 +97,27 @@ def _is_archive(path: Path) -> bool:
 
 def contents(results: Path, claim: Mapping[str, Any], why: str) -> dict[str, bytes]:
     """Files of the archive of a campaign, by their names in it. ``claim``: See `versions`."""
-    found = {
+    files = {
         f"{directory}/{path.name}": path.read_bytes()
         for directory, suffixes in (("tables", (".csv", ".tex")), ("figures", (".pdf", ".png")))
         for path in _files(results / directory, suffixes)
     }
-    if not found:
+    if not files:
         raise NothingToArchiveError(
             f"{results} has neither tables nor figures yet: run the campaign first"
         )
     if (page := results / "report.html").exists():
-        found["report.html"] = page.read_bytes()
+        files["report.html"] = page.read_bytes()
     made_by = versions(claim)
     # a path that exists wherever the campaign is run again
     portable = {**claim["config"], "results": f"results/{results.name}"}
-    found["config.yaml"] = yaml.safe_dump(portable, sort_keys=True).encode()
-    found["versions.json"] = f"{json.dumps(made_by, indent=2)}\n".encode()
-    found["why.txt"] = f"{why}\n".encode()
+    files["config.yaml"] = yaml.safe_dump(portable, sort_keys=True).encode()
+    files["versions.json"] = f"{json.dumps(made_by, indent=2)}\n".encode()
+    files["why.txt"] = f"{why}\n".encode()
     readme = _README.format(name=results.name, revision=f"revision {made_by['revision']}")
-    found["README.md"] = readme.encode()
-    found["CITATION.cff"] = (project_root() / "CITATION.cff").read_bytes()
-    return {f"{results.name}/{name}": content for name, content in found.items()}
+    files["README.md"] = readme.encode()
+    files["CITATION.cff"] = (project_root() / "CITATION.cff").read_bytes()
+    return {f"{results.name}/{name}": content for name, content in files.items()}
 
 
 def _files(directory: Path, suffixes: Iterable[str]) -> list[Path]:
@@ -117,14 +125,12 @@ def _files(directory: Path, suffixes: Iterable[str]) -> list[Path]:
 
 
 def _claim_of(results: Path) -> dict[str, Any]:
-    claim = results / CLAIM
+    path = results / CLAIM
     try:
-        return {
-            name: json.loads(claim.read_bytes())[name]
-            for name in ("config", "revision", "linear algebra")
-        }
+        claim = json.loads(path.read_bytes())
+        return {name: claim[name] for name in ("config", "revision", "linear algebra")}
     except (ValueError, KeyError, TypeError):
-        raise NothingToArchiveError(f"{claim} is damaged: run the campaign again") from None
+        raise NothingToArchiveError(f"{path} is damaged: run the campaign again") from None
 
 
 def main(arguments: Sequence[str], output: Path | None = None) -> int:

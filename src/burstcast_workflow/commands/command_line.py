@@ -33,12 +33,16 @@ def _parser() -> argparse.ArgumentParser:
     command(
         "settings", "config.reference", "list all settings with their units, defaults and bounds"
     )
-    check = command("check-system", "commands.check_system", "check a dynamical system")
-    check.add_argument("system", help="lorenz63, ..., or <module>:<class> of your own")
-    check.add_argument("parameters", nargs="*", metavar="NAME=VALUE", help="of its equations")
-    check = command("check-forecaster", "commands.check_forecaster", "check a forecaster")
-    check.add_argument("forecaster", help="nvar, ..., or <module>:<class> of your own")
-    check.add_argument("options", nargs="*", metavar="NAME=VALUE", help="of its class")
+    for kind, example, values in (
+        ("system", "lorenz63", "parameters of its equations"),
+        ("forecaster", "nvar", "options of its class"),
+    ):
+        check = command(f"check-{kind}", "commands.check", f"check a {kind}")
+        check.set_defaults(kind=kind)
+        check.add_argument(
+            "name", metavar=kind, help=f"{example}, ..., or <module>:<class> of your own"
+        )
+        check.add_argument("values", nargs="*", metavar="NAME=VALUE", help=values)
     archive = command(
         "archive",
         "commands.archive",
@@ -53,10 +57,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; return its exit status: 2 where the command makes no sense."""
     parser = _parser()
     chosen, others = parser.parse_known_args(arguments)
-    own = vars(chosen)
-    command, module, of_snakemake = (
-        own.pop(name) for name in ("command", "module", "of_snakemake")
-    )
+    values = vars(chosen)
+    command, module = values.pop("command"), values.pop("module")
+    of_snakemake = values.pop("of_snakemake")
     if others and not of_snakemake:
         parser.error(f"{command} does not know {' '.join(others)}")
     # only now: most of them load Snakemake, which takes a second
@@ -66,5 +69,5 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if problem := unreadable_config(others):
             parser.error(problem)
     run = import_module(f"burstcast_workflow.{module}").main
-    status: int = run(others, **own) if of_snakemake else run(**own)
+    status: int = run(others, **values) if of_snakemake else run(**values)
     return status

@@ -12,17 +12,15 @@ from burstcast_workflow import start
 from snakemake_logger_plugin_burstcast.reasons import PlannedJob, explanation
 
 # options of snakemake that do something else than planning, even in a dry run
-_CHANGING = (
-    *("unlock", "touch", "cleanup_metadata", "cleanup_shadow", "archive", "report"),
-    *("delete_all_output", "delete_temp_output", "conda_cleanup_envs"),
-    *("conda_create_envs_only", "export_cwl", "containerize"),
-)
+_CHANGING = ["unlock", "touch", "cleanup_metadata", "cleanup_shadow", "archive", "report"]
+_CHANGING += ["delete_all_output", "delete_temp_output", "export_cwl", "containerize"]
+_CHANGING += ["conda_cleanup_envs", "conda_create_envs_only"]
 
 
 def planned(arguments: Sequence[str]) -> Any:
     """Snakemake's workflow, planned under its own options; `SystemExit` if that fails."""
-    said = io.StringIO()
-    with redirect_stdout(said), redirect_stderr(said):
+    output = io.StringIO()
+    with redirect_stdout(output), redirect_stderr(output):
         # quiet in this way, Snakemake ends a dry run before it pretends to execute the jobs
         parser, options = parse_args([*arguments, "--dry-run", "--quiet", "rules", "progress"])
         changing = [name for name in _CHANGING if getattr(options, name, None)]
@@ -32,7 +30,7 @@ def planned(arguments: Sequence[str]) -> Any:
         print(f"this only looks, and changes nothing: leave out {option}", file=sys.stderr)
         raise SystemExit(2)
     if not succeeded:
-        print(said.getvalue(), file=sys.stderr)
+        print(output.getvalue(), file=sys.stderr)
         raise SystemExit(1)
     return start.latest
 

@@ -1,41 +1,41 @@
 """Bounds of settings that are other settings, as the model states them."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
+from operator import ge, le, lt
 from typing import Any, get_args
 
 from burstcast_workflow.config.kinds import RELATIONS, Section
 
 
-def _is_multiple(value: float, unit: float) -> bool:
-    """Whether value is unit times 1, 2, 3, ..., up to rounding errors."""
-    ratio = value / unit
-    return round(ratio) >= 1 and math.isclose(ratio, round(ratio), rel_tol=1e-9)
+def _holds(relation: str, value: Any, bound: Any) -> bool:
+    """Whether a value has a relation (`RELATIONS`) to a bound."""
+    if relation == "one_of":
+        return value in bound
+    if relation == "within":
+        return bool(bound[0] <= value <= bound[1])
+    if relation == "multiple_of":  # by 1, 2, 3, ..., up to rounding errors
+        ratio = value / bound
+        return round(ratio) >= 1 and math.isclose(ratio, round(ratio), rel_tol=1e-9)
+    return bool(_COMPARISONS[relation](value, bound))
 
 
-_HOLDS: dict[str, Callable[[Any, Any], bool]] = {
-    "below": lambda value, other: value < other,
-    "at_most": lambda value, other: value <= other,
-    "at_least": lambda value, other: value >= other,
-    "not_beyond": lambda value, other: value <= other,
-    "multiple_of": _is_multiple,
-    "one_of": lambda value, other: value in other,
-    "within": lambda value, other: other[0] <= value <= other[1],
-}
+_COMPARISONS = {"below": lt, "at_most": le, "not_beyond": le, "at_least": ge}
 
 
 def out_of_bounds(section: Section) -> Iterator[str]:
     """Check settings against the settings that bound them; a message for each mistake."""
     settings = section.dump()
     for name, relation, other in _bounds(type(section)):
-        factors = [_at(settings, factor) for factor in other.split(" * ")]
-        bound = factors[0] if len(factors) == 1 else math.prod(factors)
+        bound, *factors = [_at(settings, factor) for factor in other.split(" * ")]
+        if factors:
+            bound = math.prod(factors, start=bound)
         value = _at(settings, name)
         for item in value if isinstance(value, list) else [value]:
-            if item is None or isinstance(item, Mapping):  # left out; known to a job only
-                continue
-            if bound not in (None, []) and not _HOLDS[relation](item, bound):
+            if item is None or isinstance(item, Mapping) or bound in (None, []):
+                continue  # left out, or known to a job only
+            if not _holds(relation, item, bound):
                 limit = ", ".join(map(str, bound if isinstance(bound, list) else [bound]))
                 yield f"{name}: {RELATIONS[relation]} {other}, {limit} (got {item})"
 
@@ -43,15 +43,15 @@ def out_of_bounds(section: Section) -> Iterator[str]:
 @cache
 def _bounds(model: type[Section], place: str = "") -> list[tuple[str, str, str]]:
     """Settings that are bounded by others, with the relation and the name of the other."""
-    found: list[tuple[str, str, str]] = []
+    bounds: list[tuple[str, str, str]] = []
     for key, field in model.model_fields.items():
         name, extra = f"{place}{key}", field.json_schema_extra
         relations: Any = extra.get("relations", {}) if isinstance(extra, dict) else {}
-        found += [(name, relation, other) for relation, other in relations.items()]
+        bounds += [(name, relation, other) for relation, other in relations.items()]
         # what bounds a setting of a case is in the same case
         for section in _sections(field.annotation) if name != "case_defaults" else ():
-            found += _bounds(section, f"{name}.")
-    return found
+            bounds += _bounds(section, f"{name}.")
+    return bounds
 
 
 def _sections(kind: Any) -> Iterator[type[Section]]:

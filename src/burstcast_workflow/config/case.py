@@ -250,17 +250,13 @@ class Data(Section):
     @property
     def paths(self) -> list[str]:
         """Files of the series, in their order: files of a pattern as people sort names."""
-        found: dict[str, None] = {}
+        paths: list[str] = []
         for name in self.files:
-            paths = [name]
-            if glob.has_magic(name):
-                paths = sorted(glob.glob(name, recursive=True), key=natural_order)
-                if not paths:
-                    raise ValueError(
-                        f"data.files: no file is called {name}, seen from {os.getcwd()}"
-                    )
-            found.update(dict.fromkeys(map(os.path.relpath, paths)))
-        return list(found)
+            matches = sorted(glob.glob(name, recursive=True), key=natural_order)
+            if glob.has_magic(name) and not matches:
+                raise ValueError(f"data.files: no file is called {name}, seen from {os.getcwd()}")
+            paths += map(os.path.relpath, matches if glob.has_magic(name) else [name])
+        return list(dict.fromkeys(paths))
 
 
 class DataOfCase(Data):
@@ -396,8 +392,8 @@ class Case(Section):
     @property
     def time_unit(self) -> str | list[str]:
         """File of the computed Lyapunov exponents, where they set the unit of time."""
-        known = self.steps_per_lyapunov_time is not None
-        return [] if known else f"{self.source.name}/lyapunov.json"
+        is_computed = self.steps_per_lyapunov_time is None
+        return f"{self.source.name}/lyapunov.json" if is_computed else []
 
     @property
     def estimates_time_unit(self) -> bool:
@@ -407,8 +403,8 @@ class Case(Section):
     @property
     def event_quantile(self) -> float | None:
         """Quantile that the event threshold is given as; None where it is a number."""
-        found = self.event_threshold
-        return found.quantile if isinstance(found, Quantile) else None
+        threshold = self.event_threshold
+        return threshold.quantile if isinstance(threshold, Quantile) else None
 
     @property
     def imported_noise(self) -> float:
@@ -421,7 +417,7 @@ class Case(Section):
         return self.training.noise if early else 0.0
 
     @property
-    def known(self) -> list[str]:
+    def known_columns(self) -> list[str]:
         """Names of the columns that are known in advance."""
         return [Quantity(text).name for text in self.data.known] if self.data else []
 
@@ -485,7 +481,7 @@ class Simulated(Case):
             if self.actuation is None:
                 raise ValueError("training.actuation needs a case with an actuation")
             system = actuated_system(system, self.actuation.parameters, None, share)
-        return [*SystemParameters.of(system, names).own]
+        return [*SystemParameters.of(system, names).defaults]
 
 
 class MeasuredSteps(Steps):

@@ -20,16 +20,16 @@ from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class
 from burstcast_workflow.config.bounds import out_of_bounds
 from burstcast_workflow.config.case import Case, Encoded, Measured, Simulated
-from burstcast_workflow.config.cases import case_of, case_record, kind_of, reynolds_in, sound_case
+from burstcast_workflow.config.cases import case_record, kind_of, reynolds_in, sound_case
 from burstcast_workflow.config.measured_cases import (
     ONLY_ENCODED,
-    own_problems,
     problems_of_data,
     problems_of_encoding,
+    problems_of_entry,
     space_of,
 )
 from burstcast_workflow.config.model import Configuration
-from burstcast_workflow.config.problems import problems_of, suggestion
+from burstcast_workflow.config.problems import name_of, problems_of, unknown
 from burstcast_workflow.tracking.code import module_file
 
 FINE = 1000
@@ -58,9 +58,9 @@ class CaseChecks:
         try:
             case = Simulated.model_validate(record)
         except ValidationError as error:
-            problems = error.errors(include_url=False)
+            mistakes = error.errors(include_url=False)
             missing = [
-                ".".join(map(str, one["loc"])) for one in problems if one["type"] == "missing"
+                name_of(mistake["loc"]) for mistake in mistakes if mistake["type"] == "missing"
             ]
             if missing and record["system"] != self.config.case_defaults.system:
                 are, it = ("is", "it") if len(missing) == 1 else ("are", "them")
@@ -79,7 +79,14 @@ class CaseChecks:
         yield from self._system(case)
         if any(kind_class(kind).has_filter for kind in self.kinds):
             yield from self._filter(case, f"the system {case.system}")
-        yield from self._counts_of_series(case)
+        uses = {
+            "training.series": case.training.series,
+            "test_series": case.test_series,
+            "probability.calibration_series": self.config.probability.calibration_series,
+        }
+        if sum(uses.values()) > case.ensemble.series:
+            listed = " and ".join(f"{name} is {count}" for name, count in uses.items() if count)
+            yield f"{listed}; together they must be at most ensemble.series, {case.ensemble.series}"
         yield from self._left_out(case, "further series (probability.calibration_series)")
         yield from self._starts_of_actuation(case)
         yield from self._lags(case)
@@ -133,21 +140,6 @@ class CaseChecks:
         except ValueError as error:
             yield f"actuation: {error}"
 
-    def _counts_of_series(self, case: Simulated) -> Iterator[str]:
-        """Mistakes in the numbers of series and their uses."""
-        series, training = case.ensemble.series, case.training.series
-        test, more = case.test_series, self.config.probability.calibration_series
-        if training + test > series:
-            yield (
-                f"training.series and test_series are {training} and {test}; together they must be "
-                f"at most ensemble.series, {series}"
-            )
-        if more and training + test + more > series:
-            yield (
-                f"probability.calibration_series is {more}; together with training.series and "
-                f"test_series, {training + test}, it must be at most ensemble.series, {series}"
-            )
-
     def _left_out(self, case: Case, others: str) -> Iterator[str]:
         """Checks that leave-one-out calibration has at least two training series."""
         if not self.config.probability.calibration_series and case.training.series < 2:
@@ -157,43 +149,30 @@ class CaseChecks:
             )
 
     def _starts_of_actuation(self, case: Case) -> Iterator[str]:
+        control = self.config.control
         start = case.actuation.start_lt if case.actuation else 0
-        times = (
-            self.config.control.prediction_times_lt if self.config.control.forecasters.kinds else []
-        )
-        for time in times:
-            if time + start < 0:
+        for time in control.prediction_times_lt:
+            if control.forecasters.kinds and time + start < 0:
                 yield (
                     f"control.prediction_times_lt has {time:g}, but an actuation that starts at "
                     f"actuation.start_lt, {start:g}, would then begin before its alarm"
                 )
 
     def _filter(self, case: Case, whose: str) -> Iterator[str]:
-        members, space = self.config.forecasters.filter.members, space_of(case)
+        members, space = self.config.forecasters.filter.members, space_of(vars(case))
         if space is not None and members < 2 * space.dimension:
             yield (
                 f"forecasters.filter.members is {members}; it must be at least twice the "
                 f"components of a state: {2 * space.dimension} for {whose}"
             )
 
-    def _known(self, case: Measured) -> Iterator[str]:
-        """Mistakes in a measured case with kinds that learn from what is known in advance."""
-        if not case.data.known:
-            yield (
-                f"data.known is empty, but {', '.join(self.learning)} learn from what is known in "
-                "advance"
-            )
-        for key in ("trained_on", "actuation"):
-            if getattr(case.training, key):
-                yield f"training.{key} means nothing for measured series (data): leave it out"
-
     def _measured(self) -> Iterator[str]:
         """Mistakes in a case of measured series."""
         config, name = self.config, self.name
-        own, data = config.entry_of(name), config.data_of(name)
+        entry, data = config.entry_of(name), config.data_of(name)
         assert data is not None
-        if wrong := list(own_problems(own)):
-            yield from wrong
+        if problems := list(problems_of_entry(entry)):
+            yield from problems
             return
         source, used = data.case, config.case_names
         simulated = [case for case in used if config.data_of(case) is None]
@@ -206,10 +185,7 @@ class CaseChecks:
         record = case_record(config, name)
         duration, delays = record["ensemble"]["duration"], data.delays
         if delays and duration is not None and duration <= 0:  # and so is what follows from it
-            yield (
-                f"data.delays reach back by {max(delays)} steps, which is more than a series is "
-                "long"
-            )
+            yield f"data.delays reach back by {max(delays)} steps: more than a series is long"
             return
         try:
             case = kind_of(config, name).model_validate(record)
@@ -229,42 +205,44 @@ class CaseChecks:
         if source is not None and case.is_encoded:
             yield from problems_of_encoding(case, sound_case(config, source))
         needing = [kind for kind in self.kinds if kind_class(kind).needs_equations]
+        kinds = ", ".join(needing)
         if needing and not case.is_encoded:
-            yield (
-                f"there are no equations of measured series to forecast with ({', '.join(needing)})"
-            )
+            yield f"there are no equations of measured series to forecast with ({kinds})"
         elif needing and (encoder := case.undecoded):
             yield (
-                f"the encoder {encoder} cannot be decoded, so that equations have no state "
-                f"to start from ({', '.join(needing)})"
+                f"the encoder {encoder} cannot be decoded, so that equations have no state to "
+                f"start from ({kinds})"
             )
         if self.learning:
-            yield from self._known(case)
+            if not data.known:
+                learning = ", ".join(self.learning)
+                yield f"data.known is empty, but {learning} learn from what is known in advance"
+            for key in ("trained_on", "actuation"):
+                if getattr(case.training, key):
+                    yield f"training.{key} means nothing for measured series (data): leave it out"
         yield from self._lags(case)
         filters = [kind for kind in self.kinds if kind_class(kind).has_filter]
         if any(not (case.is_encoded and kind in needing) for kind in filters):
             yield from self._filter(case, name)
         for index, block in enumerate(config.control.strategies):
             if name in block.cases:
-                yield (
-                    f"control.strategies[{index}].cases: control needs equations, which data have "
-                    "not"
-                )
+                place = f"control.strategies[{index}].cases"
+                yield f"{place}: control needs equations, which data have not"
         yield from self._left_out(case, "cut a long one (data.blocks)")
 
     def _lags(self, case: Case) -> Iterator[str]:
         """Whether lags of a precursor, or starting points of classifiers, do not fit the steps."""
-        sections, steps = {name for kind in self.kinds for name in sections_of_kind(kind)}, FINE
+        forecasters, steps = self.config.forecasters, FINE
+        sections = {name for kind in self.kinds for name in sections_of_kind(kind)}
         with suppress(ValueError):  # reported for the case
             steps = case.steps_per_lyapunov_time or FINE
-        said = self.config.forecasters
         try:
             if "precursor" in sections:
                 washout = durations.steps(self.config.washout_lt, steps)
-                lag_steps(said.precursor.lags_lt, steps, washout)
+                lag_steps(forecasters.precursor.lags_lt, steps, washout)
             if sections & {"precursor", "esn_direct"}:
                 name = "forecasters.classifiers.start_spacing_lt"
-                durations.positive_steps(said.classifiers.start_spacing_lt, steps, name)
+                durations.positive_steps(forecasters.classifiers.start_spacing_lt, steps, name)
         except ValueError as error:
             yield str(error)
 
@@ -273,31 +251,25 @@ class CaseChecks:
     def _parameters(self, case: Simulated) -> Iterator[str]:
         """Mistakes in the settings of a case for forecasters that know the parameters."""
         config = self.config
-        used, sources = config.case_names, case.training.trained_on or [self.name]
-        for source in sources:
-            if source not in used or config.data_of(source) is not None:
-                simulated = [one for one in used if config.data_of(one) is None]
-                yield (
-                    f"training.trained_on: {source} is no case that is simulated here; "
-                    + suggestion(source, simulated)
-                )
-                return
+        simulated = [name for name in config.case_names if config.data_of(name) is None]
+        sources = case.training.trained_on or [self.name]
+        text = "training.trained_on: {} is no case that is simulated here"
+        if missing := list(unknown(sources, simulated, text)):
+            yield from missing
+            return
         try:
-            cases = [
-                one for source in sources if isinstance(one := case_of(config, source), Simulated)
-            ]
+            cases = [Simulated.model_validate(case_record(config, source)) for source in sources]
             factors = factors_of(config, cases)
         except ValidationError:
             return  # reported for the case
         except ValueError as error:
             yield f"forecasters.aware: {error}"
             return
+        intervals = [source.ensemble.sampling_interval for source in (case, *cases)]
         alike: dict[str, list[Any]] = {
-            "system": [one.system for one in (case, *cases)],
-            "ensemble.time_step x ensemble.sampling_stride": [
-                one.ensemble.sampling_interval for one in (case, *cases)
-            ],
-            "ensemble.duration": [one.ensemble.duration for one in cases],
+            "system": [source.system for source in (case, *cases)],
+            "ensemble.time_step x ensemble.sampling_stride": intervals,
+            "ensemble.duration": [source.ensemble.duration for source in cases],
         }
         for setting, values in alike.items():
             if len(set(values)) > 1:
@@ -335,9 +307,9 @@ def factors_of(config: Configuration, cases: Sequence[Case]) -> ParameterFactors
     """Factors scaled by the values in training on the series of some cases."""
     aware = config.forecasters.aware
     names, degree = aware.parameters, aware.parameter_degree
-    found = []
+    values = []
     for case in cases:
-        found.append(case.values_of(names))
+        values.append(case.values_of(names))
         if case.training.actuation is not None:
-            found.append(case.values_of(names, case.training.actuation.strength))
-    return ParameterFactors.of(names, np.array(found), aware.transform, degree)
+            values.append(case.values_of(names, case.training.actuation.strength))
+    return ParameterFactors.of(names, np.array(values), aware.transform, degree)

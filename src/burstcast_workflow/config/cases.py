@@ -28,10 +28,10 @@ def reynolds_in(name: str) -> float | None:
 def cases_of(config: Configuration, *, skip_invalid: bool = False) -> dict[str, Case]:
     """Each case that the campaign uses, in the order of their first use (see `case_of`)."""
     make = sound_case if skip_invalid else case_of
-    found = {name: case for name in config.case_names if (case := make(config, name))}
-    for name, case in found.items():
-        case.in_campaign(name, found.get(case.data.case or "") if case.data else None)
-    return found
+    cases = {name: case for name in config.case_names if (case := make(config, name))}
+    for name, case in cases.items():
+        case.in_campaign(name, cases.get(case.data.case or "") if case.data else None)
+    return cases
 
 
 def case_of(config: Configuration, name: str) -> Case:
@@ -71,24 +71,24 @@ def case_record(config: Configuration, name: str) -> Config:
     """Settings of a case from all places (`case_of`); some may be missing."""
     name, _ = realisation_of(name)
     defaults = config.case_defaults
-    own = config.entry_of(name)
-    system = own.get("system", defaults.system)
+    entry = config.entry_of(name)
+    system = entry.get("system", defaults.system)
     if config.data_of(name) is not None:
         # parts of what is simulated, never of what is measured itself
-        simulated = {key: one for key, one in config.cases.items() if one.get("data") is None}
+        simulated = {key: case for key, case in config.cases.items() if case.get("data") is None}
         others = config.model_copy(update={"cases": simulated})
-        base = measured_record(defaults, own, lambda other: case_record(others, other))
-        record = _merged(base, {key: value for key, value in own.items() if key != "data"})
+        base = measured_record(defaults, entry, lambda other: case_record(others, other))
+        record = _merged(base, {key: value for key, value in entry.items() if key != "data"})
         _derive(record)
         return record
     if system == defaults.system:
-        record = _merged(defaults.dump(), own)
+        record = _merged(defaults.dump(), entry)
     else:
-        said = _merged(said_by_class(system), own)
+        settings = _merged(class_defaults(system), entry)
         shared = defaults.model_dump(include=WITHOUT_UNITS)
-        if not said.get("actuation"):
+        if not settings.get("actuation"):
             del shared["actuation"]
-        record = _merged(shared, said)
+        record = _merged(shared, settings)
         if "initial_state" not in record["ensemble"] and _draws_initial_states(system):
             record["ensemble"].update(dict.fromkeys(_INITIAL))
         _derive(record)
@@ -121,21 +121,29 @@ def own_modules(config: Mapping[str, Any]) -> dict[str, list[str] | None]:
     """
     sound = Configuration.model_validate(config)
     blocks = [block.forecasters.own for block in sound.campaign]
-    found: dict[str, list[str] | None] = {kind_module(kind): None for own in blocks for kind in own}
+    modules: dict[str, list[str] | None] = {
+        kind_module(kind): None for kinds in blocks for kind in kinds
+    }
     for case in cases_of(sound).values():
         if isinstance(case, Simulated | Encoded) and (module := case.own_module):
-            said = [files for files in (found.get(module), case.files) if files is not None]
-            found[module] = sorted({file for files in said for file in files}) if said else None
-    return found
+            files_of_cases = [
+                files for files in (modules.get(module), case.files) if files is not None
+            ]
+            modules[module] = (
+                sorted({file for files in files_of_cases for file in files})
+                if files_of_cases
+                else None
+            )
+    return modules
 
 
-def said_by_class(system: str) -> Config:
+def class_defaults(system: str) -> Config:
     """Defaults of cases from the class of a system; empty if there is no such class."""
     try:
-        said = system_class(system).case_defaults
+        defaults = system_class(system).case_defaults
     except (ValueError, TypeError):  # reported for the case
         return {}
-    result: Config = canonical(dict(said), f"case_defaults of the system {system}")
+    result: Config = canonical(dict(defaults), f"case_defaults of the system {system}")
     return result
 
 

@@ -5,8 +5,7 @@ Bounds of one setting that are other settings stand in the model, what holds wit
 """
 
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -15,26 +14,18 @@ from burstcast.base.names import parsed
 from burstcast.control.controllers import VOTE_SHARE, votes
 from burstcast.control.strategies.registry import strategy_class
 from burstcast.data.training_realisations import realisation_of
-from burstcast.forecasters.registry import (
-    all_kinds,
-    available_kinds,
-    kind_class,
-    trajectory_kinds,
-)
+from burstcast.forecasters.registry import all_kinds, available_kinds, kind_class, trajectory_kinds
 from burstcast.systems.registry import system_class
 from burstcast_workflow.config.bounds import out_of_bounds
 from burstcast_workflow.config.case import CaseEntry, Simulated
 from burstcast_workflow.config.case_checks import CaseChecks
-from burstcast_workflow.config.cases import (
-    said_by_class,
-    sound_case,
-)
+from burstcast_workflow.config.cases import class_defaults, sound_case
 from burstcast_workflow.config.control_plans import ControlPlan, plan_values
 from burstcast_workflow.config.forecasters import NetworkChoice
 from burstcast_workflow.config.kinds import Quantile
 from burstcast_workflow.config.measured_cases import is_encoded
 from burstcast_workflow.config.model import Block, Configuration, StrategyBlock, case_name
-from burstcast_workflow.config.problems import of_cases, problems_of, suggestion
+from burstcast_workflow.config.problems import of_cases, problems_of, unknown
 
 
 def contradictions(config: Configuration) -> list[str]:
@@ -48,16 +39,18 @@ def contradictions(config: Configuration) -> list[str]:
     problems = [
         *out_of_bounds(config),
         *_campaign(config),
+        *_same_names(config),
         *_strategies(config),
         *_without_trajectories(config),
         *_figures(config),
     ]
-    known = [name for name in config.case_names if name in _known_cases(config)]
-    problems += of_cases((name, CaseChecks(config, name).problems()) for name in known)
+    cases = _cases(config)
+    checked = [name for name in config.case_names if name in cases]
+    problems += of_cases((name, CaseChecks(config, name).problems()) for name in checked)
     return list(dict.fromkeys(problems))
 
 
-def _known_cases(config: Configuration) -> list[str]:
+def _cases(config: Configuration) -> list[str]:
     """Names with an entry in ``cases``, and names of Reynolds numbers, which need none."""
     numbers = [value for block in config.campaign for value in block.reynolds]
     return list(dict.fromkeys([*config.cases, *map(case_name, numbers)]))
@@ -69,7 +62,7 @@ def _class_defaults(config: Configuration) -> Iterator[str]:
     for system in dict.fromkeys(entry["system"] for entry in used if entry.get("system")):
         problems = []
         try:
-            TypeAdapter(CaseEntry).validate_python(said_by_class(system))
+            TypeAdapter(CaseEntry).validate_python(class_defaults(system))
         except ValidationError as error:
             problems = problems_of(error, Simulated)
         except (TypeError, ValueError) as error:  # no plain data
@@ -82,59 +75,30 @@ def _class_defaults(config: Configuration) -> Iterator[str]:
 def _campaign(config: Configuration) -> Iterator[str]:
     if config.case_defaults.data is not None:
         yield "case_defaults.data must be null: each case has data of its own, in cases.<name>.data"
-    known, variants = _known_cases(config), config.forecasters.variants
     if config.forecasters.esn.readout != "linear":
         yield (
             "forecasters.esn.readout: networks with squares have a name of their own: say "
             "forecasters.variants: {quadratic: {readout: quadratic}}, and variants: [quadratic] in "
             "the campaign"
         )
-    connectivity = config.forecasters.esn.connectivity
-    for name, variant in variants.items():
+    cases, variants = _cases(config), config.forecasters.variants
+    for name in variants:
         if f"esn_{name}" in all_kinds():
             yield f"forecasters.variants.{name}: esn_{name} is another kind; take another name"
-        if "connectivity" in variant.model_fields_set:
-            connectivity = max(connectivity, variant.connectivity)
-    named: dict[tuple[str, str | None], tuple[str, Any]] = {}
     for index, block in enumerate(config.campaign):
         place = f"campaign[{index}]"
-        for kind, own in block.forecasters.own.items():
-            key = kind.rpartition(":")[2], own.label
-            if named.setdefault(key, (kind, own.options)) != (kind, own.options):
-                yield (
-                    f"{place}.forecasters: {kind} and another forecaster of the campaign are both "
-                    f"called {'_'.join(filter(None, key))} in tables; give one of them a label: "
-                    f"{{{kind}: {{label: other, ...}}}}"
-                )
         if not block.case_names:
             yield f"{place} names no case: give it reynolds: [...] or cases: [...]"
-        for name in block.cases:
-            if name not in known:
-                yield f"{place}.cases: there is no case {name} in cases; {suggestion(name, known)}"
+        yield from unknown(block.cases, cases, f"{place}.cases: there is no case {{}} in cases")
         for name in dict.fromkeys([*block.cases, *map(case_name, block.reynolds)]):
-            if name in known:
+            if name in cases:
                 yield from _realisations(config, place, block, name)
         if not block.forecasters.kinds:
             yield f"{place}.forecasters names no kind: give it esn, equations, ..."
         for axes in block.forecasters.networks:
-            for name in axes.variants:
-                if name not in variants:
-                    yield (
-                        f"{place}.forecasters: there is no {name} in forecasters.variants; "
-                        f"{suggestion(name, variants)}"
-                    )
-        sizes = [
-            (min(axes.neurons), f"{place}.forecasters.esn.neurons")
-            for axes in block.forecasters.networks
-        ]
-        if "esn_direct" in block.forecasters.kinds:
-            sizes.append((config.forecasters.esn_direct.neurons, "forecasters.esn_direct.neurons"))
-        smallest, where = min(sizes, default=(math.inf, ""))
-        if connectivity > smallest - 1:
-            yield (
-                f"forecasters.esn.connectivity is {connectivity:g}, but a reservoir of {smallest} "
-                f"neurons ({where}) has at most {smallest - 1} connections per neuron"
-            )
+            text = f"{place}.forecasters: there is no {{}} in forecasters.variants"
+            yield from unknown(axes.variants, variants, text)
+        yield from _connections(config, place, block)
     for name in config.cases:
         base, number = realisation_of(name)
         if number:
@@ -142,10 +106,44 @@ def _campaign(config: Configuration) -> Iterator[str]:
                 f"cases.{name}: names that end so belong to other training series of {base} "
                 "(campaign.realisations); take another name"
             )
-    used = config.case_names
-    for name in config.control.sweep.cases:
-        if name not in used:
-            yield f"control.sweep.cases: the campaign has no case {name}; {suggestion(name, used)}"
+    text = "control.sweep.cases: the campaign has no case {}"
+    yield from unknown(config.control.sweep.cases, config.case_names, text)
+
+
+def _connections(config: Configuration, place: str, block: Block) -> Iterator[str]:
+    """Whether the smallest reservoir has neurons enough for the connections of each."""
+    settings = config.forecasters
+    of_variants = [variant.dump().get("connectivity", 0) for variant in settings.variants.values()]
+    connectivity = max([settings.esn.connectivity, *of_variants])
+    sizes = [
+        (min(axes.neurons), f"{place}.forecasters.esn.neurons")
+        for axes in block.forecasters.networks
+    ]
+    if "esn_direct" in block.forecasters.kinds:
+        sizes.append((settings.esn_direct.neurons, "forecasters.esn_direct.neurons"))
+    smallest, where = min(sizes, default=(math.inf, ""))
+    if connectivity > smallest - 1:
+        yield (
+            f"forecasters.esn.connectivity is {connectivity:g}, but a reservoir of {smallest} "
+            f"neurons ({where}) has at most {smallest - 1} connections per neuron"
+        )
+
+
+def _same_names(config: Configuration) -> Iterator[str]:
+    """Different classes of one's own, or options of a class, that tables would call the same."""
+    classes = [
+        (f"campaign[{index}].forecasters", kind, forecaster)
+        for index, block in enumerate(config.campaign)
+        for kind, forecaster in block.forecasters.own.items()
+    ]
+    named: dict[str, tuple[str, dict[str, Any]]] = {}
+    for place, kind, forecaster in classes:
+        name = "_".join(filter(None, [kind.rpartition(":")[2], forecaster.label]))
+        if named.setdefault(name, (kind, forecaster.options)) != (kind, forecaster.options):
+            yield (
+                f"{place}: {kind} and another forecaster of the campaign are both called {name} in "
+                f"tables; give one of them a label: {{{kind}: {{label: other, ...}}}}"
+            )
 
 
 def _realisations(config: Configuration, place: str, block: Block, name: str) -> Iterator[str]:
@@ -174,33 +172,31 @@ def _realisations(config: Configuration, place: str, block: Block, name: str) ->
         needed = count * case.training.series + case.test_series
         needed += config.probability.calibration_series
         if needed > case.ensemble.series:
-            said = f"event_shares has {len(shares)}" if shares else f"realisations is {count}"
+            setting = f"event_shares has {len(shares)}" if shares else f"realisations is {count}"
             yield (
-                f"{place}.{said}; choices of training series that share none, the test series and "
-                f"the calibration series are {needed} series of {name}, but ensemble.series is "
+                f"{place}.{setting}; choices of training series that share none, the test series "
+                f"and the calibration series are {needed} series of {name}, but ensemble.series is "
                 f"{case.ensemble.series}"
             )
 
 
 def _strategies(config: Configuration) -> Iterator[str]:
-    used = config.case_names
     for index, block in enumerate(config.control.strategies):
         place, name = f"control.strategies[{index}]", block.strategy
-        for case in block.cases:
-            if case not in used:
-                yield f"{place}.cases: the campaign has no case {case}; {suggestion(case, used)}"
+        text = f"{place}.cases: the campaign has no case {{}}"
+        yield from unknown(block.cases, config.case_names, text)
         if strategy_class(name).forecasts and not block.kinds:
             yield f"{place}.forecasters names no kind, but {name} asks forecasters"
         if block.kinds and not strategy_class(name).forecasts:
             yield f"{place}.forecasters: {name} uses no forecaster; leave it out"
         yield from _observed(config, block, place)
-        untold = [kind for kind in block.kinds if not kind_class(kind).aware]
+        plain = [kind for kind in block.kinds if not kind_class(kind).aware]
         for values in plan_values(block):
             try:
-                if ControlPlan(**values).strategy.informed and untold:
+                if ControlPlan(**values).strategy.informed and plain:
                     yield (
                         f"{place}: {name} passes the parameters in force to forecasters, which "
-                        f"{', '.join(untold)} cannot use; take kinds that know them"
+                        f"{', '.join(plain)} cannot use; take kinds that know them"
                     )
             except ValueError as error:
                 yield f"{place}.settings: {error}"
@@ -212,24 +208,25 @@ def _strategies(config: Configuration) -> Iterator[str]:
 
 
 def _without_trajectories(config: Configuration) -> Iterator[str]:
-    """Stages that need trajectories, chosen for kinds that forecast no states."""
-    choices: dict[str, tuple[Iterable[str], bool]] = {
-        "statistics.forecasters": (config.statistics.forecasters.kinds, False),
-        "control.forecasters": (config.control.forecasters.kinds, False),
-    }
+    """Stages that need trajectories, chosen for kinds that forecast no states, or the reverse."""
+    choices = [
+        ("statistics.forecasters", config.statistics.forecasters.kinds, False),
+        ("control.forecasters", config.control.forecasters.kinds, False),
+    ]
     for index, block in enumerate(config.control.strategies):
         by_probability = strategy_class(block.strategy).by_probability
-        choices[f"control.strategies[{index}].forecasters"] = block.kinds, by_probability
-    for place, (kinds, by_probability) in choices.items():
+        choices.append((f"control.strategies[{index}].forecasters", block.kinds, by_probability))
+    classifiers = sorted({*available_kinds()} - {*trajectory_kinds()})
+    for place, kinds, by_probability in choices:
         for kind in kinds:
-            known = kind_class(kind)
-            if known.has_trajectories and by_probability:
-                classifiers = sorted({*available_kinds()} - {*trajectory_kinds()})
+            if kind_class(kind).has_trajectories != by_probability:
+                continue
+            if by_probability:
                 yield (
                     f"{place} names {kind}, which forecasts states; a strategy that acts on "
                     f"probabilities takes classifiers: {', '.join(classifiers)}"
                 )
-            if not (known.has_trajectories or by_probability):
+            else:
                 yield (
                     f"{place} names {kind}, which gives probabilities of events and forecasts no "
                     "states; leave it out"
@@ -240,10 +237,8 @@ def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterat
     """Mistakes in the parts of the state that a block of strategies observes."""
     used = config.case_names
     parts = {case: data for case in used if (data := config.data_of(case)) and data.case}
-    for part in block.observed:
-        if part not in parts:
-            yield f"{place}.observed: {part} is no part of another case; {suggestion(part, parts)}"
-            continue
+    yield from unknown(block.observed, parts, f"{place}.observed: {{}} is no part of another case")
+    for part in filter(parts.__contains__, block.observed):
         delays, source = parts[part].delays, str(parts[part].case)
         if delays and not is_encoded(config.entry_of(part)):
             yield f"{place}.observed: {part} has past values (data.delays), which control has not"
@@ -253,8 +248,7 @@ def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterat
                 f"{place}.observed: {part} is a part of {source}, which this block does not "
                 f"control: give {source} an actuation, and name it in cases or leave cases out"
             )
-        there = {kind for one in config.blocks_of(part) for kind in one.forecasters.kinds}
-        if block.kinds and there.isdisjoint(block.kinds):
+        if block.kinds and block.kinds.keys().isdisjoint(config.kinds_of(part)):
             yield f"{place}.forecasters: the campaign has no {', '.join(block.kinds)} for {part}"
 
 
@@ -270,9 +264,7 @@ def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
     if not votes(strategy_class(block.strategy)):
         yield f"{place}.committee: {block.strategy} has no votes; leave it out"
     for share in shares:
-        if not isinstance(share, float):  # reported for the settings
-            continue
-        if not 0 < share <= 1:
+        if isinstance(share, float) and not 0 < share <= 1:  # others are reported elsewhere
             yield (
                 f"{place}.settings.{VOTE_SHARE} has {share:g}, but a share of the votes is above "
                 "0, and 1 at most"
@@ -280,41 +272,37 @@ def _votes(block: StrategyBlock, place: str) -> Iterator[str]:
     if block.seeds is not None:
         yield f"{place}.seeds: all networks of a size and strategy are a committee; leave it out"
     for kind, axes in block.kinds.items():
-        several = isinstance(axes, NetworkChoice)
-        if not several and not kind_class(kind).provides_ensemble:
+        if not (isinstance(axes, NetworkChoice) or kind_class(kind).provides_ensemble):
             yield f"{place}.forecasters names {kind}, which provides no ensemble that could vote"
 
 
 def _figures(config: Configuration) -> Iterator[str]:
     figures = config.figures
     name = figures.example_case or ""
-    example = parsed(figures.example_forecaster or "esn")
-    if not figures.example_forecaster:
-        if any(block.forecasters.esn for block in config.campaign):
-            yield (
-                f"figures.example_case is {name}, which is not part of the campaign, or has no "
-                "network of the size figures.fixed_neurons"
-            )
-    else:
-        there = [
-            replace(example, neurons=neurons, validation=validation, seed=seed).identifier
-            for networks in (block.forecasters.esn for block in config.blocks_of(name))
-            if networks and not networks.variants
-            for neurons in networks.neurons
-            for validation in networks.validation
-            for seed in range(networks.seeds)
+    if figures.example_forecaster is not None:
+        networks = [
+            network
+            for block in config.blocks_of(name)
+            for network in block.forecasters.names("esn")
+            if network.label is None
         ]
-        if replace(example, seed=example.seed or 0).identifier not in there:
-            known = f"{name} has {there[0]}" if there else f"{name} has none"
+        if parsed(figures.example_forecaster) not in networks:
+            has = networks[0].identifier if networks else "none"
             yield (
-                f"the example network of the figures ({name}, {example.identifier}) is not part of "
-                f"the campaign: change figures.example_case or figures.example_forecaster ({known})"
+                f"the example network of the figures ({name}, {figures.example_forecaster}) is not "
+                "part of the campaign: change figures.example_case or figures.example_forecaster "
+                f"({name} has {has})"
             )
-    case, peak = sound_case(config, name), figures.flow_event.peak
-    threshold = case.event_threshold if isinstance(case, Simulated) else None
-    laminar = getattr(case, "laminarisation_threshold", None) or math.inf
-    if isinstance(threshold, float) and peak <= threshold < laminar and case and case.is_flow:
+    elif any(block.forecasters.esn for block in config.campaign):
         yield (
-            f"figures.flow_event.peak is {peak:g}; it must be above the event_threshold of "
-            f"{name}, {threshold:g}"
+            f"figures.example_case is {name}, which is not part of the campaign, or has no "
+            "network of the size figures.fixed_neurons"
         )
+    case, peak = sound_case(config, name), figures.flow_event.peak
+    if isinstance(case, Simulated) and isinstance(threshold := case.event_threshold, float):
+        laminar = case.laminarisation_threshold or math.inf
+        if peak <= threshold < laminar and case.is_flow:
+            yield (
+                f"figures.flow_event.peak is {peak:g}; it must be above the event_threshold of "
+                f"{name}, {threshold:g}"
+            )

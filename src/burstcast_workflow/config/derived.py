@@ -4,12 +4,14 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
-from burstcast.base.names import ForecasterName, parsed
+from burstcast.base.names import parsed
 from burstcast.base.natural_order import natural_order
 from burstcast_workflow.config.model import Configuration
 
 _STRATEGY = "RV"
 """Validation strategy of the example network, where the campaign has it."""
+
+_SHOWN = {"example_case", "example_forecaster", "fixed_neurons"}
 
 
 def completed(config: Configuration) -> Configuration:
@@ -20,9 +22,7 @@ def completed(config: Configuration) -> Configuration:
     other cases last. Without networks, the first case is the example, and no network is.
     """
     figures = config.figures
-    shown = _example(config)
-    said = {name: getattr(figures, name) for name in shown}
-    shown |= {name: value for name, value in said.items() if value is not None}
+    shown = {**_example(config), **figures.model_dump(include=_SHOWN, exclude_none=True)}
     update: dict[str, Any] = {"figures": figures.model_copy(update=shown)}
     for name in ("statistics", "control"):
         section = getattr(config, name)
@@ -37,44 +37,45 @@ def completed(config: Configuration) -> Configuration:
 def _example(config: Configuration) -> dict[str, Any]:
     """Example case and network, and the size that panels hold fixed."""
     figures = config.figures
-    found = [
-        (case, size, block.forecasters.esn.validation)
+    networks = [
+        (case, name)
         for block in config.campaign
-        if block.forecasters.esn is not None and not block.forecasters.esn.variants
+        for name in block.forecasters.names("esn")
+        if name.label is None and name.seed == 0
         for case in block.case_names
-        for size in block.forecasters.esn.neurons
     ]
-    known = figures.example_forecaster and parsed(figures.example_forecaster)
-    size = figures.fixed_neurons or (known.neurons if known else None)
-    if size is None and found:
-        counts = Counter(one for _, one, _ in found)
-        size = max(counts, key=lambda one: (counts[one], one))
-    alike = [one for one in found if one[1] == size and figures.example_case in (None, one[0])]
-    cases = [case for case, *_ in alike] or config.case_names
-    case = min(cases, key=lambda one: (_is_part(config, one), natural_order(one)), default=None)
-    strategies = sorted({name for one, _, names in alike if one == case for name in names})
-    if not strategies:
-        return {"example_case": case, "example_forecaster": None, "fixed_neurons": None}
-    strategy = _STRATEGY if _STRATEGY in strategies else strategies[0]
-    name = ForecasterName("esn", size, strategy, 0).identifier
-    return {"example_case": case, "example_forecaster": name, "fixed_neurons": size}
+    size = figures.fixed_neurons
+    if size is None and figures.example_forecaster is not None:
+        size = parsed(figures.example_forecaster).neurons
+    if size is None and networks:
+        counts = Counter(
+            neurons for _, neurons in {(case, name.neurons) for case, name in networks}
+        )
+        size = max(counts, key=lambda neurons: (counts[neurons], neurons or 0))
+    alike = [
+        (case, name)
+        for case, name in networks
+        if name.neurons == size and figures.example_case in (None, case)
+    ]
 
+    def place(case: str) -> tuple[Any, ...]:
+        data = config.data_of(case)
+        return data is not None and data.case is not None, natural_order(case)
 
-def _is_part(config: Configuration, case: str) -> bool:
-    """Whether a case is a part of another one's state."""
-    data = config.data_of(case)
-    return data is not None and data.case is not None
+    first = min([case for case, _ in alike] or config.case_names, key=place, default=None)
+    names = {str(name.validation): name.identifier for case, name in alike if case == first}
+    if not names:
+        return {"example_case": first, "example_forecaster": None, "fixed_neurons": None}
+    name = names.get(_STRATEGY) or names[min(names)]
+    return {"example_case": first, "example_forecaster": name, "fixed_neurons": size}
 
 
 def _followed(chosen: Any, shown: Mapping[str, Any]) -> dict[str, Any]:
     """Networks of a choice that leaves its size or strategy to the example: null."""
-    example = shown["example_forecaster"]
-    values = {
-        "neurons": shown["fixed_neurons"],
-        "validation": example and parsed(example).validation,
-    }
+    example = parsed(shown["example_forecaster"] or "none")
+    values = {"neurons": shown["fixed_neurons"], "validation": example.validation}
     return {
-        axis: [] if value is None else [value]
+        axis: [value] if value is not None else []
         for axis, value in values.items()
         if getattr(chosen, axis) is None
     }

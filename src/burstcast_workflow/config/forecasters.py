@@ -1,10 +1,13 @@
 """Settings of forecasters: the kinds of a block of the campaign, and the options of kinds."""
 
+from collections.abc import Iterator, Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, ConfigDict, Field, create_model, model_validator
 
 from burstcast.base.compiled.backends import usable_backend
+from burstcast.base.names import ForecasterName
 from burstcast.forecasters._options import SECTIONS
 from burstcast.forecasters.registry import all_kinds, make_kind
 from burstcast.networks.readout import ReadoutKind
@@ -69,30 +72,31 @@ class Chosen(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _mapping(cls, said: Any) -> Any:
+    def _mapping(cls, kinds: Any) -> Any:
         """One mapping of a list of kinds or of a mapping, with classes of one's own in ``own``."""
-        kinds = cls._of_list(said) if isinstance(said, list) else said
-        if not isinstance(kinds, dict):
-            if isinstance(kinds, cls):
-                return kinds
-            raise wrong("must be a list of kinds, or a mapping of kinds to their axes")
-        own = {kind: {} if of is None else of for kind, of in kinds.items() if ":" in str(kind)}
-        if not own:
+        if isinstance(kinds, list):
+            kinds = cls._of_list(kinds)
+        if isinstance(kinds, cls):
             return kinds
-        others = {kind: axes for kind, axes in kinds.items() if kind not in own}
-        return {**others, "own": {**others.get("own", {}), **own}}
+        if not isinstance(kinds, dict):
+            raise wrong("must be a list of kinds, or a mapping of kinds to their axes")
+        classes = {kind: axes for kind, axes in kinds.items() if ":" in str(kind)}
+        if not classes:
+            return kinds
+        others = {kind: axes for kind, axes in kinds.items() if kind not in classes}
+        classes = {kind: {} if axes is None else axes for kind, axes in classes.items()}
+        return {**others, "own": {**others.get("own", {}), **classes}}
 
     @staticmethod
-    def _of_list(said: list[Any]) -> Any:
+    def _of_list(items: list[Any]) -> dict[Any, Any]:
         kinds: dict[Any, Any] = {}
-        for one in said:
-            if not isinstance(one, str | dict):
-                raise wrong(f"has {one}; each kind is a name, or a name with its axes")
-            found = one if isinstance(one, dict) else {one: {}}
-            for kind in found.keys() & kinds.keys():
-                raise wrong(f"has {kind} twice")
-            # what YAML reads in `- equations:`
-            kinds |= {kind: {} if axes is None else axes for kind, axes in found.items()}
+        for item in items:
+            if not isinstance(item, str | dict):
+                raise wrong(f"has {item}; each kind is a name, or a name with its axes")
+            for kind, axes in (item if isinstance(item, dict) else {item: {}}).items():
+                if kind in kinds:
+                    raise wrong(f"has {kind} twice")
+                kinds[kind] = {} if axes is None else axes  # what YAML reads in `- equations:`
         return kinds
 
     @model_validator(mode="after")
@@ -146,8 +150,18 @@ class BlockForecasters(AllKinds):
     @property
     def networks(self) -> list[NetworkAxes]:
         """Axes of the kinds that are networks."""
-        kinds = (self.esn, self.esn_true_washout, self.esn_aware)
-        return [axes for axes in kinds if axes is not None]
+        return [axes for axes in self.kinds.values() if isinstance(axes, NetworkAxes)]
+
+    def names(self, kind: str) -> Iterator[ForecasterName]:
+        """Names of the forecasters of a kind: of networks, all combinations along the axes."""
+        axes = self.kinds.get(kind)
+        if isinstance(axes, NetworkAxes):
+            labels: Sequence[str | None] = axes.variants or [None]
+            several = product(labels, axes.neurons, axes.validation, range(axes.seeds))
+            for label, neurons, validation, seed in several:
+                yield ForecasterName(kind, neurons, validation, seed, label=label)
+        elif axes is not None:
+            yield ForecasterName(kind, label=getattr(axes, "label", None))
 
 
 class NetworkChoice(Section):

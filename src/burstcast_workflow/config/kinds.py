@@ -80,15 +80,15 @@ def _rising(ends: list[float]) -> list[float]:
     return ends
 
 
-def _name(what: str, names: list[str], own: str = "") -> Any:
+def _name(what: str, names: list[str], pattern: str = "") -> Any:
     """Type of names in a list, or of names that match the pattern of a user's own classes."""
 
     def check(name: str) -> str:
-        if name not in names and not (own and re.search(own, name)):
+        if name not in names and not (pattern and re.search(pattern, name)):
             raise ValueError
         return name
 
-    further = ", or <module>:<class> of your own" if own else ""
+    further = ", or <module>:<class> of your own" if pattern else ""
     return Annotated[str, AfterValidator(check), Must(f"{what}: {', '.join(names)}{further}")]
 
 

@@ -31,7 +31,8 @@ SUBSTEPS = 4
 ONLY_ENCODED = "sensors and encoder are for cases of another case's series: data: {case: ...}"
 
 _MEANINGLESS = ("system", "files", "parameters", "ensemble", "actuation", "controlled_density")
-_OF_CASES = ("case", "components", "delays", "observable")
+_OF_CASES = ("components", "delays", "observable")
+_STEPS = ("time_step", "sampling_stride", "duration")
 _WITHOUT_UNITS: Any = {
     "lyapunov": {"time_unit"},
     "training": {"series"},
@@ -41,7 +42,7 @@ _WITHOUT_UNITS: Any = {
 
 
 def measured_record(
-    defaults: Simulated, own: Config, record_of: Callable[[str], Mapping[str, Any]]
+    defaults: Simulated, entry: Config, record_of: Callable[[str], Mapping[str, Any]]
 ) -> Config:
     """Defaults of a case of measured series.
 
@@ -49,36 +50,36 @@ def measured_record(
     added to it. Parts of another case's state have that case's thresholds, bins, noise and unit of
     time, and the same series, as long as they are about the same observable.
 
-    ``own``: The entry in ``cases``, with a section ``data``.
+    ``entry``: The entry in ``cases``, with a section ``data``.
     """
-    said = Data.model_validate(own["data"])
-    data = canonical(own["data"])
+    section, data = Data.model_validate(entry["data"]), canonical(entry["data"])
     record: Config = defaults.model_dump(include=_WITHOUT_UNITS)
     record["training"]["noise"] = 0.0
     record["recycle_validation"]["intervals_per_series"] = None  # as many as fit
-    steps: Config = {"duration": said.blocks and said.blocks.duration}
-    written = said.observable or ""
-    names_of_observable = Quantity(written).name if "=" in written else "", ""
-    if said.time_step is not None:
-        # a power of two: their product is what was said, to the last bit
-        step, _ = time_step_of(said.time_step)
+    steps: Config = {"duration": section.blocks and section.blocks.duration}
+    observable_name, observable_symbol = "", ""
+    if section.observable and "=" in section.observable:
+        observable_name = Quantity(section.observable).name
+    if section.time_step is not None:
+        # a power of two: their product is the given step, to the last bit
+        step, _ = time_step_of(section.time_step)
         steps |= {"time_step": step / SUBSTEPS, "sampling_stride": SUBSTEPS}
-    if said.case is not None:
-        source = record_of(said.case)
-        whole = source["ensemble"]
-        steps = {key: whole.get(key) for key in ("time_step", "sampling_stride", "duration")}
-        record |= _of_source(source, data)
-        if data["observable"] == OBSERVABLE and (space := space_named(source)) is not None:
-            names_of_observable = space.observable_name, space.observable_symbol
-    data["components"] = said.components or _seen_of_files(said)
+    data["components"] = section.components or _seen_of_files(section)
     names = [Quantity(text).name for text in data["components"]]
-    if is_encoded(own) and said.case is not None:
-        names = _channels(*encoding_parts(own), source)
-    observable = data.get("observable")
-    past = [delayed_name(name, delay) for delay in said.delays for name in names]
+    if section.case is not None:
+        source = record_of(section.case)
+        steps = {key: source["ensemble"].get(key) for key in _STEPS}
+        record |= _of_source(source, data)
+        space = space_of(source)
+        if data["observable"] == OBSERVABLE and space is not None:
+            observable_name, observable_symbol = space.observable_name, space.observable_symbol
+        if is_encoded(entry):
+            names = _channels(entry, source)
+    past = [delayed_name(name, delay) for delay in section.delays for name in names]
     if steps["duration"] is not None and "time_step" in steps:
-        lost = max(said.delays, default=0) * steps["time_step"] * steps["sampling_stride"]
+        lost = max(section.delays, default=0) * steps["time_step"] * steps["sampling_stride"]
         steps["duration"] -= lost
+    observable = data.get("observable")
     return {
         **record,
         "data": data,
@@ -86,69 +87,58 @@ def measured_record(
         "parameters": {
             "components": [*names, *past],
             "observable_of": observable and Quantity(observable).source,
-            "observable_name": names_of_observable[0],
-            "observable_symbol": names_of_observable[1],
+            "observable_name": observable_name,
+            "observable_symbol": observable_symbol,
         },
         "ensemble": steps,
     }
 
 
-def is_encoded(own: Config) -> bool:
+def is_encoded(entry: Config) -> bool:
     """Whether an entry of ``cases`` has sensors or an encoder (`Case.is_encoded`)."""
-    return own.get("sensors") is not None or own.get("encoder") is not None
+    return entry.get("sensors") is not None or entry.get("encoder") is not None
 
 
-def encoding_parts(own: Config) -> tuple[Sensors | None, CaseEncoder | None]:
-    """Sensors and encoder of an entry of ``cases``."""
-    sensors, encoder = own.get("sensors"), own.get("encoder")
-    return (
-        None if sensors is None else Sensors.model_validate(sensors),
-        None if encoder is None else CaseEncoder.model_validate(encoder),
-    )
-
-
-def encoding_of(
-    sensors: Sensors | None, encoder: CaseEncoder | None, source: Mapping[str, Any]
-) -> tuple[str, EncodingCase]:
-    """Kind of the encoder of a case, and its inputs.
+def _encoding_of(entry: Config, source: Mapping[str, Any]) -> tuple[str, EncodingCase]:
+    """Kind of the encoder of an entry of ``cases``, and its inputs.
 
     ``source``: System and parameters of the case that it is encoded from.
     """
     space = make_space(source["system"], source.get("parameters", {}))
-    probes = sensors.model_dump() if sensors else None
-    options = encoder.model_dump(exclude_none=True) if encoder else {}
-    return options.pop("kind", IDENTITY), encoding_case(space, probes, options)
+    probes, encoder = entry.get("sensors"), entry.get("encoder")
+    if probes is not None:
+        probes = Sensors.model_validate(probes).model_dump()
+    kind = CaseEncoder.model_validate({"kind": IDENTITY} if encoder is None else encoder)
+    options = kind.model_dump(exclude={"kind"}, exclude_none=True)
+    return kind.kind, encoding_case(space, probes, options)
 
 
-def _channels(*encoding: Any) -> list[str]:
-    """Names of the channels of an encoded case (`encoding_of`); none where there is a mistake."""
+def _channels(entry: Config, source: Mapping[str, Any]) -> list[str]:
+    """Names of the channels of an encoded case; none where there is a mistake."""
     try:
-        return [*channel_names(*encoding_of(*encoding))]
+        return [*channel_names(*_encoding_of(entry, source))]
     except (ValueError, TypeError):  # reported by `problems_of_encoding`
         return []
 
 
 def _seen_of_files(data: Data) -> list[str]:
     """Columns of the first file but what is known in advance; none where it cannot be read."""
-    known = {Quantity(text).source for text in data.known}
-    return [name for name in _columns(data) if name not in known]
+    in_advance = {Quantity(text).source for text in data.known}
+    return [name for name in _columns(data) if name not in in_advance]
 
 
 def _columns(data: Data) -> list[str]:
+    """Columns of the first file but its times; none where it cannot be read."""
     try:
-        return columns_of(data.paths[0]) if data.files else []
-    except ValueError:  # told by `_problems_of_files`
-        return []
-
-
-def columns_of(path: str) -> list[str]:
-    """Columns of a file but its times, read again when it has changed."""
-    changed = os.stat(path).st_mtime_ns if os.path.exists(path) else None
-    return _columns_at(path, changed)
+        if data.files and os.path.exists(path := data.paths[0]):
+            return _columns_at(path, os.stat(path).st_mtime_ns)
+    except ValueError:  # reported by `problems_of_data`
+        pass
+    return []
 
 
 @cache
-def _columns_at(path: str, changed: int | None) -> list[str]:
+def _columns_at(path: str, changed: int) -> list[str]:
     return content_of(path).names
 
 
@@ -156,24 +146,17 @@ def _of_source(source: Mapping[str, Any], data: Config) -> Config:
     """Settings that a part of another case's state takes from that case; completes ``data``."""
     keys = ["training", "test_series", "recycle_validation"]
     data.setdefault("observable", OBSERVABLE)
-    space = space_named(source)
-    if space is not None:
+    if (space := space_of(source)) is not None:
         data["columns"] = [*component_names(space)]
     if data["observable"] == OBSERVABLE:
         keys += ["event_threshold", "laminarisation_threshold", "density", "fixed_point"]
+    record = {key: source[key] for key in keys if key in source}
     of_time = ("time_unit", "published_exponent", "orthonormalisation_interval")
-    return {
-        **{key: source[key] for key in keys if key in source},
-        "lyapunov": {key: source["lyapunov"][key] for key in of_time if key in source["lyapunov"]},
-    }
+    lyapunov = source["lyapunov"]
+    return {**record, "lyapunov": {key: lyapunov[key] for key in of_time if key in lyapunov}}
 
 
-def space_of(case: Case) -> StateSpace | None:
-    """State space of a case; None if the case is invalid."""
-    return space_named({"system": case.system, "parameters": case.parameters})
-
-
-def space_named(record: Mapping[str, Any]) -> StateSpace | None:
+def space_of(record: Mapping[str, Any]) -> StateSpace | None:
     """State space of the settings of a case; None if they are invalid."""
     try:
         space = make_space(record["system"], record.get("parameters", {}))
@@ -182,51 +165,48 @@ def space_named(record: Mapping[str, Any]) -> StateSpace | None:
         return None
 
 
-def own_problems(own: Config) -> Iterator[str]:
+def problems_of_entry(entry: Config) -> Iterator[str]:
     """Forbidden and required settings of measured series in ``cases``."""
-    data = Data.model_validate(own["data"])
+    data = Data.model_validate(entry["data"])
     if bool(data.files) == (data.case is not None):
         yield "data needs files: [...], or else the name of another case of the campaign (case)"
         return
     for key in _MEANINGLESS:
         # an encoder of one's own may read files
-        if own.get(key) is not None and not (key == "files" and is_encoded(own)):
+        if entry.get(key) is not None and not (key == "files" and is_encoded(entry)):
             yield f"{key} means nothing for measured series (data): leave it out"
     if data.case is None:
-        if is_encoded(own):
+        if is_encoded(entry):
             yield ONLY_ENCODED
-        for key, meaning in (
-            ("observable", "a component, or an expression of columns"),
-            ("time_step", "the time between two rows"),
-        ):
-            if getattr(data, key) is None:
-                yield f"data.{key} is missing: {meaning}"
+        if data.observable is None:
+            yield "data.observable is missing: a component, or an expression of columns"
+        if data.time_step is None:
+            yield "data.time_step is missing: the time between two rows"
         if data.gaps and not data.blocks:
             yield "data.gaps needs data.blocks beside it: gaps cut a record into unequal parts"
-    else:
-        if is_encoded(own):
-            for key in ("components", "delays", "observable"):
-                if getattr(data, key) not in (None, []):
-                    yield (
-                        f"data.{key} means nothing beside sensors or an encoder, which see the "
-                        "whole state, and its observable beside them: leave it out"
-                    )
-        elif not data.components:
-            yield "data.components is missing: what forecasters see of the other case"
-        for key, value in data:
-            if key not in _OF_CASES and value not in (None, []):
-                yield f"data.{key} means nothing where the series come from another case"
+        return
+    if not (is_encoded(entry) or data.components):
+        yield "data.components is missing: what forecasters see of the other case"
+    for key, value in data:
+        if value in (None, []) or key == "case":
+            continue
+        if key not in _OF_CASES:
+            yield f"data.{key} means nothing where the series come from another case"
+        elif is_encoded(entry):
+            yield (
+                f"data.{key} means nothing beside sensors or an encoder, which see the whole "
+                "state, and its observable beside them: leave it out"
+            )
 
 
 def problems_of_encoding(case: Measured, source: Case | None) -> Iterator[str]:
     """Mistakes in the sensors and the encoder of a case; none if its source is invalid."""
-    if source is None or space_of(source) is None:
+    if source is None or space_of(vars(source)) is None:
         return
     steps, training = case.ensemble, case.training
     snapshots = training.series * (round((steps.duration or 0.0) / steps.sampling_interval) + 1)
     try:
-        encoding = encoding_of(case.sensors, case.encoder, source.dump())
-        check_encoding(*encoding, training.noise, snapshots)
+        check_encoding(*_encoding_of(case.dump(), source.dump()), training.noise, snapshots)
     except (ValueError, TypeError) as error:
         yield f"sensors, encoder: {error}"
 
@@ -237,7 +217,7 @@ def problems_of_data(case: Measured) -> Iterator[str]:
         return
     data = case.data
     names = [Quantity(text).name for text in data.components]
-    if twice := [one for one in dict.fromkeys(names) if names.count(one) > 1]:
+    if twice := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
         yield f"data.components has {twice[0]} twice"
     try:
         # the observable is of the present
@@ -248,12 +228,12 @@ def problems_of_data(case: Measured) -> Iterator[str]:
     quantities = [Quantity(text) for text in (*data.components, *[data.observable] * appended)]
     if data.case is not None:
         try:
-            for one in quantities:
-                one.columns([*data.columns, OBSERVABLE])
+            for quantity in quantities:
+                quantity.columns([*data.columns, OBSERVABLE])
         except ValueError as error:
             yield f"data.components, data.observable: {error}"
         return
-    yield from (f"data.{one}" for one in problems_of_columns(data.dump(), _columns(data)))
+    yield from (f"data.{text}" for text in problems_of_columns(data.dump(), _columns(data)))
     try:
         for path in data.paths:
             content_of(path).columns_of(quantities)

@@ -11,12 +11,7 @@ from pydantic import Field
 from burstcast.data.training_realisations import realisation_of
 from burstcast.networks.hyperparameters import SurrogateSettings
 from burstcast_workflow.config.case import OBSERVABLE, TIME, CaseEntry, Data, Simulated
-from burstcast_workflow.config.forecasters import (
-    SIZES,
-    BlockForecasters,
-    Choice,
-    Forecasters,
-)
+from burstcast_workflow.config.forecasters import SIZES, BlockForecasters, Choice, Forecasters
 from burstcast_workflow.config.kinds import (
     CaseName,
     ControlStrategyName,
@@ -364,7 +359,7 @@ class Configuration(Section):
 
     def kinds_of(self, case: str) -> list[str]:
         """Kinds of forecasters that the campaign has of a case."""
-        return sorted({kind for one in self.blocks_of(case) for kind in one.forecasters.kinds})
+        return sorted({kind for block in self.blocks_of(case) for kind in block.forecasters.kinds})
 
     def entry_of(self, case: str) -> dict[str, Any]:
         """The entry of a case in ``cases``; empty without one."""
@@ -384,6 +379,6 @@ class Configuration(Section):
         """All settings with their defaults, in canonical form; entries of ``cases`` as given."""
         plain = self.model_dump(exclude={"forecasters": {"variants"}})
         variants = self.forecasters.variants.items()
-        plain["forecasters"]["variants"] = {name: one.dump() for name, one in variants}
+        plain["forecasters"]["variants"] = {name: variant.dump() for name, variant in variants}
         whole: dict[str, Any] = canonical(plain)
         return whole

@@ -2,7 +2,7 @@
 
 import difflib
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import Any
 
 from pydantic import ValidationError
@@ -18,7 +18,9 @@ _WITHOUT_VALUE = ("missing", "extra_forbidden", "invalid_key")
 
 def problems_of(error: ValidationError, model: type[Section]) -> list[str]:
     """Mistakes in a section that its model has found, a message for each."""
-    return list(dict.fromkeys(_message(one, model) for one in error.errors(include_url=False)))
+    return list(
+        dict.fromkeys(_message(mistake, model) for mistake in error.errors(include_url=False))
+    )
 
 
 def of_cases(problems: Iterable[tuple[str, Iterable[str]]]) -> list[str]:
@@ -33,13 +35,19 @@ def of_cases(problems: Iterable[tuple[str, Iterable[str]]]) -> list[str]:
     ]
 
 
-def suggestion(name: str, known: Iterable[str]) -> str:
+def suggestion(name: str, names: Iterable[str]) -> str:
     """Suggest the known name that was probably meant, or list the known names."""
-    candidates = list(known)
-    near = difflib.get_close_matches(name, candidates, n=1, cutoff=0.6)
-    if near:
+    names = list(names)
+    if near := difflib.get_close_matches(name, names, n=1, cutoff=0.6):
         return f"did you mean {near[0]}?"
-    return f"known are {', '.join(candidates)}" if candidates else "none is known here"
+    return f"known are {', '.join(names)}" if names else "none is known here"
+
+
+def unknown(names: Iterable[str], existing: Collection[str], text: str) -> Iterator[str]:
+    """A message for each unknown name: a text with ``{}`` for the name, and a suggestion."""
+    for name in names:
+        if name not in existing:
+            yield f"{text.format(name)}; {suggestion(name, existing)}"
 
 
 def name_of(path: Sequence[str | int]) -> str:
@@ -49,7 +57,7 @@ def name_of(path: Sequence[str | int]) -> str:
 
 
 def _message(mistake: Any, model: type[Section]) -> str:
-    path, kind, text, value = (mistake[key] for key in ("loc", "type", "msg", "input"))
+    path, kind, text, value = mistake["loc"], mistake["type"], mistake["msg"], mistake["input"]
     if kind == "invalid_key":
         path, text = path[:-1], f"the key {value!r} must be text"
         if isinstance(value, int | float):
@@ -79,8 +87,8 @@ def _node(path: Sequence[str | int], model: type[Section]) -> dict[str, Any]:
 def _meant(path: Sequence[str | int], model: type[Section]) -> str:
     """Settings of the section with nearly that name, or of others with the very name."""
     whole, name = schema_of(model), str(path[-1])
-    known = section_of(whole, _node(path[:-1], model)).get("properties", {})
-    if elsewhere := [one for one, _ in settings(whole) if one.split(".")[-1] == name]:
-        near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
+    properties = section_of(whole, _node(path[:-1], model)).get("properties", {})
+    if elsewhere := [place for place, _ in settings(whole) if place.split(".")[-1] == name]:
+        near = difflib.get_close_matches(name, properties, n=1, cutoff=0.6)
         return f"did you mean {' or '.join([*near, *elsewhere[:_MOST_PLACES]])}?"
-    return suggestion(name, known)
+    return suggestion(name, properties)

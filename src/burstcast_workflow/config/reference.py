@@ -21,12 +21,18 @@ from burstcast_workflow.project import project_root
 Node = dict[str, Any]
 
 _NAMES = {
-    **{"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"},
+    "ge": "minimum",
+    "gt": "exclusiveMinimum",
+    "le": "maximum",
+    "lt": "exclusiveMaximum",
     "multiple_of": "multipleOf",
 }
 """Bounds that pydantic leaves under its own names where a type has checks beside them."""
 _SIGNS = {
-    **{"minimum": ">=", "exclusiveMinimum": ">", "maximum": "<=", "exclusiveMaximum": "<"},
+    "minimum": ">=",
+    "exclusiveMinimum": ">",
+    "maximum": "<=",
+    "exclusiveMaximum": "<",
     "multipleOf": "a multiple of",
 }
 _TYPES = {"integer": "whole number", "string": "text", "boolean": "true, false"}
@@ -77,7 +83,7 @@ def below(whole: Node, node: Node, part: str | int) -> Node:
 
 def section_of(whole: Node, node: Node) -> Node:
     """The section, list or value of a node that refers to it or may be null."""
-    options = [one for one in node.get("anyOf", []) if one.get("type") != "null"]
+    options = [option for option in node.get("anyOf", []) if option.get("type") != "null"]
     if "$ref" in node:
         return section_of(whole, whole["$defs"][node["$ref"].rpartition("/")[2]])
     return section_of(whole, options[0]) if options else node
@@ -121,8 +127,8 @@ _COLUMNS = ("Setting", "Allowed", "Unit", "Default", "Meaning")
 
 def text(config: Mapping[str, Any]) -> str:
     """Text of the reference, with the defaults of a configuration."""
-    own = "and classes of your own, module:Class, with their options (extending.md)"
-    kinds = textwrap.fill(f"The kinds are {', '.join(all_kinds())}, {own}.", 100)
+    classes = "and classes of your own, module:Class, with their options (extending.md)"
+    kinds = textwrap.fill(f"The kinds are {', '.join(all_kinds())}, {classes}.", 100)
     kinds = kinds.replace("extending.md", "[extending.md](extending.md#a-forecaster)")
     whole, lines = schema_of(Configuration), [_HEAD.replace("{kinds}", kinds)]
     for place, node in settings(whole):
@@ -151,7 +157,7 @@ def allowed(whole: Node, node: Node) -> str:
     if "allowed" in node:
         return str(node["allowed"])
     if "anyOf" in node:
-        return " or ".join(allowed(whole, one) for one in node["anyOf"])
+        return " or ".join(allowed(whole, option) for option in node["anyOf"])
     if "$ref" in node:
         return allowed(whole, whole["$defs"][node["$ref"].rpartition("/")[2]])
     if "enum" in node or "const" in node:

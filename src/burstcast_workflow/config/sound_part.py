@@ -5,9 +5,11 @@ Relations between settings are checked in it, so that they are reported together
 
 import copy
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 from pydantic import ValidationError
+from snakemake.utils import update_config
 
 from burstcast_workflow.config.case import WHOLE
 from burstcast_workflow.config.model import Configuration
@@ -27,9 +29,10 @@ def sound_part(
     to is left out. None if nothing sound is left. What is said of a name that has been set aside
     need not hold for the configuration itself.
     """
-    repaired, names = copy.deepcopy(dict(config)), dict[str, None]()
-    tried: set[Path] = set()
+    config, names, tried = copy.deepcopy(dict(config)), dict[str, None](), set[Path]()
     for _ in range(_ROUNDS):
+        repaired = copy.deepcopy(dict(shipped))
+        update_config(repaired, config)
         try:
             return Configuration.model_validate(repaired), list(names)
         except ValidationError as error:
@@ -41,27 +44,19 @@ def sound_part(
             if path == ("campaign",):  # what would be checked is no campaign of theirs
                 return None, [*names, "campaign"]
             tried.add(path)
-            _set_aside(repaired, path, shipped)
+            _leave_out(config, path)
             # nothing follows from a setting that is unknown, but in what says what a case is
             if mistake["type"] != "extra_forbidden" or path != mistake["loc"] or _is_whole(path):
                 names[_name_of(path)] = None
     return None, []
 
 
-def _set_aside(config: Any, path: Path, shipped: Any) -> None:
-    """Put the shipped value at a path, or delete the setting, or the nearest thing around it."""
-    for part in path[:-1]:
-        inside = config.get(part) if isinstance(config, dict) else None
-        if isinstance(config, list) and isinstance(part, int) and part < len(config):
-            inside = config[part]
-        shipped = shipped.get(part) if isinstance(shipped, Mapping) else None
-        if not isinstance(inside, dict | list):
-            return
-        config = inside
-    if path and isinstance(config, dict):
-        config.pop(path[-1], None)
-        if isinstance(shipped, Mapping) and path[-1] in shipped:
-            config[path[-1]] = copy.deepcopy(shipped[path[-1]])
+def _leave_out(config: Any, path: Path) -> None:
+    """Delete the setting at a path, if there is one."""
+    with suppress(LookupError, TypeError):
+        for part in path[:-1]:
+            config = config[part]
+        del config[path[-1]]
 
 
 def _name_of(path: Path) -> str:

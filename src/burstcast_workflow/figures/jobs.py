@@ -34,14 +34,14 @@ class FigureJobs:
         """Inputs of a figure."""
         figure = FIGURES[wildcards.figure]
         paths = files_of(self._campaign, figure, self.case(wildcards))
-        found: dict[str, Any] = {
+        inputs: dict[str, Any] = {
             name: self._stages.in_results(path) for name, path in paths.items()
         }
         if self._stages.has_quantiles:
-            found[THRESHOLDS] = self._stages.thresholds_of(self.settings(wildcards))
+            inputs[THRESHOLDS] = self._stages.thresholds_of(self.settings(wildcards))
         if figure.published and self._campaign.config.figures.published_overlay:
-            found["published"] = local(self._published)
-        return found
+            inputs["published"] = local(self._published)
+        return inputs
 
     def settings(self, wildcards: Any) -> Any:
         """Settings of a figure."""
@@ -74,5 +74,5 @@ def captions(campaign: Campaign) -> dict[str, dict[str, str]]:
     """Captions of figures and tables by name, for the report."""
     return {
         "figures": {name: caption(name) for name in FIGURES},
-        "tables": {name: table_of(name).says for name in table_names(campaign)},
+        "tables": {name: table_of(name).description for name in table_names(campaign)},
     }

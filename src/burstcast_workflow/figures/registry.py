@@ -18,13 +18,14 @@ from burstcast_workflow.tables.declarations import SECTIONS
 def _declared() -> dict[str, Drawn]:
     figures = {name: figure_of(name) for name in available_figures()}
     for name, figure in figures.items():
-        for noun, given, known in (
-            ("section", figure.section, SECTIONS),
-            ("choice of cases", figure.cases, vars(Choices)),
-        ):
-            if given not in known:
-                similar = suggestion(given, known)
-                raise ValueError(f"the figure {name} declares the {noun} {given!r}{similar}")
+        if figure.section not in SECTIONS:
+            similar = suggestion(figure.section, SECTIONS)
+            raise ValueError(f"the figure {name} declares the section {figure.section!r}{similar}")
+        if figure.cases not in vars(Choices):
+            similar = suggestion(figure.cases, vars(Choices))
+            raise ValueError(
+                f"the figure {name} declares the choice of cases {figure.cases!r}{similar}"
+            )
 
     def place(name: str) -> tuple[str, int]:
         return SECTIONS[figures[name].section], figures[name].position
@@ -46,10 +47,11 @@ def cases_of(campaign: Campaign, figure: Drawn) -> list[str]:
 
 def _shows_networks(figure: Drawn) -> bool:
     """Whether there is nothing to draw without networks."""
-    shown = [*(file.path for file in figure.files.values()), *figure.paths]
-    return figure.cases == "several_sizes" or any(
-        place.startswith(("example", "shown.strategies")) or "/classification_percentiles" in place
-        for place in shown
+    if figure.cases == "several_sizes" or "shown.strategies" in figure.paths:
+        return True
+    places = [*[file.path for file in figure.files.values()], *figure.paths]
+    return any(
+        place.startswith("example") or "/classification_percentiles" in place for place in places
     )
 
 

@@ -20,37 +20,31 @@ _LEFT_OUT = ("campaign", "results", "figures", "cache_gb", "rerun_libraries")
 
 def report_of(campaign: Campaign) -> dict[str, Any]:
     """The fields of `burstcast_workflow.jobs.report.Report`."""
+    sections = [_section(campaign, name) for name in SECTIONS]
     return {
         "name": Path(campaign.config.results).name,
         "cases": [_computed(campaign, case) for case in campaign.case_names],
         "settings": other_settings(campaign.config.dump()),
-        "sections": [*filter(_has_content, (_section(campaign, name) for name in SECTIONS))],
+        "sections": [section for section in sections if section["figures"] or section["tables"]],
     }
 
 
 def _computed(campaign: Campaign, case: str) -> dict[str, str]:
-    networks = [one.name for one in campaign.networks if one.case == case]
-    kinds = dict.fromkeys(one.name.kind for one in campaign.select(case=case))
+    networks = [network.name for network in campaign.networks if network.case == case]
+    kinds = dict.fromkeys(network.name.kind for network in campaign.select(case=case))
     return {
         "case": case,
         "networks": str(len(networks)),
-        "of neurons": ", ".join(map(str, sorted({one.neurons or 0 for one in networks}))),
-        "validated by": ", ".join(sorted({str(one.validation) for one in networks})),
-        "seeds": str(len({one.seed for one in networks})),
+        "of neurons": ", ".join(map(str, sorted({network.neurons or 0 for network in networks}))),
+        "validated by": ", ".join(sorted({str(network.validation) for network in networks})),
+        "seeds": str(len({network.seed for network in networks})),
         "forecasters": ", ".join(kinds),
     }
 
 
 def other_settings(config: Mapping[str, Any]) -> list[list[str]]:
     """Settings that differ from the paper's config.yaml: path, value here, value there."""
-    paper = load({}, defaults=project_root() / "config.yaml")
-    here, there = (
-        {
-            path: json.dumps(_without_nulls(value), ensure_ascii=False)
-            for path, value in leaves(settings)
-        }
-        for settings in (config, paper)
-    )
+    here, there = _texts(config), _texts(load({}, defaults=project_root() / "config.yaml"))
     return [
         [path, here.get(path, ""), there.get(path, "")]
         for path in dict.fromkeys([*here, *there])
@@ -58,30 +52,33 @@ def other_settings(config: Mapping[str, Any]) -> list[list[str]]:
     ]
 
 
+def _texts(config: Mapping[str, Any]) -> dict[str, str]:
+    """Text of each setting by its path."""
+    return {
+        path: json.dumps(_without_nulls(value), ensure_ascii=False)
+        for path, value in leaves(config)
+    }
+
+
 def _without_nulls(value: Any) -> Any:
     """A value whose mappings have no null: not all the kinds that a block could have."""
     if isinstance(value, Mapping):
-        return {key: _without_nulls(one) for key, one in value.items() if one is not None}
-    return [_without_nulls(one) for one in value] if isinstance(value, list) else value
+        return {key: _without_nulls(item) for key, item in value.items() if item is not None}
+    return [_without_nulls(item) for item in value] if isinstance(value, list) else value
 
 
 def _section(campaign: Campaign, section: str) -> dict[str, Any]:
-    figures = [
-        {"name": name, "title": _title(name), "caption": caption(figure)}
-        for name in figure_names(campaign)
-        for figure in [max((one for one in FIGURES if name.startswith(one)), key=len)]
-        if FIGURES[figure].section == section
-    ]
+    figures = []
+    for name in figure_names(campaign):
+        figure = max(filter(name.startswith, FIGURES), key=len)
+        if FIGURES[figure].section == section:
+            figures.append({"name": name, "title": _title(name), "caption": caption(figure)})
     tables = [
-        {"name": name, "title": _title(name), "caption": table_of(name).says}
+        {"name": name, "title": _title(name), "caption": table_of(name).description}
         for name in table_names(campaign)
         if table_of(name).section == section
     ]
     return {"title": SECTIONS[section], "figures": figures, "tables": tables}
-
-
-def _has_content(section: Mapping[str, Any]) -> bool:
-    return bool(section["figures"] or section["tables"])
 
 
 def _title(name: str) -> str:

@@ -55,11 +55,7 @@ from burstcast_workflow.harness.storage import (
 from burstcast_workflow.project import packages_of, project_root
 from burstcast_workflow.tracking.cache import Entry
 from burstcast_workflow.tracking.code import Sources, make_importable
-from burstcast_workflow.tracking.environment import (
-    LIBRARIES,
-    environment,
-    library_version,
-)
+from burstcast_workflow.tracking.environment import LIBRARIES, environment, library_version
 from burstcast_workflow.tracking.results import checked, date_after, digest, forget, note
 from burstcast_workflow.tracking.run import plan
 
@@ -79,7 +75,7 @@ __all__ = [
 """The names that scripts import."""
 
 logger = logging.getLogger(__name__)
-_told = logger.getChild("told")
+_terminal = logger.getChild("told")
 
 
 _functions: dict[str, Callable[..., None]] = {}  # of scripts, by their modules
@@ -130,7 +126,7 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
         logging.captureWarnings(True)
         aloud = logging.StreamHandler(stderr)
         aloud.setFormatter(logging.Formatter(f"{label}: %(message)s"))
-        _told.addHandler(aloud)
+        _terminal.addHandler(aloud)
         try:
             _run(snakemake, function, label)
             logger.info("%s is done: %s", label, _cost(start))
@@ -144,7 +140,7 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
 
 def tell(message: str) -> None:
     """Print a message on the terminal of the run, and log it."""
-    _told.warning(message)
+    _terminal.warning(message)
 
 
 class UnlikeCodeError(RuntimeError):
@@ -186,9 +182,9 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
         return
 
     files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
-    known = _known(declared, files.pop(THRESHOLDS, []))
+    values = _with_values(declared, files.pop(THRESHOLDS, []))
     exponent = exponent_in(files.pop(TIME_UNIT, ""))
-    settings = settings_taken(function)(known, identity, provenance(identity, declared), exponent)
+    settings = settings_taken(function)(values, identity, provenance(identity, declared), exponent)
     function(**arguments_for(function, {**files, "settings": settings}))
     if unread := settings.unread():
         logger.info("settings not read: %s", ", ".join(unread))
@@ -221,8 +217,8 @@ def _checked_code(
         return path if path.is_file() else Path(function.__code__.co_filename)
 
     packages = packages_of(project_root())
-    own = {entry.partition(" ")[0]: () for entry in code}
-    sources = Sources(script, packages, own)
+    modules = {entry.partition(" ")[0]: () for entry in code}
+    sources = Sources(script, packages, modules)
     others = {*code} - {*planned["code"]}
     if changed := sources.changed(code) or [entry.partition(" ")[0] for entry in others]:
         raise UnlikeCodeError(
@@ -284,9 +280,9 @@ def _telling(wildcards: Mapping[str, str]) -> dict[str, str]:
     return {name: text for name, text in wildcards.items() if name != "family"}
 
 
-def _known(settings: Any, thresholds: list[str]) -> Any:
+def _with_values(settings: Any, thresholds: list[str]) -> Any:
     """Settings with the event thresholds of these files, where the config gives quantiles."""
-    values = {one["case"]: one["event_threshold"] for one in map(read_json, thresholds)}
+    values = {record["case"]: record["event_threshold"] for record in map(read_json, thresholds)}
     return with_thresholds(settings, values.__getitem__)
 
 

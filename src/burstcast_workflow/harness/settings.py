@@ -63,17 +63,17 @@ class JobSettings:
         self._read: set[str] = set()
 
     def __init_subclass__(cls) -> None:
-        known: dict[str, str] = {}
-        for one in cls.__mro__[:-1]:
-            for name, value in vars(one).items():
-                if not name.startswith("__") and known.setdefault(name, str(value)) != str(value):
+        members: dict[str, str] = {}
+        for base in cls.__mro__[:-1]:
+            for name, value in vars(base).items():
+                if not name.startswith("__") and members.setdefault(name, str(value)) != str(value):
                     raise TypeError(f"{cls.__name__} has the name {name} twice, or of a wildcard")
 
     @classmethod
     def paths(cls) -> list[str]:
         """Paths of all settings of the class."""
-        fields = [field for one in cls.__mro__ for field in vars(one).values()]
-        return [*dict.fromkeys(one.path for one in fields if isinstance(one, Setting))]
+        fields = [field for base in cls.__mro__ for field in vars(base).values()]
+        return [*dict.fromkeys(field.path for field in fields if isinstance(field, Setting))]
 
     def value_of(self, path: str) -> Any:
         """Value of a setting by its path, also below a declared one, or of a wildcard."""

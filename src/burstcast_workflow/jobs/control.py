@@ -140,14 +140,14 @@ class Controlled(Forecasting, Washed, Training):
 
 
 def sensor_of(
-    said: Mapping[str, Any] | None, system: DynamicalSystem, encoder: str | Sequence[str]
+    sensor: Mapping[str, Any] | None, system: DynamicalSystem, encoder: str | Sequence[str]
 ) -> Sensor | None:
     """Sensor of the flows, with the encoder that its case has fitted; None: all is observed."""
-    if said is None:
+    if sensor is None:
         return None
     if not isinstance(encoder, str):
-        return ObservedPart.of(system, said["components"], said["of"])
-    options = said["encoder"] or {}
-    case = encoding_case(system, said["sensors"], options)
+        return ObservedPart.of(system, sensor["components"], sensor["of"])
+    options = sensor["encoder"] or {}
+    case = encoding_case(system, sensor["sensors"], options)
     channels = StateChannels.restore(options.get("kind", IDENTITY), case, read_netcdf(encoder))
-    return EncodedFlow(channels, system, make_space(MEASURED, said["parameters"]))
+    return EncodedFlow(channels, system, make_space(MEASURED, sensor["parameters"]))

@@ -8,12 +8,7 @@ from burstcast.base.exogenous import with_inputs
 from burstcast.base.files.netcdf import Variable, read_attributes, read_netcdf, read_record
 from burstcast.base.names import parsed
 from burstcast.data.encoders.state_maps import StateMaps
-from burstcast.forecasters.base import (
-    Forecaster,
-    ForecasterKind,
-    ForecasterRecord,
-    ForecastingCase,
-)
+from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecasterRecord, ForecastingCase
 from burstcast.forecasters.registry import as_forecaster, kind_class, make_kind
 from burstcast.systems.registry import make_system
 from burstcast_workflow.harness.settings import at
@@ -76,7 +71,7 @@ class Forecasting(System, Clock):
             sampling_stride=self.sampling_stride,
             steps_per_lyapunov_time=self.lyapunov_time,
             random_seed=self.random_seed,
-            parameters=self.known(names, actuation) if names else None,
+            parameters=self.forecaster_parameters(names, actuation) if names else None,
             source=make_system(source["system"], source["parameters"]) if source else None,
             maps=read_record(ensemble, StateMaps) if source and ensemble else None,
         )

@@ -56,8 +56,8 @@ class Points(System, Washed, Windows, Observed):
         states = read_rows(ensemble, "state", rows.start, rows.stop)
         observed = self.observed_rows(ensemble, rows.start, states)
         observable = read_rows(ensemble, "observable", rows.start, rows.stop)
-        known = known_rows(ensemble, rows.start, rows.stop)
-        self.write_points(path, (states, observed, observable), spacing, known)
+        schedules = known_rows(ensemble, rows.start, rows.stop)
+        self.write_points(path, (states, observed, observable), spacing, schedules)
 
     def write_points(
         self,
@@ -76,7 +76,7 @@ class Points(System, Washed, Windows, Observed):
         states, observed, observable = series
         space, boundaries = self.space, self.boundaries
         with concerning(Windows.longest_prediction_time_lt, Windows.window_lt, Washed.washout_lt):
-            found = observed_points(
+            points = observed_points(
                 observed,
                 observable,
                 space.observable,
@@ -84,9 +84,9 @@ class Points(System, Washed, Windows, Observed):
                 washout=self.washout,
                 boundaries=boundaries,
             )
-        variables = point_variables(found, states, space.observable_name)
+        variables = point_variables(points, states, space.observable_name)
         if schedules is not None:
-            variables |= schedule_variables(found, schedules, boundaries[-1])
+            variables |= schedule_variables(points, schedules, boundaries[-1])
         write_netcdf(path, variables, self.provenance)
 
 

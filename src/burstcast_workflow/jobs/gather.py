@@ -31,15 +31,17 @@ class Origin:
 
 def origins(paths: Iterable[str | Path]) -> list[Origin]:
     """Origins of files, in their order."""
-    found: dict[str, Origin] = {}
+    by_identity: dict[str, Origin] = {}
     for path in map(str, paths):
         is_json = path.endswith(".json")
-        said = read_json(path).get("provenance", {}) if is_json else read_attributes(path)
-        identity = said.get("identity")
+        provenance = read_json(path).get("provenance", {}) if is_json else read_attributes(path)
+        identity = provenance.get("identity")
         if not isinstance(identity, str):
             raise ValueError(f"{path} does not say which job wrote it: remove it, and run again")
-        if identity in found:
-            raise ValueError(f"{path} and {found[identity].path} are both of the job {identity}")
-        of_job = json.loads(identity), json.loads(str(said["settings"]))
-        found[identity] = Origin(path, *of_job)
-    return list(found.values())
+        if identity in by_identity:
+            raise ValueError(
+                f"{path} and {by_identity[identity].path} are both of the job {identity}"
+            )
+        of_job = json.loads(identity), json.loads(str(provenance["settings"]))
+        by_identity[identity] = Origin(path, *of_job)
+    return list(by_identity.values())

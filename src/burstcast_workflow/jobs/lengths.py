@@ -64,15 +64,13 @@ class Lengths(Washed):
         """
         problems: list[str] = []
         counts: dict[Any, int] = {}
-        lasting_a_step: tuple[Any, ...] = (
-            *(Lengths.washout_lt, Lengths.interval_lt, Lengths.start_spacing_lt),
-            *(Lengths.resolution_lt, Lengths.calibration_spacing_lt),
-            *(Lengths.longest_lead_time_lt, Lengths.lead_time_step_lt),
-        )
-        for field in lasting_a_step:
+        fields: list[Any] = [Lengths.washout_lt, Lengths.interval_lt, Lengths.start_spacing_lt]
+        fields += [Lengths.resolution_lt, Lengths.calibration_spacing_lt]
+        fields += [Lengths.longest_lead_time_lt, Lengths.lead_time_step_lt]
+        for field in fields:
             with listing(problems):
-                lasts = field.__get__(self, Lengths)
-                counts[field] = durations.positive_steps(lasts, steps, str(field))
+                duration = field.__get__(self, Lengths)
+                counts[field] = durations.positive_steps(duration, steps, str(field))
         if samples is None:
             return problems
         if not problems:

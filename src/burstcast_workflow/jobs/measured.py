@@ -9,12 +9,7 @@ from burstcast.base.arrays import FloatArray
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.delay_coordinates import delay_coordinates
-from burstcast.data.measured_data import (
-    Quantity,
-    check_varying,
-    runs_of_states,
-    series_of_runs,
-)
+from burstcast.data.measured_data import Quantity, check_varying, runs_of_states, series_of_runs
 from burstcast.data.records import RecordedSeries, recorded_series
 from burstcast.systems.measured import MeasuredSeries
 from burstcast_workflow.harness.settings import at
@@ -63,19 +58,20 @@ class MeasuredData(Tested):
         """Series of states without past values, checked."""
         data, space = self.data, self.present_space
         if data["case"] is None:
-            found = recorded_series(sources, data, space)
+            series = recorded_series(sources, data, space)
         else:
             read = read_netcdf(sources[0], "state", "observable")
             runs = runs_of_states(sources[0], read["state"], read["observable"], data["columns"])
             quantities = [Quantity(text) for text in data["components"]]
-            found = RecordedSeries(series_of_runs(runs, space, quantities, None))
-        count, training = len(found.states), self.training_series
-        if training + (test := self.test_series(count)) > count:
+            series = RecordedSeries(series_of_runs(runs, space, quantities, None))
+        count, training = len(series.states), self.training_series
+        test = self.test_series(count)
+        if training + test > count:
             raise ValueError(
                 f"training.series is {training} and test_series {test}, but the data have {count} "
-                f"series in all, of {found.states.shape[1]} samples each: ask for fewer, or cut "
+                f"series in all, of {series.states.shape[1]} samples each: ask for fewer, or cut "
                 f"shorter blocks (data.blocks)"
             )
         name = f"the training series ({Tested.training_series})"
-        check_varying(found.states[:training], space.component_names, name)
-        return found
+        check_varying(series.states[:training], space.component_names, name)
+        return series

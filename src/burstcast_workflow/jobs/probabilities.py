@@ -22,8 +22,8 @@ class Alarms(JobSettings):
         return ForecastPoints(
             read_netcdf(point_set),
             {
-                one.name.identifier: forecasts_from(read_netcdf(one.path))
-                for one in origins(forecasts)
+                origin.name.identifier: forecasts_from(read_netcdf(origin.path))
+                for origin in origins(forecasts)
             },
             self.window_lt,
             self.resolution_lt,

@@ -31,7 +31,7 @@ class Switched(System, Clock, Observed):
     @property
     def known_parameters(self) -> Parameters:
         """Parameters that forecasters are given, with the case's own values."""
-        return self.known(self.names, self.actuation)
+        return self.forecaster_parameters(self.names, self.actuation)
 
     def switched_series(
         self, ensemble: str, rows: range, purpose: str
@@ -49,7 +49,7 @@ class Switched(System, Clock, Observed):
             actuated = actuated_system(
                 system, actuation["parameters"], actuation["force"], given["strength"]
             )
-            on = SystemParameters.of(actuated, self.names).own
+            on = SystemParameters.of(actuated, self.names).defaults
         switching = RandomActuation(
             positive_steps(given["interval_lt"], steps, f"{Switched.switching}.interval_lt"),
             given["mean_on_lt"] / given["interval_lt"],
@@ -65,7 +65,7 @@ class Switched(System, Clock, Observed):
             parameters,
             system,
             np.ascontiguousarray(np.tile(free[:, -1].T, CANDIDATES)),
-            ActuationValues(parameters.own, on).schedule(acting.T).transpose(2, 0, 1),
+            ActuationValues(parameters.defaults, on).schedule(acting.T).transpose(2, 0, 1),
             len(rows),
             time_step=self.time_step,
             sampling_stride=self.sampling_stride,

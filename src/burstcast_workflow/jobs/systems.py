@@ -27,7 +27,9 @@ class System(JobSettings):
         """Dynamical system; a `ValueError` if the case was measured and has no equations."""
         return make_system(self.system, self.parameters)
 
-    def known(self, names: Sequence[str], actuation: Mapping[str, Any] | None = None) -> Parameters:
+    def forecaster_parameters(
+        self, names: Sequence[str], actuation: Mapping[str, Any] | None = None
+    ) -> Parameters:
         """Parameters that forecasters know, by name; of a record, columns without values."""
         if self.system == MEASURED:
             return Parameters(tuple(names), ())

@@ -33,17 +33,17 @@ class Tables(JobSettings):
         if set(rows) != set(self.tables):
             wanted = sorted(self.tables)
             raise ValueError(f"the job writes {sorted(rows)}; its rule declares {wanted}")
-        for name, found in rows.items():
+        for name, table_rows in rows.items():
             declared = self.tables[name]
-            known = declared.get("metrics", [])
-            if known and (strange := sorted({row["metric"] for row in found} - set(known))):
+            metrics_declared = declared.get("metrics", [])
+            if metrics_declared and (
+                strange := sorted({row["metric"] for row in table_rows} - set(metrics_declared))
+            ):
                 raise ValueError(f"table {name} declares no metric {', '.join(strange)}")
-            table = write_table(files[name], as_declared(found, declared["columns"], name))
+            table = write_table(files[name], as_declared(table_rows, declared["columns"], name))
             if "percentiles" in declared:
-                keys, metrics = (
-                    [column for column in declared[names] if column in table]
-                    for names in ("by", "percentiles")
-                )
+                keys = [column for column in declared["by"] if column in table]
+                metrics = [column for column in declared["percentiles"] if column in table]
                 write_table(files[f"{name}_percentiles"], percentiles(table, keys, metrics))
 
 
@@ -54,25 +54,25 @@ class TablesOfCase(Tables):
 
     def gathered(self, paths: Iterable[str | Path], variables: str = "") -> list[Gathered]:
         """Files of the case for tables."""
-        found = origins(paths)
-        for one in found:
-            if one.identity["case"] != self.case:
-                other = one.identity["case"]
-                raise ValueError(f"{one.path} is of the case {other}, which is another")
+        files = origins(paths)
+        for file in files:
+            if file.identity["case"] != self.case:
+                other = file.identity["case"]
+                raise ValueError(f"{file.path} is of the case {other}, which is another")
         return [
-            Gathered(one.name, content(one.path, variables), one.settings.get("control.run", {}))
-            for one in found
+            Gathered(file.name, content(file.path, variables), file.settings.get("control.run", {}))
+            for file in files
         ]
 
     def with_keys(self, rows: Mapping[str, Rows]) -> dict[str, Rows]:
         """Rows of tables with the key columns of the case that the tables declare."""
-        found: dict[str, Rows] = {}
+        completed: dict[str, Rows] = {}
         of_case = {"case": self.case, "reynolds": self.parameters.get("reynolds")}
-        for name, known in rows.items():
+        for name, table_rows in rows.items():
             columns = {column.removesuffix("*") for column in self.tables[name]["columns"]}
-            keys = {key: one for key, one in of_case.items() if key in columns}
-            found[name] = [{**keys, **row} for row in known]
-        return found
+            keys = {key: value for key, value in of_case.items() if key in columns}
+            completed[name] = [{**keys, **row} for row in table_rows]
+        return completed
 
 
 def as_declared(rows: Rows, columns: Sequence[str], name: str) -> pd.DataFrame:
@@ -87,7 +87,7 @@ def as_declared(rows: Rows, columns: Sequence[str], name: str) -> pd.DataFrame:
         raise ValueError(f"table {name} declares no column {', '.join(strange)}")
     table = pd.DataFrame(rows, columns=names)
     if rows:
-        if lacking := [one for one in names if one not in given | optional]:
+        if lacking := [column for column in names if column not in given | optional]:
             raise ValueError(f"table {name} declares {', '.join(lacking)}, which no row has")
-        table = table.drop(columns=[one for one in optional if table[one].isna().all()])
-    return table.astype({one: "Int64" for one in WHOLE_NUMBERS if one in table})
+        table = table.drop(columns=[column for column in optional if table[column].isna().all()])
+    return table.astype({column: "Int64" for column in WHOLE_NUMBERS if column in table})

@@ -28,9 +28,9 @@ class Clock(Sampling):
     def lyapunov_time(self) -> int:
         """Network steps in a Lyapunov time."""
         interval = self.sampling_interval
-        known = durations.known_exponent(self.time_unit, self.published_exponent)
-        if known is not None:
-            return durations.steps_per_lyapunov_time(known, interval)
+        exponent = durations.known_exponent(self.time_unit, self.published_exponent)
+        if exponent is not None:
+            return durations.steps_per_lyapunov_time(exponent, interval)
         assert self.computed_exponent is not None
         fields = f"{Clock.published_exponent}, {Clock.time_unit}"
         with concerning(f"the computed exponent ({fields})"):

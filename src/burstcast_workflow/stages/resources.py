@@ -3,23 +3,21 @@
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from typing import Any, Literal
 
 from burstcast.base.names import parsed
 
-TRAINING = "training"
-"""Work whose memory and time grow with the square of a network's neurons: the Gram matrix of its
-states, of all series or of each."""
+Level = Literal["short", "usual", "training"]
+"""Work of seconds (tables, figures), of minutes, and of networks: its memory and time grow with the
+square of the neurons, for the Gram matrix of the states, of all series or of each."""
 
-SHORT = "short"
-"""Work of seconds: tables and figures."""
-
-_MIB, _MINUTES, _SHORT_MINUTES = 500, 10, 2
+_MIB = 500
+_MINUTES = {"short": 2, "usual": 10, "training": 10}
 _MATRICES = 16
 _MINUTES_OF_1000_NEURONS = 10.0
 
 
-def resources_of(work: str = "") -> dict[str, Callable[..., int]]:
+def resources_of(work: Level) -> dict[str, Callable[..., int]]:
     """Resources of a rule, as functions of a job's wildcards and of the number of its attempt."""
 
     def memory(wildcards: Any, attempt: int) -> int:
@@ -31,16 +29,15 @@ def resources_of(work: str = "") -> dict[str, Callable[..., int]]:
     return {"mem_mb": memory, "runtime": runtime}
 
 
-def memory_mib(work: str, neurons: int) -> int:
+def memory_mib(work: Level, neurons: int) -> int:
     """Memory of a job in MiB."""
-    return _MIB + math.ceil(_MATRICES * _matrix_mib(neurons)) * (work == TRAINING)
+    return _MIB + (math.ceil(_MATRICES * _matrix_mib(neurons)) if work == "training" else 0)
 
 
-def minutes(work: str, neurons: int) -> int:
+def minutes(work: Level, neurons: int) -> int:
     """Time of a job in minutes."""
-    if work == TRAINING:
-        return _MINUTES + math.ceil(_MINUTES_OF_1000_NEURONS * (neurons / 1000) ** 2)
-    return _SHORT_MINUTES if work == SHORT else _MINUTES
+    more = _MINUTES_OF_1000_NEURONS * (neurons / 1000) ** 2 if work == "training" else 0
+    return _MINUTES[work] + math.ceil(more)
 
 
 def _matrix_mib(neurons: int) -> float:
@@ -52,7 +49,7 @@ def _neurons(wildcards: Mapping[str, str]) -> int:
     return parsed(names.get("forecaster") or names.get("reservoir") or "none").neurons or 0
 
 
-def beyond_memory(neurons: Iterable[int], machine_mib: float | None = None) -> str:
+def beyond_memory(neurons: Iterable[int | None], machine_mib: float | None = None) -> str:
     """Why this machine cannot train the largest network, in words; empty if it may.
 
     It is a bound, no prediction: the Gram matrix alone does not fit. Of other machines, only their
@@ -60,7 +57,7 @@ def beyond_memory(neurons: Iterable[int], machine_mib: float | None = None) -> s
     """
     if machine_mib is None:
         machine_mib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**20
-    most = max(neurons, default=0)
+    most = max(filter(None, neurons), default=0)
     if _matrix_mib(most) <= machine_mib:
         return ""
     return (

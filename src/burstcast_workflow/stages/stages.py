@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from snakemake.exceptions import WorkflowError
 from snakemake.io import local
 
 from burstcast.base.declared import File, files_of, paths_of
@@ -48,11 +49,11 @@ def _once(function: OfJob) -> OfJob:
 
     Neither settings nor code depend on these, and a campaign has hundreds of such networks.
     """
-    known: dict[tuple[object, ...], Any] = {}
+    by_kind: dict[tuple[object, ...], Any] = {}
     seen: dict[tuple[str, ...], Any] = {}
 
     @of_job
-    def found(wildcards: Any) -> Any:
+    def remembered(wildcards: Any) -> Any:
         values = tuple(wildcards)
         if values not in seen:
             seen[values] = of_like(wildcards)
@@ -67,11 +68,11 @@ def _once(function: OfJob) -> OfJob:
             name = parsed(str(names["reservoir"]))
             names["reservoir"] = (name.kind, name.label)
         about = tuple(names.values())
-        if about not in known:
-            known[about] = function(wildcards)
-        return known[about]
+        if about not in by_kind:
+            by_kind[about] = function(wildcards)
+        return by_kind[about]
 
-    return found
+    return remembered
 
 
 def _one(texts: OfJob, key: str) -> OfJob:
@@ -110,7 +111,7 @@ class Stages:
     ) -> Paths:
         """The file called ``name`` of forecasters or runs of control; default: all forecasters."""
         forecasters = self.campaign.forecasters if forecasters is None else forecasters
-        return self.in_results(f"{one.directory}/{name}" for one in forecasters)
+        return self.in_results(f"{forecaster.directory}/{name}" for forecaster in forecasters)
 
     def declared(self, file: File) -> OfJob:
         """A declared file of a job's case; nothing where it is a table that the case lacks."""
@@ -152,7 +153,13 @@ class Stages:
         """Scheduled series for a kind that learns from parameters; nothing for other kinds."""
         names = dict(wildcards.items())
         name = parsed(names.get("forecaster") or names["reservoir"])
-        if not kind_class(name.kind).learns_parameters:
+        kind = kind_class(name.kind)
+        if not kind.has_trajectories:
+            raise WorkflowError(
+                f"{name.identifier} gives probabilities of events and forecasts no states: its "
+                f"files are those of {names['case']}/classifiers/{name.identifier}"
+            )
+        if not kind.learns_parameters:
             return []
         return self.case_files("scheduled_series.nc", self.campaign.sources(names["case"]))
 
@@ -175,8 +182,8 @@ class Stages:
     def matched_flows(self, wildcards: Any) -> Paths:
         """Flows under the forecaster's own control, whose rate of alarms random control matches."""
         forecaster, _, role = wildcards.controller.rpartition("-")
-        own = f"{wildcards.case}/control/{forecaster}/{wildcards.strategy}/flows.nc"
-        return self.in_results(own if role == "random" else [])
+        flows = f"{wildcards.case}/control/{forecaster}/{wildcards.strategy}/flows.nc"
+        return self.in_results(flows if role == "random" else [])
 
     def encoder_of_observed(self, wildcards: Any) -> Paths:
         """Encoder of the case through which a run of control observes; nothing without one."""
@@ -189,13 +196,13 @@ class Stages:
     @cached_property
     def has_quantiles(self) -> bool:
         """Whether a threshold is a quantile; only then are the settings of all jobs searched."""
-        return any(one.event_quantile is not None for one in self.campaign.cases.values())
+        return any(case.event_quantile is not None for case in self.campaign.cases.values())
 
     def thresholds_of(self, settings: Any) -> Paths:
         """Files of the event thresholds that a job's settings have as quantiles."""
         return self.case_files("event_threshold.json", cases_of_thresholds(settings))
 
-    def computed_settings(self, stage: str) -> dict[str, OfJob]:
+    def computed_settings_files(self, stage: str) -> dict[str, OfJob]:
         """Inputs of a stage: files of thresholds and units of time that other jobs determine.
 
         These are functions of each job, which take time: they are left out if no case needs them.
@@ -212,20 +219,15 @@ class Stages:
                 return []
             return self.in_results(self.campaign.cases[wildcards.case].time_unit)
 
-        found = {THRESHOLDS: thresholds} if self.has_quantiles else {}
+        files = {THRESHOLDS: thresholds} if self.has_quantiles else {}
         if any(case.time_unit for case in self.campaign.cases.values()):
-            found[TIME_UNIT] = time_unit
-        return found
+            files[TIME_UNIT] = time_unit
+        return files
 
     # -- settings and code ------------------------------------------------------------------------
 
     def of_script(
-        self,
-        script: str,
-        stage: str = "",
-        *,
-        maker: str = "",
-        **values: Any,
+        self, script: str, stage: str = "", *, maker: str = "", **values: Any
     ) -> list[Any]:
         """Parameters of a script's jobs: each setting, and each module of the code that runs.
 
@@ -234,8 +236,7 @@ class Stages:
 
         ``stage``: Name of the rule, if it is not the script's. ``maker``: Module of
         `burstcast.tables.makers`, whose function declares further settings, and whose tables are
-        declared with their columns. ``values``: Given as
-        they are, or by functions of the job's wildcards, without sizes and seeds.
+        declared with their columns. ``values``: Given as they are.
         """
         declared = settings_taken(function_of(self._sources.script(script))).paths()
         by_name: dict[str, list[str]] = {}
@@ -246,13 +247,9 @@ class Stages:
             values["tables"] = written(made_by(maker), self.campaign.unused_columns)
 
         def settings(wildcards: Any) -> Any:
-            found = {
-                name: value(wildcards) if callable(value) else value
-                for name, value in values.items()
-            }
-            asked = [path for path in declared if path not in found]
+            asked = [path for path in declared if path not in values]
             # Snakemake's wildcards are a list: only of a mapping can one ask whether it has a name
-            return settings_of_job(self.campaign, asked, dict(wildcards.items()), found)
+            return settings_of_job(self.campaign, asked, dict(wildcards.items()), values)
 
         def modules(wildcards: Any) -> Mapping[str, Sequence[str]]:
             return {**self.campaign.modules(wildcards), **by_name}

@@ -23,7 +23,10 @@ PERCENTILES = ["metric", "p25", "p50", "p75", "networks"]
 
 def _flat(names: list[Any]) -> list[str]:
     """Names, some of which are lists that stand elsewhere in the file, too."""
-    return [one for name in names for one in (name if isinstance(name, list) else [name])]
+    flat: list[str] = []
+    for name in names:
+        flat += name if isinstance(name, list) else [name]
+    return flat
 
 
 Names = Annotated[list[str], BeforeValidator(_flat)]
@@ -55,18 +58,18 @@ class Layout:
 class Table:
     """A table."""
 
-    says: str
+    description: str
     section: str
     script: str
     columns: Names
     metrics: Names = field(default_factory=list)
     keys: Names = field(default_factory=lambda: _FORECASTER)
-    of: str = "case_names"
+    rows_of: str = "case_names"
     of_cases: bool = True
     percentiles: Names = field(default_factory=list)
-    over: Names = field(default_factory=list)
+    group_by: Names = field(default_factory=list)
     latex: dict[str, Layout] = field(default_factory=dict)
-    own: dict[str, Column] = field(default_factory=dict)
+    redefined: dict[str, Column] = field(default_factory=dict)
 
 
 with (project_root() / "workflow" / "tables.yaml").open(encoding="utf-8") as _file:

@@ -30,7 +30,7 @@ def text() -> str:
 
 def _lines() -> Iterator[str]:
     for name, table in TABLES.items():
-        yield f"\n## {name}\n\n{fill(table.says, 99)}\n"
+        yield f"\n## {name}\n\n{fill(table.description, 99)}\n"
         if table.keys:
             yield f"Keys: {_listed(table.keys)}.\n"
         yield _COLUMNS
@@ -40,7 +40,7 @@ def _lines() -> Iterator[str]:
                 yield from (_row(metric, name, "metric ") for metric in table.metrics)
         if table.percentiles:
             of = fill(f"Of {_listed(table.percentiles)}.", 99)
-            keys = fill(f"Keys: {_listed([*ENSEMBLE, *table.over])}.", 99)
+            keys = fill(f"Keys: {_listed([*ENSEMBLE, *table.group_by])}.", 99)
             yield f"\n### {name}_percentiles\n\n{of}\n\n{keys}"
     yield f"\n## Keys, and columns of percentiles\n\n{fill(OVER_NETWORKS, 99)}\n\n{_COLUMNS}"
     yield from map(_row, [*KEYS, *PERCENTILES])
@@ -52,8 +52,8 @@ def _listed(names: Iterable[str]) -> str:
 
 def _row(column: str, table: str = "", kind: str = "") -> str:
     (name,) = plain([column])
-    found = column_of(name, table)
-    return f"| {kind}`{name}`{column.removeprefix(name)} | {found.unit} | {found.meaning} |"
+    declared = column_of(name, table)
+    return f"| {kind}`{name}`{column.removeprefix(name)} | {declared.unit} | {declared.meaning} |"
 
 
 if __name__ == "__main__":

@@ -31,11 +31,10 @@ def plain(columns: Iterable[str]) -> list[str]:
 
 def with_percentiles(names: Iterable[str]) -> list[str]:
     """Names of tables; percentiles of a table come before the table, as in the report."""
-    return [
-        file
-        for name in names
-        for file in ([f"{name}_percentiles"] if TABLES[name].percentiles else []) + [name]
-    ]
+    files: list[str] = []
+    for name in names:
+        files += [f"{name}_percentiles", name] if TABLES[name].percentiles else [name]
+    return files
 
 
 def table_of(name: str) -> Table:
@@ -43,16 +42,20 @@ def table_of(name: str) -> Table:
     if name in TABLES:
         return TABLES[name]
     table = TABLES[name.removesuffix("_percentiles")]
-    says, columns = f"{table.says} {OVER_NETWORKS}", [*table.over, *PERCENTILES]
     return replace(
-        table, says=says, keys=ENSEMBLE, columns=columns, metrics=table.percentiles, own={}
+        table,
+        description=f"{table.description} {OVER_NETWORKS}",
+        keys=ENSEMBLE,
+        columns=[*table.group_by, *PERCENTILES],
+        metrics=table.percentiles,
+        redefined={},
     )
 
 
 def column_of(name: str, table: str = "") -> Column:
     """Column of a table; an empty declaration if there is none."""
-    own = TABLES[table].own if table in TABLES else {}
-    return own.get(name) or COLUMNS.get(name, Column(""))
+    redefined = TABLES[table].redefined if table in TABLES else {}
+    return redefined.get(name) or COLUMNS.get(name, Column(""))
 
 
 # -- of a campaign ---------------------------------------------------------------------------------
@@ -60,23 +63,23 @@ def column_of(name: str, table: str = "") -> Column:
 
 def cases_of(campaign: Campaign, table: str) -> list[str]:
     """Cases that a table has rows of, in the order of the campaign."""
-    found = getattr(campaign, table_of(table).of)
-    return list(dict.fromkeys(getattr(one, "case", one) for one in found))
+    members = getattr(campaign, table_of(table).rows_of)
+    return list(dict.fromkeys(getattr(member, "case", member) for member in members))
 
 
 def cases_of_tables(campaign: Campaign) -> dict[str, list[str]]:
     """Cases by the name of the table that each case has, percentiles included."""
     names = with_percentiles(name for name, table in TABLES.items() if table.of_cases)
-    found = {name: cases_of(campaign, name) for name in names}
-    return {name: cases for name, cases in found.items() if cases}
+    cases_by_table = {name: cases_of(campaign, name) for name in names}
+    return {name: cases for name, cases in cases_by_table.items() if cases}
 
 
 def tables_by_section(campaign: Campaign) -> dict[str, list[str]]:
     """Names of the tables that cases have, percentiles included, by section of the report."""
-    found: dict[str, list[str]] = {}
+    sections: dict[str, list[str]] = {}
     for name in cases_of_tables(campaign):
-        found.setdefault(table_of(name).section, []).append(name)
-    return found
+        sections.setdefault(table_of(name).section, []).append(name)
+    return sections
 
 
 def table_names(campaign: Campaign) -> list[str]:
@@ -107,7 +110,7 @@ def files_by(script: str) -> list[str]:
 
 def kinds_of(campaign: Campaign) -> list[str]:
     """What tables call the kinds of forecasters of a campaign, sorted."""
-    return sorted({one.name.keys["forecaster"] for one in campaign.forecasters})
+    return sorted({member.name.keys["forecaster"] for member in campaign.forecasters})
 
 
 def written(names: Iterable[str], unused: Container[str] = ()) -> dict[str, Any]:
@@ -128,14 +131,14 @@ def _written(table: Table, unused: Container[str]) -> dict[str, Any]:
         columns["metrics"] = table.metrics
     if not table.percentiles:
         return columns
-    return {**columns, "percentiles": table.percentiles, "by": plain([*ENSEMBLE, *table.over])}
+    return {**columns, "percentiles": table.percentiles, "by": plain([*ENSEMBLE, *table.group_by])}
 
 
 def joined(campaign: Campaign, names: Iterable[str]) -> dict[str, Any]:
     """Declarations for a job that joins tables of cases: all possible columns, and layouts."""
     unused, tables = campaign.unused_columns, {name: table_of(name) for name in names}
     columns = {
-        name: [one for one in plain([*table.keys, *table.columns]) if one not in unused]
+        name: [column for column in plain([*table.keys, *table.columns]) if column not in unused]
         for name, table in tables.items()
     }
     return {"columns": columns, "latex": typeset(tables)}

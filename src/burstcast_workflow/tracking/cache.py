@@ -181,9 +181,9 @@ def tidy(most_bytes: float) -> None:
 def seconds_of_rules() -> Mapping[str, float]:
     """Seconds that jobs of each rule took to compute, in the median over the cache."""
     cache = directory()
-    found: dict[str, list[float]] = {}
+    seconds_by_rule: dict[str, list[float]] = {}
     for place, _ in _entries(cache) if cache else ():
         with suppress(OSError, ValueError, KeyError, TypeError):
             record = json.loads((place / _RECORD).read_bytes())
-            found.setdefault(str(record["rule"]), []).append(float(record["seconds"]))
-    return {rule: statistics.median(seconds) for rule, seconds in found.items()}
+            seconds_by_rule.setdefault(str(record["rule"]), []).append(float(record["seconds"]))
+    return {rule: statistics.median(seconds) for rule, seconds in seconds_by_rule.items()}

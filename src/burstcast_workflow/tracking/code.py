@@ -75,27 +75,27 @@ class Sources:
         key = script, *((package, *names) for package, names in by_name.items())
         if key not in self._closures:
             code = self._closure(script, by_name)
-            found = [f"{name} @{value}" for name, value in sorted(code.items())]
+            entries = [f"{name} @{value}" for name, value in sorted(code.items())]
             if self._with_libraries:
                 versions = self.libraries(code).items()
-                found += [f"{library} =={version}" for library, version in versions]
-            self._closures[key] = found
+                entries += [f"{library} =={version}" for library, version in versions]
+            self._closures[key] = entries
         return self._closures[key]
 
     def _closure(self, script: str, by_name: ByName) -> dict[str, str]:
-        found: dict[str, str] = {}
+        hashes: dict[str, str] = {}
         waiting = [(script, self.script(script))]
         while waiting:
             name, path = waiting.pop()
-            if name in found:
+            if name in hashes:
                 continue
-            found[name] = self._parse(path).hash
+            hashes[name] = self._parse(path).hash
             waiting += self._imports(name, path)
             modules = self._of_registry(name, by_name)
             waiting += [place for module in modules for place in self._located(module)]
             for file in self._own.get(name) or ():
-                found[f"{_FILE}{name}:{file}"] = _hash((path.parent / file).read_bytes())
-        return found
+                hashes[f"{_FILE}{name}:{file}"] = _hash((path.parent / file).read_bytes())
+        return hashes
 
     def _imports(self, name: str, path: Path) -> list[tuple[str, Path]]:
         """Modules that a module or a script imports, with their files."""
@@ -120,7 +120,7 @@ class Sources:
         parts = module.split(".")
         for count in range(1, len(parts) + 1):
             name = ".".join(parts[:count])
-            if f"{name}.".startswith(tuple(f"{one}." for one in HARNESS)):
+            if f"{name}.".startswith(tuple(f"{package}." for package in HARNESS)):
                 name = VERSION
             if (path := self._file(name)) is not None:
                 yield name, path
@@ -131,7 +131,9 @@ class Sources:
             return _in_directory(self.packages, name)
         if not self._own or first in sys.stdlib_module_names:
             return None
-        return next(filter(None, (_in_directory(Path(one), name) for one in _own_places())), None)
+        return next(
+            filter(None, (_in_directory(Path(place), name) for place in _own_places())), None
+        )
 
     def _parse(self, path: Path) -> Parsed:
         if path not in self._parsed:
@@ -246,13 +248,13 @@ def _version(module: str) -> str:
 def _in_directory(directory: Path, module: str) -> Path | None:
     path = directory.joinpath(*module.split("."))
     candidates = path / "__init__.py", path.with_name(f"{path.name}.py")
-    return next((one for one in candidates if one.is_file()), None)
+    return next((candidate for candidate in candidates if candidate.is_file()), None)
 
 
 def search_directories(configs: Iterable[str | Path], project: Path) -> list[str]:
     """Directories of a user's own modules: the working directory, then those of the configs."""
     places = [Path.cwd(), *(Path(config).absolute().parent for config in configs)]
-    return [*dict.fromkeys(str(one) for one in places if one.resolve() != project.resolve())]
+    return [*dict.fromkeys(str(place) for place in places if place.resolve() != project.resolve())]
 
 
 def make_importable(directories: Iterable[str]) -> None:
@@ -270,4 +272,4 @@ def module_file(module: str) -> Path | None:
 
 
 def _own_places() -> list[str]:
-    return [one for one in sys.path if one and not _LIBRARIES.intersection(Path(one).parts)]
+    return [place for place in sys.path if place and not _LIBRARIES.intersection(Path(place).parts)]

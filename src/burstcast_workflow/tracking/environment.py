@@ -39,8 +39,8 @@ def blas_kernels() -> list[str]:
     in another order.
     """
     return sorted(
-        f"{one['internal_api']} {one['version']} {one.get('architecture', '')}, "
-        f"threads {one['num_threads']}"
-        for one in threadpool_info()
-        if one["user_api"] == "blas"
+        f"{library['internal_api']} {library['version']} {library.get('architecture', '')}, "
+        f"threads {library['num_threads']}"
+        for library in threadpool_info()
+        if library["user_api"] == "blas"
     )

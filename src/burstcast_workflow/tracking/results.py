@@ -60,7 +60,7 @@ def checked(path: str) -> str:
 
 def damaged(directory: str | Path) -> list[str]:
     """Results in a directory that are not what their jobs wrote; deleted ones are none of them."""
-    found = []
+    files = []
     for sidecar in Path(directory).rglob(f".*{_SUFFIX}"):
         path = sidecar.with_name(sidecar.name.removeprefix(".").removesuffix(_SUFFIX))
         try:
@@ -68,8 +68,8 @@ def damaged(directory: str | Path) -> list[str]:
         except FileNotFoundError:
             sidecar.unlink(missing_ok=True)
         except DamagedResultError:
-            found.append(str(path))
-    return sorted(found)
+            files.append(str(path))
+    return sorted(files)
 
 
 def date_after(outputs: Iterable[str], inputs: Iterable[str]) -> None:

@@ -69,8 +69,8 @@ def is_known(results: str) -> bool:
     files = (path for path in Path(results).rglob("*") if path.is_file())
     if not any(path.name != CLAIM and path.suffix != ".log" for path in files):
         return True
-    known = _tokens().get(os.path.normpath(results))
-    return known is not None and _claim(results).get("token") == known and any(_METADATA.glob("*"))
+    token = _tokens().get(os.path.normpath(results))
+    return token is not None and _claim(results).get("token") == token and any(_METADATA.glob("*"))
 
 
 def plan() -> dict[str, Any]:

@@ -203,13 +203,14 @@ GROUPS = {
     "GATHERED": """classification_table/* horizon_table/* warnings_table/*
         calibrate/* probability_scores/* reliability_table/* lead_times/*
         joined_forecasts joined_horizon joined_warnings joined_probabilities figure/reliability
-        figure/classification_scores figure/horizon_by_size figure/forecast_skill""",
+        figure/classification_scores figure/horizon_by_size figure/forecast_skill
+        figure/error_growth""",
     "OF_CONTROL": """control_table/* control_density_table/* control_strategies_table/*
         joined_control figure/control_tradeoff figure/control_density figure/control_frontier""",
     "OF_LONG_RUNS": """statistics_table/* survival_table/* lyapunov_spectrum_table/*
         joined_long_term figure/own_flow warnings_table/* joined_warnings""",
     "OF_NETWORKS": """scan/* search/* train/* */esn-*
-        figure/network_schematic figure/prediction_* figure/horizon_evaluations
+        figure/network_schematic figure/hyperparameter_search figure/prediction_* figure/horizon_evaluations
         figure/midplane_planes figure/vorticity_isosurfaces figure/control_schematic
         figure/suppressed_event""",
 }

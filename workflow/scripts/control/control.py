@@ -50,15 +50,15 @@ def control(
     )
     simulation = strategy.simulate(experiment, policy, noise=noise, costs=settings.costs)
     records = record_flows(simulation, settings.laminarisation_threshold)
-    found = [records, strategy.categories(simulation), simulation.cost]
+    parts = [records, strategy.categories(simulation), simulation.cost]
     if settings.density:
         low, high = settings.density["range"]
         edges = bin_edges(low, high, settings.density["bins"])
-        found.append(observable_histograms(simulation, edges))
+        parts.append(observable_histograms(simulation, edges))
     series = experiment.series.start + records.row
     variables = {"series": Variable(("flow",), series, NUMBER, "row of the series in the ensemble")}
-    for one in filter(None, found):
-        variables |= variables_of(one)
+    for part in filter(None, parts):
+        variables |= variables_of(part)
     span = dataclasses.asdict(Span.of(simulation.timing))
     attributes = {**settings.provenance, **span, "left_out": simulation.left_out}
     write_netcdf(flows, variables, attributes)

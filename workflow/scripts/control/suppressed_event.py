@@ -18,9 +18,9 @@ def suppressed_event(
     policy = strategy.policy(experiment, asked[0])
     simulation = strategy.simulate(experiment, policy, noise=noise)
     chosen = largest_suppressed_event(simulation, settings.laminarisation_threshold)
-    found = simulate_event(chosen, strategy, experiment, asked[0], noise)
+    simulated = simulate_event(chosen, strategy, experiment, asked[0], noise)
     which = {
         "series": -1 if chosen is None else experiment.series[chosen.row],
         "alarm_step": -1 if chosen is None else chosen.alarm_step,
     }
-    write_netcdf(event, variables_of(found), {**settings.provenance, **which})
+    write_netcdf(event, variables_of(simulated), {**settings.provenance, **which})

@@ -32,8 +32,8 @@ def encode(*, source: str, ensemble: str, summary: str, encoder: str, settings: 
     of_source, options = settings.source, settings.encoder or {}
     space = make_space(of_source["system"], of_source["parameters"])
     case = encoding_case(space, settings.sensors, options)
-    found = read_netcdf(source, "series", "lifetime", "observable")
-    observable, count = found["observable"][..., np.newaxis], settings.training_series
+    data = read_netcdf(source, "series", "lifetime", "observable")
+    observable, count = data["observable"][..., np.newaxis], settings.training_series
     training = read_rows(source, "state", 0, count)
     seed, name = settings.random_seed, of_source["name"]
     level = settings.noise_of_data["level"] if settings.noise_of_data else 0.0
@@ -50,10 +50,10 @@ def encode(*, source: str, ensemble: str, summary: str, encoder: str, settings: 
     noisy = observed_series(observable, 0, level, scales, seed, f"{name} observable")
     variables, of_all = ensemble_variables(
         np.concatenate([np.concatenate(true), observable], axis=2),
-        found["observable"],
+        data["observable"],
         settings.space.observable_name,
-        found["series"],
-        found["lifetime"],
+        data["series"],
+        data["lifetime"],
         settings.sampling_interval,
     )
     variables["observed"] = replace(

@@ -18,5 +18,5 @@ def event_threshold_of_case(*, ensemble: str, event_threshold: str, settings: At
     settings.check_series(kept_series(ensemble))
     observable = read_rows(ensemble, "observable", 0, settings.training_series)
     threshold = threshold_at(settings.quantile, observable)
-    found = {"case": settings.case, "event_threshold": threshold}
-    write_json(event_threshold, found, settings.provenance)
+    record = {"case": settings.case, "event_threshold": threshold}
+    write_json(event_threshold, record, settings.provenance)

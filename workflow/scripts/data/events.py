@@ -38,8 +38,8 @@ def events_of_case(*, ensemble: str, events: str, events_summary: str, settings:
     last = int(points.series.max()) + 1 if len(points) else first
     states = read_rows(ensemble, "state", first, last)
     observed = settings.observed_rows(ensemble, first, states)
-    known = known_rows(ensemble, first, last)
-    variables = event_variables(points, first, observed, states, observable, before, known)
+    schedules = known_rows(ensemble, first, last)
+    variables = event_variables(points, first, observed, states, observable, before, schedules)
     write_netcdf(events, variables, settings.provenance)
     summary = event_summary(observable, threshold, first, len(crossings), len(points))
     write_json(events_summary, summary, settings.provenance)

@@ -28,5 +28,5 @@ def lengths_of_case(*, ensemble: str, lengths: str, settings: LengthsOfCase) -> 
             f"a series of {samples} samples has {samples / steps:.3g} Lyapunov times of {steps} "
             f"steps; {'; '.join(problems)}"
         )
-    found = {"case": settings.case, "steps_per_lyapunov_time": steps, "samples": samples}
-    write_json(lengths, found, settings.provenance)
+    record = {"case": settings.case, "steps_per_lyapunov_time": steps, "samples": samples}
+    write_json(lengths, record, settings.provenance)

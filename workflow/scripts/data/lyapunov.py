@@ -67,7 +67,9 @@ def lyapunov(*, ensemble: str, exponents: str, spectrum: str, settings: Exponent
         random_streams.stream(settings.random_seed, "lyapunov", settings.case),
         alignment_steps=alignment,
     )
-    estimates = map(mean_with_interval, (by_series.exponents, growth.exponents))
-    record = {"series": len(states), "duration": by_series.duration, **exponents_record(*estimates)}
+    estimates = exponents_record(
+        mean_with_interval(by_series.exponents), mean_with_interval(growth)
+    )
+    record = {"series": len(states), "duration": by_series.duration, **estimates}
     write_json(exponents, record, settings.provenance)
     write_netcdf(spectrum, variables_of(by_series), settings.provenance)

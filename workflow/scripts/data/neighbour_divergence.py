@@ -23,11 +23,7 @@ def estimated_exponent(*, ensemble: str, exponents: str, settings: Divergence) -
     stream = random_streams.stream(settings.random_seed, "neighbour divergence", settings.case)
     try:
         record = neighbour_divergence(
-            series,
-            interval,
-            stream,
-            resamples=settings.resamples,
-            confidence=settings.confidence,
+            series, interval, stream, resamples=settings.resamples, confidence=settings.confidence
         ).record()
     except NoExponentError as error:
         if settings.sets_time_unit:

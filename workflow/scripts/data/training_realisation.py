@@ -61,7 +61,7 @@ def choose_training_series(
         data["lifetime"],
         settings.sampling_interval,
     )
-    if (known := known_rows(source, 0, len(rows))) is not None:
-        variables |= schedule_variable(known[rows])
+    if (schedules := known_rows(source, 0, len(rows))) is not None:
+        variables |= schedule_variable(schedules[rows])
     write_netcdf(ensemble, variables, settings.provenance)
     write_json(summary, of_all, settings.provenance)

@@ -32,21 +32,29 @@ def event_probabilities(
     classifier, case = settings.unfitted(), settings.forecasting_case()
     assert isinstance(classifier, EventClassifier)
     steps, points = settings.lyapunov_time, settings.forecast_points(training_set)
-    known = points.known(times, steps)
-    learnt = points.labelled(times, threshold, known)
+    schedules = points.exogenous_features(times, steps)
+    learnt = points.labelled(times, threshold, schedules)
     with concerning(f"case {settings.case}"):
         learnt.check(times)
     fitted = classifier.fit(learnt, case)
-    test, kept = map(settings.forecast_points, (evaluation_set, calibration_set))
+    test = settings.forecast_points(evaluation_set)
+    kept = settings.forecast_points(calibration_set)
+    test_schedules, kept_schedules = None, None
     # an actuation of the test series alone is not known to what has learnt without one
-    told = [None if known is None else one.known(times, steps) for one in (test, kept)]
-    tested = fitted.probabilities(test.data["washout"], told[0])
+    if schedules is not None:
+        test_schedules, kept_schedules = (
+            test.exogenous_features(times, steps),
+            kept.exogenous_features(times, steps),
+        )
+    washouts = kept.data["washout"]
+    tested = fitted.probabilities(test.data["washout"], test_schedules)
     if settings.calibration_series:
-        calibrating = fitted.probabilities(kept.data["washout"], told[1])
+        calibrating = fitted.probabilities(washouts, kept_schedules)
     else:
-        asked = kept.data["washout"], kept.data["series"], told[1]
-        calibrating = out_of_sample_probabilities(fitted.tuned(), learnt, case, *asked)
+        calibrating = out_of_sample_probabilities(
+            fitted.tuned(), learnt, case, washouts, kept.data["series"], kept_schedules
+        )
     write_forecaster(forecaster, fitted, settings.provenance)
-    for path, found in ((forecast, tested), (calibration_forecast, calibrating)):
-        probabilities = EventProbabilities(found, np.array(times, dtype=np.float64), threshold)
+    for path, values in ((forecast, tested), (calibration_forecast, calibrating)):
+        probabilities = EventProbabilities(values, np.array(times, dtype=np.float64), threshold)
         write_netcdf(path, probabilities.variables(), settings.provenance)

@@ -52,7 +52,7 @@ def find_flow_event(
         ),
         before=lead + washout - 1,
     )
-    found = predicted_event(
+    chosen = predicted_event(
         events,
         model,
         observed,
@@ -62,7 +62,7 @@ def find_flow_event(
         tolerance=settings.tolerance * float(np.linalg.norm(trained, axis=-1).max()),
     )
     event_of_flow = forecast_event(
-        found,
+        chosen,
         model,
         settings.space,
         observed,
@@ -72,6 +72,6 @@ def find_flow_event(
         after=quiet,  # the washout is seen, too, and the quiet stretch after the event
         steps_per_lyapunov_time=settings.lyapunov_time,
     )
-    series, step = (-1, -1) if found is None else (first + found.series, found.times[0] - lead)
+    series, step = (-1, -1) if chosen is None else (first + chosen.series, chosen.times[0] - lead)
     where = {"series": series, "first_step": step - washout + 1}
     write_netcdf(event, variables_of(event_of_flow), {**settings.provenance, **where})

@@ -28,7 +28,7 @@ def lyapunov_spectrum(
     washouts = settings.washouts(ensemble, model)
     kept = np.flatnonzero(read_netcdf(long_term, "fate")["fate"] == Fate.KEPT)
     interval = settings.sampling_interval
-    found = forecaster_spectrum(
+    exponents = forecaster_spectrum(
         model,
         washouts[kept[: settings.runs]],
         settings.run_steps(ensemble),
@@ -39,4 +39,4 @@ def lyapunov_spectrum(
             settings.random_seed, "lyapunov spectrum", settings.case, settings.forecaster
         ),
     )
-    write_netcdf(spectrum, variables_of(found), settings.provenance)
+    write_netcdf(spectrum, variables_of(exponents), settings.provenance)

@@ -23,6 +23,6 @@ def scan_grid(
     validator = settings.point_validator(settings.reservoir, ensemble, scheduled)
     strategies = [make_strategy(name) for name in settings.strategies.split("+")]
     with concerning(Scan.intervals, Scan.interval_lt, Scan.washout_lt):
-        found = scan_points(validator, settings.search_space, strategies, settings.grid)
-    write_table(scan, pd.DataFrame([one.record() for one in found]))
-    write_netcdf(scan_errors, log_error_variables(found), settings.provenance)
+        evaluations = scan_points(validator, settings.search_space, strategies, settings.grid)
+    write_table(scan, pd.DataFrame([evaluation.record() for evaluation in evaluations]))
+    write_netcdf(scan_errors, log_error_variables(evaluations), settings.provenance)

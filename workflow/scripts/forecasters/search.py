@@ -45,7 +45,7 @@ def search(
     validator = settings.point_validator(identifier, ensemble, scheduled)
     strategy = make_strategy(str(parsed(identifier).validation))
     reservoir = settings.reservoir_seed(identifier)
-    found = network_search.search(
+    evaluations = network_search.search(
         validator,
         settings.search_space,
         strategy,
@@ -54,7 +54,9 @@ def search(
         network_search.optimiser_seed(reservoir, settings.case, strategy.name),
         settings.surrogate_settings,
     )
-    uncertainty = objective_uncertainty(np.array([one.validation.log_errors for one in found]))
-    table = pd.DataFrame([one.record() for one in found])
+    uncertainty = objective_uncertainty(
+        np.array([evaluation.validation.log_errors for evaluation in evaluations])
+    )
+    table = pd.DataFrame([evaluation.record() for evaluation in evaluations])
     write_table(trace, table.assign(**vars(uncertainty)))
-    write_json(hyperparameters, network_search.best(found).record(), settings.provenance)
+    write_json(hyperparameters, network_search.best(evaluations).record(), settings.provenance)

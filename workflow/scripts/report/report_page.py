@@ -16,12 +16,7 @@ class ReportSettings(JobSettings):
 
 @job
 def report_page(
-    *,
-    figures: list[str],
-    tables: list[str],
-    template: str,
-    page: str,
-    settings: ReportSettings,
+    *, figures: list[str], tables: list[str], template: str, page: str, settings: ReportSettings
 ) -> None:
     """Write the page."""
     of_campaign = {Path(path).stem: Path(path) for path in tables}

@@ -36,7 +36,7 @@ def data_generation_parameters(
             event_threshold=case.event_threshold,
             series_kept=read_json(origin.path)["series_kept"],
         )
-    found = side_by_side(tables).fillna("")  # where only other cases have a parameter
-    write_table(table, found)
+    columns = side_by_side(tables).fillna("")  # where only other cases have a parameter
+    write_table(table, columns)
     label = "tab:data_generation_parameters"
-    write_text(latex, to_latex(found, settings.caption, label, keys=2))
+    write_text(latex, to_latex(columns, settings.caption, label, keys=2))

@@ -24,21 +24,22 @@ class Hyperparameters(JobSettings):
 def network_hyperparameters(*, table: str, latex: str, settings: Hyperparameters) -> None:
     """Write one column of values, or one for each case where the noise or the bias differs."""
     cases = settings.cases
-    inputs = {case: CaseInputs(cases[case], {}) for case in sorted(cases, key=natural_order)}
-    if len({(one.noise, one.input_bias) for one in inputs.values()}) == 1:
-        inputs = dict([next(iter(inputs.items()))])
-    tables = {
-        case: network_parameters(
+    tables: dict[str, Any] = {}
+    different = set()
+    for name in sorted(cases, key=natural_order):
+        case = CaseInputs(cases[name], {})
+        different.add((case.noise, case.input_bias))
+        tables[name] = network_parameters(
             spectral_radius=settings.spectral_radius,
             input_scaling=settings.input_scaling,
             tikhonov=settings.tikhonov,
             connectivity=settings.connectivity,
-            input_bias=one.input_bias,
-            noise=one.noise,
+            input_bias=case.input_bias,
+            noise=case.noise,
         )
-        for case, one in inputs.items()
-    }
-    found = side_by_side(tables)
-    write_table(table, found)
+    if len(different) == 1:
+        tables = {name: tables[name] for name in list(tables)[:1]}
+    columns = side_by_side(tables)
+    write_table(table, columns)
     label = "tab:network_hyperparameters"
-    write_text(latex, to_latex(found, settings.caption, label, keys=2))
+    write_text(latex, to_latex(columns, settings.caption, label, keys=2))

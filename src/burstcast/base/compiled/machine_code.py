@@ -1,11 +1,9 @@
 """Functions written in LLVM's intermediate language and compiled to machine code.
 
-LLVM is the compiler below numba. Its instructions here work on vectors, with one number (a lane)
-for each of several trajectories that are adjacent in memory. They are carried out as written, in
-order, each rounded as IEEE 754 requires: results have the same bits on every processor. A processor
-whose registers hold fewer numbers takes several instructions for one.
-
-Compilation takes some hundredths of a second in each process; nothing is cached on disk.
+Instructions work on vectors, with one number (a lane) for each of several trajectories that are
+adjacent in memory. They are carried out as written, in order, each rounded as IEEE 754 requires:
+results have the same bits on every processor. Compilation takes some hundredths of a second in each
+process; nothing is cached on disk.
 """
 
 import ctypes
@@ -29,10 +27,11 @@ class Lanes:
         self.vector = f"<{width} x double>"
         self._alignment = min(ALIGNMENT, 8 * width)
         self.arguments = (len(pointers), len(integers))
-        arguments = [f"ptr %{one}" for one in pointers] + [f"i64 %{one}" for one in integers]
+        arguments = [f"ptr %{name}" for name in pointers] + [f"i64 %{name}" for name in integers]
         fused = f"llvm.fma.v{width}f64"
         self._lines = [
             f"declare {self.vector} @{fused}({', '.join([self.vector] * 3)})",
+            f"declare {self.vector} @llvm.sqrt.v{width}f64({self.vector})",
             "declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)",
             "declare i64 @llvm.smin.i64(i64, i64)",
             f"define void @{name}({', '.join(arguments)}) {{",
@@ -61,17 +60,17 @@ class Lanes:
 
     # -- integers, pointers, memory ---------------------------------------------------------------
 
-    def plus(self, one: str, other: str | int) -> str:
+    def plus(self, m: str, n: str | int) -> str:
         """Sum of two integers."""
-        return self._add(f"add i64 {one}, {other}")
+        return self._add(f"add i64 {m}, {n}")
 
-    def times(self, one: str, other: str | int) -> str:
+    def times(self, m: str, n: str | int) -> str:
         """Product of two integers."""
-        return self._add(f"mul i64 {one}, {other}")
+        return self._add(f"mul i64 {m}, {n}")
 
-    def smaller(self, one: str, other: str) -> str:
+    def smaller(self, m: str, n: str) -> str:
         """Smaller of two integers."""
-        return self._add(f"call i64 @llvm.smin.i64(i64 {one}, i64 {other})")
+        return self._add(f"call i64 @llvm.smin.i64(i64 {m}, i64 {n})")
 
     def integer_at(self, array: str, index: str) -> str:
         """Entry of an array of integers of 32 bits."""
@@ -102,6 +101,24 @@ class Lanes:
         place = self.vector_at(array, index)
         self._lines.append(f"  store {self.vector} {vector}, ptr {place}, align {self._alignment}")
 
+    def load_row(self, address: str) -> str:
+        """Adjacent numbers of an array of numbers, from an address on."""
+        return self._add(f"load {self.vector}, ptr {address}, align 8")
+
+    def store_row(self, address: str, vector: str) -> None:
+        """Store adjacent numbers of an array of numbers, from an address on."""
+        self._lines.append(f"  store {self.vector} {vector}, ptr {address}, align 8")
+
+    def load_bytes(self, array: str, index: str) -> str:
+        """Vector of adjacent bytes of an array."""
+        return self._add(
+            f"load <{self.width} x i8>, ptr {self._place(array, 'i8', index)}, align 1"
+        )
+
+    def room(self, vectors: int) -> str:
+        """Address of an aligned array of vectors; only before any loop."""
+        return self._add(f"alloca {self.vector}, i64 {vectors}, align {self._alignment}")
+
     def _place(self, array: str, kind: str, index: str) -> str:
         return self._add(f"getelementptr {kind}, ptr {array}, i64 {index}")
 
@@ -122,6 +139,10 @@ class Lanes:
         """Compute ``x + y``."""
         return self._add(f"fadd {self.vector} {x}, {y}")
 
+    def subtract(self, x: str, y: str) -> str:
+        """Compute ``x - y``."""
+        return self._add(f"fsub {self.vector} {x}, {y}")
+
     def multiply(self, x: str, y: str) -> str:
         """Compute ``x * y``."""
         return self._add(f"fmul {self.vector} {x}, {y}")
@@ -129,6 +150,14 @@ class Lanes:
     def divide(self, x: str, y: str) -> str:
         """Compute ``x / y``."""
         return self._add(f"fdiv {self.vector} {x}, {y}")
+
+    def negate(self, x: str) -> str:
+        """Compute ``-x``."""
+        return self._add(f"fneg {self.vector} {x}")
+
+    def square_root(self, x: str) -> str:
+        """Square root of ``x``."""
+        return self._add(f"call {self.vector} @llvm.sqrt.v{self.width}f64({self.vector} {x})")
 
     def fused(self, x: str, y: str, z: str) -> str:
         """Compute ``x * y + z``, rounded once."""
@@ -139,12 +168,37 @@ class Lanes:
         """``x`` limited to [-bound, bound]; NaN stays NaN."""
         for relation, limit in (("ogt", self.fill(bound)), ("olt", self.fill(-bound))):
             beyond = self._add(f"fcmp {relation} {self.vector} {x}, {limit}")
-            x = self._add(
-                f"select <{self.width} x i1> {beyond}, {self.vector} {limit}, {self.vector} {x}"
-            )
+            x = self.select(beyond, limit, x)
         return x
 
-    # -- loops ------------------------------------------------------------------------------------
+    def maximum(self, x: str, y: str) -> str:
+        """Larger of ``x`` and ``y``; NaN where either is."""
+        larger = self._add(f"fcmp olt {self.vector} {x}, {y}")
+        undefined = self._add(f"fcmp uno {self.vector} {y}, {y}")
+        return self.select(self._add(f"or <{self.width} x i1> {larger}, {undefined}"), y, x)
+
+    def select(self, mask: str, x: str, y: str) -> str:
+        """``x`` where a mask is true, ``y`` elsewhere."""
+        return self._add(f"select <{self.width} x i1> {mask}, {self.vector} {x}, {self.vector} {y}")
+
+    def equal_bytes(self, vector: str, number: int) -> str:
+        """Mask of the bytes that equal a number."""
+        everywhere = f"<{', '.join([f'i8 {number}'] * self.width)}>"
+        return self._add(f"icmp eq <{self.width} x i8> {vector}, {everywhere}")
+
+    # -- branches and loops -----------------------------------------------------------------------
+
+    def when_any(self, mask: str, body: Callable[[], None]) -> None:
+        """Append instructions that are skipped where no entry of a mask is true."""
+        bits = self._add(f"bitcast <{self.width} x i1> {mask} to i{self.width}")
+        condition = self._add(f"icmp ne i{self.width} {bits}, 0")
+        self._names += 1
+        inside, after = f"inside{self._names}", f"after{self._names}"
+        self._lines.append(f"  br i1 {condition}, label %{inside}, label %{after}")
+        self._begin(inside)
+        body()
+        self._lines.append(f"  br label %{after}")
+        self._begin(after)
 
     def loop(
         self,
@@ -156,10 +210,10 @@ class Lanes:
         kind: str = "",
         step: int = 1,
     ) -> list[str]:
-        """Append a loop: ``for index in range(start, stop, step)``; return the carried values.
+        """Append ``for index in range(start, stop, step)``; returns the carried values.
 
-        ``body``: Appends the instructions of the loop; it is called with the index and the carried
-        values, and returns the next carried values.
+        ``body``: Appends the loop's instructions, of the index and the carried values; returns the
+        next ones.
         """
         kind = kind or self.vector
         self._names += 1
@@ -179,13 +233,13 @@ class Lanes:
             for value, initial, result in zip(values, carried, results, strict=True)
         ]
         self._lines[place:place] = [
-            f"  {name} = phi {one} [ {initial}, %{before} ], [ {result}, %{last} ]"
-            for name, one, initial, result in ways
+            f"  {name} = phi {llvm_type} [ {initial}, %{before} ], [ {result}, %{last} ]"
+            for name, llvm_type, initial, result in ways
         ]
         self._begin(after)
         return [
-            self._add(f"phi {one} [ {initial}, %{before} ], [ {result}, %{last} ]")
-            for _, one, initial, result in ways[1:]
+            self._add(f"phi {llvm_type} [ {initial}, %{before} ], [ {result}, %{last} ]")
+            for _, llvm_type, initial, result in ways[1:]
         ]
 
 
@@ -194,24 +248,22 @@ def hexadecimal(number: float) -> str:
     return f"0x{struct.pack('>d', number).hex()}"
 
 
-def compiled(text: str, name: str, pointers: int, integers: int) -> Callable[..., None]:
-    """Compile the function ``name`` of a program for this processor.
-
-    Its arguments are ``pointers`` addresses, then ``integers`` integers; it returns nothing.
-    """
+def compiled(code: Lanes) -> Callable[..., None]:
+    """Compile a function for this processor: of addresses, then of integers; it returns nothing."""
     # imported late: it takes a moment, which commands that compute nothing save
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    module = llvm.parse_assembly(text)
+    module = llvm.parse_assembly(code.text)
     module.verify()
     processor = llvm.Target.from_default_triple().create_target_machine(
         cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2
     )
     engine = llvm.create_mcjit_compiler(module, processor)
     engine.finalize_object()
+    pointers, integers = code.arguments
     types = [ctypes.c_void_p] * pointers + [ctypes.c_int64] * integers
-    function = ctypes.CFUNCTYPE(None, *types)(engine.get_function_address(name))
+    function = ctypes.CFUNCTYPE(None, *types)(engine.get_function_address(code.name))
     function.engine = engine  # type: ignore[attr-defined] # the code lives as long as the engine
     return function

@@ -19,9 +19,7 @@ _LITTLE_SPACE = 2**16
 
 @contextmanager
 def atomic(path: str | Path, check: Callable[[], None] | None = None) -> Iterator[Path]:
-    """Yield a temporary path to write to, which is renamed to ``path`` if no exception is raised.
-
-    On any exception the temporary file is removed and ``path`` is left as it was.
+    """Yield a temporary path that is renamed to ``path``, or removed after an exception.
 
     ``check``: Called when the temporary file is complete, before it is renamed; it may raise.
     """
@@ -45,10 +43,7 @@ def atomic(path: str | Path, check: Callable[[], None] | None = None) -> Iterato
 
 
 def remove_partial(path: str | Path) -> None:
-    """Remove the temporary files that killed writers of ``path`` have left behind.
-
-    A writer that is still alive loses its temporary file and fails: the caller takes its place.
-    """
+    """Remove temporary files of killed writers of ``path``; a writer that is alive then fails."""
     path = Path(path)
     for other in [*path.parent.iterdir()]:
         # x must not take the partial file of x.csv

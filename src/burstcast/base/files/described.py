@@ -23,4 +23,4 @@ class Described:
 def descriptions(kind: type[Any]) -> dict[str, Described]:
     """Descriptions of all fields of a dataclass by their names."""
     hints = get_type_hints(kind, include_extras=True)
-    return {one.name: hints[one.name].__metadata__[0] for one in fields(kind)}
+    return {field.name: hints[field.name].__metadata__[0] for field in fields(kind)}

@@ -50,24 +50,8 @@ def write_netcdf(
     """Write arrays with their names, dimensions, units and meanings to a NetCDF file.
 
     Truth values are stored as bytes with the attribute ``dtype = "bool"``, as xarray does.
-
-    Parameters
-    ----------
-    path
-        The file; its directory exists.
-    variables
-        By name; they appear in the file in this order.
-    attributes
-        Attributes of the whole file: its provenance. They appear sorted by name.
-    check
-        Called when the file is complete, before it replaces an older one; it may raise.
-
-    Raises
-    ------
-    ValueError
-        If dimensions and data disagree.
-    TypeError
-        If a variable or an attribute has a type that the file cannot hold.
+    ``attributes``: Of the whole file, sorted by name. ``check``: Called when the file is complete,
+    before it replaces an older one; it may raise.
     """
     arrays = {name: np.asarray(variable.data) for name, variable in variables.items()}
     lengths = _dimension_lengths(variables, arrays)
@@ -153,13 +137,7 @@ def _variable(file: netCDF4.Dataset, path: str | Path, name: str) -> "netCDF4.Va
 
 
 def read_netcdf(path: str | Path, *names: str) -> dict[str, npt.NDArray[Any]]:
-    """Read the named variables of a NetCDF file; all variables if no name is given.
-
-    Raises
-    ------
-    KeyError
-        If the file has no variable of that name.
-    """
+    """Read the named variables of a NetCDF file; all variables if no name is given."""
     with netCDF4.Dataset(path, "r") as file:
         return {name: _read(_variable(file, path, name), ...) for name in (names or file.variables)}
 

@@ -16,7 +16,7 @@ def write_table(
 ) -> pd.DataFrame:
     """Write a table without its index; an undefined value (NaN, None, NA) is an empty cell.
 
-    ``check``: Called when the file is complete, before it replaces an older one; it may raise.
+    ``check``: See `atomic`.
     """
     if not table.columns.is_unique:
         raise ValueError(f"{path}: two columns share a name: {list(table.columns)}")
@@ -35,15 +35,10 @@ def write_table(
 
 
 def read_table(path: str | Path) -> pd.DataFrame:
-    """Read a table that `write_table` wrote.
+    """Read a table that `write_table` wrote; empty cells are missing.
 
-    Numbers come back exactly. Whole numbers are int64, or Int64 where cells are empty; other
-    numbers and columns without any value are float64; the rest is text. Empty cells are missing.
-
-    Raises
-    ------
-    ValueError
-        If it is no such table; the message names the file.
+    Numbers come back exactly: whole numbers as int64, or Int64 where cells are empty; others and
+    columns without any value as float64; the rest is text.
     """
     try:
         return _parse(Path(path).read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""Runs of all strategies of control: which are shown, and in what words."""
+"""Runs of all strategies of control: which are shown, and under which conditions."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,14 +7,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from burstcast.control.setting_names import option_words
 from burstcast.figures.parts import looks
+from burstcast.forecasters._labels import forecaster_label
 
 LEFT, ACTING = "relative_exceedance", "control_fraction"
+_ENDS = ("value", "low", "high")
 _NO_SETTINGS = {
-    *("case", "reynolds", "forecaster", "neurons", "validation", "seed", "strategy", "kind"),
+    *("case", "reynolds", "forecaster", "neurons", "validation", "seed", "strategy", "label"),
     *("starts", "quiet_lt", "span_lt", "delay_lt", "strength", "noise"),
-    *(f"{name}_{metric}" for metric in (LEFT, ACTING) for name in ("value", "low", "high")),
+    *(f"{end}_{metric}" for metric in (LEFT, ACTING) for end in _ENDS),
 }
 
 
@@ -47,20 +48,20 @@ def of_network(scores: pd.DataFrame, network: Mapping[str, Any] | None) -> pd.Da
 
 
 def runs_of(scores: pd.DataFrame, span_lt: float) -> pd.DataFrame:
-    """A row for each run of the flows that are shown, with both scores.
+    """A row for each run of the flows that are shown, with both scores and its ``label``.
 
     These start quietly, last so long, and have the quiet that most runs have.
     """
-    keys = [name for name in scores.columns if name not in ("metric", "value", "low", "high")]
+    keys = [name for name in scores.columns if name not in ("metric", *_ENDS)]
     parts = []
     for metric in (LEFT, ACTING):
         rows = scores[scores["metric"] == metric].drop(columns="metric").drop_duplicates(keys)
-        new = {name: f"{name}_{metric}" for name in ("value", "low", "high")}
-        parts.append(rows.rename(columns=new))
+        parts.append(rows.rename(columns={end: f"{end}_{metric}" for end in _ENDS}))
     runs = parts[0].merge(parts[1], on=keys)
     shown = (runs["starts"] == "quiet") & np.isclose(runs["span_lt"], span_lt)
     runs = runs.loc[shown & runs[f"value_{LEFT}"].notna()]
-    return runs.loc[runs["quiet_lt"].isin(runs["quiet_lt"].mode()[-1:])]
+    runs = runs.loc[runs["quiet_lt"].isin(runs["quiet_lt"].mode()[-1:])]
+    return runs.assign(label=_labels(runs))
 
 
 def where(runs: pd.DataFrame, conditions: Mapping[str, float]) -> pd.DataFrame:
@@ -72,38 +73,28 @@ def where(runs: pd.DataFrame, conditions: Mapping[str, float]) -> pd.DataFrame:
 
 
 def tried_under(runs: pd.DataFrame, conditions: Mapping[str, float], column: str) -> pd.DataFrame:
-    """Runs with several values of one condition and usual values of all others."""
-    runs = where(runs, {name: value for name, value in conditions.items() if name != column})
-    who = ["forecaster", "strategy", *_settings(runs)]
-    groups = [rows for _, rows in runs.groupby(who, dropna=False) if rows[column].nunique() > 1]
-    return pd.concat(groups) if groups else runs.iloc[:0]
+    """Runs of one setting of each strategy and forecaster at several values of one condition.
 
-
-def with_kinds(runs: pd.DataFrame, *, along: bool) -> pd.DataFrame:
-    """Runs in the order of the legend, each with its strategy and settings in words.
-
-    These are the settings that tell runs of that strategy apart; also the one along which curves
-    run, if that is wanted.
+    All other conditions are as usual. The setting is the one that was tried at most values, and of
+    several the one that leaves least.
     """
-    parts = []
-    for name in looks.ordered_strategies(runs["strategy"]):
-        look, own = looks.strategy(name), runs[runs["strategy"] == name]
-        texts = {
-            one: looks.SETTINGS.get(one, one.replace("_", " ") + " {}")
-            for one in _settings(own)
-            if own[one].nunique(dropna=False) > 1 and one != look.along
-        }
-        if along and look.along is not None:
-            texts = {look.along: look.words, **texts}
-        own = own.sort_values(list(texts)) if texts else own
-        words = [
-            [_words(one, row[one], text) for one, text in texts.items() if pd.notna(row[one])]
-            for _, row in own.iterrows()
-        ]
-        kinds = [", ".join([look.title, *filter(None, said)]) for said in words]
-        parts.append(own.assign(kind=kinds))
-    named: pd.DataFrame = pd.concat(parts) if parts else runs.assign(kind="")
-    return named
+    runs = where(runs, {name: value for name, value in conditions.items() if name != column})
+    chosen = []
+    for _, of_label in runs.groupby("label", sort=False):
+        settings = [rows for _, rows in of_label.groupby(_settings(runs), dropna=False)]
+        tried = [rows for rows in settings if rows[column].nunique() > 1]
+        if tried:
+            chosen.append(
+                min(tried, key=lambda rows: (-rows[column].nunique(), rows[f"value_{LEFT}"].mean()))
+            )
+    return pd.concat(chosen) if chosen else runs.iloc[:0]
+
+
+def undominated(runs: pd.DataFrame) -> pd.DataFrame:
+    """Runs that no other run betters in what is left and in the time under actuation."""
+    runs = runs.sort_values([f"value_{ACTING}", f"value_{LEFT}"])
+    left = runs[f"value_{LEFT}"]
+    return runs[left < left.cummin().shift(fill_value=np.inf)]
 
 
 def _settings(runs: pd.DataFrame) -> list[str]:
@@ -111,7 +102,17 @@ def _settings(runs: pd.DataFrame) -> list[str]:
     return [name for name in runs.columns if name not in _NO_SETTINGS]
 
 
-def _words(name: str, value: Any, text: str) -> str:
-    if name == "options":
-        return option_words(value)
-    return text.format(value.replace("_", " ") if isinstance(value, str) else f"{value:g}")
+def _labels(runs: pd.DataFrame) -> list[str]:
+    """Strategy and forecaster in words, and what it observes where its runs differ in that."""
+    labels = []
+    for strategy, forecaster in zip(runs["strategy"], runs["forecaster"], strict=True):
+        title, _ = looks.strategy(strategy)
+        labels.append(title if forecaster == "none" else f"{title}, {forecaster_label(forecaster)}")
+    if "observed" not in runs:
+        return labels
+    observed = runs["observed"].fillna("")
+    counts = observed.groupby(labels).nunique()
+    return [
+        f"{label}, observed {modes.replace('_', ' ')}" if counts[label] > 1 and modes else label
+        for label, modes in zip(labels, observed, strict=True)
+    ]

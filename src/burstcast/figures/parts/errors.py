@@ -28,10 +28,7 @@ def best_of(data: Mapping[str, Any], long_term: Sequence[Mapping[str, Any]]) -> 
 
 
 def draw(
-    panels: Mapping[str, Axes],
-    percentiles: pd.DataFrame,
-    intervals: pd.DataFrame,
-    published: pd.DataFrame | None,
+    panels: Mapping[str, Axes], percentiles: pd.DataFrame, published: pd.DataFrame | None
 ) -> None:
     """Draw statistics' errors against reservoir size, with the training set and the floor.
 
@@ -42,7 +39,6 @@ def draw(
     for metric, axes in panels.items():
         for validation, look, rows in medians.validations(networks, metric=metric):
             medians.draw(axes, rows, "neurons", look, label=f"ESN, {validation}")
-            medians.draw_single_intervals(axes, intervals, metric, validation, look)
             if published is not None:
                 theirs = medians.select(published, metric=metric, validation=validation)
                 theirs = theirs[theirs["neurons"].isin(sizes)]

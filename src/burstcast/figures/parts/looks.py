@@ -1,28 +1,21 @@
 """The table of looks: colour, line, marker, filling and order of all that figures tell apart."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import cycle
 from typing import Any, TypedDict
 
 import matplotlib
 import numpy as np
 
-from burstcast.figures.parts.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    VERMILLION,
-)
+from burstcast.base.arrays import FloatArray
+from burstcast.figures.parts.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILLION
 from burstcast.forecasters._labels import forecaster_label
 
 Dashes = str | tuple[float, tuple[float, ...]]
 
 _DOTS, _DASHES, _LONG = (0.0, (1.0, 1.2)), (0.0, (4.0, 1.5)), (0.0, (8.0, 2.0))
 _CHAIN, _DASH_DOT = (0.0, (9.0, 2.0, 1.5, 2.0)), (0.0, (6.0, 1.5, 1.0, 1.5))
-_MAUVE, _PALE = "#8A5A83", "#A0A0A0"
+_MAUVE, _PALE, _SKY = "#8A5A83", "#A0A0A0", "#56B4E9"
 
 
 class LineStyle(TypedDict):
@@ -52,48 +45,38 @@ CONTROLLED = LineStyle(color=GREEN, linestyle=(0, (6.0, 1.2, 1.2, 1.2)), linewid
 
 # -- kinds of forecasters --------------------------------------------------------------------------
 
-
-@dataclass(frozen=True)
-class Forecaster:
-    """Look of a kind of forecaster: beside networks, and where it controls."""
-
-    color: str = GREY
-    linestyle: Dashes = _LONG
-    control: str = GREY  #: colour where it controls
-    filling: str = "right"  #: of its markers where it controls: full, none, or a half
-    marker: str = "D"  #: where strategies have no markers of their own
-    control_line: Dashes = "-"
-
-
 # Networks in colours; the equations in grey, learnt ones in mauve, and in front of them where they
 # do as well: solid or with wide gaps where a filter comes first, dashed where they start from one
 # observation; chained where members of an ensemble vote. Classifiers are orange.
-_FORECASTERS = {
-    "esn_committee": Forecaster(BLUE, "-", BLUE, "bottom"),
-    "esn": Forecaster(VERMILLION, (0.0, (3.5, 1.2)), BLUE, "full", "o"),
-    "esn_aware": Forecaster(GREEN, "-", GREEN, "full"),
-    "esn_aware_committee": Forecaster(control=GREEN, filling="bottom"),
-    "equations": Forecaster(GREY, _DOTS, BLACK, "none", "s", _DASHES),
-    "equations_filtered": Forecaster(GREY, "-", VERMILLION, "bottom"),
-    "equations_filtered_committee": Forecaster(GREY, _CHAIN),
-    "equations_noisy": Forecaster(GREY, _DASHES, GREEN, "left"),
-    "quadratic": Forecaster(_MAUVE, (2.0, (1.5, 4.0)), PURPLE, "right"),
-    "quadratic_filtered": Forecaster(_MAUVE, (0.0, (4.0, 4.0)), PURPLE, "top"),
-    "quadratic_filtered_committee": Forecaster(_MAUVE, (6.0, (9.0, 2.0, 1.5, 5.5)), PURPLE, "left"),
-    "quadratic_aware": Forecaster(PURPLE, _DASHES),
-    "quadratic_aware_filtered": Forecaster(PURPLE, "-", PURPLE, "full"),
-    "quadratic_aware_filtered_committee": Forecaster(control=PURPLE, filling="none"),
-    "analogues": Forecaster(_PALE, _DASHES),
-    "analogues_committee": Forecaster(_PALE, _CHAIN),
-    "linear_inverse": Forecaster(_PALE, _DOTS),
-    "precursor": Forecaster(ORANGE, "-", GREEN, "right"),
-    "esn_direct": Forecaster(ORANGE, _DASHES, BLUE, "left"),
-    "persistence": Forecaster(_PALE, _LONG),
-    "observable_now": Forecaster(_PALE, _DASH_DOT),
-    "climatology": Forecaster(_PALE, "-"),
-    "permanent_alarm": Forecaster(_PALE, "-"),
-    "random": Forecaster(marker="^", control_line=(0, (1.0, 1.0))),
+_FORECASTERS: dict[str, tuple[str, Dashes]] = {
+    "esn_committee": (BLUE, "-"),
+    "esn": (VERMILLION, (0.0, (3.5, 1.2))),
+    "esn_aware": (GREEN, "-"),
+    "esn_aware_committee": (GREEN, _LONG),
+    "equations": (GREY, _DOTS),
+    "equations_filtered": (GREY, "-"),
+    "equations_filtered_committee": (GREY, _CHAIN),
+    "equations_noisy": (GREY, _DASHES),
+    "quadratic": (_MAUVE, (2.0, (1.5, 4.0))),
+    "quadratic_filtered": (_MAUVE, (0.0, (4.0, 4.0))),
+    "quadratic_filtered_committee": (_MAUVE, (6.0, (9.0, 2.0, 1.5, 5.5))),
+    "quadratic_aware": (PURPLE, _DASHES),
+    "quadratic_aware_filtered": (PURPLE, "-"),
+    "quadratic_aware_filtered_committee": (PURPLE, _LONG),
+    "analogues": (_PALE, _DASHES),
+    "analogues_committee": (_PALE, _CHAIN),
+    "linear_inverse": (_PALE, _DOTS),
+    "precursor": (ORANGE, "-"),
+    "esn_direct": (ORANGE, _DASHES),
+    "persistence": (_PALE, _LONG),
+    "observable_now": (_PALE, _DASH_DOT),
+    "climatology": (_PALE, "-"),
+    "permanent_alarm": (_PALE, "-"),
+    "random": (GREY, _LONG),
 }
+_BASELINES = ("persistence", "observable_now", "climatology", "permanent_alarm")
+MOST_CURVES = 4
+"""Curves of a panel at most."""
 
 
 def ordered_forecasters(kinds: Iterable[str]) -> list[str]:
@@ -101,87 +84,87 @@ def ordered_forecasters(kinds: Iterable[str]) -> list[str]:
     return _ordered(kinds, _FORECASTERS)
 
 
-def forecaster_line(kind: str) -> dict[str, Any]:
-    """Label, colour and line of a kind of forecaster beside networks, as keywords of a line."""
-    look = _FORECASTERS.get(kind, Forecaster())
-    return {"label": forecaster_label(kind), "color": look.color, "linestyle": look.linestyle}
+def forecaster_lines(kinds: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Label, colour and line of kinds of forecasters beside networks, in the order of legends.
+
+    A kind without a look of its own has a colour that no other kind has.
+    """
+    new_lines: Iterator[Dashes] = cycle((_DASHES, _DOTS, _CHAIN, "-"))
+    lines: dict[str, dict[str, Any]] = {}
+    for kind in ordered_forecasters(kinds):
+        color, linestyle = _FORECASTERS.get(kind) or (_SKY, next(new_lines))
+        lines[kind] = {"label": forecaster_label(kind), "color": color, "linestyle": linestyle}
+    return lines
 
 
-def controller_line(kind: str) -> MarkerStyle:
-    """Line and marker of a kind of forecaster that triggers the paper's control."""
-    look = _FORECASTERS.get(kind, Forecaster(control=PURPLE))
-    return MarkerStyle(
-        color=look.control, linestyle=look.control_line, linewidth=1.2, marker=look.marker
-    )
+def families(kinds: Iterable[str]) -> list[tuple[str, list[str]]]:
+    """Kinds of forecasters by family, with its name: as many at a time as a panel has curves."""
+    members: dict[str, list[str]] = {
+        "networks": [],
+        "equations": [],
+        "learnt equations": [],
+        "other forecasters": [],
+        "without a forecast": [],
+    }
+    for kind in ordered_forecasters(kinds):
+        if kind in _BASELINES:
+            members["without a forecast"].append(kind)
+        elif kind.startswith("quadratic"):
+            members["learnt equations"].append(kind)
+        elif kind.startswith("equations"):
+            members["equations"].append(kind)
+        elif kind.startswith("esn") and kind != "esn_direct":
+            members["networks"].append(kind)
+        else:
+            members["other forecasters"].append(kind)
+    return [
+        (family, of_family[first : first + MOST_CURVES])
+        for family, of_family in members.items()
+        for first in range(0, len(of_family), MOST_CURVES)
+    ]
+
+
+_CONTROLLERS = {
+    "esn": MarkerStyle(color=BLUE, linestyle="-", linewidth=1.2, marker="o"),
+    "equations": MarkerStyle(color=BLACK, linestyle=_DASHES, linewidth=1.2, marker="s"),
+    "random": MarkerStyle(color=GREY, linestyle=(0, (1.0, 1.0)), linewidth=1.2, marker="^"),
+}
+_OTHER_CONTROLLERS = ((PURPLE, "D"), (GREEN, "v"), (ORANGE, "P"), (VERMILLION, "X"), (_SKY, "<"))
+
+
+def controller_lines(kinds: Iterable[str]) -> dict[str, MarkerStyle]:
+    """Lines and markers of kinds of forecasters that trigger the paper's control."""
+    others = cycle(_OTHER_CONTROLLERS)
+    lines = {}
+    for kind in kinds:
+        if kind in _CONTROLLERS:
+            lines[kind] = _CONTROLLERS[kind]
+        else:
+            colour, marker = next(others)
+            lines[kind] = MarkerStyle(color=colour, linestyle="-", linewidth=1.2, marker=marker)
+    return lines
 
 
 # -- strategies of control -------------------------------------------------------------------------
 
-
-@dataclass(frozen=True)
-class Strategy:
-    """Look of a strategy of control, and the setting along which its curves run."""
-
-    title: str
-    along: str | None = None
-    words: str = ""  #: of a value of the setting ``along``
-    marker: str = "D"
-    color: str = GREY  #: where no forecaster has a colour
-
-
 _STRATEGIES = {
-    "receding_horizon": Strategy("receding horizon", "horizon_lt", "{} LT", "o"),
-    "prediction_triggered": Strategy(
-        "the paper's strategy", "prediction_time_lt", "{} LT ahead", "s"
-    ),
-    "reactive": Strategy("reactive", "level", "level {}", "^", ORANGE),
-    "planned": Strategy("planned", "horizon_lt", "{} LT"),
+    "receding_horizon": ("receding horizon", "o"),
+    "prediction_triggered": ("the paper's strategy", "s"),
+    "reactive": ("reactive", "^"),
+    "planned": ("planned", "v"),
 }
 COMPARING = ("receding_horizon", "planned")
 """Strategies that compare forecasts with and without actuation."""
-SETTINGS = {
-    "decision_interval_lt": "every {} LT",
-    "window_lt": "window of {} LT",
-    "vote_share": "{} of the votes",
-}
-"""Words for settings of strategies by which their curves differ."""
-STRATEGY_LINES: tuple[Dashes, ...] = (
-    "-",
-    _DASHES,
-    (0, (1.0, 1.0)),
-    (0, (6.0, 1.2, 1.2, 1.2)),
-    _LONG,
-    (0, (2.5, 1.0)),
-    (0, (4.0, 1.0, 1.0, 1.0, 1.0, 1.0)),
-)
-"""Lines of the settings of a strategy."""
 
 
-def strategy(name: str) -> Strategy:
-    """Look of a strategy, known or not."""
-    return _STRATEGIES.get(name, Strategy(name.replace("_", " ")))
+def strategy(name: str) -> tuple[str, str]:
+    """Title and marker of a strategy, known or not."""
+    return _STRATEGIES.get(name, (name.replace("_", " "), "D"))
 
 
 def ordered_strategies(names: Iterable[str]) -> list[str]:
     """Strategies as legends list them; unknown ones last, by name."""
     return _ordered(names, _STRATEGIES)
-
-
-def controlled_curve(forecaster: str, strategy_name: str, linestyle: Any) -> dict[str, Any]:
-    """Keywords of a curve: colour and filling of the forecaster, marker of the strategy."""
-    own = strategy(strategy_name)
-    look = _FORECASTERS.get(forecaster, Forecaster())
-    color, filling = (own.color, "full") if forecaster == "none" else (look.control, look.filling)
-    return {
-        "color": color,
-        "linestyle": linestyle,
-        "linewidth": 1.0,
-        "marker": own.marker,
-        "markersize": 4.0,
-        "fillstyle": filling,
-        "markerfacecolor": "white" if filling == "none" else color,
-        "markerfacecoloralt": "white",
-    }
 
 
 # -- validation strategies, families of curves, prediction times -----------------------------------
@@ -217,6 +200,22 @@ def ordered_validations(names: Iterable[str]) -> list[str]:
     return _ordered(names, _VALIDATIONS)
 
 
+def few_of(values: FloatArray) -> FloatArray:
+    """Smallest and largest of sorted values, and some between them: as many as a panel shows."""
+    places = np.linspace(0, len(values) - 1, min(len(values), MOST_CURVES))
+    return values[places.round().astype(int)]
+
+
+def categories(count: int) -> list[MarkerStyle]:
+    """Looks of curves of one panel that have no order: colours, lines and markers differ."""
+    dashes: tuple[Dashes, ...] = ("-", _DASHES, _DASH_DOT, _DOTS)
+    colours = (BLUE, VERMILLION, GREEN, _MAUVE)
+    return [
+        MarkerStyle(color=colour, linestyle=linestyle, linewidth=1.1, marker=marker)
+        for colour, linestyle, marker in zip(colours, dashes, _MARKERS, strict=False)
+    ][:count]
+
+
 def sequence(count: int) -> list[MarkerStyle]:
     """Looks of an ordered family of curves (reservoir sizes): dark to light, markers differ."""
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.82, max(count, 2)))[:count]
@@ -231,6 +230,6 @@ def sequence(count: int) -> list[MarkerStyle]:
     ]
 
 
-def _ordered(names: Iterable[str], known: Mapping[str, object]) -> list[str]:
-    found = sorted(set(names))
-    return sorted(found, key=[*known, *found].index)
+def _ordered(names: Iterable[str], first: Mapping[str, object]) -> list[str]:
+    by_name = sorted(set(names))
+    return sorted(by_name, key=[*first, *by_name].index)

@@ -1,4 +1,4 @@
-"""Curves of medians over networks with their quartiles; intervals of one network; references."""
+"""Curves of medians over networks with their quartiles; other forecasters; published values."""
 
 from collections.abc import Collection, Iterable, Iterator
 from typing import Any
@@ -8,7 +8,6 @@ import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.transforms import offset_copy
 
 from burstcast.base.arrays import FloatArray
 from burstcast.figures.parts import looks, style
@@ -28,8 +27,8 @@ LABELS = {
 PREDICTION_TIME = "Prediction time [LT]"
 NEURONS = "Neurons"
 
-_PUBLISHED, _BAND, _BARS, _SINGLE = "published", "band", "bars", "single"
-"""Marks of published values, bands and bars over an ensemble, and bars of one network."""
+_PUBLISHED, _BAND, _BARS = "published", "band", "bars"
+"""Marks of published values, and of bands and bars over an ensemble."""
 
 
 def select(table: pd.DataFrame, **values: object) -> pd.DataFrame:
@@ -107,35 +106,6 @@ def draw(
         bars[2][0].set_gid(_BARS)
 
 
-def draw_single_intervals(
-    axes: Axes, intervals: pd.DataFrame, metric: str, validation: str, look: looks.MarkerStyle
-) -> None:
-    """Draw how far one network's value may be off, as thin bars against reservoir size.
-
-    Quartiles over networks do not tell that. The bar of a size has the medians over its networks,
-    of the kind ``esn``.
-    """
-    shown = (intervals["metric"] == metric) & (intervals["validation"] == validation)
-    rows = intervals[shown & (intervals["forecaster"] == "esn")].dropna(subset=["low", "high"])
-    if rows.empty:
-        return
-    ends = rows.groupby("neurons")[["low", "high"]].median()
-    bars = axes.vlines(
-        ends.index.to_numpy(dtype=np.float64),
-        ends["low"],
-        ends["high"],
-        color=look["color"],
-        linewidth=0.8,
-        alpha=0.8,
-        zorder=1.8,
-        # beside quartiles that are bars themselves
-        transform=offset_copy(axes.transData, axes.get_figure(root=True), x=3, units="points"),
-    )
-    bars.set_gid(_SINGLE)
-    low_and_high = ends.reset_index().melt("neurons")
-    axes.update_datalim(low_and_high[["neurons", "value"]].to_numpy(dtype=np.float64))
-
-
 def draw_references(
     axes: Axes,
     percentiles: pd.DataFrame,
@@ -151,11 +121,11 @@ def draw_references(
     without sizes are horizontal lines. ``neurons``: Size that is shown against another column.
     """
     kinds = set(percentiles["forecaster"].dropna()) - {"esn", *leave_out}
-    for kind in looks.ordered_forecasters(kinds):
+    for kind, look in looks.forecaster_lines(kinds).items():
         rows = select(percentiles, forecaster=kind, metric=metric)
         if x != "neurons":
             rows = rows[rows["neurons"].isna() | (rows["neurons"] == neurons)]
-        line = {**looks.forecaster_line(kind), "linewidth": 1.0, "zorder": 1.5}
+        line = {**look, "linewidth": 1.0, "zorder": 1.5}
         for _, curve in rows.groupby("validation", dropna=False):
             if curve[x].isna().all():
                 axes.axhline(float(curve["p50"].iloc[0]), **line)
@@ -233,8 +203,6 @@ def spread_handles(
         handles.append(style.band_handle(over, color))
     elif _BARS in drawn:
         handles.append(style.bar_handle(over))
-    if _SINGLE in drawn:
-        handles.append(style.bar_handle("interval of one network", caps=False))
     return handles
 
 

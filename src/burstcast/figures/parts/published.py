@@ -28,10 +28,7 @@ _HALF_CHANNEL = 1.97
 # They add up bins of the density whose centre lies above the threshold, and so count the whole of
 # the bin that holds it; we count steps. (1.2 to 1.8 %, more where less is left.)
 _FROM_BIN_CENTRES = 1.02
-_IN_OUR_DEFINITION = {
-    "nrmse_u": 1 / _HALF_CHANNEL,
-    "exceedance_controlled": 1 / _FROM_BIN_CENTRES,
-}
+_IN_OUR_DEFINITION = {"nrmse_u": 1 / _HALF_CHANNEL, "exceedance_controlled": 1 / _FROM_BIN_CENTRES}
 # They divide inputs by the range of the first training series, we by the range of all ten, which is
 # about 1.45 times as large, by a factor that depends on the component and the choice of the series.
 _NOT_COMPARABLE = ("input_scaling",)
@@ -145,8 +142,8 @@ def _compared(
     value = rows["published_p50"]
     inside = value.between(rows["low"], rows["high"])
     inside |= several & value.between(rows["p25"], rows["p75"])
-    known = rows["low"].notna() | (several & rows["p50"].notna())
-    return rows.assign(kind=name, inside=inside.astype("boolean").where(known))
+    decided = rows["low"].notna() | (several & rows["p50"].notna())
+    return rows.assign(kind=name, inside=inside.astype("boolean").where(decided))
 
 
 def _with_keys(table: pd.DataFrame) -> pd.DataFrame:

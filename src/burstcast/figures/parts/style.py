@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -35,6 +36,9 @@ VERMILLION = "#D55E00"
 PURPLE = "#CC79A7"
 GREY = "#6E6E6E"
 LIGHT_GREY = "#DADADA"
+
+_LABEL_LINE = 9.0
+"""Height of a line of text of a label at the end of a curve, points."""
 
 # A user's own matplotlibrc must not change a figure: every setting starts from Matplotlib's
 # defaults, except settings of interactive windows, which a figure does not have.
@@ -169,15 +173,32 @@ def bar_handle(label: str, *, caps: bool = True) -> Line2D:
     )
 
 
-def columns_that_fit(handles: Sequence[Artist], most: int) -> int:
-    """Columns of a legend that have room side by side in a figure of double width."""
-    lengths = [len(str(handle.get_label())) for handle in handles]
-    for columns in range(most, 1, -1):
-        # inches of the letters of each column, and of lines with the spaces around them
-        widths = [0.045 * max(part, default=0) for part in np.array_split(lengths, columns)]
-        if sum(widths) + 0.5 * columns <= DOUBLE_COLUMN:
-            return columns
-    return 1
+def label_ends(figure: Figure, panels: Iterable[Axes]) -> None:
+    """Write the labels of curves to the right of their panels, at the heights of the curves' ends.
+
+    For panels with their final limits. Labels that would lie on each other are moved apart.
+    """
+    figure.draw_without_rendering()  # places the panels
+    for panel in panels:
+        curves = []
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
+            line: Any = handle[0] if isinstance(handle, ErrorbarContainer) else handle
+            defined = line.get_xydata()[np.isfinite(line.get_xydata()).all(axis=1)]
+            if len(defined):
+                height = panel.transData.transform(defined[-1])[1] - panel.bbox.y0
+                curves.append((np.clip(height, 0.0, panel.bbox.height), label, line.get_color()))
+        curves.sort(key=lambda curve: curve[0])
+        lines_of_text = np.array([1 + label.count("\n") for _, label, _ in curves])
+        # distances of the middles of the labels from the lowest one, pixels
+        room = _LABEL_LINE * figure.dpi / 72 * (np.cumsum(lines_of_text) - 0.5 * lines_of_text)
+        free = np.array([height for height, *_ in curves]) - room
+        upwards = np.maximum.accumulate(free)
+        downwards = np.minimum.accumulate(free[::-1])[::-1]
+        heights = (np.maximum(0.5 * (upwards + downwards), -room[:1]) + room) / panel.bbox.height
+        for height, (_, label, colour) in zip(heights, curves, strict=True):
+            place: Any = {"xycoords": "axes fraction", "textcoords": "offset points"}
+            place |= {"xytext": (4, 0), "va": "center", "linespacing": 1.0}
+            panel.annotate(label, (1, height), color=colour, fontsize=7.5, **place)
 
 
 def legend_above(

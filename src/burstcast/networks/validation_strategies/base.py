@@ -47,13 +47,7 @@ class ValidationPlan:
         return tuple(self.washout + index * self.interval for index in range(count))
 
     def check_intervals(self, series: int, length: int) -> None:
-        """Check that the intervals laid end to end fit ``series`` series of ``length`` samples.
-
-        Raises
-        ------
-        ValueError
-            If they do not.
-        """
+        """Check that the intervals fit ``series`` series of ``length`` samples."""
         if self.series > series:
             raise ValueError(
                 f"{self.series} series are to have validation intervals, but there are only "
@@ -116,41 +110,14 @@ class ValidationStrategy(abc.ABC):
 
     @abc.abstractmethod
     def folds(self, plan: ValidationPlan, series: int, length: int) -> list[Fold]:
-        """Lay out the folds of a validation.
+        """Folds of a validation of ``series`` training series of ``length`` samples, one at least.
 
-        Parameters
-        ----------
-        plan
-            The parameters.
-        series, length
-            Number of training series, and samples in each.
-
-        Returns
-        -------
-        Folds, one at least. The objective is the mean over the intervals of all folds.
-
-        Raises
-        ------
-        ValueError
-            If the parameters do not fit the series.
+        The objective is the mean over the intervals of all folds.
         """
 
 
 def use_of_series(folds: Sequence[Fold], row: int) -> tuple[int, list[int]]:
-    """Return the use of one series by all folds together.
-
-    Parameters
-    ----------
-    folds
-        Folds of a strategy.
-    row
-        The series.
-
-    Returns
-    -------
-    The step before which its data are used for training, in one fold at least, and the first steps
-    of its validation intervals in the order of time.
-    """
+    """Step up to which folds train on a series, and the first steps of its validation intervals."""
     stops = [block.stop for fold in folds for block in fold.trained if row in block.series]
     starts = {start for fold in folds if row in fold.series for start in fold.starts}
     return max(stops, default=0), sorted(starts)

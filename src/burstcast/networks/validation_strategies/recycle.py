@@ -1,7 +1,4 @@
-"""Recycle Validation: train on everything, validate in closed loop on the training data.
-
-Sources: see `burstcast.networks.validation_strategies.base`.
-"""
+"""Recycle Validation: train on everything, validate in closed loop on the training data."""
 
 from burstcast.networks.validation_strategies.base import (
     Block,
@@ -12,11 +9,7 @@ from burstcast.networks.validation_strategies.base import (
 
 
 class RecycleValidation(ValidationStrategy):
-    """Validates on intervals laid end to end in some of the series that it has trained on.
-
-    Training is one step ahead in open loop, validation is many steps ahead in closed loop: the data
-    can be used for both.
-    """
+    """Validates on intervals laid end to end in some of the series that it has trained on."""
 
     name = "RV"
     title = "Recycle Validation"

@@ -43,9 +43,9 @@ def _classes() -> dict[str, type[ValidationStrategy]]:
     classes: dict[str, type[ValidationStrategy]] = {}
     package = burstcast.networks.validation_strategies
     for module in module_names(package):
-        for found in concrete_classes(package, module, ValidationStrategy):  # type: ignore[type-abstract]
-            if found.name in classes:
-                other = classes[found.name].__module__
-                raise TypeError(f"{other} and {found.__module__} both define {found.name!r}")
-            classes[found.name] = found
+        for strategy in concrete_classes(package, module, ValidationStrategy):  # type: ignore[type-abstract]
+            if strategy.name in classes:
+                other = classes[strategy.name].__module__
+                raise TypeError(f"{other} and {strategy.__module__} both define {strategy.name!r}")
+            classes[strategy.name] = strategy
     return classes

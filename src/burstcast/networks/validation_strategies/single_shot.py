@@ -1,7 +1,4 @@
-"""Single Shot Validation: train on all but the end of the series, validate on the end of the first.
-
-Sources: see `burstcast.networks.validation_strategies.base`.
-"""
+"""Single Shot Validation: train on all but the end of the series, validate on the first's end."""
 
 from burstcast.networks.validation_strategies.base import (
     Block,

@@ -20,15 +20,11 @@ def monomials(dimension: int, degree: int) -> list[Monomial]:
 
 
 def denoised(states: FloatArray, noise_variance: FloatArray, basis: list[Monomial]) -> FloatArray:
-    """Monomials of true states, estimated without bias from noisy observations.
+    """Monomials of true states, ``(monomials, ...)``, estimated from ``(..., dimension)``.
 
     The mean of (x + noise)^2 is x^2 plus the variance of the noise, and so on: a power of a
-    component is replaced by its Hermite polynomial, whose mean over Gaussian noise is the power of
-    what is true (Cheng & Schneeweiss, "Polynomial regression with errors in the variables", Journal
-    of the Royal Statistical Society B 60, 1998).
-
-    ``states``: Observed states, ``(..., dimension)``. ``noise_variance``: Noise variance of the
-    components, ``(dimension,)``; zeros: the monomials themselves. Shape ``(monomials, ...)``.
+    component is replaced by its Hermite polynomial (Cheng & Schneeweiss, "Polynomial regression
+    with errors in the variables", Journal of the Royal Statistical Society B 60, 1998).
     """
     highest = max(len(factors) for factors in basis)
     powers = []

@@ -1,18 +1,15 @@
 """Polynomial equations found in noisy series, by regression in integral form.
 
 Over a window, the increment of a component is the integral of its equation: x(t + w) - x(t) =
-integral of sum_m c_m monomial_m(x). No derivative of noisy data is taken, and the integrals average
-the noise (the weak form of Messenger & Bortz, "Weak SINDy", Multiscale Modeling & Simulation 19,
-2021, with test functions that are constant over the window). Least squares gives the coefficients;
-the contribution of noise to its moments is subtracted (adjusted least squares: Cheng &
-Schneeweiss, Journal of the Royal Statistical Society B 60, 1998). Terms whose coefficient is not
-significant are left out one after the other (sparse regression as in Brunton, Proctor & Kutz,
-"Discovering governing equations from data", PNAS 113, 2016, with a threshold in standard errors, so
-that it has no unit and fits any amount of noise).
+integral of sum_m c_m monomial_m(x) (the weak form of Messenger & Bortz, "Weak SINDy", Multiscale
+Modeling & Simulation 19, 2021). Least squares gives the coefficients; the contribution of noise to
+its moments is subtracted (Cheng & Schneeweiss, Journal of the Royal Statistical Society B 60,
+1998). Terms that are not significant are left out one after the other (sparse regression as in
+Brunton, Proctor & Kutz, PNAS 113, 2016, with a threshold in standard errors, which has no unit and
+fits any amount of noise).
 
 Coefficients may depend on parameters: each is then a constant plus a linear combination of factors
-that are known at all times (`burstcast.forecasters._parameter_factors`). Windows within which a
-factor changes are left out.
+(`burstcast.forecasters._parameter_factors`); windows within which a factor changes are left out.
 """
 
 import math
@@ -45,9 +42,7 @@ _MONOMIALS_AT_ONCE = 500
 def gregory_weights(intervals: int) -> FloatArray:
     """Weights of a quadrature over equally spaced points at distance 1, ``(intervals + 1,)``.
 
-    The trapezoidal rule with Gregory's end corrections of up to order five, as many as the number
-    of points allows; exact for polynomials of degree up to five, and even weights within, which
-    average noise best.
+    The trapezoidal rule with Gregory's end corrections of up to order five, as many as fit.
     """
     weights = np.ones(intervals + 1)
     weights[[0, -1]] = 0.5
@@ -61,11 +56,7 @@ def gregory_weights(intervals: int) -> FloatArray:
 
 @dataclass(frozen=True)
 class _Moments:
-    """Sums over the windows of each stretch: what a regression needs.
-
-    ``gram`` of the integrated monomials without the noise, ``(stretches, monomials, monomials)``;
-    ``cross``, their products with the increments, ``(stretches, monomials, dimension)``.
-    """
+    """Sums over the windows of each stretch: of integrated monomials and increments."""
 
     gram: FloatArray
     cross: FloatArray
@@ -79,12 +70,10 @@ def polynomial_coefficients(
     window: int,
     significance: float,
 ) -> FloatArray:
-    """Coefficients of the equations that observed series obey.
+    """Coefficients of the equations that observed series obey, ``(monomials, dimension)``.
 
-    ``noise``: Standard deviation of the noise in each component, ``(dimension,)``.
-    ``significance``: A term stays if its coefficient is so many standard errors away from zero, at
-    least; 0 keeps all terms. Shape ``(monomials, dimension)``, in the order of
-    `burstcast.systems.polynomials.basis.monomials`; zero for terms that are left out.
+    ``noise``: Standard deviation of the noise in each component. ``significance``: Standard errors
+    that the coefficient of a term must be away from zero; 0 keeps all terms.
     """
     none = np.empty((series.shape[0], max(0, series.shape[1] - 1), 0))
     coefficients: FloatArray = factored_coefficients(
@@ -102,12 +91,10 @@ def factored_coefficients(
     significance: float,
     factors: FloatArray,
 ) -> FloatArray:
-    """Coefficients of the equations that observed series obey, linear in factors.
+    """Coefficients that are linear in factors, ``(1 + factors, monomials, dimension)``.
 
-    The equations are dx/dt = sum_m (c[0, m] + sum_f factor_f c[f, m]) monomial_m(x).
-
-    ``factors``: Factors in force from each sample to the next, ``(series, time - 1, factors)``.
-    Shape ``(1 + factors, monomials, dimension)``, the constant part first.
+    The equations are dx/dt = sum_m (c[0, m] + sum_f factor_f c[f, m]) monomial_m(x). ``factors``:
+    In force from each sample to the next, ``(series, time - 1, factors)``.
     """
     if factors.shape[:2] != (series.shape[0], max(0, series.shape[1] - 1)):
         raise ValueError(
@@ -161,17 +148,18 @@ def _about_zero(coefficients: FloatArray, centre: FloatArray, degree: int) -> Fl
     expanded = np.zeros((len(basis), len(basis)))
     for row, factors in enumerate(basis):
         for chosen in product((True, False), repeat=len(factors)):
-            left = tuple(one for one, kept in zip(factors, chosen, strict=True) if kept)
-            others = [-centre[one] for one, kept in zip(factors, chosen, strict=True) if not kept]
+            left = tuple(component for component, kept in zip(factors, chosen, strict=True) if kept)
+            others = [
+                -centre[component]
+                for component, kept in zip(factors, chosen, strict=True)
+                if not kept
+            ]
             expanded[place[left], row] += math.prod(others)
     return expanded @ coefficients
 
 
 def _unchanged(factors: FloatArray, window: int) -> BoolArray:
-    """Whether no factor changes within the window from each sample, ``(windows,)``.
-
-    ``factors`` belong to one series, ``(time - 1, factors)``.
-    """
+    """Whether no factor ``(time - 1, factors)`` changes within the window from each sample."""
     windows = max(0, len(factors) + 1 - window)
     changes = np.zeros(len(factors) + 1, dtype=np.int64)
     changes[2:] = np.cumsum((factors[1:] != factors[:-1]).any(axis=1))
@@ -183,11 +171,7 @@ def _unchanged(factors: FloatArray, window: int) -> BoolArray:
 def _groups(
     factors: FloatArray, window: int, bounds: list[tuple[int, int]]
 ) -> list[tuple[int, FloatArray, IntArray]]:
-    """Windows of a series by stretch and by the factors in force.
-
-    Each group has the number of its stretch, the factors with a 1 before them, and the first
-    samples of its windows.
-    """
+    """Windows of a series by stretch and factors: stretch, factors after a 1, first samples."""
     usable = _unchanged(factors, window)
     values, which = np.unique(factors, axis=0, return_inverse=True)
     groups = []
@@ -245,9 +229,7 @@ def _squared_noise(
 ) -> FloatArray:
     """Contribution of noise to the sums of products of two monomials, ``(stretches, m, m)``.
 
-    It is the sum over the samples, each with its share, of the product of the two values less the
-    value of the product: both are made of the same noisy sample, but only the second has the mean
-    of what is true.
+    It is the sum over samples of the product of the two values less the denoised product.
     """
     basis = monomials(states.shape[1], degree)
     if not variance.any():
@@ -260,18 +242,14 @@ def _squared_noise(
         ]
     )
     place = {factors: row for row, factors in enumerate(products)}
-    rows = np.array([[place[tuple(sorted(one + other))] for other in basis] for one in basis])
+    rows = np.array([[place[tuple(sorted(first + second))] for second in basis] for first in basis])
     return np.array(
         [(values * share) @ values.T - sums[rows, stretch] for stretch, share in enumerate(shares)]
     )
 
 
 def _significant(gram: FloatArray, cross: FloatArray, significance: float) -> FloatArray:
-    """Least squares for one equation, without the terms that are not significant.
-
-    The least significant one goes first, and all that are left are fitted anew: of two terms that
-    can stand for one another, one stays.
-    """
+    """Least squares for one equation; the least significant term goes, and all are refitted."""
     kept = np.ones(gram.shape[1], dtype=bool)
     while True:
         coefficients, errors = _least_squares(gram, cross, kept)
@@ -289,9 +267,8 @@ def _least_squares(
 ) -> tuple[FloatArray, FloatArray]:
     """Coefficients of the terms that are kept, zero for the others, and their standard errors.
 
-    The errors come from the scatter of the stretches of the series, each of which is one
-    observation, whatever the correlation within it: the sandwich estimator of clustered data (Liang
-    & Zeger, Biometrika 73, 1986).
+    The errors come from the scatter of the stretches of the series: the sandwich estimator of
+    clustered data (Liang & Zeger, Biometrika 73, 1986).
     """
     rows = np.flatnonzero(kept)
     coefficients, errors = np.zeros(kept.size), np.zeros(kept.size)

@@ -9,10 +9,8 @@ from burstcast.systems.state_space import StateSpace
 
 
 class PolynomialSystem(DynamicalSystem):
-    """dx_i/dt = sum over m of coefficients[m, i] monomial_m(x).
+    """dx_i/dt = sum over m of coefficients[m, i] monomial_m(x), ``(monomials, dimension)``.
 
-    ``coefficients``: ``(monomials, dimension)``, in the order of
-    `burstcast.systems.polynomials.basis.monomials`. Terms whose coefficient is zero cost nothing.
     ``observed``: What the equations stand for, whose observable they have.
     """
 

@@ -96,7 +96,7 @@ def case_probabilities(
     confidence: float = at("bootstrap.confidence"),
 ) -> CaseProbabilities:
     """Forecasts of a case's test series, with choices made on the calibration series."""
-    found = {each.name.identifier: forecasts_from(each.content) for each in forecasts}
-    points = ForecastPoints(evaluation_set, found, window_lt, resolution_lt)
+    by_identifier = {each.name.identifier: forecasts_from(each.content) for each in forecasts}
+    points = ForecastPoints(evaluation_set, by_identifier, window_lt, resolution_lt)
     scored = case, root_seed, event_threshold, times, resamples, confidence
     return CaseProbabilities(points, calibration, *scored)

@@ -48,10 +48,10 @@ def make(
     scored = evaluation_set["washout_maximum"] < event_threshold
     series, windows = evaluation_set["series"], round(window_lt / resolution_lt)
     number_of_series = int(series.max(initial=-1)) + 1
-    found = [(one.name, forecasts_from(one.content)) for one in forecasts]
+    named_forecasts = [(file.name, forecasts_from(file.content)) for file in forecasts]
     always = WindowSummaries.always_crossing(truth.first.shape)
     rows, ends = [], []
-    for name, forecast in [*found, (ForecasterName(PERMANENT_ALARM), always)]:
+    for name, forecast in [*named_forecasts, (ForecasterName(PERMANENT_ALARM), always)]:
         for prediction_time in prediction_times_lt:
             window = round(prediction_time / resolution_lt) - 1, windows, event_threshold
             if isinstance(forecast, EventProbabilities):

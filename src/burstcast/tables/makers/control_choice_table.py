@@ -36,21 +36,21 @@ def make(
 ) -> dict[str, Rows]:
     """A row for each strategy, condition, controller and score."""
     groups: dict[tuple[object, ...], list[Gathered]] = {}
-    for one in flows:
-        options = as_columns(one.plan["settings"]).get("options")
-        groups.setdefault((one.name, options, *conditions_of(one).items()), []).append(one)
+    for run in flows:
+        options = as_columns(run.plan["settings"]).get("options")
+        groups.setdefault((run.name, options, *conditions_of(run).items()), []).append(run)
     rows: Rows = []
     for runs in groups.values():
-        halves = [FlowSample.of(one.content).halves() for one in runs]
+        halves = [FlowSample.of(run.content).halves() for run in runs]
         number = choose([choosing for choosing, _ in halves], tolerance)
-        run, (_, scored) = runs[number], halves[number]
+        chosen, (_, scored) = runs[number], halves[number]
         # all are resampled alike
         generator = random_streams.stream(root_seed, "control choice", case)
-        found = flow_intervals(score_flows(scored, resamples, generator), scored, confidence)
-        keys = {**keys_of(run, noise), "candidates": len(runs), "scored_flows": len(scored)}
+        scores = flow_intervals(score_flows(scored, resamples, generator), scored, confidence)
+        keys = {**keys_of(chosen, noise), "candidates": len(runs), "scored_flows": len(scored)}
         rows += [
-            {**keys, "metric": name, "value": one.value, "low": one.low, "high": one.high}
-            for name, one in found.items()
+            {**keys, "metric": name, "value": score.value, "low": score.low, "high": score.high}
+            for name, score in scores.items()
             if name in METRICS
         ]
     return {"control_choices": rows}

@@ -30,21 +30,21 @@ def make(
 ) -> dict[str, Rows]:
     """Densities of each group of networks that differ by their seed only."""
     groups: dict[tuple[ForecasterName, float], list[Mapping[str, Any]]] = {}
-    for one in flows:
-        group = replace(one.name, seed=None), one.plan["settings"]["prediction_time_lt"]
-        groups.setdefault(group, []).append(_counted(one.content))
+    for run in flows:
+        group = replace(run.name, seed=None), run.plan["settings"]["prediction_time_lt"]
+        groups.setdefault(group, []).append(_counted(run.content))
     rows: Rows = []
-    for (name, time), found in groups.items():
-        edges = found[0]["edge"]
+    for (name, time), counts in groups.items():
+        edges = counts[0]["edge"]
         densities = {
-            sample: mean_density([Histogram(edges, data[sample].sum(axis=0)) for data in found])
+            sample: mean_density([Histogram(edges, data[sample].sum(axis=0)) for data in counts])
             for sample in SAMPLES
         }
         ends = {
             sample: density_interval(
                 edges,
-                [data[sample] for data in found],
-                [data["row"] for data in found],
+                [data[sample] for data in counts],
+                [data["row"] for data in counts],
                 resamples=resamples,
                 confidence=confidence,
                 # flows with and without control are resampled alike

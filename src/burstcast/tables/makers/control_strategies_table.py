@@ -21,8 +21,8 @@ def make(
 ) -> dict[str, Rows]:
     """A row for each run of control and score."""
     rows: Rows = []
-    for one in flows:
-        sample, keys = FlowSample.of(one.content), keys_of(one, noise)
+    for run in flows:
+        sample, keys = FlowSample.of(run.content), keys_of(run, noise)
         # all runs of a case are resampled alike: their flows are the same
         generator = random_streams.stream(root_seed, "control", case)
         scores = score_flows(sample, resamples, generator)

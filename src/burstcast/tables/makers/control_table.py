@@ -13,18 +13,17 @@ COUNTS = tuple(field.name for field in fields(WindowCounts))
 
 @declaring
 def make(
-    *,
-    flows: Sequence[Gathered] = gathered("control_runs/flows.nc", " ".join([*RECORDS, *COUNTS])),
+    *, flows: Sequence[Gathered] = gathered("control_runs/flows.nc", " ".join([*RECORDS, *COUNTS]))
 ) -> dict[str, Rows]:
     """One row for each forecaster and prediction time."""
     rows: Rows = []
-    for one in flows:
-        counts = WindowCounts(**{name: one.content[name] for name in COUNTS})
+    for run in flows:
+        counts = WindowCounts(**{name: run.content[name] for name in COUNTS})
         rows.append(
             {
-                **one.name.keys,
-                "prediction_time_lt": one.plan["settings"]["prediction_time_lt"],
-                **totals(FlowSample.of(one.content), counts, int(one.content["left_out"])),
+                **run.name.keys,
+                "prediction_time_lt": run.plan["settings"]["prediction_time_lt"],
+                **totals(FlowSample.of(run.content), counts, int(run.content["left_out"])),
             }
         )
     return {"control": rows}

@@ -26,9 +26,9 @@ def make(
 ) -> dict[str, Rows]:
     """One row."""
     leading, growth = exponents["leading"], exponents.get("leading_by_growth", {})
-    known = durations.known_exponent(time_unit, published_exponent)
+    exponent = durations.known_exponent(time_unit, published_exponent)
     steps = durations.steps_per_lyapunov_time(
-        leading["mean"] if known is None else known, float(time_step * sampling_stride)
+        leading["mean"] if exponent is None else exponent, float(time_step * sampling_stride)
     )
     row = {
         **{name: summary[name] for name in OF_SERIES},

@@ -34,7 +34,7 @@ def make(
     The averages are undefined where there is no event. All forecasters of a case have the same
     events, and the same bootstrap samples of them.
     """
-    events = max((len(one.content["prediction_horizon_lt"]) for one in horizons), default=0)
+    events = max((len(file.content["prediction_horizon_lt"]) for file in horizons), default=0)
     weights = np.empty((resamples, 0), dtype=np.int64)
     if events:
         generator = random_streams.stream(root_seed, "bootstrap", case, "events")
@@ -42,26 +42,27 @@ def make(
     rows: Rows = []
     ends: Rows = []
     resampled: list[tuple[ForecasterName, Scores]] = []
-    for one in horizons:
-        values = one.content["prediction_horizon_lt"]
+    for file in horizons:
+        values = file.content["prediction_horizon_lt"]
         series = pd.Series(values)
         averages = dict(zip(METRICS, (series.mean(), series.median()), strict=True))
-        rows.append({**one.name.keys, "events": events, **averages})
+        rows.append({**file.name.keys, "events": events, **averages})
         scores = {
             metric: ResampledScore(averages[metric], samples)
             for metric, samples in zip(METRICS, resampled_averages(values, weights), strict=True)
         }
         ends += [
-            {**one.name.keys, "metric": metric, **between(score.samples, confidence)}
+            {**file.name.keys, "metric": metric, **between(score.samples, confidence)}
             for metric, score in scores.items()
         ]
-        resampled.append((one.name, scores))
+        resampled.append((file.name, scores))
+    of_forecasters = medians_over_seeds(resampled).items()
     pairs = [
         {
-            **{"compared": one, "other": other, "metric": metric},
+            **{"compared": compared, "other": other, "metric": metric},
             **with_interval(scores[metric] - others[metric], confidence),
         }
-        for (one, scores), (other, others) in combinations(medians_over_seeds(resampled).items(), 2)
+        for (compared, scores), (other, others) in combinations(of_forecasters, 2)
         for metric in METRICS
     ]
     return {"horizon": rows, "horizon_intervals": ends, "horizon_differences": pairs}

@@ -11,13 +11,12 @@ NAMES = ("spectral_radius", "input_scaling", "tikhonov", "objective", "solver")
 
 @declaring
 def make(
-    *,
-    hyperparameters: Sequence[Gathered] = gathered("searched_networks/hyperparameters.json"),
+    *, hyperparameters: Sequence[Gathered] = gathered("searched_networks/hyperparameters.json")
 ) -> dict[str, Rows]:
     """One row for each network; leak rates where any network leaks."""
     rows = []
-    leaking = any("leak_rate" in one.content for one in hyperparameters)
-    for one in hyperparameters:
-        row = {**one.name.keys, **{name: one.content[name] for name in NAMES}}
-        rows.append({**row, "leak_rate": leak_rate_of(one.content)} if leaking else row)
+    leaking = any("leak_rate" in file.content for file in hyperparameters)
+    for file in hyperparameters:
+        row = {**file.name.keys, **{name: file.content[name] for name in NAMES}}
+        rows.append({**row, "leak_rate": leak_rate_of(file.content)} if leaking else row)
     return {"hyperparameters": rows}

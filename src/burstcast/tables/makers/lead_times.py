@@ -48,14 +48,14 @@ def make(
             wrong = rows_of_points[raised[-1] & ~happened & in_scored]
             false = np.bincount(wrong, minlength=series).astype(np.float64)
             false_alarms.append(SeriesRatio("false_alarms_per_lt", time, false, watched))
-        found = lead_times(
+        warnings_given = lead_times(
             np.stack(raised, axis=1),
             windows,
             SeriesPoints(rows_of_points, points.data["step"]),
             in_scored,
             events,
         )
-        for score in [*lead_time_scores(found, series, times, steps), *false_alarms]:
+        for score in [*lead_time_scores(warnings_given, series, times, steps), *false_alarms]:
             value, low, high = ratio_with_interval(
                 score.numerator, score.denominator, weights, case.confidence
             )

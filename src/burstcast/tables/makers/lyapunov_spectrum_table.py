@@ -27,16 +27,18 @@ def make(
     rows: Rows = []
     of_dimensions: Rows = []
     # measured series have none
-    of_data = [] if spectrum is None else [(ForecasterName("data"), spectrum)]
-    for name, content in [*of_data, *((one.name, one.content) for one in forecasters)]:
+    spectra = [] if spectrum is None else [(ForecasterName("data"), spectrum)]
+    spectra += [(file.name, file.content) for file in forecasters]
+    for name, content in spectra:
         exponents = content["exponents"]
         generator = random_streams.stream(root_seed, "bootstrap", "lyapunov spectrum", case)
-        found = summarise(exponents, confidence, resamples, generator)
+        summary = summarise(exponents, confidence, resamples, generator)
+        intervals = summary.mean, summary.low, summary.high
         rows += [
             {**name.keys, "number": number, **with_ends("lyapunov_exponent", *ends)}
-            for number, ends in enumerate(zip(found.mean, found.low, found.high, strict=True), 1)
+            for number, ends in enumerate(zip(*intervals, strict=True), 1)
         ]
-        dimension = found.dimension, found.dimension_low, found.dimension_high
+        dimension = summary.dimension, summary.dimension_low, summary.dimension_high
         of_dimensions.append(
             {**name.keys, "runs": len(exponents), **with_ends("kaplan_yorke_dimension", *dimension)}
         )

@@ -16,9 +16,7 @@ COMPARED_METRICS = ("brier_skill", "average_precision", "f_score")
 
 @declaring
 def make(
-    *,
-    case: CaseProbabilities = made_by(case_probabilities),
-    bins: int = at("probability.bins"),
+    *, case: CaseProbabilities = made_by(case_probabilities), bins: int = at("probability.bins")
 ) -> dict[str, Rows]:
     """The scores with their intervals, and paired differences between forecasters."""
     rows: Rows = []
@@ -27,8 +25,8 @@ def make(
         weights = case.weights(time)
         calibrated: dict[str, Scores] = {}
         for alarm in case.alarms:
-            found = case.probabilities(alarm, time)
-            for probability, (outcomes, threshold) in found.items():
+            probabilities = case.probabilities(alarm, time)
+            for probability, (outcomes, threshold) in probabilities.items():
                 found_scores = resampled_scores(outcomes, weights, threshold, bins)
                 if probability == CALIBRATED:
                     calibrated[alarm.identifier] = found_scores
@@ -38,10 +36,10 @@ def make(
                     {**keys, "metric": metric, **with_interval(score, case.confidence)}
                     for metric, score in found_scores.items()
                 ]
-        for (one, scores), (other, others) in combinations(_compared(case, calibrated), 2):
+        for (identifier, scores), (other, others) in combinations(_compared(case, calibrated), 2):
             pairs += [
                 {
-                    "alarm": one,
+                    "alarm": identifier,
                     "other": other,
                     "prediction_time_lt": time,
                     "metric": metric,
@@ -55,13 +53,12 @@ def make(
 def _compared(case: CaseProbabilities, scores: Mapping[str, Scores]) -> list[tuple[str, Scores]]:
     """Committees before the medians over their members, then all others but single networks."""
     committees = [alarm for alarm in case.alarms if len(alarm.forecasters) > 1]
-    medians = [
-        (f"median of {one.identifier}", median_scores([scores[name] for name in one.forecasters]))
-        for one in committees
-    ]
+    medians = []
+    for alarm in committees:
+        members = [scores[name] for name in alarm.forecasters]
+        medians.append((f"median of {alarm.identifier}", median_scores(members)))
     others = [alarm for alarm in case.compared if alarm not in committees]
-    return [
-        *((one.identifier, scores[one.identifier]) for one in committees),
-        *medians,
-        *((one.identifier, scores[one.identifier]) for one in others),
-    ]
+    compared = [(alarm.identifier, scores[alarm.identifier]) for alarm in committees]
+    compared += medians
+    compared += [(alarm.identifier, scores[alarm.identifier]) for alarm in others]
+    return compared

@@ -44,8 +44,11 @@ def make(
             base = ResampledScore(happened.mean(), (weights @ happened) / weights.sum(axis=1))
             keys = {"prediction_time_lt": time, "event": event}
             for names, strength in _strengths(case, time, window, event, theory):
-                found = ranking_scores(strength[here], happened, everything)
-                scores = {name: ResampledScore(one[0], one[1:]) for name, one in found.items()}
+                resampled = ranking_scores(strength[here], happened, everything)
+                scores = {
+                    name: ResampledScore(values[0], values[1:])
+                    for name, values in resampled.items()
+                }
                 rows += [
                     {**names, **keys, "metric": metric, **with_interval(score, case.confidence)}
                     for metric, score in {"base_rate": base, **scores}.items()
@@ -54,11 +57,7 @@ def make(
 
 
 def _strengths(
-    case: CaseProbabilities,
-    time: float,
-    window: Window,
-    event: str,
-    theory: FloatArray | None,
+    case: CaseProbabilities, time: float, window: Window, event: str, theory: FloatArray | None
 ) -> Iterator[tuple[dict[str, Any], FloatArray]]:
     """Key columns of all that rank points, and the strength of each point."""
     for alarm in case.alarms:
@@ -70,8 +69,9 @@ def _strengths(
 def _strength(
     case: CaseProbabilities, time: float, window: Window, event: str, alarm: AlarmSource
 ) -> FloatArray:
-    found = [case.points.forecasts[name] for name in alarm.forecasters]
-    trajectories = [one for one in found if isinstance(one, WindowForecasts)]
+    forecasts = [case.points.forecasts[name] for name in alarm.forecasters]
+    trajectories = [forecast for forecast in forecasts if isinstance(forecast, WindowForecasts)]
     if not trajectories:  # a baseline, or the probabilities of a classifier
         return case.points.values(alarm, time, window.threshold)
-    return np.asarray(np.mean([window.strength(one, event) for one in trajectories], axis=0))
+    strengths = [window.strength(forecast, event) for forecast in trajectories]
+    return np.asarray(np.mean(strengths, axis=0))

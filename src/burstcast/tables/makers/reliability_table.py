@@ -8,9 +8,7 @@ from burstcast.tables.makers.registry import Rows
 
 @declaring
 def make(
-    *,
-    case: CaseProbabilities = made_by(case_probabilities),
-    bins: int = at("probability.bins"),
+    *, case: CaseProbabilities = made_by(case_probabilities), bins: int = at("probability.bins")
 ) -> dict[str, Rows]:
     """A row for each bin, of committees and of all forecasters but single networks."""
     in_bins: Rows = []

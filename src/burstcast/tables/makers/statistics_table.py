@@ -56,23 +56,23 @@ def make(
         of_split = {measure: float(floor[measure][split]) for measure in measures}
         rows.append({**ForecasterName("floor", seed=split).keys, **of_split})
     ends: Rows = []
-    for one in long_term:
-        measures = vars(compare(reference, LongTermStatistics.from_arrays(one.content), matrices))
-        fates = one.content["fate"]
+    for file in long_term:
+        measures = vars(compare(reference, LongTermStatistics.from_arrays(file.content), matrices))
+        fates = file.content["fate"]
         shares = {name: float((fates == fate).mean()) for name, fate in SHARES.items()}
         discarded = {"discarded_fraction": float((fates != Fate.KEPT).mean()), **shares}
-        rows.append({**one.name.keys, **discarded, **measures})
+        rows.append({**file.name.keys, **discarded, **measures})
         generator = random_streams.stream(root_seed, "bootstrap", case, "long runs")
         weights = bootstrap_weights(len(fates), resamples, generator)
         samples = {
             "discarded_fraction": weights @ (fates != Fate.KEPT) / len(fates),
             **{name: weights @ (fates == fate) / len(fates) for name, fate in SHARES.items()},
             **resampled_measures(
-                reference, reductions_from(one.content), fates == Fate.KEPT, matrices, weights
+                reference, reductions_from(file.content), fates == Fate.KEPT, matrices, weights
             ),
         }
         ends += [
-            {**one.name.keys, "metric": metric, **between(values, confidence)}
+            {**file.name.keys, "metric": metric, **between(values, confidence)}
             for metric, values in samples.items()
             if not (metric in OF_PROFILES and matrices is None)
         ]

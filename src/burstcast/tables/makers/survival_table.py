@@ -30,15 +30,15 @@ def make(
     interval = float(time_step * sampling_stride)
     longest = len(ensemble["time"]) - 1
     of_data = Lifetimes.of_ensemble(ensemble["lifetime"], ensemble["series"], longest)
-    found = [(ForecasterName("data"), of_data)]
+    lifetimes_of = [(ForecasterName("data"), of_data)]
     # as long as a series of the ensemble where no duration is known
     steps = longest if duration is None else round(duration / interval)
-    for one in long_term:
-        lifetimes = Lifetimes(one.content["lifetime"], one.content["fate"] != Fate.KEPT, steps)
-        found.append((one.name, lifetimes))
+    for file in long_term:
+        lifetimes = Lifetimes(file.content["lifetime"], file.content["fate"] != Fate.KEPT, steps)
+        lifetimes_of.append((file.name, lifetimes))
     rows: Rows = []
     points: Rows = []
-    for name, lifetimes in found:
+    for name, lifetimes in lifetimes_of:
         rows.append({**name.keys, **_rate(lifetimes, interval, confidence)})
         times = np.unique(np.linspace(0, lifetimes.length, POINTS).astype(np.int64))
         curve = survival_curve(lifetimes, times, confidence)

@@ -102,18 +102,21 @@ def make(
         *_of_trend(ensemble, space, training_series),
         *_of_numbers(dataset, classification),
     ]
-    found: list[tuple[Mapping[str, Any], Finding]] = [({}, finding) for finding in of_case]
-    found += _of_scores(classification)
+    findings: list[tuple[Mapping[str, Any], Finding]] = [({}, finding) for finding in of_case]
+    findings += _of_scores(classification)
     for keys, members in _ensembles(hyperparameters):
-        found += [(keys, one) for one in _of_search(members, searched, samples)]
+        findings += [(keys, finding) for finding in _of_search(members, searched, samples)]
     for keys, members in _ensembles(statistics):
-        found += [(keys, finding) for finding in _of_long_runs(members)]
+        findings += [(keys, finding) for finding in _of_long_runs(members)]
     # where the unit of time is an estimate
     for keys, members in _ensembles(lyapunov_spectrum):
-        own = members.loc[members["number"] == 1, "lyapunov_exponent"].tolist()
+        exponents = members.loc[members["number"] == 1, "lyapunov_exponent"].tolist()
         leading = _leading(dataset, "lyapunov_exponent")
-        found += [(keys, one) for one in warning_signs.own_exponents_differ(leading, own)]
-        found += [(keys, one) for one in warning_signs.no_chaos_learnt(leading[0], own)]
+        contradictions = [
+            *warning_signs.own_exponents_differ(leading, exponents),
+            *warning_signs.no_chaos_learnt(leading[0], exponents),
+        ]
+        findings += [(keys, finding) for finding in contradictions]
     rows = [
         {
             **dict.fromkeys(ENSEMBLE),
@@ -122,7 +125,7 @@ def make(
             "finding": finding.text,
             "advice": _advice(finding.warning, network=pd.notna(keys.get("neurons"))),
         }
-        for keys, finding in found
+        for keys, finding in findings
     ]
     return {"warnings": rows}
 
