@@ -225,12 +225,12 @@ def plain_flow(
     states = [state[:, np.newaxis] for state in given.washouts[row]]
 
     def after(state: FloatArray, flags: list[int]) -> list[FloatArray]:
-        found = []
+        sampled = []
         for number, system in enumerate(flags, start=1):
             state = step(given.systems[system], state, timing.schedule.time_step)
             if number % stride == 0:
-                found.append(state)
-        return found
+                sampled.append(state)
+        return sampled
 
     def height(state: FloatArray) -> float:
         return float(given.system.observable(state)[0])
@@ -242,7 +242,7 @@ def plain_flow(
             decided, otherwise = decide(len(looks), states[now]), []
             if decided:
                 flags = acting[now * stride : (now + longer) * stride]
-                otherwise = [height(one) for one in [states[now], *after(states[now], flags)]]
+                otherwise = [height(state) for state in [states[now], *after(states[now], flags)]]
                 acting[now * stride + begin : now * stride + stop] = [decided] * (stop - begin)
             looks.append(PlainLook(now, bool(decided), otherwise))
             due = now + (longer if decided else pause)

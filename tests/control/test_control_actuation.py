@@ -98,51 +98,54 @@ def test_energies_and_costs_of_flows_pushed_against_a_mode_are_those_of_a_plain_
         third = plain.controlled[1:, 2]
         costs["power"] = [0.01 * abs(third[step]) * (acting[step] != 0) for step in counted]
         for name, of_steps in costs.items():
-            found = getattr(flows.cost, name)[position]
-            assert found == pytest.approx(np.mean(of_steps), rel=1e-9, abs=1e-15)
+            cost = getattr(flows.cost, name)[position]
+            assert cost == pytest.approx(np.mean(of_steps), rel=1e-9, abs=1e-15)
         # each step has the budget of the equations under which the flow came to it
-        for who, states in (("uncontrolled", plain.uncontrolled), ("controlled", plain.controlled)):
+        for run_name, states in (
+            ("uncontrolled", plain.uncontrolled),
+            ("controlled", plain.controlled),
+        ):
             budgets = [
-                given.systems[acting[step] if who == "controlled" else 0].energy_budget(
+                given.systems[acting[step] if run_name == "controlled" else 0].energy_budget(
                     states[step + 1][:, np.newaxis]
                 )
                 for step in counted
             ]
             for name in ("input", "dissipation"):
                 mean = np.mean([getattr(budget, name)[0] for budget in budgets])
-                found = getattr(getattr(flows, f"{who}_energy"), name)[position]
-                assert found == pytest.approx(mean, rel=1e-12)
+                recorded = getattr(getattr(flows, f"{run_name}_energy"), name)[position]
+                assert recorded == pytest.approx(mean, rel=1e-12)
     assert seen == {0, 1, 2}
 
 
 def test_the_cost_of_a_changed_parameter_is_that_of_the_force_that_does_the_same():
     states = np.random.default_rng(1).normal(0, 0.2, (2, 5, 9))
     actuation = np.array([[0, 1, 1, 0, 1], [0, 0, 0, 0, 0]], dtype=np.uint8)
-    found = actuation_cost((FLOW, RAISED), states, actuation)
-    assert found is not None
+    cost = actuation_cost((FLOW, RAISED), states, actuation)
+    assert cost is not None
     efforts, powers = [], []
     for state, on in zip(states[0], actuation[0], strict=True):
         force = RAISED.right_hand_side(state) - FLOW.right_hand_side(state)
         efforts.append(on * np.linalg.norm(force))
         powers.append(on * abs(state @ force))
-    assert found.effort.tolist() == [pytest.approx(np.mean(efforts)), 0.0]
-    assert found.power.tolist() == [pytest.approx(np.mean(powers)), 0.0]
+    assert cost.effort.tolist() == [pytest.approx(np.mean(efforts)), 0.0]
+    assert cost.power.tolist() == [pytest.approx(np.mean(powers)), 0.0]
     # the energy changes by that power: dk/dt with the actuation less without it
     budgets = [system.energy_budget(states[0].T) for system in (FLOW, RAISED)]
     rates = [budget.input - budget.dissipation for budget in budgets]
-    assert found.power[0] == pytest.approx(np.mean(actuation[0] * np.abs(rates[1] - rates[0])))
+    assert cost.power[0] == pytest.approx(np.mean(actuation[0] * np.abs(rates[1] - rates[0])))
 
 
 def test_a_force_on_a_stiff_flow_has_its_cost():
     flow = KolmogorovFlow(largest_wavenumber=4)
     driven = KolmogorovFlow(largest_wavenumber=4, large_scale_growth=0.2)
     state = flow.sample_initial_states(1, np.random.default_rng(1))[:, 0]
-    found = actuation_cost((flow, driven), state[np.newaxis, np.newaxis], np.ones((1, 1), np.uint8))
+    cost = actuation_cost((flow, driven), state[np.newaxis, np.newaxis], np.ones((1, 1), np.uint8))
     large_scale = [flow.component_names.index(name) for name in ("a_1_0", "b_1_0")]
     size = np.linalg.norm(state[large_scale])
     force = 0.2 * (1 - size**2) * size
-    assert found.effort[0] == pytest.approx(abs(force))
-    assert found.power[0] == pytest.approx(abs(force) * size)
+    assert cost.effort[0] == pytest.approx(abs(force))
+    assert cost.power[0] == pytest.approx(abs(force) * size)
 
 
 def test_a_map_has_no_equivalent_force():
@@ -163,16 +166,16 @@ def test_by_default_the_observable_is_watched():
     given = experiment(6)
     plain = Reactive(decision_interval_lt=0.25, level=0.05)
     named = replace(plain, watch="observable")
-    expected, found = run(plain, given, None), run(named, given, None)
+    expected, flows = run(plain, given, None), run(named, given, None)
     assert expected.actuated.any()
-    assert np.array_equal(found.controlled, expected.controlled)
+    assert np.array_equal(flows.controlled, expected.controlled)
 
 
 def test_quantities_are_expressions_of_the_components():
     states = np.random.default_rng(2).normal(size=(9, 4))
-    found = quantity("a1 - 2 * a9**2 + observable", FLOW)(states)
+    values = quantity("a1 - 2 * a9**2 + observable", FLOW)(states)
     expected = states[0] - 2 * states[8] ** 2 + FLOW.observable(states)
-    np.testing.assert_allclose(found, expected)
+    np.testing.assert_allclose(values, expected)
     with pytest.raises(ValueError, match=r"unknown name 'a10'.*known are a1, a2, .* observable"):
         quantity("a10 + 1", FLOW)
 

@@ -78,7 +78,7 @@ def plain_decision(strategy: Any, given: Any, state: Any, pending: list[int]) ->
     if not (decided and isinstance(strategy, Planned)):
         return int(decided)
     pairs = product(strategy.starts_lt, strategy.durations_lt)
-    spans = [(timing.steps(one), timing.steps(two)) for one, two in pairs]
+    spans = [(timing.steps(start), timing.steps(duration)) for start, duration in pairs]
     plans = [
         [kind * (first <= number < first + length) for number in range(horizon - delay)]
         for kind in ((1, 2) if strategy.reversible else (1,))
@@ -93,8 +93,8 @@ def cheapest(plans: list[list[int]], seen_under: list[list[float]], level: float
     choices = []
     for plan, seen in zip(plans, seen_under, strict=True):
         # a forecast that is lost cannot be trusted
-        trusted = [one if np.isfinite(one) else np.inf for one in seen]
-        above, peak = sum(one >= level for one in trusted), max(trusted)
+        trusted = [height if np.isfinite(height) else np.inf for height in seen]
+        above, peak = sum(height >= level for height in trusted), max(trusted)
         cost = sum(map(bool, plan))
         choices.append(((0, cost, peak) if above == 0 else (1, above, peak, cost), plan))
     return min(choices, key=lambda choice: choice[0])[1]
@@ -145,17 +145,14 @@ class Scripted(MadeUpForecaster):
     aware = True
 
     def start(self, washout):
-        return washout[-1]
+        return washout[-1, :1]
 
     def advance(self, memory, steps):
-        raise NotImplementedError
-
-    def advance_under(self, memory, steps, schedule):
         outputs = np.empty((steps, 1, memory.shape[1]))
         for flow in range(memory.shape[1]):
-            plan = schedule[:, 0, flow].astype(int).tolist()
+            plan = memory[1:, flow].astype(int).tolist()
             outputs[:, 0, flow] = self.heights[str(plan)]
-        return outputs, memory
+        return outputs, memory[:1]
 
 
 HEIGHTS = st.lists(st.sampled_from([0.1, 0.9, 1.0, 2.0, np.nan, np.inf]), min_size=3, max_size=3)
@@ -169,15 +166,15 @@ def test_best_plans_are_the_cheapest_that_suffice(outcomes: list[list[float]]) -
     forecaster = Scripted(dict(zip(map(str, PLANS), outcomes, strict=True)))
     look, values = look_at(np.zeros((2, 1, 1))), ActuationValues((0.0,), (1.0,))
     plans = np.array(PLANS[1:], dtype=np.uint8)
-    found = best_plans(look, forecaster, values, lambda state: state[0], 1.0, plans)
-    event = any(np.isfinite(one) and one >= 1.0 for one in outcomes[0])
+    plan = best_plans(look, forecaster, values, lambda state: state[0], 1.0, plans)
+    event = any(np.isfinite(height) and height >= 1.0 for height in outcomes[0])
     expected = cheapest(PLANS[1:], outcomes[1:], 1.0) if event else PLANS[0]
-    assert found[:, 0].tolist() == expected
+    assert plan[:, 0].tolist() == expected
 
 
 def test_pulses_are_cut_at_the_horizon_and_no_two_are_alike():
-    found = pulses([0, 2], [1, 2, 9], 4)
-    assert ["".join("01"[on] for on in plan.astype(int)) for plan in found] == [
+    plans = pulses([0, 2], [1, 2, 9], 4)
+    assert ["".join("01"[on] for on in plan.astype(int)) for plan in plans] == [
         "1000",
         "1100",
         "1111",
@@ -202,16 +199,10 @@ def test_members_and_committees_vote_under_the_actuation(strategy):
         aware = True
 
         def start(self, washout):
-            raise NotImplementedError
-
-        def start_under(self, washout, schedule):
-            return np.ascontiguousarray(filtered.ensemble_under(washout, schedule)[:, self.number])
+            return np.ascontiguousarray(filtered.ensemble(washout)[:, self.number])
 
         def advance(self, memory, steps):
-            raise NotImplementedError
-
-        def advance_under(self, memory, steps, schedule):
-            return filtered.advance_under(memory, steps, schedule)
+            return filtered.advance(memory, steps)
 
     alone = [asked(strategy.policy(given, Member(number)), washout, acting) for number in range(18)]
     for share in (0.1, 0.5, 0.9):
@@ -230,11 +221,11 @@ def test_members_and_committees_vote_under_the_actuation(strategy):
 
 def test_plans_may_last_one_step_and_fill_the_horizon():
     steps = 3 * PER_LT
-    one = replace(PLANNED, durations_lt=(1 / PER_LT, 3.0))
-    found = one.plans(schedule(0.0))
-    assert found.shape == (6 - 2 + 2, steps)  # later starts are cut, each to a plan of its own
-    assert found.sum(axis=1).min() == 1
-    assert found.sum(axis=1).max() == steps
+    strategy = replace(PLANNED, durations_lt=(1 / PER_LT, 3.0))
+    plans = strategy.plans(schedule(0.0))
+    assert plans.shape == (6 - 2 + 2, steps)  # later starts are cut, each to a plan of its own
+    assert plans.sum(axis=1).min() == 1
+    assert plans.sum(axis=1).max() == steps
 
 
 @pytest.mark.parametrize("strategy", [RECEDING, PLANNED])

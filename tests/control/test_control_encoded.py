@@ -50,10 +50,10 @@ def test_what_shows_the_whole_state_controls_as_the_state_does(sensor):
     given = experiment()
     strategy = RecedingHorizon(decision_interval_lt=0.25, horizon_lt=1.0)
     seen = dataclasses.replace(given, sensor=sensor)
-    one, other = run(strategy, seen, WholeSeen()), run(strategy, given, EQUATIONS)
-    np.testing.assert_array_equal(one.actuated, other.actuated)
-    np.testing.assert_array_equal(one.controlled, other.controlled)
-    assert other.actuated.any()
+    whole, plain = run(strategy, seen, WholeSeen()), run(strategy, given, EQUATIONS)
+    np.testing.assert_array_equal(whole.actuated, plain.actuated)
+    np.testing.assert_array_equal(whole.controlled, plain.controlled)
+    assert plain.actuated.any()
 
 
 class Recorded:
@@ -95,7 +95,7 @@ def test_noise_is_added_before_the_encoder():
     observable = FLOW.observable(np.moveaxis(states, -1, 0)) + noise[:, :steps, 9]
     expected = np.stack([seen[..., 0] ** 2, seen[..., 1] - seen[..., 2], observable], axis=-1)
     (first, *_) = classifier.given
-    rows = [np.abs(expected - one).max(axis=(1, 2)).argmin() for one in first]
+    rows = [np.abs(expected - washout).max(axis=(1, 2)).argmin() for washout in first]
     np.testing.assert_allclose(first, expected[rows], atol=1e-12)
 
 
@@ -104,13 +104,13 @@ def test_an_alarm_holds_whatever_later_decisions_say():
         experiment(), sensor=encoded(IdentityEncoder(), component_names(FLOW))
     )
     strategy = ProbabilityTriggered(decision_interval_lt=0.25, probability=0.5, hold_lt=0.75)
-    found = run(strategy, given, Recorded(0.06))
-    expected, alarms = np.zeros_like(found.actuated), np.array(alarms_of(found))
+    flows = run(strategy, given, Recorded(0.06))
+    expected, alarms = np.zeros_like(flows.actuated), np.array(alarms_of(flows))
     for look in range(alarms.shape[1]):
-        now = found.timing.first_look + look * 5
+        now = flows.timing.first_look + look * 5
         expected[alarms[:, look], now + 1 : now + 1 + 15] = True
-    np.testing.assert_array_equal(found.actuated, expected)
-    assert 0 < found.actuated.mean() < 1
+    np.testing.assert_array_equal(flows.actuated, expected)
+    assert 0 < flows.actuated.mean() < 1
     just = dataclasses.replace(strategy, probability=0.6)
     np.testing.assert_array_equal(run(just, given, Recorded(0.06)).actuated, expected)
     both = dataclasses.replace(strategy, windows=2.0)
@@ -136,10 +136,10 @@ def test_a_rule_acts_on_what_is_observed_alone():
     seen = dataclasses.replace(given, sensor=PART)
     by_part = Reactive(decision_interval_lt=0.2, level=0.1, watch="a1 - mean")
     by_all = Reactive(decision_interval_lt=0.2, level=0.1, watch="(a1 - a9) / 2")
-    one, other = run(by_part, seen, None), run(by_all, given, None)
-    np.testing.assert_array_equal(one.actuated, other.actuated)
-    np.testing.assert_array_equal(one.controlled, other.controlled)
-    assert 0 < one.actuated.mean() < 1
+    of_part, of_all = run(by_part, seen, None), run(by_all, given, None)
+    np.testing.assert_array_equal(of_part.actuated, of_all.actuated)
+    np.testing.assert_array_equal(of_part.controlled, of_all.controlled)
+    assert 0 < of_part.actuated.mean() < 1
     with pytest.raises(ValueError, match="unknown name 'a9'"):
         by_all.policy(seen, None)
 

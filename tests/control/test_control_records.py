@@ -42,27 +42,27 @@ def test_record_flows_counts_what_counts(laminar: float | None) -> None:
     timing = Reactive(0.5, 0.5).timing(Schedule(2, 1.0, 3.0, 0.0, 0.0, 1.0, 2, 2, 0.1))
     assert Span.of(timing) == SPAN
     generator = np.random.default_rng(1)
-    heights = {who: generator.choice([0.0, 0.9, 1.0, 2.0, 3.0], (40, 10)) for who in WHO}
+    heights = {run: generator.choice([0.0, 0.9, 1.0, 2.0, 3.0], (40, 10)) for run in WHO}
     names = ("actuated_integration_steps", "switchings")
     counts = {name: generator.integers(9, size=40) for name in names}
     rows = np.arange(5, 45)
     budget = EnergyBudget(*generator.normal(size=(2, 40)))
     flows = simulation_of(timing, **heights, **counts, rows=rows, controlled_energy=budget)
-    found = record_flows(flows, laminar)
+    recorded = record_flows(flows, laminar)
     for name, expected in {**counts, "row": rows}.items():
-        assert getattr(found, name).tolist() == expected.tolist()
-    for who, of_flows in heights.items():
+        assert getattr(recorded, name).tolist() == expected.tolist()
+    for run, of_flows in heights.items():
         for flow, height in enumerate(of_flows):
             counted = range(4, 10)
             exceeding = sum(height[step] >= 1 for step in counted)
             events = sum(height[step - 1] < 1 <= height[step] for step in counted)
             above = [step for step in range(9) if laminar and height[1 + step] > laminar]
-            assert getattr(found, f"exceeding_{who}")[flow] == exceeding
-            assert getattr(found, f"events_{who}")[flow] == events
-            assert getattr(found, f"laminar_step_{who}")[flow] == min(above, default=-1)
-    np.testing.assert_array_equal(found.input_controlled, budget.input)
-    np.testing.assert_array_equal(found.dissipation_controlled, budget.dissipation)
-    assert np.isnan([found.input_uncontrolled, found.dissipation_uncontrolled]).all()
+            assert getattr(recorded, f"exceeding_{run}")[flow] == exceeding
+            assert getattr(recorded, f"events_{run}")[flow] == events
+            assert getattr(recorded, f"laminar_step_{run}")[flow] == min(above, default=-1)
+    np.testing.assert_array_equal(recorded.input_controlled, budget.input)
+    np.testing.assert_array_equal(recorded.dissipation_controlled, budget.dissipation)
+    assert np.isnan([recorded.input_uncontrolled, recorded.dissipation_uncontrolled]).all()
 
 
 # -- scores ----------------------------------------------------------------------------------------
@@ -77,16 +77,16 @@ def random_records(flows: int, seed: int, controlled: float = 0.2, laminar: int 
     values: dict[str, Any] = {"row": np.arange(flows)}
     values["actuated_integration_steps"] = generator.binomial(12, 0.1, flows)
     values["switchings"] = generator.binomial(2, 0.1, flows)
-    for parity, (who, share) in enumerate(zip(WHO, (0.3, controlled), strict=True)):
-        values[f"exceeding_{who}"] = generator.binomial(6, share, flows)
-        values[f"events_{who}"] = generator.binomial(2, share, flows)
+    for parity, (run, share) in enumerate(zip(WHO, (0.3, controlled), strict=True)):
+        values[f"exceeding_{run}"] = generator.binomial(6, share, flows)
+        values[f"events_{run}"] = generator.binomial(2, share, flows)
         step = np.full(flows, -1)
         step[parity:laminar:2] = generator.integers(0, 9, len(step[parity:laminar:2]))
-        values[f"laminar_step_{who}"] = step
+        values[f"laminar_step_{run}"] = step
         for name in ("input", "dissipation"):
             of_flows = generator.normal(2.0, 0.1, flows)
             of_flows[step >= 0] = np.nan
-            values[f"{name}_{who}"] = of_flows
+            values[f"{name}_{run}"] = of_flows
     return FlowRecords(**values)
 
 
@@ -100,30 +100,30 @@ def plain_scores(
         if max(records.laminar_step_uncontrolled[flow], records.laminar_step_controlled[flow]) < 0
     ]
 
-    def quotient(one: float, other: float) -> float:
-        return one / other if other else np.nan
+    def quotient(numerator: float, denominator: float) -> float:
+        return numerator / denominator if denominator else np.nan
 
     def mean(values: Any) -> float:
         return quotient(sum(float(values[flow]) for flow in kept), len(kept))
 
     lyapunov_times = span.steps / span.steps_per_lyapunov_time
-    found = {name: mean(values) for name, values in costs.items()}
-    found["control_fraction"] = mean(records.actuated_integration_steps) / span.integration_steps
-    found["switchings_per_lyapunov_time"] = mean(records.switchings) / lyapunov_times
-    for who in WHO:
-        values = {name: getattr(records, f"{name}_{who}") for name in ("input", "dissipation")}
-        found |= {f"{name}_{who}": mean(values[name]) for name in values}
-        found[f"exceedance_{who}"] = mean(getattr(records, f"exceeding_{who}")) / span.steps
-        events = mean(getattr(records, f"events_{who}"))
-        found[f"events_per_lyapunov_time_{who}"] = events / lyapunov_times
-        steps = [int(getattr(records, f"laminar_step_{who}")[flow]) for flow in drawn]
+    scores = {name: mean(values) for name, values in costs.items()}
+    scores["control_fraction"] = mean(records.actuated_integration_steps) / span.integration_steps
+    scores["switchings_per_lyapunov_time"] = mean(records.switchings) / lyapunov_times
+    for run in WHO:
+        values = {name: getattr(records, f"{name}_{run}") for name in ("input", "dissipation")}
+        scores |= {f"{name}_{run}": mean(values[name]) for name in values}
+        scores[f"exceedance_{run}"] = mean(getattr(records, f"exceeding_{run}")) / span.steps
+        events = mean(getattr(records, f"events_{run}"))
+        scores[f"events_per_lyapunov_time_{run}"] = events / lyapunov_times
+        steps = [int(getattr(records, f"laminar_step_{run}")[flow]) for flow in drawn]
         risk = sum(span.steps_at_risk if step < 0 else step for step in steps)
         hazard = quotient(sum(step >= 0 for step in steps), risk / span.steps_per_lyapunov_time)
-        found[f"laminarisation_hazard_{who}"] = hazard
+        scores[f"laminarisation_hazard_{run}"] = hazard
     for name in ("exceedance", "input", "dissipation"):
-        pair = found[f"{name}_controlled"], found[f"{name}_uncontrolled"]
-        found[f"relative_{name}"] = quotient(*pair)
-    return found
+        pair = scores[f"{name}_controlled"], scores[f"{name}_uncontrolled"]
+        scores[f"relative_{name}"] = quotient(*pair)
+    return scores
 
 
 @pytest.mark.parametrize("flows", [0, 1, 6, 40])
@@ -133,8 +133,8 @@ def test_score_flows_is_a_plain_sum_over_the_flows_of_each_resample(flows: int) 
     laminar = np.maximum(records.laminar_step_uncontrolled, records.laminar_step_controlled) >= 0
     costs = {name: np.where(laminar, np.nan, generator.random(flows)) for name in COSTS}
     sample = FlowSample(records, SPAN, costs)
-    found = score_flows(sample, 30, np.random.default_rng(3))
-    assert tuple(found) == (*FLOW_SCORES, *COSTS)
+    scores = score_flows(sample, 30, np.random.default_rng(3))
+    assert tuple(scores) == (*FLOW_SCORES, *COSTS)
     assert tuple(score_flows(FlowSample(records, SPAN), 3, generator)) == FLOW_SCORES
     weights = np.ones((31, flows), dtype=int)
     if flows:
@@ -142,9 +142,9 @@ def test_score_flows_is_a_plain_sum_over_the_flows_of_each_resample(flows: int) 
     expected = [
         plain_scores(records, SPAN, np.repeat(np.arange(flows), times), costs) for times in weights
     ]
-    intervals = flow_intervals(found, sample, 0.9)
-    for name, score in found.items():
-        values = [one[name] for one in expected]
+    intervals = flow_intervals(scores, sample, 0.9)
+    for name, score in scores.items():
+        values = [resample[name] for resample in expected]
         np.testing.assert_allclose([score.value, *score.samples], values, rtol=1e-12, atol=1e-14)
         finite = [value for value in values[1:] if np.isfinite(value)]
         if score.value:  # of zero there are bounds
@@ -167,7 +167,7 @@ def test_flow_intervals_bound_nothing_by_the_rule_of_three() -> None:
         * records.events_uncontrolled[exceeding > 0].mean()
         / 3,
         # three laminarisations in the whole time at risk
-        **{f"laminarisation_hazard_{who}": 3 / (1000 * 4) for who in WHO},
+        **{f"laminarisation_hazard_{run}": 3 / (1000 * 4) for run in WHO},
     }
     for name, bound in bounds.items():
         assert scores[name] == Interval(0, 0, pytest.approx(bound, rel=4e-3))
@@ -217,11 +217,11 @@ def test_medians_over_seeds_are_those_of_networks_that_differ_by_their_seeds() -
         for seed in range(3)
     ]
     other = ForecasterName("equations"), scored(random_records(30, 9))
-    found = medians_over_seeds([members[0], other, *members[1:]])
-    assert list(found) == ["median of esn-N500-RV", "equations"]
+    medians = medians_over_seeds([members[0], other, *members[1:]])
+    assert list(medians) == ["median of esn-N500-RV", "equations"]
     for name in ("relative_exceedance", "control_fraction"):
         np.testing.assert_array_equal(
-            found["median of esn-N500-RV"][name].samples,
+            medians["median of esn-N500-RV"][name].samples,
             np.median([scores[name].samples for _, scores in members], axis=0),
         )
     (single,) = medians_over_seeds(members[:1])
@@ -247,7 +247,7 @@ def flows_with(left: list[int], acting: list[int], effort: list[float] | None = 
     """Flows with 20 exceeding steps each without control; ``left`` steps and acting steps given."""
     nothing = np.zeros(len(left), dtype=np.int64)
     values = dict.fromkeys(RECORDS, nothing)
-    values |= {f"laminar_step_{who}": nothing - 1 for who in WHO}
+    values |= {f"laminar_step_{run}": nothing - 1 for run in WHO}
     values |= {"exceeding_uncontrolled": nothing + 20, "exceeding_controlled": np.array(left)}
     values["actuated_integration_steps"] = np.array(acting)
     costs = {} if effort is None else {"effort": np.array(effort)}

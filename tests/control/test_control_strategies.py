@@ -344,15 +344,17 @@ def test_a_committee_votes_by_its_share(name: str, members: str) -> None:
     asks = [Biased(factor) for factor in (0.9, 1.0, 1.1, 1.2)] if networks else [filtered()]
     given, washout = replace(experiment(flows), threshold=0.05), washouts(flows, noise)
     count = np.zeros(flows, dtype=int)
-    for flow, one in product(range(flows), asks):
+    for flow, forecaster in product(range(flows), asks):
         seen = washout[:, :, flow : flow + 1]
-        memories = [one.start(seen)] if networks else one.ensemble(seen).swapaxes(0, -2)
+        memories = (
+            [forecaster.start(seen)] if networks else forecaster.ensemble(seen).swapaxes(0, -2)
+        )
         number = 4 if networks else len(memories)
         for memory in memories:
-            forecast, _ = one.advance(np.ascontiguousarray(memory), 40)
+            forecast, _ = forecaster.advance(np.ascontiguousarray(memory), 40)
             observable = FLOW.observable(forecast.transpose(1, 0, 2))[:, 0]
             count[flow] += holds_event(name, observable, 0.05)
-    assert any(0 < found < number for found in count)
+    assert any(0 < votes < number for votes in count)
     for share in (1 / number, 0.25, 0.5, 0.75, 1.0):
         policy, needed = committee(strategy(name, share), given, asks), math.ceil(share * number)
         assert asked(policy, washout) == (count >= needed).tolist()
@@ -380,11 +382,10 @@ def test_members_without_rows_of_their_memory_are_side_by_side_too() -> None:
 
     members = Members(Listed(np.zeros(1)))
     assert members.start(np.zeros((1, 1, 3))).tolist() == [*range(6)]
-    assert members.start_under(np.zeros((1, 1, 3)), np.zeros((0, 1, 3))).tolist() == [*range(6)]
 
 
 @given(st.text(), st.text(), st.floats(allow_nan=False))
-def test_any_text_in_a_name_is_put_back(one, other, number):
-    columns = as_columns({"watch": one, "force": number, "push": other})
+def test_any_text_in_a_name_is_put_back(watched, pushed, number):
+    columns = as_columns({"watch": watched, "force": number, "push": pushed})
     assert columns == {"force": number, "options": columns["options"]}
-    assert options_in(columns["options"]) == {"watch": one, "push": other}
+    assert options_in(columns["options"]) == {"watch": watched, "push": pushed}

@@ -117,30 +117,30 @@ def kept_flows(flows: ControlledFlows, laminar: float | None) -> list[int]:
 def plain_counts(flows: ControlledFlows, flow: int) -> dict[str, int]:
     """Counts of one flow, one look and one step after the other."""
     looks, height = flows.looks, flows.controlled[flow]
-    found = dict.fromkeys((field.name for field in fields(WindowCounts)), 0)
+    counts = dict.fromkeys((field.name for field in fields(WindowCounts)), 0)
     events = [step for step in range(3, 18) if height[step - 1] < 1 <= height[step]]
     windows: dict[int, str] = {}
     for look in np.flatnonzero(looks.flow == flow):
         now = int(looks.step[look])
         crosses, under_way, reached = (bool(looks.judged[name][look]) for name in JUDGED)
-        found["forecasts"] += 1
+        counts["forecasts"] += 1
         kind = "events_under_way" if height[min(now + 3, 17)] >= 1 else "missed_events"
         if looks.alarm[look]:
-            found["alarms"] += 1
-            found["true_alarms" if crosses else "false_alarms"] += 1
-            found["early_alarms"] += under_way
+            counts["alarms"] += 1
+            counts["true_alarms" if crosses else "false_alarms"] += 1
+            counts["early_alarms"] += under_way
             kind = "events_after_true_alarms" if crosses else "events_after_false_alarms"
         if crosses:
-            found["unsuppressed_events" if reached else "suppressed_events"] += 1
+            counts["unsuppressed_events" if reached else "suppressed_events"] += 1
             late = any(now + 6 < step <= now + 9 for step in events)
-            found["delayed_events"] += late and not reached
+            counts["delayed_events"] += late and not reached
         windows |= dict.fromkeys(range(now + 4, now + 7), kind)
     for step in events:
-        found[windows.get(step, "events_between_windows")] += 1
+        counts[windows.get(step, "events_between_windows")] += 1
     free = [step for step in range(9, 18) if not flows.actuated[flow, step]]
-    found["steps_free"] = len(free)
-    found["exceeding_free"] = sum(height[step] >= 1 for step in free)
-    return found
+    counts["steps_free"] = len(free)
+    counts["exceeding_free"] = sum(height[step] >= 1 for step in free)
+    return counts
 
 
 @settings(max_examples=60, deadline=None)
@@ -148,19 +148,19 @@ def plain_counts(flows: ControlledFlows, flow: int) -> dict[str, int]:
 def test_count_windows_and_totals_are_those_of_a_plain_loop(
     flows: ControlledFlows, laminar: float | None
 ) -> None:
-    found, records = count_windows(flows), record_flows(flows, laminar)
+    counts, records = count_windows(flows), record_flows(flows, laminar)
     expected = [plain_counts(flows, flow) for flow in range(12)]
-    for name, of_flows in vars(found).items():
-        assert of_flows.tolist() == [counts[name] for counts in expected], name
+    for name, of_flows in vars(counts).items():
+        assert of_flows.tolist() == [of_flow[name] for of_flow in expected], name
     kept = kept_flows(flows, laminar)
     total: dict[str, float] = {
         name: sum(expected[flow][name] for flow in kept) for name in expected[0]
     }
     controlled, uncontrolled = flows.controlled[kept], flows.uncontrolled[kept]
-    for who, heights in (("controlled", controlled), ("uncontrolled", uncontrolled)):
-        total[f"exceeding_{who}"] = int((heights[:, 9:] >= 1).sum())
-        highest = getattr(flows, who)[:, 2:].max(axis=1)
-        total[f"laminarised_{who}"] = sum(highest > laminar) if laminar else 0
+    for name, heights in (("controlled", controlled), ("uncontrolled", uncontrolled)):
+        total[f"exceeding_{name}"] = int((heights[:, 9:] >= 1).sum())
+        highest = getattr(flows, name)[:, 2:].max(axis=1)
+        total[f"laminarised_{name}"] = sum(highest > laminar) if laminar else 0
     rises = (uncontrolled[:, 8:-1] < 1) & (uncontrolled[:, 9:] >= 1)
     kinds = ("missed_events", "events_under_way", "events_after_true_alarms")
     kinds += ("events_after_false_alarms", "events_between_windows")
@@ -181,21 +181,21 @@ def test_count_windows_and_totals_are_those_of_a_plain_loop(
         "control_fraction": share("actuated_integration_steps", "integration_steps"),
         "alarm_rate": share("alarms", "forecasts"),
     }
-    counts = totals(FlowSample(records, Span.of(flows.timing)), found, flows.left_out)
-    assert counts == pytest.approx(total | shares, nan_ok=True)
+    computed = totals(FlowSample(records, Span.of(flows.timing)), counts, flows.left_out)
+    assert computed == pytest.approx(total | shares, nan_ok=True)
 
 
 @settings(max_examples=20, deadline=None)
 @given(flows=RANDOM_FLOWS)
 def test_observable_histograms_are_of_the_steps_that_count(flows: ControlledFlows) -> None:
     edges = np.array([0.0, 0.5, 1.0, 1.5])  # values beyond them are in no bin
-    found = observable_histograms(flows, edges)
+    histograms = observable_histograms(flows, edges)
     for flow in range(12):
         controlled = flows.controlled[flow, 9:]
         samples = {"uncontrolled": flows.uncontrolled[flow, 9:], "controlled": controlled}
         samples["free"] = controlled[~flows.actuated[flow, 9:]]
         for name, sample in samples.items():
-            counts = getattr(found, f"histogram_{name}")[flow].tolist()
+            counts = getattr(histograms, f"histogram_{name}")[flow].tolist()
             assert counts == np.histogram(sample, edges)[0].tolist()
 
 
@@ -206,7 +206,7 @@ def plain_judgement(flow: PlainFlow, strategy: Any, schedule: Any, threshold: fl
     """What would have come of each look, and what came: crossing, under way, reached."""
     start, end = strategy.window(schedule)
     first = strategy.timing(schedule).effect[0] // schedule.sampling_stride
-    found = []
+    alarms = []
     for look in flow.looks:
         judged = (False, False, False)
         if look.alarm:
@@ -216,8 +216,8 @@ def plain_judgement(flow: PlainFlow, strategy: Any, schedule: Any, threshold: fl
             )
             crosses = window[0] < threshold <= max(window)
             judged = (crosses, window[0] >= threshold, reached)
-        found.append(judged)
-    return found
+        alarms.append(judged)
+    return alarms
 
 
 @settings(max_examples=60, deadline=None)
@@ -329,23 +329,23 @@ def test_an_event_is_followed_again_as_it_was_found() -> None:
     followed = run(STRATEGY, given, keep_states=True)
     chosen = largest_suppressed_event(followed, None)
     assert chosen is not None
-    found = simulate_event(chosen, STRATEGY, given, EQUATIONS, None)
-    steps = np.rint(found.time_lt * 20).astype(int)
+    event = simulate_event(chosen, STRATEGY, given, EQUATIONS, None)
+    steps = np.rint(event.time_lt * 20).astype(int)
     shown = chosen.alarm_step + steps
     np.testing.assert_array_equal(np.diff(shown), 1)
     assert steps[0] == max(-20, -chosen.alarm_step)
-    np.testing.assert_allclose(found.uncontrolled, followed.uncontrolled[chosen.flow, shown])
-    np.testing.assert_allclose(found.controlled, followed.controlled[chosen.flow, shown])
+    np.testing.assert_allclose(event.uncontrolled, followed.uncontrolled[chosen.flow, shown])
+    np.testing.assert_allclose(event.controlled, followed.controlled[chosen.flow, shown])
     # the equations, from the true state: what happens if nobody acts
     ahead = (steps > 0) & (steps <= STRATEGY.window(SCHEDULE)[1])
-    np.testing.assert_array_equal(np.isfinite(found.forecast), ahead)
-    np.testing.assert_allclose(found.forecast[ahead], found.uncontrolled[ahead], rtol=1e-6)
-    np.testing.assert_allclose(found.actuation_lt, [0.0, 1.5])
+    np.testing.assert_array_equal(np.isfinite(event.forecast), ahead)
+    np.testing.assert_allclose(event.forecast[ahead], event.uncontrolled[ahead], rtol=1e-6)
+    np.testing.assert_allclose(event.actuation_lt, [0.0, 1.5])
     assert followed.uncontrolled_states is not None
-    states = followed.uncontrolled_states[chosen.flow, shown[found.mark]]
-    np.testing.assert_allclose(found.uncontrolled_state, states)
-    assert found.uncontrolled[found.mark[2]] == found.uncontrolled[found.mark[1] :].max()
-    assert found.controlled_state.shape == (4, 9)
+    states = followed.uncontrolled_states[chosen.flow, shown[event.mark]]
+    np.testing.assert_allclose(event.uncontrolled_state, states)
+    assert event.uncontrolled[event.mark[2]] == event.uncontrolled[event.mark[1] :].max()
+    assert event.controlled_state.shape == (4, 9)
     # with noise: so little that the same alarm is raised, and yet more than rounding
     noise = np.random.default_rng(3).normal(0.0, 1e-7, (30, followed.timing.length, 9))
     noisy = simulate_event(chosen, STRATEGY, given, EQUATIONS, noise)
@@ -362,12 +362,12 @@ def test_an_event_is_shown_from_the_start_of_the_actuation() -> None:
     strategy, given = PredictionTriggered(1.5, 1.0), experiment(40)
     chosen = largest_suppressed_event(run(strategy, given), None)
     assert chosen is not None
-    found = simulate_event(chosen, strategy, given, EQUATIONS, None)
-    np.testing.assert_allclose(found.time_lt[found.mark[0]], 0.5)
-    np.testing.assert_allclose(found.actuation_lt, [0.5, 2.0])
+    event = simulate_event(chosen, strategy, given, EQUATIONS, None)
+    np.testing.assert_allclose(event.time_lt[event.mark[0]], 0.5)
+    np.testing.assert_allclose(event.actuation_lt, [0.5, 2.0])
 
 
 def test_without_an_event_nothing_is_followed() -> None:
-    found = simulate_event(None, STRATEGY, experiment(2), EQUATIONS, None)
-    assert found.time_lt.size == found.mark.size == found.uncontrolled_state.size == 0
-    np.testing.assert_allclose(found.actuation_lt, [0.0, 1.5])
+    event = simulate_event(None, STRATEGY, experiment(2), EQUATIONS, None)
+    assert event.time_lt.size == event.mark.size == event.uncontrolled_state.size == 0
+    np.testing.assert_allclose(event.actuation_lt, [0.0, 1.5])

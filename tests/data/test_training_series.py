@@ -11,9 +11,7 @@ from sklearn.preprocessing import PolynomialFeatures
 
 from burstcast.data.scheduled_series import (
     RandomActuation,
-    ScheduledSeries,
     TrainingSet,
-    joined,
     scheduled_variables,
     simulated_series,
 )
@@ -182,7 +180,8 @@ def test_series_are_those_of_integration_and_the_first_that_do_not_laminarise():
     acting = RandomActuation(15, 3.0, 9.0).draw(12, 300, np.random.default_rng(3))
     schedules = np.where(acting, 2000.0, 400.0)[:, :, np.newaxis]
     settings = {"time_step": 0.25, "sampling_stride": 4, "laminarisation_threshold": 0.48}
-    found, rows = simulated_series(REYNOLDS, MFE, perturbed, schedules, 5, **settings)
+    states, in_force = simulated_series(REYNOLDS, MFE, perturbed, schedules, 5, **settings)
+    rows = np.flatnonzero((schedules[:, np.newaxis] == in_force).all(axis=(2, 3)).any(axis=1))
     together = integrate_scheduled(REYNOLDS, schedules.transpose(1, 2, 0), perturbed, 0.25, 4)
     every = integrate_scheduled(
         REYNOLDS, np.repeat(schedules.transpose(1, 2, 0), 4, axis=0), perturbed, 0.25
@@ -190,61 +189,43 @@ def test_series_are_those_of_integration_and_the_first_that_do_not_laminarise():
     quiet = (MFE.observable(every.transpose(1, 0, 2)) <= 0.48).all(axis=0)
     assert rows.tolist() == np.flatnonzero(quiet)[:5].tolist()
     assert 1 not in rows
-    assert np.array_equal(found.states, together[:, :, rows].transpose(2, 0, 1))
-    assert np.array_equal(found.schedules, schedules[rows])
+    assert np.array_equal(states, together[:, :, rows].transpose(2, 0, 1))
+    assert np.array_equal(in_force, schedules[rows])
     # as many as are left are enough, one more is not
     left = int(quiet.sum())
-    _, rows = simulated_series(REYNOLDS, MFE, perturbed, schedules, left, **settings)
-    assert rows.tolist() == np.flatnonzero(quiet).tolist()
+    _, in_force = simulated_series(REYNOLDS, MFE, perturbed, schedules, left, **settings)
+    assert np.array_equal(in_force, schedules[quiet])
     with pytest.raises(ValueError, match=rf"^{left} of 12 flows .* but {left + 1} are wanted"):
         simulated_series(REYNOLDS, MFE, perturbed, schedules, left + 1, **settings)
     with pytest.raises(ValueError, match=r"but 12 are wanted: give more initial states"):
         simulated_series(REYNOLDS, MFE, perturbed, schedules, 12, **settings)
 
 
-def test_series_of_several_cases_are_joined_with_their_values():
-    start = 0.1 * np.random.default_rng(1).normal(size=(9, 2))
-    parts = [
-        ScheduledSeries.constant(
-            integrate(MoehlisFaisstEckhardt(value), start, 0.25, 40, 4).transpose(2, 0, 1), [value]
-        )
-        for value in (400.0, 1000.0)
-    ]
-    together = joined(parts)
-    assert together.states.shape == (4, 11, 9)
-    assert together.schedules[:, :, 0].tolist() == [[400.0] * 10] * 2 + [[1000.0] * 10] * 2
-    for row in range(4):
-        values = together.schedules[row][:, :, np.newaxis]
-        expected = integrate_scheduled(REYNOLDS, values, start[:, [row % 2]], 0.25, 4)
-        assert np.array_equal(together.states[row], expected[:, :, 0])
-
-
 def test_what_does_not_fit_is_refused():
-    states = np.zeros((2, 10, 3))
-    with pytest.raises(ValueError, match=r"shape \(2, 9, parameters\)"):
-        ScheduledSeries(states, np.ones((2, 10, 1)))
-    one, two = (ScheduledSeries.constant(states[:, :length], [1.0]) for length in (10, 9))
+    long, short = (part(0, 2, length) for length in (10, 9))
     with pytest.raises(ValueError, match="the same length, components and parameters"):
-        joined([one, two])
+        TrainingSet.of_parts([long, short], own=0)
     with pytest.raises(ValueError, match=r"mean_on must be 1 at least, not 0\.5"):
         RandomActuation(5, 0.5, 3.0)
 
 
+def part(case, count, length=4):
+    """Series of a case as they are in its file; the numbers say which case and series it is."""
+    numbers = 10.0 * case + np.arange(count)
+    states = np.tile(numbers[:, np.newaxis, np.newaxis], (1, length, 2))
+    schedules = np.full((count, length - 1, 1), float(case))
+    variables = scheduled_variables(states, states + 0.5, schedules)
+    return {name: variable.data for name, variable in variables.items()}
+
+
 def test_series_of_several_cases_take_turns():
-    """Case 0 has two series, case 1 three; the numbers say which is which."""
-
-    def part(case, count):
-        numbers = np.array([10.0 * case + one for one in range(count)])
-        states = np.tile(numbers[:, np.newaxis, np.newaxis], (1, 4, 2))
-        true = ScheduledSeries.constant(states, [float(case)])
-        return {name: one.data for name, one in scheduled_variables(true, states + 0.5).items()}
-
+    """Case 0 has two series, case 1 three."""
     parts = [part(0, 2), part(1, 3)]
-    found = TrainingSet.of_parts(parts, own=1)
-    assert found.true.states[:, 0, 0].tolist() == [0, 10, 1, 11, 12]
-    assert found.observed.states[:, 3, 1].tolist() == [0.5, 10.5, 1.5, 11.5, 12.5]
-    assert found.schedules[:, 2, 0].tolist() == [0, 1, 0, 1, 1]
-    assert found.own_rows == [1, 3, 4]
+    training = TrainingSet.of_parts(parts, own=1)
+    assert training.states[:, 0, 0].tolist() == [0, 10, 1, 11, 12]
+    assert training.observed[:, 3, 1].tolist() == [0.5, 10.5, 1.5, 11.5, 12.5]
+    assert training.observed[:, 2, 2].tolist() == [0, 1, 0, 1, 1]
+    assert training.own_rows == [1, 3, 4]
     assert TrainingSet.of_parts(parts, own=0).own_rows == [0, 2]
     assert TrainingSet.of_parts(parts, own=None).own_rows == []
 

@@ -104,10 +104,12 @@ def test_durations_are_those_of_the_forecaster():
         **{"lyapunov_time": None, "washout": 25.0, "prediction_times": (10.0,), "window": 20.0},
         calibration_spacing=5.0,
     )
-    found = controlled(RecedingHorizon(5, 30), in_samples, duration=SAMPLES)
+    counted_in_samples = controlled(RecedingHorizon(5, 30), in_samples, duration=SAMPLES)
     expected = controlled()
-    np.testing.assert_array_equal(found.states, expected.states)
-    rates = [run.scores["switchings_per_lyapunov_time"].value for run in (found, expected)]
+    np.testing.assert_array_equal(counted_in_samples.states, expected.states)
+    rates = [
+        run.scores["switchings_per_lyapunov_time"].value for run in (counted_in_samples, expected)
+    ]
     assert rates[1] == pytest.approx(50 * rates[0])
 
 

@@ -8,7 +8,6 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
-import sklearn.base
 import xarray
 from numpy.testing import assert_array_equal
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -71,19 +70,6 @@ def fitted(training):
 
 
 # -- habits ----------------------------------------------------------------------------------------
-def test_the_defaults():
-    assert burstcast.EventForecaster().get_params() == {
-        **{"observable": 0, "event_threshold": {"quantile": 0.95}, "prediction_times": (1.0,)},
-        **{"window": None, "lyapunov_time": None, "sampling_interval": 1.0, "washout": None},
-        **{"kind": "esn", "members": 10, "searches": 3, "neurons": 500, "validation": "RV"},
-        **{"validation_interval": None, "validation_series": None, "intervals_per_series": None},
-        **{"spectral_radius": (0.05, 1.0), "input_scaling": (0.05, 10.0), "grid": 4},
-        **{"tikhonov": (1e-6, 1e-9, 1e-12), "bayesian_points": 9, "calibrate": True},
-        **{"prior_forecasts": 30.0, "calibration_spacing": None, "start_spacing": None},
-        **{"noise": 0.0, "sampling_stride": 1, "options": None, "random_seed": 0, "case": "series"},
-    }
-
-
 def test_parameters_are_set_by_name():
     forecaster = burstcast.EventForecaster(neurons=50)
     assert forecaster.set_params(neurons=70, members=2) is forecaster
@@ -91,12 +77,6 @@ def test_parameters_are_set_by_name():
     with pytest.raises(ValueError, match=r"no parameter 'neuron' \(did you mean 'neurons'\?\)"):
         forecaster.set_params(members=3, neuron=1)
     assert forecaster.members == 2
-
-
-def test_scikit_learn_clones_it(fitted):
-    copy = sklearn.base.clone(fitted)
-    assert copy.get_params() == fitted.get_params()
-    assert not hasattr(copy, "members_")
 
 
 def test_its_repr_is_short():
@@ -187,9 +167,9 @@ def test_masked_series_are_refused(convert, fitted):
 @pytest.mark.parametrize("value", [1j, np.ma.masked, "1.0"])
 def test_an_observable_must_be_a_real_number(value, training):
     def observable(states):
-        found = np.ma.array(states[..., 0], dtype=type(value) if value == 1j else object)
-        found[...] = value
-        return found if value is not np.ma.masked else np.ma.masked_all(found.shape)
+        values = np.ma.array(states[..., 0], dtype=type(value) if value == 1j else object)
+        values[...] = value
+        return values if value is not np.ma.masked else np.ma.masked_all(values.shape)
 
     with pytest.raises(
         (TypeError, ValueError), match=r"the observable must (not be masked|consist)"
@@ -250,9 +230,9 @@ def test_probabilities_are_those_of_votes_calibrated(fitted, test_series):
         votes = ((before < 12) & (after >= 12)).mean(axis=0)
         alarm = fitted.alarms_[time]
         probability = np.interp(votes, alarm.calibration.values, alarm.calibration.probabilities)
-        found = fitted.predict_proba(seen, time)
-        np.testing.assert_allclose(found[:, 1], probability, rtol=1e-12)
-        np.testing.assert_allclose(found.sum(axis=1), 1, rtol=1e-15)
+        probabilities = fitted.predict_proba(seen, time)
+        np.testing.assert_allclose(probabilities[:, 1], probability, rtol=1e-12)
+        np.testing.assert_allclose(probabilities.sum(axis=1), 1, rtol=1e-15)
         assert_array_equal(fitted.predict(seen, time), probability >= alarm.threshold)
     assert_array_equal(fitted.classes_, [False, True])
 
@@ -305,8 +285,8 @@ def test_networks_without_a_search_of_their_own_take_the_others_hyperparameters(
     first, second, third = alone.hyperparameters_
     assert first != third
     assert shared.hyperparameters_ == [first, second, first]
-    for one, other in zip(alone.members_[:2], shared.members_[:2], strict=True):
-        assert_array_equal(one.network.readout.weights, other.network.readout.weights)
+    for member, shared_member in zip(alone.members_[:2], shared.members_[:2], strict=True):
+        assert_array_equal(member.network.readout.weights, shared_member.network.readout.weights)
     last = shared.members_[2]
     assert last.seed == alone.members_[2].seed  # a reservoir of its own
     assert last.network.dynamics.spectral_radius == first["spectral_radius"]
@@ -347,14 +327,14 @@ class ThreadsOfFit(Persistence):
     threads: int = fitted_field()
 
     def fit(self, training, case):
-        return self.with_fitted(threads=max(one["num_threads"] for one in threadpool_info()))
+        return self.with_fitted(threads=max(pool["num_threads"] for pool in threadpool_info()))
 
 
 def test_one_thread_fits(training):
     with threadpool_limits(limits=2):
-        assert max(one["num_threads"] for one in threadpool_info()) == 2
+        assert max(pool["num_threads"] for pool in threadpool_info()) == 2
         forecaster = fit(training, kind=ThreadsOfFit)
-        assert max(one["num_threads"] for one in threadpool_info()) == 2
+        assert max(pool["num_threads"] for pool in threadpool_info()) == 2
     assert [member.threads for member in forecaster.members_] == [1]
 
 
@@ -364,13 +344,12 @@ def test_durations_are_in_samples_without_a_lyapunov_time(training, fitted):
         name: int(default * LYAPUNOV_TIME / 0.02) for name, (default, _) in DURATIONS.items()
     }
     times = tuple(int(time * LYAPUNOV_TIME / 0.02) for time in (0.5, 1.0))
-    found = fit(training, lyapunov_time=None, prediction_times=times, **in_samples)
+    in_sample_units = fit(training, lyapunov_time=None, prediction_times=times, **in_samples)
     assert unit == 55
-    for one, other in zip(found.members_, fitted.members_, strict=True):
-        assert_array_equal(one.network.readout.weights, other.network.readout.weights)
+    for member, expected in zip(in_sample_units.members_, fitted.members_, strict=True):
+        assert_array_equal(member.network.readout.weights, expected.network.readout.weights)
 
 
-# -- files -----------------------------------------------------------------------------------------
 # -- mistakes --------------------------------------------------------------------------------------
 MISTAKES = {
     ValueError: [
@@ -450,8 +429,8 @@ def test_what_cannot_be_done_is_said(training, fitted, test_series):
 
 
 def test_without_calibration_a_probability_is_a_share_of_votes(training, test_series, fitted):
-    found = fit(training[:1], calibrate=False)
-    probability = found.predict_proba(test_series[:, :200])[:, 1]
+    forecaster = fit(training[:1], calibrate=False)
+    probability = forecaster.predict_proba(test_series[:, :200])[:, 1]
     assert set(np.round(3 * probability, 9)) <= {0.0, 1.0, 2.0, 3.0}
 
 

@@ -73,8 +73,8 @@ def test_a_classifier_is_the_librarys(fitted, training, tested):
     seen = tested[:, 300 - washout : 300]
     for column, time in enumerate((0.5, 1.0)):
         raw = expected.probabilities(seen)[:, column]
-        found = fitted.predict_proba(tested[:, :300], time)[:, 1]
-        assert_array_equal(found, fitted.alarms_[time].calibration(raw))
+        probabilities = fitted.predict_proba(tested[:, :300], time)[:, 1]
+        assert_array_equal(probabilities, fitted.alarms_[time].calibration(raw))
     assert fitted.scores(tested)["roc_area"] > 0.5
 
 
@@ -142,9 +142,9 @@ def test_outcomes_are_those_of_the_scores(fitted, tested):
 def test_model_selection_takes_them(training):
     forecaster = burstcast.EventForecaster(**settings("precursor"))
     scorer = EventScorer("neg_brier_score")
-    found = cross_val_score(forecaster, training, cv=2, scoring=scorer, error_score="raise")
+    scores = cross_val_score(forecaster, training, cv=2, scoring=scorer, error_score="raise")
     by_hand = burstcast.EventForecaster(**settings("precursor")).fit(training[3:])
-    assert found[0] == pytest.approx(scorer(by_hand, training[:3]))
+    assert scores[0] == pytest.approx(scorer(by_hand, training[:3]))
     search = GridSearchCV(forecaster, {"calibrate": [True, False]}, scoring=scorer, cv=2)
     assert search.fit(training).best_score_ < 0
 
@@ -156,10 +156,10 @@ def test_a_plain_scorer_takes_whether_an_event_follows_the_last_sample(training)
     ahead = value[:, now + first - 1 : now + last]
     happened = (ahead[:, 0] < 36) & (ahead.max(axis=1) >= 36)
     forecaster = burstcast.EventForecaster(**settings("precursor") | {"event_threshold": 36.0})
-    found = cross_val_score(
+    scores = cross_val_score(
         forecaster, training[:, :now], happened, cv=2, scoring="neg_brier_score"
     )
-    assert np.isfinite(found).all()
+    assert np.isfinite(scores).all()
 
 
 # -- warnings --------------------------------------------------------------------------------------
@@ -170,13 +170,13 @@ def test_a_cross_validation_warns_once():
     forecaster = burstcast.EventForecaster(
         **{**SMALL, "members": 1, "neurons": 30, "event_threshold": 1.25}
     )
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         cross_val_score(forecaster, noise, cv=4)
-    (one,) = [str(each.message) for each in told if "weak forecaster" in str(each.message)]
-    assert "prediction time 0.5: " in one
-    assert "prediction time 1: votes do not tell the" in one
-    assert "no better than chance" in one
+    (message,) = [str(each.message) for each in caught if "weak forecaster" in str(each.message)]
+    assert "prediction time 0.5: " in message
+    assert "prediction time 1: votes do not tell the" in message
+    assert "no better than chance" in message
     again = forecaster.fit(noise)
     assert len(again.warnings_) >= 2
     assert all(dataclasses.is_dataclass(each) for each in again.members_)

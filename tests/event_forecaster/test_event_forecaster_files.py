@@ -32,19 +32,19 @@ KINDS = {
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
     """A fitted forecaster of each kind, and its file."""
-    directory, training, found = tmp_path_factory.mktemp("saved"), lorenz(6, 900, 1), {}
+    directory, training, forecasters = tmp_path_factory.mktemp("saved"), lorenz(6, 900, 1), {}
     for kind, changes in KINDS.items():
-        found[kind] = fit(training, **{"kind": kind, **changes}), directory / f"{kind}.nc"
-        found[kind][0].save(found[kind][1])
-    return found
+        forecasters[kind] = fit(training, **{"kind": kind, **changes}), directory / f"{kind}.nc"
+        forecasters[kind][0].save(forecasters[kind][1])
+    return forecasters
 
 
 def tampered(path, target, change):
     """A copy with changed contents and the right digest."""
     with netCDF4.Dataset(path) as file:
-        found = {name: file.getncattr(name) for name in file.ncattrs()}
+        attributes = {name: file.getncattr(name) for name in file.ncattrs()}
         arrays = {name: np.asarray(variable[...]) for name, variable in file.variables.items()}
-    parameters, fitted = (json.loads(found[name]) for name in ("parameters", "fitted"))
+    parameters, fitted = (json.loads(attributes[name]) for name in ("parameters", "fitted"))
     fitted = change(parameters, fitted, arrays) or json.dumps(fitted)
     attributes = {"event_forecaster": 2, "parameters": json.dumps(parameters), "fitted": fitted}
     attributes["digest"] = _digest(attributes, arrays)
@@ -73,24 +73,24 @@ def refused(path, most=50e6):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_saved_forecaster_forecasts_the_same_bits(kind, saved, tmp_path):
     forecaster, path = saved[kind]
-    found = burstcast.EventForecaster.load(path)
+    loaded = burstcast.EventForecaster.load(path)
     copied = burstcast.EventForecaster.load(tampered(path, tmp_path / "copy", lambda *_: None))
-    assert found.get_params() == copied.get_params() == forecaster.get_params()
+    assert loaded.get_params() == copied.get_params() == forecaster.get_params()
     series = lorenz(5, 800, 2)
     seen = series[:, :200]
     for time in (0.5, 1.0):
         expected = forecaster.predict_proba(seen, time)
-        for one in (found, copied):
-            np.testing.assert_array_equal(one.predict_proba(seen, time), expected)
-    assert found.scores(series) == pytest.approx(forecaster.scores(series), nan_ok=True)
+        for forecaster_again in (loaded, copied):
+            np.testing.assert_array_equal(forecaster_again.predict_proba(seen, time), expected)
+    assert loaded.scores(series) == pytest.approx(forecaster.scores(series), nan_ok=True)
     if kind not in OPTIONS:  # classifiers have no trajectories
-        np.testing.assert_array_equal(found.forecast(seen), forecaster.forecast(seen))
-        found.save(tmp_path / "again.nc")
+        np.testing.assert_array_equal(loaded.forecast(seen), forecaster.forecast(seen))
+        loaded.save(tmp_path / "again.nc")
         assert (tmp_path / "again.nc").read_bytes() == path.read_bytes()
     for sample in seen[0, -40:]:
-        found.update(sample)
+        loaded.update(sample)
     # sums over the points of a batch are rounded otherwise
-    assert found.probability() == pytest.approx(forecaster.predict_proba(seen)[0, 1], rel=1e-12)
+    assert loaded.probability() == pytest.approx(forecaster.predict_proba(seen)[0, 1], rel=1e-12)
 
 
 def test_networks_may_leak_and_square(saved):
@@ -126,20 +126,21 @@ NETWORK_FORMS = [
 
 @pytest.mark.parametrize(
     "parameters",
-    [{"kind": "nvar", **one} for one in FORMS] + [{"members": 1, **one} for one in NETWORK_FORMS],
+    [{"kind": "nvar", **form} for form in FORMS]
+    + [{"members": 1, **form} for form in NETWORK_FORMS],
 )
 def test_what_can_be_fitted_can_be_loaded(parameters, tmp_path):
     forecaster = fit(lorenz(4, 500, 1), **parameters)
     forecaster.save(tmp_path / "saved.nc")
-    found = burstcast.EventForecaster.load(tmp_path / "saved.nc")
+    loaded = burstcast.EventForecaster.load(tmp_path / "saved.nc")
     seen = lorenz(5, 200, 2)
     for time in forecaster.alarms_:
         expected = forecaster.predict_proba(seen, time)
-        np.testing.assert_array_equal(found.predict_proba(seen, time), expected)
+        np.testing.assert_array_equal(loaded.predict_proba(seen, time), expected)
     # and saved again
-    found.save(tmp_path / "again.nc")
+    loaded.save(tmp_path / "again.nc")
     again = burstcast.EventForecaster.load(tmp_path / "again.nc")
-    assert again.get_params() == found.get_params()
+    assert again.get_params() == loaded.get_params()
 
 
 # -- observables that are no component -------------------------------------------------------------
@@ -163,8 +164,8 @@ def test_an_observable_that_is_given_is_that_of_the_fit(observable, tmp_path):
     if observable != Lorenz63():
         same += [0, lambda states: states.sum(axis=-1) - states[..., 1:].sum(axis=-1)]
     for given in same:
-        found = load(path, given).scores(series)
-        assert found == pytest.approx(forecaster.scores(series), nan_ok=True)
+        scores = load(path, given).scores(series)
+        assert scores == pytest.approx(forecaster.scores(series), nan_ok=True)
     for other in (1, lambda states: states[..., 0] + 1e-6, lambda states: -states[..., 0]):
         with pytest.raises(ValueError, match=r"load was given differs from .*forecaster\.nc"):
             load(path, other)
@@ -182,12 +183,12 @@ def test_a_damaged_file_is_no_forecaster(saved, tmp_path):
         changed[place] ^= 0x10
         damaged.write_bytes(changed)
         try:
-            found = burstcast.EventForecaster.load(damaged)
+            loaded = burstcast.EventForecaster.load(damaged)
         except ValueError:
             refusals += 1
         else:
-            np.testing.assert_array_equal(found.forecast(seen, duration=0.1), expected)
-            assert found.get_params() == forecaster.get_params()
+            np.testing.assert_array_equal(loaded.forecast(seen, duration=0.1), expected)
+            assert loaded.get_params() == forecaster.get_params()
     assert refusals > 30
 
 

@@ -71,7 +71,7 @@ def tested():
 
 
 @pytest.fixture
-def own(tmp_path, monkeypatch):
+def own_module(tmp_path, monkeypatch):
     """A module of one's own."""
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
@@ -112,13 +112,13 @@ def test_a_name_a_class_and_an_object_are_the_same_forecaster(training, tested, 
 def test_a_classifier_may_be_an_object(training, tested):
     settings = {**PLAIN, "event_threshold": {"quantile": 0.9}}
     options = {"classifier": "logistic", "lags_lt": (0.1,), "folds": 2}
-    one = EventForecaster(**settings, kind=LearntPrecursor(**options)).fit(training)
+    forecaster = EventForecaster(**settings, kind=LearntPrecursor(**options)).fit(training)
     other = EventForecaster(**{**settings, "kind": "precursor", "options": options}).fit(training)
-    assert_array_equal(one.predict_proba(tested), other.predict_proba(tested))
+    assert_array_equal(forecaster.predict_proba(tested), other.predict_proba(tested))
     with pytest.raises(ValueError, match="precursor gives probabilities of events without a traj"):
-        one.forecast(tested)
+        forecaster.forecast(tested)
     with pytest.raises(ValueError, match="of the kind precursor do not know the parameters"):
-        one.predict_proba(tested, parameters=3.0)
+        forecaster.predict_proba(tested, parameters=3.0)
 
 
 def test_scikit_learn_clones_scores_and_searches_objects(training):
@@ -127,20 +127,20 @@ def test_scikit_learn_clones_scores_and_searches_objects(training):
     assert copy.get_params() == forecaster.get_params()
     assert repr(copy).count("NVAR(lags=3, ridge=1e-06)") == 1
     scorer = EventScorer("neg_brier_score")
-    found = cross_val_score(forecaster, training, cv=2, scoring=scorer, error_score="raise")
-    for rows, score in zip(([0, 1], [2, 3]), found, strict=True):
+    scores = cross_val_score(forecaster, training, cv=2, scoring=scorer, error_score="raise")
+    for rows, score in zip(([0, 1], [2, 3]), scores, strict=True):
         by_hand = EventForecaster(**PLAIN, kind=NVAR(lags=3)).fit(np.delete(training, rows, axis=0))
         assert score == scorer(by_hand, training[rows])
     kinds = [NVAR(lags=1, ridge=1e9), NVAR(lags=3), "persistence"]
     search = GridSearchCV(forecaster, {"kind": kinds}, cv=2, scoring=scorer, error_score="raise")
     search.fit(training)
     assert search.best_params_ == {"kind": NVAR(lags=3)}
-    assert search.cv_results_["split0_test_score"][1] == found[0]
+    assert search.cv_results_["split0_test_score"][1] == scores[0]
 
 
-def test_a_class_of_ones_own_is_saved_without_its_code(own, training, tested, tmp_path):
+def test_a_class_of_ones_own_is_saved_without_its_code(own_module, training, tested, tmp_path):
     path, seen = tmp_path / "own.nc", tested[:, :300]
-    kind = own.Extrapolated(degree=3, names=("x", "z"))
+    kind = own_module.Extrapolated(degree=3, names=("x", "z"))
     fitted = EventForecaster(**PLAIN, kind=kind).fit(training)
     expected = fitted.forecast(seen)
     last = seen[:, -4:].transpose(1, 0, 2)
@@ -152,7 +152,7 @@ def test_a_class_of_ones_own_is_saved_without_its_code(own, training, tested, tm
         EventForecaster(**{**PLAIN, **by_name}).fit(training).forecast(seen), expected
     )
     fitted.save(path)
-    loaded = EventForecaster.load(path, kind=own.Extrapolated)
+    loaded = EventForecaster.load(path, kind=own_module.Extrapolated)
     assert loaded.options == {"degree": 3, "names": ["x", "z"]}
     assert loaded._kind == kind
     assert_array_equal(loaded.forecast(seen), expected)
@@ -166,13 +166,13 @@ def test_a_class_of_ones_own_is_saved_without_its_code(own, training, tested, tm
     with pytest.raises(ValueError, match=message):
         EventForecaster.load(path)
     message = "is a own_extrapolation:Extrapolated, not a "
-    for other in (own.Other, NVAR, dict):
+    for other in (own_module.Other, NVAR, dict):
         with pytest.raises(ValueError, match=message):
             EventForecaster.load(path, kind=other)
 
 
-def test_a_class_of_ones_own_that_cannot_be_made_is_named(own, training):
-    wrong = {**PLAIN, "kind": own.Extrapolated, "options": {"degree": 2.5}}
+def test_a_class_of_ones_own_that_cannot_be_made_is_named(own_module, training):
+    wrong = {**PLAIN, "kind": own_module.Extrapolated, "options": {"degree": 2.5}}
     message = "'degree' of forecaster 'own_extrapolation:Extrapolated' must be a whole number"
     with pytest.raises(ValueError, match=message):
         EventForecaster(**wrong).fit(training)

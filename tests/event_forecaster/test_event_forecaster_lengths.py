@@ -28,7 +28,7 @@ KINDS = all_kinds()
 
 
 def cut(series, lengths=LENGTHS):
-    return [one[:length] for one, length in zip(series, lengths, strict=False)]
+    return [states[:length] for states, length in zip(series, lengths, strict=False)]
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def test_scales_and_noise_are_of_all_samples(training, padded_series):
     assert_array_equal(component_scales(padded_series).range, np.ptp(samples, axis=0))
     deviation = component_scales(padded_series).standard_deviation
     assert_allclose(deviation, samples.std(axis=0), rtol=1e-12)
-    differences = np.concatenate([np.diff(one, 8, axis=0) for one in training])
+    differences = np.concatenate([np.diff(states, 8, axis=0) for states in training])
     assert_allclose(
         estimate_noise(padded_series), np.sqrt((differences**2).mean(axis=0) / 12870), rtol=1e-12
     )
@@ -61,8 +61,8 @@ def test_moments_of_a_network_are_the_sums_of_those_of_its_series(training, padd
     whole = collect(
         dynamics, TrainingSeries(padded_series, scale, input_offset=offset), washout=70
     ).moments
-    longer = [one for one in training if len(one) > 71]
-    parts = [TrainingSeries(one[np.newaxis], scale, input_offset=offset) for one in longer]
+    longer = [states for states in training if len(states) > 71]
+    parts = [TrainingSeries(states[np.newaxis], scale, input_offset=offset) for states in longer]
     total = collect(dynamics, parts[0], washout=70).moments
     for part in parts[1:]:
         total = Moments.merge(total, collect(dynamics, part, washout=70).moments)
@@ -71,8 +71,8 @@ def test_moments_of_a_network_are_the_sums_of_those_of_its_series(training, padd
 
 
 def test_maps_are_fitted_to_steps_within_series(training, padded_series):
-    now = np.concatenate([one[:-1] for one in training])
-    following = np.concatenate([one[1:] for one in training])
+    now = np.concatenate([states[:-1] for states in training])
+    following = np.concatenate([states[1:] for states in training])
     weights = np.linalg.lstsq(np.column_stack([now, np.ones(len(now))]), following)[0]
     model = LinearInverseModel().fit(padded_series, None)
     assert_allclose(model.propagator, weights[:3].T, rtol=1e-9)
@@ -84,9 +84,9 @@ def test_maps_are_fitted_to_steps_within_series(training, padded_series):
 
 def test_analogues_end_with_their_own_series(training, padded_series):
     model = Analogues(neighbours=1).fit(padded_series, None)
-    for one in (training[0], training[4]):
-        outputs, _ = model.advance(model.start(one[-3:-2].T[np.newaxis]), 3)
-        assert_array_equal(outputs[:2, :, 0], one[-2:])
+    for states in (training[0], training[4]):
+        outputs, _ = model.advance(model.start(states[-3:-2].T[np.newaxis]), 3)
+        assert_array_equal(outputs[:2, :, 0], states[-2:])
         assert np.isnan(outputs[2]).all()
     again = Analogues(neighbours=1).restore(model.record(), None)
     assert_array_equal(
@@ -96,12 +96,12 @@ def test_analogues_end_with_their_own_series(training, padded_series):
 
 def test_equations_are_learnt_from_windows_within_series(training, padded_series):
     settings = {"noise": np.zeros(3), "interval": 0.02, "degree": 2, "window": 10}
-    found = polynomial_coefficients(padded_series, **settings, significance=4)
+    coefficients = polynomial_coefficients(padded_series, **settings, significance=4)
     # those of the system, in the order 1, x, y, z, xx, xy, xz, yy, yz, zz
     expected = np.zeros((10, 3))
     expected[1, :2], expected[2, :2], expected[3, 2] = (-10, 28), (10, -1), -8 / 3
     expected[6, 1], expected[5, 2] = -1, 1
-    assert_allclose(found, expected, atol=0.02)
+    assert_allclose(coefficients, expected, atol=0.02)
 
 
 # -- forecasters -----------------------------------------------------------------------------------
@@ -118,10 +118,12 @@ def unfitted(kind, **changes):
 def test_every_kind_takes_series_of_unequal_lengths(kind, training, tmp_path):
     learns = kind_class(kind).learns_parameters
     forecaster = unfitted(kind).fit(training, parameters=RHO[2:] if learns else None)
-    assert any("1 of 6 series have no starting point" in one for one in forecaster.warnings_)
+    assert any(
+        "1 of 6 series have no starting point" in warning for warning in forecaster.warnings_
+    )
     lengths = (700, 800, 300, 45)
     tested = cut(lorenz(4, 800, 2), lengths)
-    expected = [forecaster.predict_proba(one[np.newaxis])[0] for one in tested]
+    expected = [forecaster.predict_proba(states[np.newaxis])[0] for states in tested]
     # products of matrices sum in an order that depends on the batch
     assert_allclose(forecaster.predict_proba(tested), expected, rtol=1e-12)
     with pytest.warns(UserWarning, match="1 of 4 series have no starting point"):
@@ -129,9 +131,9 @@ def test_every_kind_takes_series_of_unequal_lengths(kind, training, tmp_path):
     with pytest.warns(UserWarning, match="1 of 4 series"):
         outcomes = forecaster.outcomes(tested)
     assert {0, 1} <= set(outcomes.series) <= {0, 1, 2}
-    alone = [forecaster.outcomes(one[np.newaxis]) for one in tested[:3]]
+    alone = [forecaster.outcomes(states[np.newaxis]) for states in tested[:3]]
     for name in ("happened", "probability", "time"):
-        parts = [getattr(one, name) for one in alone]
+        parts = [getattr(outcomes, name) for outcomes in alone]
         assert_allclose(getattr(outcomes, name), np.concatenate(parts), rtol=1e-12)
     assert scores["forecasts"] == len(outcomes.happened) > 4
     forecaster.save(tmp_path / "forecaster.nc")
@@ -143,8 +145,8 @@ def test_networks_are_validated_on_the_longest_series(training):
     forecaster = unfitted("esn", calibrate=False).fit(training)
     in_order = sorted(training, key=len, reverse=True)
     again = unfitted("esn", calibrate=False).fit(in_order)
-    for one, other in zip(forecaster.hyperparameters_, again.hyperparameters_, strict=True):
-        assert one == pytest.approx(other, rel=1e-2)
+    for chosen, other in zip(forecaster.hyperparameters_, again.hyperparameters_, strict=True):
+        assert chosen == pytest.approx(other, rel=1e-2)
     message = "validation_series is 6, but only 5 series have a washout of 27 samples and valid"
     with pytest.raises(ValueError, match=message):
         unfitted("esn", validation_series=6).fit(training)
@@ -189,9 +191,9 @@ def test_a_forecaster_given_as_an_object_has_durations_in_samples_too(yearly):
 
 
 def test_a_single_series_is_calibrated_in_five_parts(yearly):
-    found = EventForecaster(kind="nvar").fit(yearly)
+    forecaster = EventForecaster(kind="nvar").fit(yearly)
     by_hand = EventForecaster(kind="nvar").fit(np.array_split(yearly[0], 5))
-    assert found.alarms_[1.0].record() == by_hand.alarms_[1.0].record()
+    assert forecaster.alarms_[1.0].record() == by_hand.alarms_[1.0].record()
 
 
 # -- signs of weakness -----------------------------------------------------------------------------
@@ -230,14 +232,14 @@ def test_a_permanent_alarm_that_is_as_good_is_told():
 def test_scores_have_intervals_over_series_or_blocks_of_time(series):
     forecaster = unfitted("analogues").fit(lorenz(4, 900, 1))
     tested = lorenz(series, 900, 3)
-    plain, found = forecaster.scores(tested), forecaster.scores(tested, interval=True)
-    assert found.keys() == plain.keys() - {"forecasts", "events"}
+    plain, intervals = forecaster.scores(tested), forecaster.scores(tested, interval=True)
+    assert intervals.keys() == plain.keys() - {"forecasts", "events"}
     for name in ("f_score", "brier_skill", "base_rate", "permanent_f_score"):
-        assert found[name].value == pytest.approx(plain[name], abs=1e-12)
-        assert found[name].low <= plain[name] <= found[name].high
-    assert found["base_rate"].low < found["base_rate"].high
-    assert found == forecaster.scores(tested, interval=True)
-    widths = found["base_rate"].high - found["base_rate"].low
-    rates = [forecaster.scores(one[np.newaxis])["base_rate"] for one in tested]
+        assert intervals[name].value == pytest.approx(plain[name], abs=1e-12)
+        assert intervals[name].low <= plain[name] <= intervals[name].high
+    assert intervals["base_rate"].low < intervals["base_rate"].high
+    assert intervals == forecaster.scores(tested, interval=True)
+    widths = intervals["base_rate"].high - intervals["base_rate"].low
+    rates = [forecaster.scores(states[np.newaxis])["base_rate"] for states in tested]
     if series == 12:
         assert widths == pytest.approx(3.92 * np.std(rates) / np.sqrt(12), rel=0.35)

@@ -75,13 +75,13 @@ def expected(kind, bayesian_points=1):
     return probabilities(kind, np.asarray, bayesian_points=bayesian_points)
 
 
-def assert_equal_forecasts(kind, found, bayesian_points=1):
+def assert_equal_forecasts(kind, probability, bayesian_points=1):
     plain = expected(kind, bayesian_points)
     # what forecasts no event at all would be equal in vain; persistence never does
     assert np.ptp(plain) > (-1 if kind == "persistence" else 0.3)
     # votes are counted; rounding reaches what is not
     tolerance = 1e-9 if kind == "esn_direct" else 0
-    np.testing.assert_allclose(found, plain, rtol=0, atol=tolerance)
+    np.testing.assert_allclose(probability, plain, rtol=0, atol=tolerance)
 
 
 @pytest.mark.parametrize("scale", [1e7, 1e-6])
@@ -89,8 +89,8 @@ def assert_equal_forecasts(kind, found, bayesian_points=1):
 def test_another_unit_changes_no_forecast(kind, scale):
     # a power of ten rounds the series themselves: objectives of a search differ by 1e-9, and what a
     # Gaussian process makes of that by 1e-3, enough for another vote; the test below has its points
-    found = probabilities(kind, np.asarray, scale, bayesian_points=0)
-    assert_equal_forecasts(kind, found, bayesian_points=0)
+    probability = probabilities(kind, np.asarray, scale, bayesian_points=0)
+    assert_equal_forecasts(kind, probability, bayesian_points=0)
 
 
 @functools.cache
@@ -105,9 +105,9 @@ def found_by_search(kind, scale=1.0):
 @pytest.mark.parametrize("scale", [2.0**23, 2.0**-20])
 @pytest.mark.parametrize("kind", SEARCHED)
 def test_a_unit_without_rounding_changes_no_search(kind, scale):
-    hyperparameters, found = found_by_search(kind, scale)
+    hyperparameters, probability = found_by_search(kind, scale)
     assert hyperparameters == found_by_search(kind)[0]
-    assert_equal_forecasts(kind, found)
+    assert_equal_forecasts(kind, probability)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if not kind.startswith("quadratic")])
@@ -115,7 +115,7 @@ def test_another_zero_changes_no_forecast(kind):
     assert_equal_forecasts(kind, probabilities(kind, np.asarray, offset=1e4))
 
 
-@pytest.mark.parametrize("change", [np.asfortranarray, lambda one: one.astype(np.float32)])
+@pytest.mark.parametrize("change", [np.asfortranarray, lambda array: array.astype(np.float32)])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_layout_of_numbers_changes_no_forecast(kind, change):
     np.testing.assert_array_equal(probabilities(kind, change), expected(kind))
@@ -127,7 +127,7 @@ def test_nothing_of_the_caller_is_kept_or_changed(kind):
         np.negative(states, out=states)
         return -states[..., 0]
 
-    (training, test), rho = (one.copy() for one in record()), RHO.copy()
+    (training, test), rho = (array.copy() for array in record()), RHO.copy()
     forecaster = unfitted(kind, observable=in_place)
     learns = kind_class(kind).learns_parameters
     forecaster.fit(training, parameters=rho if learns else None)
@@ -152,8 +152,8 @@ def tables(columns):
 
     def form(series):
         times = 7.0 + 0.02 * np.arange(series.shape[1])
-        named = [pd.DataFrame(one, columns=[*"xyz"])[[*columns]] for one in series]
-        return [one.set_index(pd.Index(times, name="time")) for one in named]
+        named = [pd.DataFrame(states, columns=[*"xyz"])[[*columns]] for states in series]
+        return [table.set_index(pd.Index(times, name="time")) for table in named]
 
     return form
 
@@ -196,16 +196,16 @@ def labelled():
 
 
 def test_functions_have_the_components_in_the_order_of_the_training_series(labelled, tmp_path):
-    found = after(labelled, record()[1], tables("xyz"))
-    np.testing.assert_array_equal(found, expected("analogues"))
+    probability = after(labelled, record()[1], tables("xyz"))
+    np.testing.assert_array_equal(probability, expected("analogues"))
     labelled.save(tmp_path / "labelled.nc")
     loaded = EventForecaster.load(tmp_path / "labelled.nc", labelled.observable)
-    np.testing.assert_array_equal(after(loaded, record()[1], tables("xyz")), found)
+    np.testing.assert_array_equal(after(loaded, record()[1], tables("xyz")), probability)
     by_label = unfitted("analogues", observable="x").fit(tables("yzx")(record()[0]))
     by_label.save(tmp_path / "by_label.nc")
     loaded = EventForecaster.load(tmp_path / "by_label.nc")
     assert loaded.observable == "x"
-    np.testing.assert_array_equal(after(loaded, record()[1], named_array), found)
+    np.testing.assert_array_equal(after(loaded, record()[1], named_array), probability)
 
 
 def test_observations_of_a_stream_go_by_their_labels(labelled):
@@ -225,10 +225,10 @@ def test_observations_of_a_stream_go_by_their_labels(labelled):
 
 def changed_clock(change):
     def form(series):
-        found = tables("zxy")(series)
-        for one in found:
-            one.index = pd.Index(change(one.index.to_numpy()), name="time")
-        return found
+        labelled_tables = tables("zxy")(series)
+        for table in labelled_tables:
+            table.index = pd.Index(change(table.index.to_numpy()), name="time")
+        return labelled_tables
 
     return form
 
@@ -247,7 +247,7 @@ REFUSED = [
     ),
     (lambda series: tables("zxy")(series)[:1] + [series[1]] * 2, None),
     (
-        lambda series: [one.rename(columns={"z": "w"}) for one in tables("zxy")(series)],
+        lambda series: [table.rename(columns={"z": "w"}) for table in tables("zxy")(series)],
         "components of the series are w, x, y; those of the training series were z, x, y",
     ),
     (

@@ -5,23 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from burstcast.base.exogenous import carry, of_memory, of_washout, with_inputs
 from burstcast.control.actuation import ActuatorShare
 from burstcast.data.records import recorded_series
 from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasters._parameter_factors import ParameterFactors
-from burstcast.forecasters.analogues import Analogues
-from burstcast.forecasters.base import ForecastingCase, for_members
+from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
 from burstcast.forecasters.esn_aware import AwareNetworkForecaster, factored_training
-from burstcast.forecasters.linear_inverse import LinearInverseModel
-from burstcast.forecasters.nvar import NVAR
-from burstcast.forecasters.persistence import Persistence
-from burstcast.forecasters.quadratic import QuadraticModel
 from burstcast.forecasters.quadratic_aware import AwareQuadraticModel
 from burstcast.forecasters.quadratic_aware_filtered import FilteredAwareQuadraticModel
-from burstcast.forecasters.quadratic_filtered import FilteredQuadraticModel
 from burstcast.forecasters.registry import (
     all_kinds,
     available_kinds,
@@ -31,6 +26,7 @@ from burstcast.forecasters.registry import (
 from burstcast.forecasts.horizon import HorizonSearch, prediction_horizons
 from burstcast.forecasts.window_forecasts import window_forecasts
 from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.factored import network_under
 from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.reservoir import ReservoirSeed
 from burstcast.networks.training import TrainingSeries, train
@@ -62,13 +58,13 @@ def noisy(true, seed):
 
 @pytest.fixture(scope="module")
 def training():
-    """Four series at each of three values: observed ``(series, time, 3)``, and their schedules."""
+    """Four series at each of three values, observed, with the values: ``(series, time, 4)``."""
     flows = [
-        integrate(Lorenz63(rho=one), states(4, int(one)), 0.0025, 8 * 1600, 8) for one in TRAINED
+        integrate(Lorenz63(rho=rho), states(4, int(rho)), 0.0025, 8 * 1600, 8) for rho in TRAINED
     ]
     true = np.concatenate(flows, axis=2)[100:]
     values = np.repeat(TRAINED, 4)[:, np.newaxis, np.newaxis]
-    return noisy(true, 1).transpose(2, 0, 1), np.repeat(values, len(true) - 1, axis=1)
+    return with_inputs(noisy(true, 1).transpose(2, 0, 1), np.repeat(values, len(true) - 1, axis=1))
 
 
 @pytest.fixture(scope="module")
@@ -84,11 +80,19 @@ def switched():
 
 @pytest.fixture(scope="module")
 def models(training):
-    return {type(one): one.fit_under(training[0], CASE, training[1]) for one in (LEARNT, FILTERED)}
+    return {type(model): model.fit(training, CASE) for model in (LEARNT, FILTERED)}
 
 
-def forecast(model, washout, past=None, ahead=None, steps=AHEAD):
-    return model.advance_under(model.start_under(washout, past), steps, ahead)[0]
+def washout_under(washout, schedule):
+    """Washout with its schedule, and the one over the forecast: the batch is last in all."""
+    inputs = schedule.transpose(2, 0, 1)
+    return with_inputs(washout.transpose(2, 0, 1), inputs).transpose(1, 2, 0)
+
+
+def forecast(model, washout, schedule=None, steps=AHEAD):
+    if schedule is not None:
+        washout = washout_under(washout, schedule)
+    return model.advance(model.start(washout), steps)[0]
 
 
 def test_kinds_that_need_schedules_are_found_by_name_but_not_offered():
@@ -114,10 +118,9 @@ def test_the_term_with_the_parameter_is_found_and_told(models):
 @pytest.mark.parametrize("kind", [AwareQuadraticModel, FilteredAwareQuadraticModel])
 def test_forecasts_under_unseen_values_are_nearly_those_of_the_equations(kind, models, switched):
     schedule, true, observed = switched
-    past, ahead = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
-    error = forecast(models[kind], observed[:WASHOUT], past, ahead) - true[WASHOUT:]
+    error = forecast(models[kind], observed[:WASHOUT], schedule) - true[WASHOUT:]
     equations = EquationsFromObservation().fit(observed.transpose(2, 0, 1), CASE)
-    bound = forecast(equations, observed[:WASHOUT], past, ahead) - true[WASHOUT:]
+    bound = forecast(equations, observed[:WASHOUT], schedule) - true[WASHOUT:]
     scale = true.std(axis=(0, 2))[:, np.newaxis]
     typical = np.median(np.abs(error / scale).mean(axis=(0, 1)))
     assert typical < 1.5 * np.median(np.abs(bound / scale).mean(axis=(0, 1)))
@@ -130,10 +133,11 @@ def test_a_filter_that_is_told_estimates_better_than_an_observation(kind, models
     """Not told, it trusts a flow under other parameters."""
     schedule, true, observed = switched
     model = models.get(kind) or kind().fit(observed.transpose(2, 0, 1), CASE)
-    past, now = schedule[: WASHOUT - 1], true[WASHOUT - 1]
-    told = np.sqrt(np.mean((model.start_under(observed[:WASHOUT], past) - now) ** 2))
-    assert told < 0.6 * np.sqrt(np.mean((observed[WASHOUT - 1] - now) ** 2))
-    assert told < 0.3 * np.sqrt(np.mean((model.start(observed[:WASHOUT]) - now) ** 2))
+    now, washout = true[WASHOUT - 1], observed[:WASHOUT]
+    estimate = model.start(washout_under(washout, schedule[: WASHOUT - 1]))
+    error = np.sqrt(np.mean((estimate - now) ** 2))
+    assert error < 0.6 * np.sqrt(np.mean((washout[-1] - now) ** 2))
+    assert error < 0.3 * np.sqrt(np.mean((model.start(washout) - now) ** 2))
 
 
 EQUATIONS = (EquationsFromTruth, EquationsFromObservation, FilteredEquations)
@@ -147,30 +151,29 @@ def scheduled(request, models, network, training):
     """A forecaster of each kind that uses a schedule, and its case."""
     if request.param is AwareNetworkForecaster:
         return network[1], network[0]
-    return models.get(request.param) or request.param().fit(training[0], CASE), CASE
+    return models.get(request.param) or request.param().fit(training[..., :3], CASE), CASE
 
 
 def test_forecasts_under_a_schedule_depend_on_nothing_else(scheduled, switched):
     """Not on their batch, on pauses, nor on having been in a file."""
     model, case = scheduled
     schedule, _, observed = switched
-    past, ahead, washout = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :], observed[:WASHOUT]
-    together = forecast(model, washout, past, ahead)
+    washout, past, ahead = observed[:WASHOUT], schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
+    together = forecast(model, washout, schedule)
     assert not np.array_equal(forecast(model, washout), together)
-    # without schedules, the methods are those of kinds that use none
-    plain, _ = model.advance(model.start(washout), AHEAD)
-    assert np.array_equal(forecast(model, washout), plain)
-    assert np.array_equal(model.ensemble_under(washout, None), model.ensemble(washout))
     for flow in (0, 7):
-        one = slice(flow, flow + 1)
-        alone = forecast(model, washout[..., one], past[..., one], ahead[..., one])
+        alone = forecast(model, washout[..., [flow]], schedule[..., [flow]])
         assert np.array_equal(alone[..., 0], together[..., flow])
-    first, memory = model.advance_under(model.start_under(washout, past), 17, ahead[:17])
-    second, _ = model.advance_under(memory, AHEAD - 17, ahead[17:])
+    first, memory = model.advance(model.start(washout_under(washout, schedule)), 17)
+    second, _ = model.advance(memory, AHEAD - 17)
+    assert np.array_equal(np.concatenate([first, second]), together)
+    # as well in a memory that has no schedule yet
+    first, memory = model.advance(carry(model.start(washout_under(washout, past)), ahead[:17]), 17)
+    second, _ = model.advance(carry(memory, ahead[17:]), AHEAD - 17)
     assert np.array_equal(np.concatenate([first, second]), together)
     restored = type(model)(**model.options).restore(model.record(), case)
     assert restored.options == model.options
-    assert np.array_equal(forecast(restored, washout, past, ahead), together)
+    assert np.array_equal(forecast(restored, washout, schedule), together)
 
 
 @pytest.mark.parametrize("kind", [AwareQuadraticModel, AwareNetworkForecaster])
@@ -186,32 +189,23 @@ def test_perturbations_grow_as_differences_do(kind, models, network, switched):
         np.testing.assert_allclose(grown[:, number], (ahead - behind) / 2e-6, rtol=1e-3, atol=1e-5)
 
 
-def test_a_series_left_out_takes_its_schedule_along(training):
-    observed, schedules = training
-    model = LEARNT.fit_under(observed, CASE, schedules)
-    refitted = next(model.leave_one_out(observed, CASE, 20, schedules))
-    expected = LEARNT.fit_under(observed[1:], CASE, schedules[1:])
-    np.testing.assert_allclose(refitted.coefficients, expected.coefficients, rtol=1e-4, atol=1e-6)
-
-
 def test_the_degree_in_the_parameter_is_an_option(training, switched):
-    observed, schedules = training
-    model = replace(LEARNT, parameter_degree=2).fit_under(observed, CASE, schedules)
+    model = replace(LEARNT, parameter_degree=2).fit(training, CASE)
     assert model.coefficients.shape[0] == 3
     assert not model.coefficients[2].any()
-    schedule, _, now = switched
-    assert np.isfinite(forecast(model, now[:WASHOUT], None, schedule[WASHOUT - 1 :])).all()
+    schedule, _, observed = switched
+    assert np.isfinite(forecast(model, observed[:WASHOUT], schedule)).all()
 
 
 @pytest.mark.parametrize("kind", [LEARNT, FILTERED], ids=lambda kind: type(kind).__name__)
 def test_training_that_does_not_tell_the_parameter_is_refused(kind, training):
-    observed, schedules = training
-    with pytest.raises(ValueError, match="rho does not vary in training"):
-        kind.fit(observed, CASE)
-    with pytest.raises(ValueError, match="rho does not vary in training"):
-        kind.fit_under(observed, CASE, np.full_like(schedules, 28.0))
+    observed, constant = training[..., :3], training.copy()
+    constant[..., 3] = 28.0
+    for series in (observed, constant):
+        with pytest.raises(ValueError, match="rho does not vary in training"):
+            kind.fit(series, CASE)
     with pytest.raises(ValueError, match="a case that has some"):
-        kind.fit_under(observed, replace(CASE, parameters=None), schedules)
+        kind.fit(training, replace(CASE, parameters=None))
 
 
 def test_values_beyond_training_are_extrapolated_with_a_warning(models, switched):
@@ -219,62 +213,58 @@ def test_values_beyond_training_are_extrapolated_with_a_warning(models, switched
     model = models[AwareQuadraticModel]
     assert isinstance(model.factors, ParameterFactors)
     with pytest.warns(UserWarning, match="rho = 40 lies outside of the values in training, 25 to"):
-        model.advance_under(observed[0], 3, RHO.constant(3, 20, [40.0]))
+        model.advance(carry(observed[0], RHO.constant(3, 20, [40.0])), 3)
 
 
 @pytest.fixture(scope="module")
 def network(training):
-    observed, schedules = training
     seed = ReservoirSeed(1, 200, 0, 3.0, 0.1)
-    scale = np.ptp(observed, axis=(0, 1))
-    plain = TrainingSeries(observed, scale)
-    series, factors = factored_training(plain, schedules, CASE, NETWORK)
+    plain = TrainingSeries(training, np.ptp(training[..., :3], axis=(0, 1)))
+    series = factored_training(plain, RHO, NETWORK)
     dynamics = Dynamics(seed.reservoir(3), 0.2, 1.0)
     readout = train(dynamics, series, washout=WASHOUT, tikhonov=1e-9)
     trained = EchoStateNetwork(dynamics, readout, series.input_range)
-    return CASE, NETWORK.with_fitted(network=trained, seed=seed, factors=factors, in_force=RHO)
+    return CASE, NETWORK.with_fitted(network=trained, seed=seed, **series.knowledge)
 
 
 def test_a_network_that_is_told_forecasts_under_unseen_values(network, switched):
     _, model = network
     schedule, true, observed = switched
-    past, ahead = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
     scale = true.std(axis=(0, 2))[:, np.newaxis]
 
     def typical(outputs):
         error = np.abs((outputs - true[WASHOUT:]) / scale)[:30]
         return np.median(error.mean(axis=(0, 1)))
 
-    told = typical(forecast(model, observed[:WASHOUT], past, ahead))
-    assert told < 0.05
-    assert typical(forecast(model, observed[:WASHOUT])) > 3 * told
+    washout = observed[:WASHOUT]
+    error = typical(forecast(model, washout, schedule))
+    assert error < 0.05
+    assert typical(forecast(model, washout)) > 3 * error
     # the washout needs no schedule: one memory serves all plans
-    assert np.array_equal(
-        model.start_under(observed[:WASHOUT], past), model.start(observed[:WASHOUT])
-    )
+    past = schedule[: WASHOUT - 1]
+    assert np.array_equal(model.start(washout_under(washout, past)), model.start(washout))
 
 
 def test_a_network_under_the_case_s_own_values_is_a_plain_one(network, switched):
     _, model = network
     _, _, observed = switched
-    plain = model.network.under(model.factors(np.array([[28.0]]))[0])
+    plain = network_under(model.network, model.factors(np.array([[28.0]]))[0])
     memory = model.start(observed[:WASHOUT])
     assert np.array_equal(model.advance(memory, 40)[0], plain.forecast(memory, 40)[0])
 
 
 def test_a_network_is_refitted_with_its_factors(network, training, switched):
     case, model = network
-    observed, schedules = training
-    _, _, now = switched
-    refitted = next(model.leave_one_out(observed, case, WASHOUT, schedules))
-    scale = model.network.input_range
-    others, _ = factored_training(TrainingSeries(observed[1:], scale), schedules[1:], case, NETWORK)
-    readout = train(model.network.dynamics, others, washout=WASHOUT, tikhonov=1e-9)
-    outputs, _ = refitted.network.under(np.zeros(1)).forecast(model.start(now[:WASHOUT]), 5)
-    alone = replace(model.network, readout=readout).under(np.zeros(1))
-    np.testing.assert_allclose(outputs, alone.forecast(model.start(now[:WASHOUT]), 5)[0], atol=1e-3)
-    with pytest.raises(ValueError, match="have schedules"):
-        next(model.leave_one_out(observed, case, WASHOUT))
+    memory = model.start(switched[2][:WASHOUT])
+    refitted = next(model.leave_one_out(training, case, WASHOUT))
+    others = TrainingSeries(training[1:], model.network.input_range)
+    factored = factored_training(others, RHO, NETWORK)
+    readout = train(model.network.dynamics, factored, washout=WASHOUT, tikhonov=1e-9)
+    outputs, _ = network_under(refitted.network, np.zeros(1)).forecast(memory, 5)
+    alone = network_under(replace(model.network, readout=readout), np.zeros(1))
+    np.testing.assert_allclose(outputs, alone.forecast(memory, 5)[0], atol=1e-3)
+    with pytest.raises(ValueError, match="have inputs"):
+        next(model.leave_one_out(training[..., :3], case, WASHOUT))
     assert repr(model).endswith("by rho)")
 
 
@@ -284,56 +274,41 @@ def test_a_network_is_refitted_with_its_factors(network, training, switched):
 def test_the_equations_told_of_the_schedule_forecast_perfectly(switched):
     schedule, true, _ = switched
     model = EquationsFromTruth().fit(np.empty((0, 2, 3)), CASE)
-    past, ahead = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
-    assert np.array_equal(forecast(model, true[:WASHOUT], past, ahead), true[WASHOUT:])
+    assert np.array_equal(forecast(model, true[:WASHOUT], schedule), true[WASHOUT:])
     assert not np.allclose(forecast(model, true[:WASHOUT]), true[WASHOUT:], atol=0.05)
-    with pytest.raises(ValueError, match=r"must have the shape \(20, 1, 20\)"):
-        model.advance_under(true[0], 20, schedule[:19])
+    with pytest.raises(ValueError, match="inputs over 19 steps are given, but 20 are forecast"):
+        model.advance(carry(true[0], schedule[:19]), 20)
     plain = EquationsFromTruth().fit(np.empty((0, 2, 3)), PLAIN)
     with pytest.raises(ValueError, match="the case has no parameters"):
-        plain.advance_under(true[0], 20, schedule[:20])
+        plain.advance(carry(true[0], schedule[:20]), 20)
 
 
 @pytest.mark.parametrize("kind", [EquationsFromObservation, FilteredEquations])
 def test_the_case_s_own_values_are_in_force_without_a_schedule(kind, switched):
     _, _, observed = switched
     training, washout = observed.transpose(2, 0, 1), observed[:WASHOUT]
-    own = RHO.constant(WASHOUT - 1, 20), RHO.constant(AHEAD, 20)
-    told = forecast(kind().fit(training, CASE), washout, *own)
-    assert np.array_equal(told, forecast(kind().fit(training, CASE), washout))
-    assert np.array_equal(told, forecast(kind().fit(training, PLAIN), washout))
-
-
-@pytest.mark.parametrize(
-    "kind",
-    [Analogues, LinearInverseModel, NVAR, Persistence, QuadraticModel, FilteredQuadraticModel],
-)
-def test_kinds_that_are_not_aware_ignore_a_schedule(kind, switched):
-    schedule, _, observed = switched
-    training, washout = observed.transpose(2, 0, 1), observed[:WASHOUT]
-    model = kind().fit_under(training, CASE, schedule.transpose(2, 0, 1))
-    assert not model.aware
-    told = forecast(model, washout, schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :])
-    plain = kind().fit(training, PLAIN)
-    assert np.array_equal(told, forecast(plain, washout), equal_nan=True)
+    expected = forecast(kind().fit(training, CASE), washout, RHO.constant(WASHOUT - 1 + AHEAD, 20))
+    assert np.array_equal(expected, forecast(kind().fit(training, CASE), washout))
+    assert np.array_equal(expected, forecast(kind().fit(training, PLAIN), washout))
 
 
 def test_members_have_the_schedule_of_their_own_trajectory(switched):
     """Of a whole ensemble side by side, or of each trajectory by itself."""
     schedule, _, observed = switched
     model = FilteredEquations().fit(observed.transpose(2, 0, 1), CASE)
-    past, ahead = schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
-    ensemble = model.ensemble_under(observed[:WASHOUT], past)
-    number = ensemble.shape[1]
-    together, _ = model.advance_under(ensemble.reshape(3, -1), AHEAD, for_members(ahead, number))
+    ensemble = model.ensemble(washout_under(observed[:WASHOUT], schedule))
+    together, _ = model.advance(ensemble.reshape(len(ensemble), -1), AHEAD)
     together = together.reshape(AHEAD, 3, -1, 20)
-    for one in range(3):
-        only = slice(one, one + 1)
-        members = model.ensemble_under(observed[:WASHOUT, :, only], past[..., only])
-        assert np.array_equal(members[:, :, 0], ensemble[:, :, one])
-        start = np.ascontiguousarray(members[..., 0])
-        alone, _ = model.advance_under(start, AHEAD, ahead[..., [one] * number])
-        assert np.array_equal(alone, together[..., one])
+    for flow in range(3):
+        members = model.ensemble(
+            washout_under(observed[:WASHOUT, :, [flow]], schedule[..., [flow]])
+        )
+        assert np.array_equal(members[..., 0], ensemble[..., flow])
+        alone, _ = model.advance(np.ascontiguousarray(members[..., 0]), AHEAD)
+        assert np.array_equal(alone, together[..., flow])
+        single = model.combined(members)[:, 0]
+        assert np.array_equal(single[3:], schedule[WASHOUT - 1 :, 0, flow])
+        np.testing.assert_allclose(single[:3], members[:3, :, 0].mean(axis=1))
 
 
 def test_the_share_of_a_force_is_a_parameter_like_any_other():
@@ -342,7 +317,7 @@ def test_the_share_of_a_force_is_a_parameter_like_any_other():
     model = EquationsFromTruth().fit(np.empty((0, 2, 9)), ForecastingCase(flow, 0.25, 4, 61, share))
     start = 0.1 * np.ones((9, 2))
     on = np.concatenate([share.constant(20, 1), share.constant(20, 1, [1.0])], axis=2)
-    outputs, _ = model.advance_under(start, 20, on)
+    outputs, _ = model.advance(carry(start, on), 20)
     free, _ = model.advance(start, 20)
     assert np.array_equal(outputs[..., 0], free[..., 0])
     assert not np.allclose(outputs[..., 1], free[..., 1], atol=0.01)
@@ -367,7 +342,7 @@ def simulated():
     schedule = np.array([24.0, 28.0, 33.0])[np.cumsum(changes, axis=0) % 3][:, np.newaxis]
     start = generator.normal(size=(3, 6)) + np.array([[1.0], [1.0], [25.0]])
     states = integrate_scheduled(RHO, schedule, start, 0.0025, 8)
-    return tuple(np.ascontiguousarray(one.transpose(2, 0, 1)) for one in (states, schedule))
+    return tuple(np.ascontiguousarray(array.transpose(2, 0, 1)) for array in (states, schedule))
 
 
 @pytest.fixture(scope="module")
@@ -386,15 +361,12 @@ def record(simulated, tmp_path_factory):
 
 def trained(kind, case, states, schedules):
     if kind == "quadratic_aware":
-        return LEARNT.fit_under(states, case, schedules)
+        return LEARNT.fit(with_inputs(states, schedules), case)
     seed = ReservoirSeed(1, 60, 0, 4, 0.1)
-    scale = np.ptp(states, axis=(0, 1))
-    plain = TrainingSeries(states, scale)
-    series, factors = factored_training(plain, schedules, case, NETWORK)
-    told = {"factors": factors, "in_force": case.parameters}
-    how = {"washout": 20, "tikhonov": 1e-9}
+    plain = TrainingSeries(with_inputs(states, schedules), np.ptp(states, axis=(0, 1)))
+    series = factored_training(plain, case.parameters, NETWORK)
     dynamics = Dynamics(seed.reservoir(3), 0.3, 0.5, "scipy")
-    return NETWORK.trained(dynamics, seed, series, **how, **told)
+    return NETWORK.trained(dynamics, seed, series, washout=20, tikhonov=1e-9)
 
 
 def test_a_record_of_a_simulated_flow_is_that_flow_with_its_schedule(simulated, record):
@@ -406,31 +378,29 @@ def test_a_record_of_a_simulated_flow_is_that_flow_with_its_schedule(simulated, 
 @pytest.mark.parametrize("kind", ["quadratic_aware", "esn_aware"])
 def test_forecasts_from_the_record_are_those_of_the_simulated_case(simulated, record, kind):
     states, schedules = simulated
-    one = trained(kind, SIMULATED, states[:4], schedules[:4])
-    other = trained(kind, MEASURED, record.states[:4], record.known[:4, 1:])
-    for name, array in one.record().arrays.items():
-        np.testing.assert_array_equal(other.record().arrays[name], array, err_msg=name)
+    simulated_model = trained(kind, SIMULATED, states[:4], schedules[:4])
+    measured_model = trained(kind, MEASURED, record.states[:4], record.known[:4, 1:])
+    for name, array in simulated_model.record().arrays.items():
+        np.testing.assert_array_equal(measured_model.record().arrays[name], array, err_msg=name)
     starts = [(row, step) for row in (4, 5) for step in range(40, 700, 60)]
     washouts = np.stack([states[row, step - 29 : step + 1] for row, step in starts])
     in_force = np.stack([schedules[row, step - 29 : step + 60] for row, step in starts])
-    boundaries = (20, 40, 60)
-    expected = window_forecasts(one, SPACE.observable, washouts, boundaries, in_force)
+    given = with_inputs(washouts, in_force)
+
+    def largest(model, washouts):
+        return window_forecasts(model, SPACE.observable, washouts, (20, 40, 60)).largest
+
+    expected = largest(simulated_model, given)
     # a batch, and one after the other
-    found = window_forecasts(other, SPACE.observable, washouts, boundaries, in_force)
-    each = [
-        window_forecasts(other, SPACE.observable, washouts[[row]], boundaries, in_force[[row]])
-        for row in range(len(starts))
-    ]
-    alone = np.concatenate([forecasts.largest for forecasts in each])
-    np.testing.assert_array_equal(found.largest, expected.largest)
-    np.testing.assert_allclose(alone, expected.largest, rtol=1e-9)
+    np.testing.assert_array_equal(largest(measured_model, given), expected)
+    alone = np.concatenate([largest(measured_model, given[[row]]) for row in range(len(starts))])
+    np.testing.assert_allclose(alone, expected, rtol=1e-9)
     # the forecast of another future is another one, and of none there is none
     wrong = in_force.copy()
     wrong[:, 29:] = 24.0
-    elsewhere = window_forecasts(other, SPACE.observable, washouts, boundaries, wrong)
-    assert not np.array_equal(elsewhere.largest, found.largest)
+    assert not np.array_equal(largest(measured_model, with_inputs(washouts, wrong)), expected)
     with pytest.raises(ValueError, match="rho: values over the whole forecast must be given"):
-        window_forecasts(other, SPACE.observable, washouts, boundaries)
+        largest(measured_model, washouts)
 
 
 class Driven(MadeUpForecaster):
@@ -439,21 +409,15 @@ class Driven(MadeUpForecaster):
     aware = True
 
     def start(self, washout):
-        raise NotImplementedError
-
-    def start_under(self, washout, schedule):
-        assert schedule.shape == (len(washout) - 1, 1, washout.shape[2])
+        states, schedule, ahead = of_washout(washout, 1)
         # the washout's own values must be those of the same steps
-        np.testing.assert_allclose(np.diff(washout, axis=0), schedule, atol=1e-12)
-        return washout[-1]
+        np.testing.assert_allclose(np.diff(states, axis=0), schedule, atol=1e-12)
+        return carry(states[-1], ahead)
 
     def advance(self, memory, steps):
-        raise NotImplementedError
-
-    def advance_under(self, memory, steps, schedule):
-        assert schedule.shape == (steps, 1, memory.shape[1])
-        outputs = memory + np.cumsum(schedule, axis=0)
-        return outputs, outputs[-1]
+        state, schedule, later = of_memory(memory, 1, 1, steps)
+        outputs = state + np.cumsum(schedule, axis=0)
+        return outputs, carry(outputs[-1], later)
 
 
 def test_horizons_under_a_schedule_end_where_it_is_wrong():
@@ -463,21 +427,20 @@ def test_horizons_under_a_schedule_end_where_it_is_wrong():
     truth = np.concatenate([np.zeros((700, 1)), np.cumsum(schedules[..., 0], axis=1)], axis=1)
     observed = truth[..., np.newaxis].copy()
 
-    def found(in_force):
-        return prediction_horizons(
-            Driven(), lambda states: states[0], observed, truth, search, in_force
-        )
+    def horizons(in_force):
+        series = with_inputs(observed, in_force)
+        return prediction_horizons(Driven(), lambda states: states[0], series, truth, search, 1)
 
-    np.testing.assert_array_equal(found(schedules), 4.0)
+    np.testing.assert_array_equal(horizons(schedules), 4.0)
     wrong = schedules.copy()
     wrong[:, -15] += 1.0  # 15 steps before the event: only later starts do not pass it
-    np.testing.assert_array_equal(found(wrong), 1.0)
+    np.testing.assert_array_equal(horizons(wrong), 1.0)
 
 
 def test_classifiers_learn_from_what_is_known():
     generator = np.random.default_rng(5)
-    washouts, known = generator.normal(size=(1500, 3, 2)), generator.normal(size=(1500, 2))
-    happened = (known[:, 1] + washouts[:, -1, 0] > 1.5)[:, np.newaxis]
+    washouts, exogenous = generator.normal(size=(1500, 3, 2)), generator.normal(size=(1500, 2))
+    happened = (exogenous[:, 1] + washouts[:, -1, 0] > 1.5)[:, np.newaxis]
     series = np.arange(1500) // 150
     case = replace(SIMULATED, random_seed=1)
     for kind, options in (
@@ -485,7 +448,7 @@ def test_classifiers_learn_from_what_is_known():
         ("esn_direct", {"penalty": [1], "neurons": 40, "connectivity": 3}),
     ):
         classifier, scores = make_classifier(kind, options), []
-        for features in (None, known):
+        for features in (None, exogenous):
             points = LabelledPoints(washouts, happened, series, features).of(
                 series < 7, np.array([True])
             )

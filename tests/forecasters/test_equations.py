@@ -89,7 +89,9 @@ def test_insignificant_terms_are_left_out_and_no_others(flow_series, monkeypatch
     monkeypatch.setattr("burstcast.forecasters.quadratic.SIGNIFICANCE", 0)
     everything = QuadraticModel().fit(noisy(flow_series, 0.01), FLOW)
     assert (everything.coefficients != 0).all()
-    errors = [field_error(one, FLOW.system, flow_series[1]) for one in (model, everything)]
+    errors = [
+        field_error(estimate, FLOW.system, flow_series[1]) for estimate in (model, everything)
+    ]
     assert errors[0] < 0.6 * errors[1]
 
 
@@ -231,8 +233,8 @@ def setting():
     case = replace(case, noise=0.01 * scales.standard_deviation)
     channels = StateChannels.fit("identity", states, seen, case)
     space = MeasuredSeries(channel_names("identity", case), "observable")
-    known = {"source": KOLMOGOROV, "maps": channels.maps(states)}
-    forecasting = ForecastingCase(space, 0.05, STRIDE, 17, **known)
+    encoding = {"source": KOLMOGOROV, "maps": channels.maps(states)}
+    forecasting = ForecastingCase(space, 0.05, STRIDE, 17, **encoding)
     return states, with_observable(seen, states), channels, forecasting
 
 
@@ -263,7 +265,7 @@ def test_the_filter_finds_the_state_that_the_sensors_do_not_see(setting):
     washout = seen[:, 100:110].transpose(1, 2, 0)
     truth = states[:, 109].T
     linear = EquationsFromObservation().fit(seen, case).start(washout)
-    errors = [np.linalg.norm(found - truth) for found in (linear, filtered.start(washout))]
+    errors = [np.linalg.norm(estimate - truth) for estimate in (linear, filtered.start(washout))]
     assert errors[1] < 0.1 * errors[0]
     members = filtered.ensemble(washout)
     assert members.shape == (KOLMOGOROV.dimension, 12, 6)

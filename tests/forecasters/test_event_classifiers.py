@@ -57,12 +57,12 @@ def test_kinds_say_that_they_have_no_trajectories():
 def test_a_logistic_precursor_is_that_of_scikit_learn_on_features_cut_by_hand():
     points = labelled()
     precursor = make_classifier("precursor", {"classifier": "logistic", "lags_lt": [0.2]})
-    found = precursor.fit(points, CASE).probabilities(points.washouts)
+    probabilities = precursor.fit(points, CASE).probabilities(points.washouts)
     features = np.hstack([points.washouts[:, 4], points.washouts[:, 2]])
     products = scale(PolynomialFeatures(2, include_bias=False).fit_transform(scale(features)))
     for window in range(2):
         oracle = LogisticRegression(C=1, max_iter=1000).fit(products, points.happened[:, window])
-        np.testing.assert_allclose(found[:, window], oracle.predict_proba(products)[:, 1])
+        np.testing.assert_allclose(probabilities[:, window], oracle.predict_proba(products)[:, 1])
 
 
 @pytest.mark.parametrize("offset", ["mean", "none"])
@@ -85,15 +85,15 @@ def test_a_reservoir_is_read_out_by_the_logistic_regression_of_scikit_learn(offs
             state = np.tanh(5.0 * driven + state @ recurrent.T)
         return state
 
-    known = states(points.washouts)
-    mean, deviation = known.mean(axis=0), known.std(axis=0)
-    found = fitted.probabilities(fresh)
+    learnt_states = states(points.washouts)
+    mean, deviation = learnt_states.mean(axis=0), learnt_states.std(axis=0)
+    probabilities = fitted.probabilities(fresh)
     for window in range(2):
         oracle = LogisticRegression(C=0.5, tol=1e-10, max_iter=10_000).fit(
-            (known - mean) / deviation, points.happened[:, window]
+            (learnt_states - mean) / deviation, points.happened[:, window]
         )
         expected = oracle.predict_proba((states(fresh) - mean) / deviation)[:, 1]
-        np.testing.assert_allclose(found[:, window], expected, atol=1e-5)
+        np.testing.assert_allclose(probabilities[:, window], expected, atol=1e-5)
 
 
 def test_hyperparameters_are_those_that_rank_the_events_of_held_out_series_best():

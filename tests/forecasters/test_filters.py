@@ -37,7 +37,8 @@ def assimilated_number_by_number(ensemble, observation, noise, inflation):
             ratio = math.sqrt(error * error / (spread + error * error))
             for row in range(rows):
                 products = [
-                    one * other for one, other in zip(deviation[row], observed, strict=True)
+                    deviations * weight
+                    for deviations, weight in zip(deviation[row], observed, strict=True)
                 ]
                 gain = sum(products) / (members - 1) / (spread + error * error)
                 centre[row] += gain * innovation
@@ -57,16 +58,16 @@ def test_every_bit_is_that_of_the_numbers_one_by_one(rows, seed, inflation):
     noise, observation = generator.uniform(0, 2, observed), generator.normal(size=(observed, 3))
     noise[0], ensemble[0, :, 1] = 0.0, 1.5
     expected = assimilated_number_by_number(ensemble, observation, noise, inflation)
-    found = assimilate(ensemble, observation, noise, inflation)
-    np.testing.assert_array_equal(found, expected)
+    updated = assimilate(ensemble, observation, noise, inflation)
+    np.testing.assert_array_equal(updated, expected)
     for point in range(3):
         others, only = ensemble.copy(), slice(point, point + 1)
         others[..., np.arange(3) != point] = np.nan
-        found = assimilate(others, observation, noise, inflation)
+        updated = assimilate(others, observation, noise, inflation)
         alone = assimilate(ensemble[..., only], observation[:, only], noise, inflation)
-        np.testing.assert_array_equal(found[..., only], expected[..., only])
+        np.testing.assert_array_equal(updated[..., only], expected[..., only])
         np.testing.assert_array_equal(alone, expected[..., only])
-        np.testing.assert_array_equal(mean(alone), mean(found)[:, only])
+        np.testing.assert_array_equal(mean(alone), mean(updated)[:, only])
 
 
 def kalman_update(centre, covariance, observation, noise):

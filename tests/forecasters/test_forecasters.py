@@ -200,7 +200,9 @@ AWARE = {"esn_aware", "quadratic_aware", "quadratic_aware_filtered"}
 )
 def test_kinds_say_what_they_are(what, expected):
     kinds = {kind: kind_class(kind) for kind in all_kinds()}
-    assert {kind for kind, found in kinds.items() if getattr(found, what, False)} == expected
+    assert {
+        kind for kind, kind_class in kinds.items() if getattr(kind_class, what, False)
+    } == expected
     assert NetworkFromTruth.searched_as == "esn"
 
 
@@ -216,8 +218,8 @@ def test_every_kind_is_tested_here():
 
 
 def test_what_is_not_there_is_named_with_what_is():
-    known = r"'ens' \(did you mean 'esn'\?\); .* equations, equations_filtered, "
-    with pytest.raises(ValueError, match=known):
+    message = r"'ens' \(did you mean 'esn'\?\); .* equations, equations_filtered, "
+    with pytest.raises(ValueError, match=message):
         kind_class("ens")
     with pytest.raises(ValueError, match="backend"):
         NetworkForecaster(backend="fortran").restore(FORECASTERS["esn"].record(), CASE)
@@ -233,8 +235,8 @@ def test_a_restored_network_leaks_and_squares_as_before(flow):
     assert not {"leak_rate", "readout"} & FORECASTERS["esn"].record().attributes.keys()
     restored = NetworkForecaster(backend="scipy").restore(record, CASE)
     outputs = [
-        one.advance(one.start(flow[:20]), 12)[0]
-        for one in (forecaster, restored, FORECASTERS["esn"])
+        model.advance(model.start(flow[:20]), 12)[0]
+        for model in (forecaster, restored, FORECASTERS["esn"])
     ]
     np.testing.assert_array_equal(outputs[0], outputs[1])
     assert np.abs(outputs[0] - outputs[2]).max() > 1e-3
@@ -242,14 +244,14 @@ def test_a_restored_network_leaks_and_squares_as_before(flow):
 
 def test_a_network_that_has_not_seen_a_series_is_trained_on_the_others(flow):
     training, network = flow.transpose(2, 0, 1), FORECASTERS["esn"].network
-    found = list(FORECASTERS["esn"].leave_one_out(training, CASE, 20))
-    assert len(found) == len(training)
-    for row, one in enumerate(found):
+    refitted = list(FORECASTERS["esn"].leave_one_out(training, CASE, 20))
+    assert len(refitted) == len(training)
+    for row, left_out in enumerate(refitted):
         others = TrainingSeries(np.delete(training, row, axis=0), network.input_range)
         readout = train(network.dynamics, others, washout=20, tikhonov=network.readout.tikhonov)
-        np.testing.assert_allclose(one.network.readout.weights, readout.weights, rtol=1e-5)
-        assert one.network.dynamics is network.dynamics
-        assert (one.seed, one.divergence_bound) == (SEED, 10.0)
+        np.testing.assert_allclose(left_out.network.readout.weights, readout.weights, rtol=1e-5)
+        assert left_out.network.dynamics is network.dynamics
+        assert (left_out.seed, left_out.divergence_bound) == (SEED, 10.0)
 
 
 def test_the_bound_of_a_restored_network_is_an_option_and_it_is_not_fitted_without_a_search(flow):
@@ -320,9 +322,9 @@ def test_where_analogues_have_ended_there_is_no_forecast_and_constants_tell_none
     assert np.isnan(later).all()
     with_gauge = np.concatenate([walks, np.full((3, 30, 1), 7.0)], axis=2)
     seen = np.concatenate([last_states, np.full((5, 1, 7), 7.0)], axis=1)
-    found = Analogues(neighbours=4).fit(with_gauge, LORENZ).start(seen)
+    memory = Analogues(neighbours=4).fit(with_gauge, LORENZ).start(seen)
     np.testing.assert_array_equal(
-        found, Analogues(neighbours=4).fit(walks, LORENZ).start(last_states)
+        memory, Analogues(neighbours=4).fit(walks, LORENZ).start(last_states)
     )
 
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 from numpy.testing import assert_array_equal
 
+from burstcast.base.exogenous import with_inputs
 from burstcast.base.files.netcdf import read_netcdf, write_netcdf
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.forecasters.analogues import Analogues
@@ -192,11 +193,10 @@ def test_forecasts_under_a_schedule_are_those_of_each_point_by_itself(monkeypatc
     model = FILTER.fit(generator.normal(size=(2, 60, 3)), case)
     monkeypatch.setattr(module, "POINTS_PER_BATCH", 3)
     monkeypatch.setattr(module, "TRAJECTORIES_PER_BATCH", 5)
-    result = window_forecasts(model, case.system.observable, washouts, BOUNDARIES, schedule)
+    told = with_inputs(washouts, schedule)
+    result = window_forecasts(model, case.system.observable, told, BOUNDARIES)
     for point in range(7):
-        past, ahead = schedule[point, :11, :, np.newaxis], schedule[point, 11:, :, np.newaxis]
-        memory = model.start_under(washouts[point][..., np.newaxis], past)
-        outputs, _ = model.advance_under(memory, BOUNDARIES[-1], ahead)
+        outputs, _ = model.advance(model.start(told[point][..., np.newaxis]), BOUNDARIES[-1])
         expected = summarise(case.system.observable(outputs.transpose(1, 0, 2)), BOUNDARIES)
         assert np.array_equal(result.largest[point], expected.largest[0])
 

@@ -1,14 +1,21 @@
 """Readouts that are linear in factors of parameters."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.sparse
 
 from burstcast.networks.dynamics import Dynamics
-from burstcast.networks.factored import FactoredStates, driven_neurons, factored_closed_loop
+from burstcast.networks.factored import (
+    FactoredSeries,
+    FactoredStates,
+    driven_neurons,
+    forecast_under,
+)
 from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.reservoir import Reservoir, make_reservoir
-from burstcast.networks.training import TrainingSeries, collect, train, train_leaving_one_out
+from burstcast.networks.training import collect, train, train_leaving_one_out
 from burstcast.networks.validation import validate
 from burstcast.networks.validation_strategies.base import ValidationPlan
 from burstcast.networks.validation_strategies.registry import make_strategy
@@ -28,7 +35,7 @@ def training(signal):
     generator = np.random.default_rng(4)
     changes = generator.random((5, 899)) < 0.03
     factors = np.array([[-1.0, 1.0], [0.2, 0.04], [1.0, 1.0]])[np.cumsum(changes, axis=1) % 3]
-    return TrainingSeries(observed, np.ptp(observed, axis=(0, 1)), factors)
+    return FactoredSeries(observed, np.ptp(observed, axis=(0, 1)), factors=factors)
 
 
 @pytest.fixture(scope="module")
@@ -87,43 +94,13 @@ def test_the_readout_is_that_of_dense_least_squares_also_without_one_series(
         np.testing.assert_allclose(result[row].weights, expected, rtol=1e-4, atol=1e-5)
 
 
-def test_without_factors_it_is_the_plain_readout_bit_for_bit(dynamics, training):
-    plain = TrainingSeries(training.observed, training.input_range)
-    none = TrainingSeries(training.observed, training.input_range, training.factors[..., :0])
-    expected = train(dynamics, plain, washout=WASHOUT, tikhonov=BETA)
-    result = train(dynamics, none, washout=WASHOUT, tikhonov=BETA)
-    assert np.array_equal(result.weights, expected.weights)
-    states = 0.1 * np.random.default_rng(1).normal(size=(dynamics.reservoir.neurons, 3))
-    network = EchoStateNetwork(dynamics, result, training.input_range)
-    outputs, last = network.forecast(states, 30, np.empty((30, 0, 3)))
-    plain_outputs, plain_last = network.forecast(states, 30)
-    assert np.array_equal(outputs, plain_outputs)
-    assert np.array_equal(last, plain_last)
-
-
-def test_a_constant_factor_changes_no_forecast(dynamics, training):
-    """[r, q r, q] with one q spans what [r] spans: the fit is the plain one, up to beta."""
-    constant = np.full((*training.factors.shape[:2], 1), 0.5)
-    with_factors = TrainingSeries(training.observed, training.input_range, constant)
-    plain = TrainingSeries(training.observed, training.input_range)
-    result = train(dynamics, with_factors, washout=WASHOUT, tikhonov=BETA)
-    layout = FactoredStates.of(dynamics.reservoir, 1)
-    # the two blocks share beta: together they are regularised by beta / (1 + q^2)
-    expected = train(dynamics, plain, washout=WASHOUT, tikhonov=BETA / 1.25)
-    states = states_after(dynamics, plain)[:, WASHOUT:].reshape(-1, layout.neurons)
-    rows = np.column_stack([states, np.ones(len(states))])
-    combined = layout.weights_at(result.weights, np.array([0.5]))
-    np.testing.assert_allclose(rows @ combined, rows @ expected.weights, atol=1e-5)
-
-
 def test_the_closed_loop_under_a_schedule_is_that_of_a_plain_loop(
     dynamics, training, readout, states
 ):
     """Step by step in numpy: r <- tanh(W_in [u; b] + W r), u = [r; q r; q; 1] W_out."""
     factors = training.factors[:, 299 : 299 + 60].transpose(1, 2, 0)
-    result, last = factored_closed_loop(
-        dynamics, readout.weights, training.input_range, states, factors
-    )
+    network = EchoStateNetwork(dynamics, readout, training.input_range)
+    result, last = forecast_under(network, states, factors)
     reservoir, layout = dynamics.reservoir, FactoredStates.of(dynamics.reservoir, 2)
     recurrent = dynamics.spectral_radius * reservoir.recurrent.toarray()
     state = states
@@ -143,25 +120,17 @@ def test_loops_do_not_depend_on_their_batch_not_even_where_one_diverges(
     dynamics, training, readout, states
 ):
     factors = training.factors[:, 299:349].transpose(1, 2, 0)
-    arguments = dynamics, readout.weights, training.input_range
-    together, last = factored_closed_loop(*arguments, states, factors)
+    network = EchoStateNetwork(dynamics, readout, training.input_range)
+    together, last = forecast_under(network, states, factors)
     lost = np.where(np.arange(5) == 2, np.nan, states)
-    result, _ = factored_closed_loop(*arguments, lost, factors)
+    result, _ = forecast_under(network, lost, factors)
     assert np.isnan(result[..., 2]).all()
     for index in (0, 1, 3, 4):
         only = slice(index, index + 1)
-        alone, alone_last = factored_closed_loop(*arguments, states[:, only], factors[..., only])
+        alone, alone_last = forecast_under(network, states[:, only], factors[..., only])
         assert np.array_equal(alone[..., 0], together[..., index])
         assert np.array_equal(alone_last[:, 0], last[:, index])
         assert np.array_equal(result[..., index], together[..., index])
-
-
-def test_under_constant_factors_it_is_a_plain_network(dynamics, training, readout, states):
-    network = EchoStateNetwork(dynamics, readout, training.input_range)
-    values = np.array([0.2, 0.04])
-    factors = np.tile(values[:, np.newaxis], (40, 1, 5))
-    expected, _ = network.forecast(states, 40, factors)
-    assert np.array_equal(network.under(values).forecast(states, 40)[0], expected)
 
 
 def test_neurons_that_no_input_reaches():
@@ -193,7 +162,7 @@ def test_validation_is_that_of_plain_closed_loops(dynamics, training, name):
     (validation,) = validate(dynamics, training, lambda state: state[0], plan, [BETA], [strategy])
     stop = fold.trained[0].stop
     observed, factors = training.observed[:, :stop], training.factors[:, : stop - 1]
-    part = TrainingSeries(observed, training.input_range, factors)
+    part = FactoredSeries(observed, training.input_range, factors=factors)
     readout = train(dynamics, part, washout=WASHOUT, tikhonov=BETA)
     network = EchoStateNetwork(dynamics, readout, training.input_range)
     expected = []
@@ -202,7 +171,7 @@ def test_validation_is_that_of_plain_closed_loops(dynamics, training, name):
             washout = training.observed[row, :start, :, np.newaxis]
             states = network.washout(washout)
             in_force = training.factors[row, start - 1 : start + 24, :, np.newaxis]
-            outputs, _ = network.forecast(states, 25, in_force)
+            outputs, _ = forecast_under(network, states, in_force)
             truth = training.observed[row, start : start + 25, 0]
             expected.append(np.log10(np.mean((outputs[:, 0, 0] - truth) ** 2)))
     np.testing.assert_allclose(validation.log_errors, expected, rtol=1e-7)
@@ -210,7 +179,7 @@ def test_validation_is_that_of_plain_closed_loops(dynamics, training, name):
 
 def test_factors_and_weights_that_do_not_fit_are_refused(dynamics, training):
     with pytest.raises(ValueError, match=r"factors of the shape \(5, 899, factors\)"):
-        TrainingSeries(training.observed, training.input_range, training.factors[:, 1:])
+        replace(training, factors=training.factors[:, 1:])
     layout = FactoredStates.of(dynamics.reservoir, 1)
     with pytest.raises(ValueError, match="has no 151 weights"):
         layout.weights_at(np.zeros((151, 4)), np.zeros(1))

@@ -198,12 +198,19 @@ def test_options_of_a_job_are_those_of_its_kind():
         job(given, forecaster="analogues").unfitted()
 
 
-def test_only_the_bound_is_given_the_truth(forecaster):
+def test_only_the_bound_is_given_the_truth_and_aware_kinds_the_inputs(forecaster):
     made, settings = forecaster
-    observed, true = np.zeros(3), np.ones(3)
+    observed, true, inputs = np.zeros((2, 4, 3)), np.ones((2, 4, 3)), np.full((2, 9, 1), 5.0)
     kind = settings.forecaster.partition("-")[0]
     expected = true if kind in ("equations", "esn_true_washout") else observed
     assert seen(made, observed, true) is expected
+    given = seen(made, observed, true, inputs)
+    if kind.startswith("equations"):
+        np.testing.assert_array_equal(given[:, :4, :3], expected)
+        np.testing.assert_array_equal(given[..., 3:], 5.0)
+        assert given.shape == (2, 10, 4)
+    else:
+        assert given is expected
 
 
 def test_who_learns_from_noise_and_who_sees_the_truth_reads_none(ensemble):

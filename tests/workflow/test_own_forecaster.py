@@ -38,7 +38,7 @@ class BaseRate(EventClassifier):
     def fit(self, points, case):
         return self.with_fitted(rate=points.happened.mean(axis=0))
 
-    def probabilities(self, washouts, known=None):
+    def probabilities(self, washouts, exogenous=None):
         return np.tile(self.rate, (len(washouts), 1))
 """
 OFF = {"forecasters": {"esn": None, "equations": None}}

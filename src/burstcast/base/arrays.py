@@ -7,7 +7,7 @@ stored data: ensemble, training series                           (series, time, 
 batch of states of a dynamical system                            (dimension, ...)
 batch of washouts or forecasts, inputs and outputs of a network  (steps, dimension, batch)
 schedule: parameters in force from each step to the next         (steps, parameters, batch)
-schedules of training series                                     (series, time - 1, parameters)
+series with exogenous inputs (`burstcast.base.exogenous`)        (series, time, component)
 batch of reservoir states                                        (neurons, batch)
 memory of any forecaster                                         (..., batch)
 readout weights, the bias last                                   (neurons + 1, dimension)

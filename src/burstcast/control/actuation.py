@@ -58,17 +58,17 @@ def _with_parameters(
 ) -> DynamicalSystem:
     if not dataclasses.is_dataclass(system):
         raise ValueError("only the parameters of a system that is a dataclass can be changed")
-    known = [field.name for field in dataclasses.fields(system) if field.init]
-    unknown = sorted(set(parameters) - set(known))
+    names = [field.name for field in dataclasses.fields(system) if field.init]
+    unknown = sorted(set(parameters) - set(names))
     if unknown:
         raise ValueError(
             f"the actuation changes {', '.join(unknown)}, which the system does not have; "
-            f"its parameters are {', '.join(known) or 'none'}"
+            f"its parameters are {', '.join(names) or 'none'}"
         )
     changed = {}
     for name, value in parameters.items():
-        own = getattr(system, name)
-        changed[name] = value if strength == 1 else own + strength * (value - own)
+        unactuated = getattr(system, name)
+        changed[name] = value if strength == 1 else unactuated + strength * (value - unactuated)
     try:
         return dataclasses.replace(system, **changed)
     except ValueError as error:
@@ -94,16 +94,19 @@ class ActuationValues:
         """Values of parameters by name: of the equations, or the share of the actuator alone."""
         if list(names) == [SHARE]:
             return cls((0.0,), (strength,), (-strength,))
-        off, on = (SystemParameters.of(one, names).defaults for one in (system, actuated))
-        return cls(off, on)
+        off, on = SystemParameters.of(system, names), SystemParameters.of(actuated, names)
+        return cls(off.defaults, on.defaults)
 
     def schedule(self, acting: ByteArray | BoolArray) -> FloatArray:
         """Schedule ``(steps, parameters, batch)`` of an actuator.
 
         ``acting``: Number of the actuation during each step, ``(steps, batch)``.
         """
-        values = np.array([one for one in (self.off, self.on, self.reversed) if one])
-        return np.ascontiguousarray(values[acting.astype(np.uint8)].transpose(0, 2, 1))
+        values = [self.off, self.on]
+        if self.reversed:
+            values.append(self.reversed)
+        chosen = np.array(values)[acting.astype(np.uint8)]
+        return np.ascontiguousarray(chosen.transpose(0, 2, 1))
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from burstcast.control.records import FlowSample, weighted_scores
 
 def values_of(sample: FlowSample) -> dict[str, float]:
     """Scores of all flows of a sample by name."""
-    found = weighted_scores(sample, np.ones((1, len(sample))))
-    return {name: float(value[0]) for name, value in found.items()}
+    scores = weighted_scores(sample, np.ones((1, len(sample))))
+    return {name: float(value[0]) for name, value in scores.items()}
 
 
 def choose(candidates: Sequence[FlowSample], tolerance: float) -> int:
@@ -27,16 +27,18 @@ def choose(candidates: Sequence[FlowSample], tolerance: float) -> int:
     """
     if not candidates:
         raise ValueError("there is nothing to choose from")
-    found = [
+    finite = []
+    for candidate in candidates:
+        scores = values_of(candidate)
         # scores of no flows are not defined: such settings are the last choice
-        {name: value if np.isfinite(value) else np.inf for name, value in values_of(one).items()}
-        for one in candidates
-    ]
-    cost = "effort" if all("effort" in one for one in found) else "control_fraction"
+        undefined = {name: np.inf for name, value in scores.items() if not np.isfinite(value)}
+        finite.append({**scores, **undefined})
+    cost = "effort" if all("effort" in scores for scores in finite) else "control_fraction"
 
     def rank(scores: Mapping[str, float]) -> tuple[bool, float, float]:
         left = scores["relative_exceedance"]
-        within = left <= tolerance
-        return (not within, *((scores[cost], left) if within else (left, scores[cost])))
+        if left <= tolerance:
+            return False, scores[cost], left
+        return True, left, scores[cost]
 
-    return min(range(len(found)), key=lambda number: rank(found[number]))
+    return min(range(len(finite)), key=lambda number: rank(finite[number]))

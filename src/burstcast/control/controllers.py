@@ -52,7 +52,8 @@ def controlling_policy(
     share: float = getattr(strategy, VOTE_SHARE)
     first, *others = forecasters
     if others:
-        return by_vote([strategy.policy(experiment, one) for one in forecasters], share)
+        policies = [strategy.policy(experiment, forecaster) for forecaster in forecasters]
+        return by_vote(policies, share)
     if not first.provides_ensemble:
         return strategy.policy(experiment, first)
     return by_members(strategy.policy(experiment, Members(first)), share)

@@ -64,9 +64,11 @@ def energy_means(
     """
     components = np.ascontiguousarray(states.transpose(2, 0, 1))
     budgets = [system.energy_budget(components) for system in systems]
-    known = [budget for budget in budgets if budget is not None]
-    if len(known) < len(budgets):
+    defined = [budget for budget in budgets if budget is not None]
+    if len(defined) < len(budgets):
         return None
+    inputs = [budget.input for budget in defined]
+    dissipations = [budget.dissipation for budget in defined]
     return EnergyBudget(
-        *(np.choose(actuation, parts).mean(axis=1) for parts in zip(*known, strict=True))
+        np.choose(actuation, inputs).mean(axis=1), np.choose(actuation, dissipations).mean(axis=1)
     )

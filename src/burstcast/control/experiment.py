@@ -55,8 +55,8 @@ class ControlExperiment:
             random_streams.stream(self.root_seed, purpose, self.case, *names, row)
             for row in self.series
         ]
-        found = [stream.random(looks) for stream in streams]
-        return np.array(found).reshape(len(self.series), looks)
+        draws = [stream.random(looks) for stream in streams]
+        return np.array(draws).reshape(len(self.series), looks)
 
     @property
     def observed_space(self) -> StateSpace:

@@ -297,7 +297,7 @@ def _joined(parts: Sequence[Any]) -> Any:
     if isinstance(first, EnergyBudget):
         return EnergyBudget(*map(_joined, zip(*parts, strict=True)))
     if is_dataclass(first) and not isinstance(first, type):
-        names = [one.name for one in fields(first)]
+        names = [entry.name for entry in fields(first)]
         return replace(
             first, **{name: _joined([getattr(part, name) for part in parts]) for name in names}
         )

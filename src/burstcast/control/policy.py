@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from burstcast.base.exogenous import with_inputs
 from burstcast.control.actuation import ActuationValues
-from burstcast.forecasters.base import Forecaster, for_members
+from burstcast.forecasters.base import Forecaster
 from burstcast.forecasts.window_forecasts import side_by_side
 
 FLOWS_PER_CALL = 64
@@ -45,11 +46,6 @@ class Look:
         """Steps until the decision takes effect."""
         return len(self.acting) - len(self.washout) + 1
 
-    @property
-    def pending(self) -> ByteArray:
-        """Actuation until then, ``(delay, batch)``."""
-        return self.acting[len(self.washout) - 1 :]
-
 
 Policy = Callable[[Look], BoolArray | ByteArray]
 """Actuation that is set off at a look, ``(batch,)``: 0 (False) is none, 1 (True) the actuation, 2
@@ -68,12 +64,11 @@ def informed_memory(forecaster: Forecaster, look: Look, values: ActuationValues)
     The forecaster knows the parameters: it has followed the past actuation, and the one that is on
     its way.
     """
-    past = look.acting[: len(look.washout) - 1]
-    memory = forecaster.start_under(look.washout, values.schedule(past))
+    acting = values.schedule(look.acting).transpose(2, 0, 1)
+    washout = with_inputs(look.washout.transpose(2, 0, 1), acting).transpose(1, 2, 0)
+    memory = forecaster.start(washout)
     if look.delay:
-        members = memory.shape[-1] // look.washout.shape[-1]
-        schedule = for_members(values.schedule(look.pending), members)
-        _, memory = forecaster.advance_under(memory, look.delay, schedule)
+        _, memory = forecaster.advance(memory, look.delay)
     return memory
 
 
@@ -95,15 +90,11 @@ class Members:
 
     def __init__(self, forecaster: Forecaster) -> None:
         self.forecaster, self.aware = forecaster, forecaster.aware
-        self.advance, self.advance_under = forecaster.advance, forecaster.advance_under
+        self.advance = forecaster.advance
 
     def start(self, washout: FloatArray) -> FloatArray:
         """Memories of all members after an observed washout, ``(..., members * batch)``."""
         return side_by_side(self.forecaster.ensemble(washout))
-
-    def start_under(self, washout: FloatArray, schedule: FloatArray | None) -> FloatArray:
-        """Memories of all members after a washout under a schedule."""
-        return side_by_side(self.forecaster.ensemble_under(washout, schedule))
 
 
 def by_members(policy: Policy, share: float) -> Policy:

@@ -69,22 +69,22 @@ class FlowRecords:
 def record_flows(flows: ControlledFlows, laminarisation_threshold: float | None) -> FlowRecords:
     """Reduce simulated flows to records."""
     timing, counted = flows.timing, flows.timing.counted
-    found: dict[str, Any] = {
+    counts: dict[str, Any] = {
         name: getattr(flows, name) for name in ("actuated_integration_steps", "switchings")
     }
-    for who in ("uncontrolled", "controlled"):
-        observable, energy = getattr(flows, who), getattr(flows, f"{who}_energy")
+    for run in ("uncontrolled", "controlled"):
+        observable, energy = getattr(flows, run), getattr(flows, f"{run}_energy")
         crossings = upward_crossings(observable, flows.threshold)
         from_start = observable[:, timing.first_look : timing.counted_until + 1]
         for name in ("input", "dissipation"):
             unknown = np.full(len(flows), np.nan)
-            found[f"{name}_{who}"] = unknown if energy is None else getattr(energy, name)
-        found |= {
-            f"exceeding_{who}": (observable[:, counted] >= flows.threshold).sum(axis=1),
-            f"events_{who}": crossings[:, counted].sum(axis=1),
-            f"laminar_step_{who}": first_laminar_step(from_start, laminarisation_threshold),
+            counts[f"{name}_{run}"] = unknown if energy is None else getattr(energy, name)
+        counts |= {
+            f"exceeding_{run}": (observable[:, counted] >= flows.threshold).sum(axis=1),
+            f"events_{run}": crossings[:, counted].sum(axis=1),
+            f"laminar_step_{run}": first_laminar_step(from_start, laminarisation_threshold),
         }
-    return FlowRecords(row=flows.rows, **found)
+    return FlowRecords(row=flows.rows, **counts)
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ class FlowSample:
         """Flows of a run from the variables and attributes of its file."""
         return cls(
             FlowRecords(**{name: content[name] for name in RECORDS}),
-            Span(**{one.name: int(content[one.name]) for one in fields(Span)}),
+            Span(**{entry.name: int(content[entry.name]) for entry in fields(Span)}),
             {name: content[name] for name in COSTS if name in content},
         )
 
@@ -192,7 +192,9 @@ def score_flows(
     if len(sample):
         weights[1:] = bootstrap_weights(len(sample), resamples, generator)
     values = weighted_scores(sample, weights)
-    return {name: ResampledScore(float(one[0]), one[1:]) for name, one in values.items()}
+    return {
+        name: ResampledScore(float(samples[0]), samples[1:]) for name, samples in values.items()
+    }
 
 
 def weighted_scores(sample: FlowSample, weights: FloatArray) -> dict[str, FloatArray]:
@@ -233,15 +235,15 @@ def _scores(records: FlowRecords, span: Span, weights: FloatArray) -> dict[str, 
         return _quotient((weighted * kept).sum(axis=1), number)
 
     scores: dict[str, FloatArray] = {}
-    for who in ("uncontrolled", "controlled"):
-        scores[f"exceedance_{who}"] = mean(getattr(records, f"exceeding_{who}")) / span.steps
-        events = mean(getattr(records, f"events_{who}"))
-        scores[f"events_per_lyapunov_time_{who}"] = events / lyapunov_times
+    for run in ("uncontrolled", "controlled"):
+        scores[f"exceedance_{run}"] = mean(getattr(records, f"exceeding_{run}")) / span.steps
+        events = mean(getattr(records, f"events_{run}"))
+        scores[f"events_per_lyapunov_time_{run}"] = events / lyapunov_times
         for name in ("input", "dissipation"):
-            scores[f"{name}_{who}"] = mean(getattr(records, f"{name}_{who}"))
-        step = getattr(records, f"laminar_step_{who}")
+            scores[f"{name}_{run}"] = mean(getattr(records, f"{name}_{run}"))
+        step = getattr(records, f"laminar_step_{run}")
         at_risk = np.where(step < 0, span.steps_at_risk, step) / span.steps_per_lyapunov_time
-        scores[f"laminarisation_hazard_{who}"] = _quotient(
+        scores[f"laminarisation_hazard_{run}"] = _quotient(
             (weights * (step >= 0)).sum(axis=1), (weights * at_risk).sum(axis=1)
         )
     for name in ("exceedance", "input", "dissipation"):
@@ -257,25 +259,25 @@ def _bounds_of_nothing(
     sample: FlowSample, confidence: float, intervals: Mapping[str, Interval]
 ) -> dict[str, Interval]:
     """Upper bounds for counts of zero in all flows (see the module)."""
-    found = {}
+    bounds = {}
     records, span, counts = sample.records, sample.span, sample.records.kept
     flows = int(counts.sum())
     share = 1 - (1 - confidence) ** (1 / flows) if flows else math.nan
-    for who in ("uncontrolled", "controlled"):
-        name = f"laminarisation_hazard_{who}"
+    for run in ("uncontrolled", "controlled"):
+        name = f"laminarisation_hazard_{run}"
         if intervals[name].value == 0:
             risk = len(sample) * span.steps_at_risk / span.steps_per_lyapunov_time
-            found[name] = Interval(0.0, 0.0, -math.log(1 - confidence) / risk)
+            bounds[name] = Interval(0.0, 0.0, -math.log(1 - confidence) / risk)
     exceeding = records.exceeding_uncontrolled[counts]
     if intervals["exceedance_controlled"].value == 0 and exceeding.any():
         typical = float(exceeding[exceeding > 0].mean()) / span.steps
         uncontrolled = intervals["exceedance_uncontrolled"].value
-        found["exceedance_controlled"] = Interval(0.0, 0.0, min(1.0, share * typical))
-        found["relative_exceedance"] = Interval(0.0, 0.0, share * typical / uncontrolled)
+        bounds["exceedance_controlled"] = Interval(0.0, 0.0, min(1.0, share * typical))
+        bounds["relative_exceedance"] = Interval(0.0, 0.0, share * typical / uncontrolled)
         events = records.events_uncontrolled[counts][exceeding > 0].mean()
         per_time = float(events) * span.steps_per_lyapunov_time / span.steps
-        found["events_per_lyapunov_time_controlled"] = Interval(0.0, 0.0, share * per_time)
-    return found
+        bounds["events_per_lyapunov_time_controlled"] = Interval(0.0, 0.0, share * per_time)
+    return bounds
 
 
 def _quotient(numerator: FloatArray, denominator: FloatArray) -> FloatArray:

@@ -22,7 +22,7 @@ def named(value: Any) -> str:
         return "+".join(map(named, value))
     whole = isinstance(value, float) and value.is_integer()
     text = str(int(value) if whole else value)
-    return re.sub(r"[^A-Za-z0-9.+-]", lambda found: _code(ord(found[0])), text)
+    return re.sub(r"[^A-Za-z0-9.+-]", lambda match: _code(ord(match[0])), text)
 
 
 def _code(number: int) -> str:
@@ -78,4 +78,4 @@ def option_words(column: str) -> str:
 def _unnamed(name: str) -> str:
     """Text whose characters `named` has replaced."""
     code = r"_(?:u([0-9a-f]{6})|([0-9a-f]{2}))"
-    return re.sub(code, lambda found: chr(int(found[1] or found[2], 16)), name)
+    return re.sub(code, lambda match: chr(int(match[1] or match[2], 16)), name)

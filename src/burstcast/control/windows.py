@@ -6,7 +6,7 @@ alarm's window, and without one a window later.
 Source: section "Control of extreme events" of the paper.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Annotated
 
@@ -208,15 +208,11 @@ def totals(sample: FlowSample, counts: WindowCounts, left_out: int) -> dict[str,
     """
     records, span, kept = sample.records, sample.span, sample.records.kept
     flows = int(kept.sum())
-    total = {one.name: int(getattr(counts, one.name)[kept].sum()) for one in fields(counts)}
+    total = {entry.name: int(getattr(counts, entry.name)[kept].sum()) for entry in fields(counts)}
+    for name in ("exceeding_uncontrolled", "exceeding_controlled", "events_uncontrolled"):
+        total[name] = int(getattr(records, name)[kept].sum())
     total |= {
-        name: int(getattr(records, name)[kept].sum())
-        for name in (
-            *("exceeding_uncontrolled", "exceeding_controlled", "events_uncontrolled"),
-            "actuated_integration_steps",
-        )
-    }
-    total |= {
+        "actuated_integration_steps": int(records.actuated_integration_steps[kept].sum()),
         "flows": flows,
         "left_out": left_out,
         "laminarised": len(kept) - flows,
@@ -265,11 +261,12 @@ def observable_histograms(flows: ControlledFlows, edges: FloatArray) -> Histogra
     counted = flows.timing.counted
     samples = flows.uncontrolled[:, counted], flows.controlled[:, counted]
     free = [flow[~on] for flow, on in zip(samples[1], flows.actuated[:, counted], strict=True)]
-    found = (
-        np.array([histogram(flow, edges).counts for flow in sample], dtype=np.int64)
-        for sample in (*samples, free)
-    )
-    return Histograms(edges, *(counts.reshape(-1, len(edges) - 1) for counts in found))
+
+    def counts(sample: Iterable[FloatArray]) -> IntArray:
+        by_flow = [histogram(flow, edges).counts for flow in sample]
+        return np.array(by_flow, dtype=np.int64).reshape(-1, len(edges) - 1)
+
+    return Histograms(edges, counts(samples[0]), counts(samples[1]), counts(free))
 
 
 @dataclass(frozen=True)

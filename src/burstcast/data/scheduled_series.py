@@ -6,11 +6,11 @@ or from flows whose actuator switches on and off at random.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from burstcast.base.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.exogenous import with_inputs
 from burstcast.base.files.netcdf import Variable
 from burstcast.base.files.units import COMPONENT
 from burstcast.base.laminarisation import is_laminar
@@ -18,51 +18,19 @@ from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters, integrate_scheduled
 
 
-@dataclass(frozen=True)
-class ScheduledSeries:
-    """Series with the values of the parameters that were in force."""
+def scheduled_variables(
+    states: FloatArray, observed: FloatArray, schedules: FloatArray
+) -> dict[str, Variable]:
+    """Variables of the file of series: their states, observations, and schedules.
 
-    states: FloatArray  #: ``(series, time, component)``
-    #: values in force from each sample to the next, ``(series, time - 1, parameters)``
-    schedules: FloatArray
-
-    def __post_init__(self) -> None:
-        series, time, _ = self.states.shape
-        if self.schedules.ndim != 3 or self.schedules.shape[:2] != (series, time - 1):
-            raise ValueError(
-                f"{series} series of {time} samples need schedules of the shape ({series}, "
-                f"{time - 1}, parameters), not {self.schedules.shape}"
-            )
-
-    @classmethod
-    def constant(cls, states: FloatArray, values: Sequence[float]) -> "ScheduledSeries":
-        """Series under constant values, one for each parameter."""
-        series, time, _ = states.shape
-        return cls(states, np.tile(np.array(values, dtype=np.float64), (series, time - 1, 1)))
-
-
-def joined(parts: Sequence[ScheduledSeries]) -> ScheduledSeries:
-    """Series of several parts, of one length, in their order."""
-    shapes = {(part.states.shape[1:], part.schedules.shape[2]) for part in parts}
-    if len(shapes) != 1:
-        raise ValueError(
-            "series that are trained on together must have the same length, components and "
-            f"parameters, not {sorted(shapes)}"
-        )
-    return ScheduledSeries(
-        np.concatenate([part.states for part in parts]),
-        np.concatenate([part.schedules for part in parts]),
-    )
-
-
-def scheduled_variables(true: ScheduledSeries, observed: FloatArray) -> dict[str, Variable]:
-    """Variables of the file of series: their states, observations, and schedules."""
-    states, steps = ("series", "time", "component"), ("series", "step", "parameter")
-    schedule = "value of each parameter in force from each sample to the next"
+    ``schedules``: Values in force from each sample to the next, ``(series, time - 1, parameters)``.
+    """
+    axes, steps = ("series", "time", "component"), ("series", "step", "parameter")
+    in_force = "value of each parameter in force from each sample to the next"
     return {
-        "state": Variable(states, true.states, COMPONENT, "state of the system"),
-        "observed": Variable(states, observed, COMPONENT, "observed state"),
-        "parameter": Variable(steps, true.schedules, None, schedule),
+        "state": Variable(axes, states, COMPONENT, "state of the system"),
+        "observed": Variable(axes, observed, COMPONENT, "observed state"),
+        "parameter": Variable(steps, schedules, None, in_force),
     }
 
 
@@ -70,42 +38,37 @@ def scheduled_variables(true: ScheduledSeries, observed: FloatArray) -> dict[str
 class TrainingSet:
     """Series of several cases that a forecaster learns from, the cases in turn."""
 
-    #: true, observed: the series as they truly are, and as they are observed
-    true: ScheduledSeries
-    observed: ScheduledSeries
+    states: FloatArray  #: true states, ``(series, time, dimension)``
+    #: observed states with the parameters in force, ``(series, time, dimension + parameters)``
+    observed: FloatArray
     #: rows of a case's own training series among them, in their order; none where the case gives
     #: other series, or none
     own_rows: list[int]
 
     @classmethod
-    def of_parts(cls, parts: Sequence[Mapping[str, Any]], own: int | None) -> "TrainingSet":
-        """Training set of the series of several cases.
+    def of_parts(cls, parts: Sequence[Mapping[str, FloatArray]], own: int | None) -> "TrainingSet":
+        """Training set of the series of several cases, as variables of `scheduled_variables`.
 
         Series of different cases take turns, so that the first ones, on which networks are
         validated, are of all of them.
 
         ``own``: Which part has the case's own training series; None if none has.
         """
-        counts = [len(part["state"]) for part in parts]
+        observed = [with_inputs(part["observed"], part["parameter"]) for part in parts]
+        shapes = {part.shape[1:] for part in observed}
+        if len(shapes) != 1:
+            raise ValueError(
+                "series that are trained on together must have the same length, components and "
+                f"parameters, not {sorted(shapes)}"
+            )
+        counts = [len(part) for part in observed]
         turn = np.argsort(np.concatenate([np.arange(count) for count in counts]), kind="stable")
-        true, observed = (
-            joined([ScheduledSeries(part[name], part["parameter"]) for part in parts])
-            for name in ("state", "observed")
-        )
         rows: list[int] = []
         if own is not None:
             first = sum(counts[:own])
             rows = np.argsort(turn)[first : first + counts[own]].tolist()
-        return cls(
-            ScheduledSeries(true.states[turn], true.schedules[turn]),
-            ScheduledSeries(observed.states[turn], observed.schedules[turn]),
-            rows,
-        )
-
-    @property
-    def schedules(self) -> FloatArray:
-        """Values in force from each sample to the next, ``(series, time - 1, parameters)``."""
-        return self.observed.schedules
+        states = np.concatenate([part["state"] for part in parts])
+        return cls(states[turn], np.concatenate(observed)[turn], rows)
 
 
 @dataclass(frozen=True)
@@ -165,14 +128,14 @@ def simulated_series(
     time_step: float,
     sampling_stride: int,
     laminarisation_threshold: float | None,
-) -> tuple[ScheduledSeries, IntArray]:
+) -> tuple[FloatArray, FloatArray]:
     """Simulate flows under schedules until enough flows have not laminarised.
 
     ``starts``: Initial states ``(dimension, candidates)``. ``schedules``: Values in force during
     each step, ``(candidates, steps, parameters)``. ``wanted``: Number of series to keep: the first
     that do not laminarise. ``laminarisation_threshold``: A series whose observable exceeds it at
-    any integration step is discarded; None: none is. Returns the series, of one sample more than
-    the schedules have steps, and the rows of the candidates that they are.
+    any integration step is discarded; None: none is. Returns the states ``(wanted, steps + 1,
+    dimension)``, and the schedules that they are under.
     """
     kept: list[FloatArray] = []
     rows: list[int] = []
@@ -195,5 +158,4 @@ def simulated_series(
             f"{len(rows)} of {candidates} flows under schedules do not laminarise, but {wanted} "
             f"are wanted: give more initial states"
         )
-    chosen = np.array(rows[:wanted], dtype=np.int64)
-    return ScheduledSeries(np.array(kept[:wanted]), schedules[chosen]), chosen
+    return np.array(kept[:wanted]), schedules[rows[:wanted]]

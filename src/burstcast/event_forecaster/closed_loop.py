@@ -156,7 +156,7 @@ def control_system(
     stride = forecaster.sampling_stride if sampling_stride is None else sampling_stride
     actuated = actuated_system(system, actuation or {}, force, strength)
     values = None
-    if strategy.told:
+    if strategy.informed:
         names = forecaster._parameter_names
         values = ActuationValues.of(names, system, actuated, strength)
     reverses = bool(getattr(strategy, "push", "") or getattr(strategy, "reversible", False))
@@ -242,7 +242,7 @@ def _check_fit(
             "the observable of the system differs from the forecaster's: fit the forecaster with "
             "observable=system"
         )
-    if strategy.told and not class_of(forecaster.kind).learns_parameters:
+    if strategy.informed and not class_of(forecaster.kind).learns_parameters:
         raise ValueError(
             f"{name} gives forecasters the actuation: take a kind that learns parameters, such as "
             "quadratic_aware"

@@ -4,12 +4,12 @@ Loaded when networks are made: other kinds of forecasters need not wait for it.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.exogenous import of_series
 from burstcast.base.series_lengths import series_lengths
 from burstcast.data.dataset import network_input_offset, network_input_range
 from burstcast.forecasters.base import Forecaster, ForecastingCase
@@ -27,7 +27,7 @@ from burstcast.networks.validation_strategies.registry import make_strategy, sca
 from burstcast.statistics.warning_signs import optimum_on_edge
 
 # Reported results of the search for each network.
-_FOUND = ("spectral_radius", "input_scaling", "leak_rate", "tikhonov", "objective")
+_REPORTED = ("spectral_radius", "input_scaling", "leak_rate", "tikhonov", "objective")
 # Validation intervals in more series take longer, and the paper has no more.
 _MOST_VALIDATION_SERIES = 4
 
@@ -35,9 +35,8 @@ _MOST_VALIDATION_SERIES = 4
 def trained_committee(
     network: NetworkForecaster,
     training: TrainingSeries,
-    knowledge: Mapping[str, Any],
     case: ForecastingCase,
-    said: Mapping[str, Any],
+    settings: Mapping[str, Any],
     washout: int,
     interval: int,
 ) -> tuple[list[Forecaster], list[dict[str, Any]]]:
@@ -46,24 +45,24 @@ def trained_committee(
     The first ``searches`` networks have a search of their own; the others take the hyperparameters
     of these in turn.
 
-    ``network``: The unfitted network. ``training``, ``knowledge``: Of `training_of`. ``said``:
+    ``network``: The unfitted network. ``training``: Of `training_of`. ``settings``:
     Parameters of an `EventForecaster`.
     """
-    if said["members"] < 1:
-        raise ValueError(f"members must be 1 at least, not {said['members']}")
-    strategy = make_strategy(said["validation"])
+    if settings["members"] < 1:
+        raise ValueError(f"members must be 1 at least, not {settings['members']}")
+    strategy = make_strategy(settings["validation"])
     together = [make_strategy(name) for name in scanned_with(strategy.name)]
     dimension = training.dimension
-    plan = _plan(training, said, washout, interval)
-    ranges = said["spectral_radius"], said["input_scaling"], network.leak_rate
-    bounds: Any = [tuple(map(float, one)) for one in ranges]
+    plan = _plan(training, settings, washout, interval)
+    ranges = settings["spectral_radius"], settings["input_scaling"], network.leak_rate
+    bounds: Any = [tuple(map(float, bound)) for bound in ranges]
     space = SearchSpace(*bounds)
     drawn = network.connectivity, network.input_bias
     members: list[Forecaster] = []
     optima: list[Evaluation] = []
-    for number in range(said["members"]):
-        seed = ReservoirSeed(said["random_seed"], said["neurons"], number, *drawn)
-        reservoir, tikhonov = seed.reservoir(dimension), list(said["tikhonov"])
+    for number in range(settings["members"]):
+        seed = ReservoirSeed(settings["random_seed"], settings["neurons"], number, *drawn)
+        reservoir, tikhonov = seed.reservoir(dimension), list(settings["tikhonov"])
         validator = PointValidator(
             reservoir,
             training,
@@ -73,10 +72,12 @@ def trained_committee(
             backend=network.backend,
             readout=network.readout,
         )
-        if number < said["searches"]:
-            scanned = scan(validator, space, together, said["grid"])
-            optimiser = optimiser_seed(seed, said["case"], strategy.name)
-            points = search(validator, space, strategy, scanned, said["bayesian_points"], optimiser)
+        if number < settings["searches"]:
+            scanned = scan(validator, space, together, settings["grid"])
+            optimiser = optimiser_seed(seed, settings["case"], strategy.name)
+            points = search(
+                validator, space, strategy, scanned, settings["bayesian_points"], optimiser
+            )
             optima.append(best(points))
         chosen = optima[number % len(optima)]
         trained = network.trained(
@@ -85,58 +86,50 @@ def trained_committee(
             training,
             washout=washout,
             tikhonov=chosen.validation.tikhonov,
-            **knowledge,
         )
         members.append(trained)
     records = [optima[number % len(optima)].record() for number in range(len(members))]
-    return members, [{name: one[name] for name in _FOUND if name in one} for one in records]
+    return members, [
+        {name: record[name] for name in _REPORTED if name in record} for record in records
+    ]
 
 
 def _plan(
-    training: TrainingSeries, said: Mapping[str, Any], washout: int, interval: int
+    training: TrainingSeries, settings: Mapping[str, Any], washout: int, interval: int
 ) -> ValidationPlan:
     """Validation intervals: of series of unequal lengths, the first are the longest."""
     lengths = series_lengths(training.observed)
-    intervals, most = said["intervals_per_series"], training.series
+    intervals, most = settings["intervals_per_series"], training.series
     if lengths is not None:
         fitting = np.maximum(0, (lengths - washout) // interval)
         most = max(1, int(np.count_nonzero(fitting >= (intervals or 1))))
-        if (said["validation_series"] or 1) > most:
+        if (settings["validation_series"] or 1) > most:
             raise ValueError(
-                f"validation_series is {said['validation_series']}, but only {most} series have a "
-                f"washout of {washout} samples and validation intervals of {interval}"
+                f"validation_series is {settings['validation_series']}, but only {most} series "
+                f"have a washout of {washout} samples and validation intervals of {interval}"
             )
-    validated = said["validation_series"] or min(_MOST_VALIDATION_SERIES, most)
+    validated = settings["validation_series"] or min(_MOST_VALIDATION_SERIES, most)
     if lengths is not None and intervals is None:
         intervals = max(1, int(fitting[:validated].min()))
     return ValidationPlan(washout, interval, validated, intervals)
 
 
 def training_of(
-    states: FloatArray,
-    observed: FloatArray,
-    schedules: FloatArray | None,
-    case: ForecastingCase,
-    network: NetworkForecaster,
-) -> tuple[TrainingSeries, dict[str, Any]]:
-    """Training series, and what networks that know the parameters are given beside them.
+    states: FloatArray, observed: FloatArray, case: ForecastingCase, network: NetworkForecaster
+) -> TrainingSeries:
+    """Training series of a network.
 
-    ``schedules``: Parameters in force, ``(series, time - 1, parameters)``; None for other networks.
+    ``observed``: Series with their inputs, for networks that know the parameters.
     """
     scale = network_input_range(states, network.input_range)
     offset = network_input_offset(states, network.input_offset)
     if (lengths := series_lengths(observed)) is not None:
-        longest_first = np.argsort(-lengths, kind="stable")
-        observed = observed[longest_first]
-        schedules = None if schedules is None else schedules[longest_first]
-    training = TrainingSeries(observed, scale, input_offset=offset)
-    if schedules is None:
-        return training, {}
-    turns = in_turns(schedules)
-    assert isinstance(network, AwareNetworkForecaster)
-    training = replace(training, observed=observed[turns])
-    training, factors = factored_training(training, schedules[turns], case, network)
-    return training, {"factors": factors, "in_force": case.parameters}
+        observed = observed[np.argsort(-lengths, kind="stable")]
+    if not isinstance(network, AwareNetworkForecaster):
+        return TrainingSeries(observed, scale, offset)
+    _, inputs = of_series(observed, states.shape[2])
+    training = TrainingSeries(observed[in_turns(inputs)], scale, offset)
+    return factored_training(training, case.required_parameters, network)
 
 
 def in_turns(schedules: FloatArray) -> IntArray:
@@ -150,18 +143,20 @@ def in_turns(schedules: FloatArray) -> IntArray:
     array([0, 2, 1])
     """
     _, group = np.unique(schedules.mean(axis=1), axis=0, return_inverse=True)
-    turn = [int((group[:number] == one).sum()) for number, one in enumerate(group.ravel())]
+    turn = [
+        int((group[:number] == parameters).sum()) for number, parameters in enumerate(group.ravel())
+    ]
     return np.argsort(turn, kind="stable")
 
 
 def search_edges(
-    found: Sequence[Mapping[str, Any]], said: Mapping[str, Any], samples: int
+    hyperparameters: Sequence[Mapping[str, Any]], settings: Mapping[str, Any], samples: int
 ) -> Iterator[str]:
     """Sentences about hyperparameters that most networks have on the edge of their search."""
-    least = negligible_ridge(said["neurons"], samples)
-    of_searches = found[: said["searches"]]
+    least = negligible_ridge(settings["neurons"], samples)
+    of_searches = hyperparameters[: settings["searches"]]
     for name in ("spectral_radius", "input_scaling", "tikhonov"):
-        values, searched = [one[name] for one in of_searches], said[name]
+        values, searched = [chosen[name] for chosen in of_searches], settings[name]
         lost = least if name == "tikhonov" else 0.0
         for finding in optimum_on_edge(name, values, min(searched), max(searched), lost):
             yield f"the search ended on its edge, {finding.text}: search beyond it ({name})"

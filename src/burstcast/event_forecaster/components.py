@@ -39,8 +39,8 @@ class Components:
         """Place in a forecaster of a component by its number or its label in the series."""
         if isinstance(component, str):
             if component not in (self.labels or ()):
-                known = f"labels {', '.join(self.labels)}" if self.labels else "no labels"
-                raise ValueError(f"observable is {component!r}, but the series have {known}")
+                described = f"labels {', '.join(self.labels)}" if self.labels else "no labels"
+                raise ValueError(f"observable is {component!r}, but the series have {described}")
             component = list(self.labels or ()).index(component)
         elif not -self.count <= component < self.count:
             raise ValueError(

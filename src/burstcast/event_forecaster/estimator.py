@@ -22,20 +22,20 @@ class Estimator:
 
     @classmethod
     def _parameters(cls) -> list["dataclasses.Field[Any]"]:
-        return [one for one in dataclasses.fields(cls) if one.init]  # type: ignore[arg-type]
+        return [entry for entry in dataclasses.fields(cls) if entry.init]  # type: ignore[arg-type]
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
         """Parameters as they were given, by name."""
-        return {one.name: getattr(self, one.name) for one in self._parameters()}
+        return {entry.name: getattr(self, entry.name) for entry in self._parameters()}
 
     def set_params(self, **parameters: Any) -> Self:
         """Change parameters; the fitted state remains until the next ``fit``."""
-        known = list(self.get_params())
+        names = list(self.get_params())
         for name in parameters:
-            if name not in known:
+            if name not in names:
                 raise ValueError(
-                    f"{type(self).__name__} has no parameter {name!r}{suggestion(name, known)}; "
-                    f"its parameters are {', '.join(known)}"
+                    f"{type(self).__name__} has no parameter {name!r}{suggestion(name, names)}; "
+                    f"its parameters are {', '.join(names)}"
                 )
         vars(self).update(parameters)
         return self
@@ -65,9 +65,9 @@ class Estimator:
 
     def __repr__(self) -> str:
         given = []
-        for one in self._parameters():
-            factory, value = one.default_factory, getattr(self, one.name)
-            default = one.default if factory is dataclasses.MISSING else factory()
+        for entry in self._parameters():
+            factory, value = entry.default_factory, getattr(self, entry.name)
+            default = entry.default if factory is dataclasses.MISSING else factory()
             if repr(value) != repr(default):
-                given.append(f"{one.name}={value!r}")
+                given.append(f"{entry.name}={value!r}")
         return f"{type(self).__name__}({', '.join(given)})"

@@ -54,16 +54,16 @@ class EventTiming:
 
     def samples(self, name: str, duration: float) -> int:
         """Samples of a duration that is called so in messages: 1 at least."""
-        found = durations.steps(duration, self.unit)
-        if found < 1:
+        samples = durations.steps(duration, self.unit)
+        if samples < 1:
             counted = f"a Lyapunov time has {self.unit} samples"
             if self.lyapunov_time is None:
                 counted = "durations are in samples unless lyapunov_time is given"
             raise ValueError(
-                f"{name} is {duration:g}, which is {found} samples; it must be 1 at least "
+                f"{name} is {duration:g}, which is {samples} samples; it must be 1 at least "
                 f"({counted})"
             )
-        return found
+        return samples
 
     @property
     def times(self) -> list[float]:
@@ -129,9 +129,11 @@ class Events:
         """Points that a classifier learns from."""
         quiet = self.quiet(points)
         happened = np.stack([self.happened(points, time) for time in self.timing.times], axis=1)
-        found = LabelledPoints(points.washouts[quiet], happened[quiet], points.points.series[quiet])
-        found.check(self.timing.times)
-        return found
+        labelled = LabelledPoints(
+            points.washouts[quiet], happened[quiet], points.points.series[quiet]
+        )
+        labelled.check(self.timing.times)
+        return labelled
 
     def by_time(self, probabilities: FloatArray) -> ByTime:
         """Probabilities of a classifier, from ``(points, windows)``."""
@@ -169,19 +171,20 @@ class Events:
     ) -> tuple[float, float]:
         """F-scores of alarms by rules that have not seen the series, and of a permanent alarm."""
         series = points.points.series
-        found = self.outcomes(points, values, time, series % min(_FOLDS, int(series.max()) + 1))
+        folds = min(_FOLDS, int(series.max()) + 1)
+        outcomes = self.outcomes(points, values, time, series % folds)
         counts = np.zeros(4, dtype=np.int64)
-        for fold in range(len(found.points)):
+        for fold in range(len(outcomes.points)):
             others = Outcomes(
-                found.levels,
-                np.delete(found.points, fold, axis=0).sum(axis=0),
-                np.delete(found.events, fold, axis=0).sum(axis=0),
+                outcomes.levels,
+                np.delete(outcomes.points, fold, axis=0).sum(axis=0),
+                np.delete(outcomes.events, fold, axis=0).sum(axis=0),
             )
             rule = _rule(others, prior)
-            left_out = Outcomes(found.levels, found.points[fold], found.events[fold])
-            raised = left_out.at(rule.calibration(found.levels))
+            left_out = Outcomes(outcomes.levels, outcomes.points[fold], outcomes.events[fold])
+            raised = left_out.at(rule.calibration(outcomes.levels))
             counts += list(vars(counts_at(raised, rule.threshold)).values())
-        return float(np.nan_to_num(Counts(*counts).f_score)), permanent_f_score(found.total())
+        return float(np.nan_to_num(Counts(*counts).f_score)), permanent_f_score(outcomes.total())
 
     def outcomes(
         self,

@@ -62,7 +62,10 @@ def write_saved(path: str | Path, saved: SavedForecaster) -> None:
     attributes: dict[str, str | int] = {"event_forecaster": _FORMAT}
     for name, content in (
         ("parameters", {**saved.parameters, "observable": observable}),
-        ("fitted", {**saved.fitted, "members": [dict(one.attributes) for one in saved.members]}),
+        (
+            "fitted",
+            {**saved.fitted, "members": [dict(member.attributes) for member in saved.members]},
+        ),
     ):
         attributes[name] = json.dumps(content, sort_keys=True, default=_plain)
     arrays = {name: np.asarray(variable.data) for name, variable in variables.items()}
@@ -83,8 +86,8 @@ def read_saved(
         raise
     except (OSError, RuntimeError) as error:  # of the NetCDF library
         raise ValueError(f"{path} is damaged ({error}): save the forecaster again") from error
-    known = attributes.get("event_forecaster") == _FORMAT
-    if not (known and {"parameters", "fitted"} <= attributes.keys()):
+    of_this_format = attributes.get("event_forecaster") == _FORMAT
+    if not (of_this_format and {"parameters", "fitted"} <= attributes.keys()):
         raise ValueError(f"{path} holds no event forecaster that this version can read")
     if attributes.pop("digest", None) != _digest(attributes, arrays):
         raise ValueError(f"{path} is not what was saved: it is damaged; save the forecaster again")
@@ -100,11 +103,13 @@ def read_saved(
     record = parameters["observable"]
     parameters["observable"] = _observable_of(record, components, observable, path)
     parameters["kind"] = _kind_of(parameters["kind"], kind, path)
-    own: list[dict[str, Any]] = [{} for _ in fitted["members"]]
+    arrays_of_members: list[dict[str, Any]] = [{} for _ in fitted["members"]]
     for name, array in arrays.items():
         number, _, label = name.removeprefix("member").partition("_")
-        own[int(number)][label] = array
-    return SavedForecaster(parameters, fitted, list(map(ForecasterRecord, own, fitted["members"])))
+        arrays_of_members[int(number)][label] = array
+    return SavedForecaster(
+        parameters, fitted, list(map(ForecasterRecord, arrays_of_members, fitted["members"]))
+    )
 
 
 @contextmanager
@@ -115,8 +120,8 @@ def as_one_error(path: str | Path) -> Iterator[None]:
     except _WRONG as error:
         if isinstance(error, ValueError) and str(path) in str(error):
             raise
-        told = f"{type(error).__name__}: {error}"
-        raise ValueError(f"{path} holds no event forecaster that can be read: {told}") from error
+        reason = f"{type(error).__name__}: {error}"
+        raise ValueError(f"{path} holds no event forecaster that can be read: {reason}") from error
 
 
 def check_sizes(record: ForecasterRecord, case: ForecastingCase, kind: ForecasterKind) -> None:
@@ -125,16 +130,16 @@ def check_sizes(record: ForecasterRecord, case: ForecastingCase, kind: Forecaste
     They have a number for each neuron, and for each monomial of a state, of several states or of
     parameters. What a class of one's own allocates is its own affair.
     """
-    stored, said = sum(array.size for array in record.arrays.values()), record.attributes
+    stored, attributes = sum(array.size for array in record.arrays.values()), record.attributes
     if not all(np.isfinite(array).all() for array in record.arrays.values()):
         raise ValueError("a stored number is not finite")
     if ":" in kind_name(type(kind)):
         return
-    neurons, dimension = int(said.get("neurons", 0)), case.system.dimension
+    neurons, dimension = int(attributes.get("neurons", 0)), case.system.dimension
     if neurons:
         rows, scale = record.arrays["weights"].shape[0], record.arrays["input_range"]
         offset = record.arrays.get("input_offset", scale)
-        few = float(said["connectivity"]) * neurons <= _CONNECTIONS * stored
+        few = float(attributes["connectivity"]) * neurons <= _CONNECTIONS * stored
         scaled = scale.shape == offset.shape == (dimension,)
         if rows % (neurons + 1) or not scaled or not few:
             raise ValueError(f"{stored} stored numbers are no network of {neurons} neurons")
@@ -142,7 +147,7 @@ def check_sizes(record: ForecasterRecord, case: ForecastingCase, kind: Forecaste
     counted = [(int(kind.options.get("degree", 0)), dimension)] if record.arrays else []
     if "lags" in kind.options:
         counted.append((2, int(kind.options["lags"]) * dimension))
-    counted.append((int(said.get("parameter_degree", 0)), of_parameters))
+    counted.append((int(attributes.get("parameter_degree", 0)), of_parameters))
     for degree, of in counted:
         # the smaller number first: neither the binomial coefficient nor its computing is long
         if degree > stored or math.comb(of + degree, min(of, degree)) > stored + 1:

@@ -19,10 +19,12 @@ from threadpoolctl import threadpool_limits
 
 from burstcast.base.arrays import BoolArray, FloatArray, float_array
 from burstcast.base.compiled.backends import usable_backend
+from burstcast.base.exogenous import up_to_sample, with_inputs
 from burstcast.base.series_lengths import padded, samples_of, series_lengths
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
 from burstcast.data.series_layout import LabelledSeries, labelled_series, observation_of
+from burstcast.data.starting_points import segments
 from burstcast.event_forecaster import files
 from burstcast.event_forecaster.components import Components
 from burstcast.event_forecaster.estimator import Estimator
@@ -205,10 +207,10 @@ class EventForecaster(Estimator):
         states = components.arranged(given.states, given.labels)
         if self.calibrate and not class_of(self.kind).learns_parameters:
             states = self._in_parts(states)
-        learnt = self._told(parameters, len(states), states.shape[1] - 1, "fit")
-        own = None if learnt is None else learnt.mean(axis=(0, 1)).tolist()
+        learnt = self._checked_schedules(parameters, len(states), states.shape[1] - 1, "fit")
+        own_values = None if learnt is None else learnt.mean(axis=(0, 1)).tolist()
         labelled = None
-        case = self._case(components, own)
+        case = self._case(components, own_values)
         value = _observable_of(case, states)
         events = Events(timing, self._threshold(value))
         observed = states
@@ -222,8 +224,9 @@ class EventForecaster(Estimator):
                 "calibrating leaves one series out and takes two at least: give more series, or "
                 "calibrate=False"
             )
+        training = observed if learnt is None else with_inputs(observed, learnt)
         members: Any
-        found: list[dict[str, Any]] = []
+        hyperparameters: list[dict[str, Any]] = []
         if isinstance(kind, EventClassifier):
             spacing = timing.samples("start_spacing_lt", kind.start_spacing_lt)
             labelled = events.labelled(self._points(case, observed, value, spacing))
@@ -232,30 +235,30 @@ class EventForecaster(Estimator):
             # networks take a moment to load, which other kinds need not wait for
             from burstcast.event_forecaster import committee
 
-            training = committee.training_of(states, observed, learnt, case, cast(Any, kind))
+            series = committee.training_of(states, training, case, cast(Any, kind))
             steps = self._samples("washout"), self._samples("validation_interval")
-            members, found = committee.trained_committee(
-                cast(Any, kind), *training, case, checked, *steps
+            members, hyperparameters = committee.trained_committee(
+                cast(Any, kind), series, case, checked, *steps
             )
-            findings += committee.search_edges(found, checked, len(samples_of(states)))
+            findings += committee.search_edges(hyperparameters, checked, len(samples_of(states)))
         else:
-            members = [as_forecaster(kind).fit_under(observed, case, learnt)]
+            members = [as_forecaster(kind).fit(training, case)]
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
         if self.calibrate:
             if labelled is None:
-                values = events.shares(_left_out(members, case, observed, points, timing, learnt))
+                values = events.shares(_left_out(members, case, training, points, timing))
             else:
                 asked = points.washouts, points.points.series
                 values = events.by_time(
                     out_of_sample_probabilities(members[0].tuned(), labelled, case, *asked)
                 )
             prior = None if labelled else checked["prior_forecasts"]
-            alarms, told = events.calibrated(points, values, prior)
-            findings += told
+            alarms, weaknesses = events.calibrated(points, values, prior)
+            findings += weaknesses
         # nothing of a former fit is left before all can be replaced
-        self.members_, self.hyperparameters_, self.alarms_ = members, found, alarms
+        self.members_, self.hyperparameters_, self.alarms_ = members, hyperparameters, alarms
         self._stream = None
-        self.components_, self.own_parameters_ = components.count, own
+        self.components_, self.own_parameters_ = components.count, own_values
         self.labels_ = components.labels
         self.clock_ = given.step if given.dated else None
         # `load` compares its observable with these
@@ -287,9 +290,9 @@ class EventForecaster(Estimator):
         if duration is not None:
             steps = timing.samples("duration", duration)
         batch = np.ascontiguousarray(self._washouts(series).transpose(1, 2, 0))
-        states = [member_forecasts(one, batch, steps) for one in self.members_]
-        found = np.concatenate(states, axis=2).transpose(2, 3, 0, 1)
-        return self._components.as_given(found)
+        forecasts = [member_forecasts(member, batch, steps) for member in self.members_]
+        states = np.concatenate(forecasts, axis=2).transpose(2, 3, 0, 1)
+        return self._components.as_given(states)
 
     def predict_proba(
         self,
@@ -309,9 +312,9 @@ class EventForecaster(Estimator):
         of the washout to the next, as in `fit`; None: their means in training. ``planned``: Values
         that will be in force in each step of the forecast; None: the last of ``parameters``.
         """
-        time, washouts = self._time(prediction_time), self._washouts(series)
-        schedules = self._schedules(washouts, parameters, planned)
-        probability = self._probabilities(washouts, time, schedules)
+        time = self._time(prediction_time)
+        washouts = self._with_inputs(self._washouts(series), parameters, planned)
+        probability = self._probabilities(washouts, time)
         return np.stack([1 - probability, probability], axis=1)
 
     def what_if(
@@ -373,7 +376,7 @@ class EventForecaster(Estimator):
         if self._stream is None or not self._stream.complete:
             return float("nan")
         washout = self._stream.washout
-        return float(self._probabilities(washout, time, self._schedules(washout, None, None))[0])
+        return float(self._probabilities(self._with_inputs(washout, None, None), time)[0])
 
     @overload
     def scores(
@@ -407,11 +410,11 @@ class EventForecaster(Estimator):
             return score_intervals(calibrated, rule.threshold, BINS, self.random_seed)
         raw = events.outcomes(points, values[time], time)
         outcomes = raw.at(rule.calibration(raw.levels))
-        found = probability_scores(outcomes, rule.threshold, BINS)
+        scores = probability_scores(outcomes, rule.threshold, BINS)
         return {
             "forecasts": int(outcomes.points.sum()),
             "events": int(outcomes.events.sum()),
-            **{name: float(value) for name, value in found.items()},
+            **{name: float(value) for name, value in scores.items()},
             "permanent_f_score": permanent_f_score(outcomes),
         }
 
@@ -444,7 +447,7 @@ class EventForecaster(Estimator):
         self._check_fitted()
         fitted = {name: getattr(self, f"{name}_") for name in _FITTED}
         fitted["alarms"] = [
-            {"prediction_time": time, **one.record()} for time, one in self.alarms_.items()
+            {"prediction_time": time, **rule.record()} for time, rule in self.alarms_.items()
         ]
         fitted["stream"] = None if self._stream is None else self._stream.record()
         members = [member.record() for member in self.members_]
@@ -466,9 +469,9 @@ class EventForecaster(Estimator):
         ValueError if the file holds no such forecaster or is damaged; if its observable is needed
         and not given, or the given one has other values than the observable of the fit.
         """
-        own = kind if kind is None or isinstance(kind, type) else class_of(kind)
+        own_class = kind if kind is None or isinstance(kind, type) else class_of(kind)
         with files.as_one_error(path):
-            saved = files.read_saved(path, observable, own)
+            saved = files.read_saved(path, observable, own_class)
             self, fitted = cls(**saved.parameters), dict(saved.fitted)
             self.warnings_ = []
             fitted = {"labels": None, "clock": None, **fitted}  # which older files have not
@@ -495,7 +498,8 @@ class EventForecaster(Estimator):
                     f"training series it is {given}, and was {stored}"
                 )
             self.alarms_ = {
-                one["prediction_time"]: files.restored_rule(one) for one in fitted["alarms"]
+                record["prediction_time"]: files.restored_rule(record)
+                for record in fitted["alarms"]
             }
             sound = np.isfinite(self.event_threshold_) and self.members_
             if not sound or list(self.alarms_) != timing.times:
@@ -551,17 +555,22 @@ class EventForecaster(Estimator):
         is_system = isinstance(self.observable, DynamicalSystem)
         return Components(self.components_, self.labels_, is_system)
 
-    def _case(self, components: Components, own: Sequence[float] | None = None) -> ForecastingCase:
+    def _case(
+        self, components: Components, own_values: Sequence[float] | None = None
+    ) -> ForecastingCase:
         """Knowledge of forecasters beside the series, with their ``own`` parameter values."""
         if self.sampling_stride < 1:
             raise ValueError(f"sampling_stride must be 1 at least, not {self.sampling_stride}")
+        parameters = None
+        if own_values is not None:
+            parameters = Parameters(self._parameter_names, tuple(own_values))
         return ForecastingCase(
             system=state_space(self.observable, components),
             time_step=self.sampling_interval / self.sampling_stride,
             sampling_stride=self.sampling_stride,
             steps_per_lyapunov_time=self._timing.unit,
             random_seed=self.random_seed,
-            parameters=None if own is None else Parameters(self._parameter_names, tuple(own)),
+            parameters=parameters,
         )
 
     @property
@@ -572,7 +581,9 @@ class EventForecaster(Estimator):
     def _parameter_names(self) -> tuple[str, ...]:
         return tuple(self._kind.options["parameters"])
 
-    def _told(self, given: Any, series: int, steps: int, where: str) -> FloatArray | None:
+    def _checked_schedules(
+        self, given: Any, series: int, steps: int, where: str
+    ) -> FloatArray | None:
         """Schedules of a kind that knows the parameters; None of others."""
         if not class_of(self.kind).learns_parameters:
             if given is not None:
@@ -588,21 +599,22 @@ class EventForecaster(Estimator):
             )
         return as_schedules(given, series, steps, self._parameter_names)
 
-    def _schedules(self, washouts: FloatArray, parameters: Any, planned: Any) -> FloatArray | None:
-        """Schedules over washouts and forecasts; None without parameters."""
+    def _with_inputs(self, washouts: FloatArray, parameters: Any, planned: Any) -> FloatArray:
+        """Washouts with the parameters over them and over forecasts, for kinds that know them."""
         series, steps = washouts.shape[:2]
         learns = class_of(self.kind).learns_parameters
         if parameters is None and planned is None and not learns:
-            return None
-        known = self.own_parameters_ if learns else planned  # refused
-        known = known if parameters is None else parameters
-        past = self._told(known, series, steps - 1, "predict_proba")
+            return washouts
+        given = parameters
+        if given is None:
+            given = self.own_parameters_ if learns else planned  # refused
+        past = self._checked_schedules(given, series, steps - 1, "predict_proba")
         assert past is not None
         reach = self._timing.boundaries[-1]
         ahead = np.repeat(past[:, -1:], reach, axis=1)
         if planned is not None:
             ahead = as_schedules(planned, series, reach, self._parameter_names)
-        return np.concatenate([past, ahead], axis=1)
+        return with_inputs(washouts, np.concatenate([past, ahead], axis=1))
 
     def _threshold(self, observable: FloatArray) -> float:
         given = self.event_threshold
@@ -626,9 +638,9 @@ class EventForecaster(Estimator):
         fitted = list(self.alarms_)
         time = fitted[0] if prediction_time is None else float(prediction_time)
         if time not in fitted:
-            known = ", ".join(f"{one:g}" for one in fitted)
+            listed = ", ".join(f"{fitted_time:g}" for fitted_time in fitted)
             raise ValueError(
-                f"prediction_time is {time:g}; fitted were the prediction_times {known}"
+                f"prediction_time is {time:g}; fitted were the prediction_times {listed}"
             )
         return time
 
@@ -692,7 +704,7 @@ class EventForecaster(Estimator):
         if (shortest := int(lengths.min())) < washout:
             raise ValueError(f"the washout takes {washout} samples, a series has {shortest}")
         ends = zip(states, lengths.tolist(), strict=True)
-        return np.stack([one[end - washout : end] for one, end in ends])
+        return np.stack([row[end - washout : end] for row, end in ends])
 
     def _points(
         self, case: ForecastingCase, observed: FloatArray, value: FloatArray, spacing: int
@@ -715,21 +727,21 @@ class EventForecaster(Estimator):
         points = self._points(case, states, value, self._samples("start_spacing"))
         return Events(self._timing, self.event_threshold_), points, self._values(points.washouts)
 
-    def _probabilities(
-        self, washouts: FloatArray, time: float, schedules: FloatArray | None = None
-    ) -> FloatArray:
+    def _probabilities(self, washouts: FloatArray, time: float) -> FloatArray:
         """Probabilities of an event after washouts ``(points, steps, component)``."""
-        return self.alarms_[time].calibration(self._values(washouts, schedules)[time])
+        return self.alarms_[time].calibration(self._values(washouts)[time])
 
-    def _values(self, washouts: FloatArray, schedules: FloatArray | None = None) -> ByTime:
+    def _values(self, washouts: FloatArray) -> ByTime:
         """What probabilities after washouts ``(points, steps, component)`` are made from."""
         events = Events(self._timing, self.event_threshold_)
         if isinstance(classifier := self.members_[0], EventClassifier):
             return events.by_time(classifier.probabilities(washouts))
         observable = self._case(self._components).system.observable
-        asked = observable, washouts, events.timing.boundaries, schedules
-        found = [window_forecasts(one, *asked) for one in self.members_]
-        return events.shares([member for one in found for member in one.members])
+        boundaries = events.timing.boundaries
+        votes: list[WindowSummaries] = []
+        for member in self.members_:
+            votes += window_forecasts(member, observable, washouts, boundaries).members
+        return events.shares(votes)
 
 
 def _observable_of(case: ForecastingCase, states: FloatArray) -> FloatArray:
@@ -747,17 +759,24 @@ def _left_out(
     training: FloatArray,
     points: ObservedPoints,
     timing: EventTiming,
-    parameters: FloatArray | None,
 ) -> list[WindowSummaries]:
     """Votes at points of training series, by members refitted without that series."""
-    washout, series, schedules = points.washouts.shape[1], points.points.series, None
-    if parameters is not None:
-        around = points.points.step[:, np.newaxis] + np.arange(1 - washout, timing.boundaries[-1])
-        schedules = parameters[series[:, np.newaxis], around]
-    known = training, case, washout, case.system.observable
-    asked = points.washouts, series, timing.boundaries
-    found = [
-        out_of_sample_forecasts(one, *known, *asked, parameters=parameters, schedules=schedules)
-        for one in members
-    ]
-    return [member for one in found for member in one.members]
+    washouts, steps = points.washouts, points.washouts.shape[1]
+    inputs = training.shape[2] - washouts.shape[2]
+    if inputs:
+        around = segments(training, points.points, steps - 1, timing.boundaries[-1])
+        washouts = up_to_sample(around, steps, inputs)
+    votes = []
+    for member in members:
+        forecasts = out_of_sample_forecasts(
+            member,
+            training,
+            case,
+            steps,
+            case.system.observable,
+            washouts,
+            points.points.series,
+            timing.boundaries,
+        )
+        votes += forecasts.members
+    return votes

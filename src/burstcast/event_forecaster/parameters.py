@@ -9,8 +9,12 @@ from typing import Any
 import numpy as np
 
 _LEAST = {
-    **{"grid": 1, "neurons": 1, "searches": 1, "bayesian_points": 0},
-    **{"noise": 0.0, "prior_forecasts": 0.0},
+    "grid": 1,
+    "neurons": 1,
+    "searches": 1,
+    "bayesian_points": 0,
+    "noise": 0.0,
+    "prior_forecasts": 0.0,
 }
 """Smallest values of parameters; durations are compared with a sample where they are used."""
 
@@ -20,7 +24,7 @@ def checked_parameters(estimator: Any) -> dict[str, Any]:
 
     ``estimator``: A dataclass whose annotations are texts.
     """
-    found = {}
+    checked = {}
     for field in dataclasses.fields(estimator):
         name, value = field.name, getattr(estimator, field.name)
         expected = str(field.type)
@@ -31,10 +35,10 @@ def checked_parameters(estimator: Any) -> dict[str, Any]:
         elif expected == "tuple[float, float]":
             if not _is_several(value) or len(value) != 2:
                 raise TypeError(f"{name} must be two numbers, (low, high), not {value!r}")
-            value = tuple(_number(name, one) for one in value)
+            value = tuple(_number(name, number) for number in value)
         elif expected == "float | Sequence[float]":
             several = value if _is_several(value) else [value]
-            value = tuple(_number(name, one) for one in several)
+            value = tuple(_number(name, number) for number in several)
         elif expected.startswith("float |") and not isinstance(value, Mapping):
             value = _number(name, value)
         elif expected == "Observable" and (value is None or isinstance(value, float | bool)):
@@ -44,8 +48,8 @@ def checked_parameters(estimator: Any) -> dict[str, Any]:
             )
         if name in _LEAST and value < _LEAST[name]:
             raise ValueError(f"{name} must be {_LEAST[name]:g} at least, not {value!r}")
-        found[name] = value
-    return found
+        checked[name] = value
+    return checked
 
 
 def _is_several(value: Any) -> bool:

@@ -67,8 +67,8 @@ def score_intervals(
     scores = resampled_scores(outcomes, weights, threshold, bins)
     scores["permanent_f_score"] = _permanent(scores["base_rate"])
     return {
-        name: ScoreInterval(float(one.value), *percentile_interval(one.samples, _CONFIDENCE))
-        for name, one in scores.items()
+        name: ScoreInterval(float(score.value), *percentile_interval(score.samples, _CONFIDENCE))
+        for name, score in scores.items()
     }
 
 

@@ -28,8 +28,8 @@ class EventScorer:
         """Score a fitted forecaster in test series, ``(series, time, component)``."""
         scoring, time = self.scoring, self.prediction_time
         if isinstance(scoring, str):
-            if scoring in (own := forecaster.scores(series, time)):
-                return own[scoring]
+            if scoring in (scores := forecaster.scores(series, time)):
+                return scores[scoring]
             from sklearn.metrics import get_scorer
 
             scoring = get_scorer(scoring)

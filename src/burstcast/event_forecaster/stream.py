@@ -46,12 +46,12 @@ class ObservationStream:
 
     def record(self) -> dict[str, Any]:
         """Observations and time as JSON has them, all digits kept."""
-        return {"latest": [one.tolist() for one in self.latest], "time": self.time}
+        return {"latest": [observation.tolist() for observation in self.latest], "time": self.time}
 
     def restored(self, record: Mapping[str, Any]) -> Self:
         """Take over the observations of a `record`; returns this stream."""
-        for one in record["latest"]:
-            self.append(one)
+        for observation in record["latest"]:
+            self.append(observation)
         self.time = None if record["time"] is None else float(record["time"])
         return self
 
@@ -79,5 +79,5 @@ class ObservationStream:
 
     def _reset(self, reason: str) -> None:
         self.latest = []
-        told = f"{reason}: the washout of {self.length} observations begins again"
-        warnings.warn(told, stacklevel=4)
+        message = f"{reason}: the washout of {self.length} observations begins again"
+        warnings.warn(message, stacklevel=4)

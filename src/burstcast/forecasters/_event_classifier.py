@@ -27,13 +27,13 @@ class LabelledPoints:
     series: IntArray  #: row of each point's series, ``(points,)``
     #: further features, of what is known in advance, ``(points, features)`` (`known_features`);
     #: None: there are none
-    known: FloatArray | None = None
+    exogenous: FloatArray | None = None
 
     def of(self, rows: BoolArray, windows: BoolArray) -> Self:
         """Some of the points, and the labels of some of the windows."""
-        known = None if self.known is None else self.known[rows]
+        exogenous = None if self.exogenous is None else self.exogenous[rows]
         happened = self.happened[rows][:, windows]
-        return type(self)(self.washouts[rows], happened, self.series[rows], known)
+        return type(self)(self.washouts[rows], happened, self.series[rows], exogenous)
 
     def check(self, prediction_times_lt: Sequence[float]) -> None:
         """Check that each window has points with an event after them, and points without one.
@@ -66,10 +66,12 @@ class EventClassifier(ClassifierOptions, ForecasterKind, abc.ABC):
         """
 
     @abc.abstractmethod
-    def probabilities(self, washouts: FloatArray, known: FloatArray | None = None) -> FloatArray:
+    def probabilities(
+        self, washouts: FloatArray, exogenous: FloatArray | None = None
+    ) -> FloatArray:
         """Probability of an event in each window: ``(points, windows)``.
 
-        ``known``: Further features, as of the `LabelledPoints` of the training.
+        ``exogenous``: Further features, as of the `LabelledPoints` of the training.
         """
 
 
@@ -88,10 +90,12 @@ def known_features(
     >>> known_features(np.arange(6.0).reshape(1, 6, 1), 1, [(1, 2), (2, 4)])
     array([[1. , 2.5, 4. ]])
     """
-    means = [schedules[:, now + first : now + last + 1].mean(axis=1) for first, last in windows]
-    return np.concatenate([*([schedules[:, now]] if now >= 0 else []), *means], axis=1)
+    features = [schedules[:, now + first : now + last + 1].mean(axis=1) for first, last in windows]
+    if now >= 0:
+        features.insert(0, schedules[:, now])
+    return np.concatenate(features, axis=1)
 
 
-def with_known(features: FloatArray, known: FloatArray | None) -> FloatArray:
-    """Features of points ``(points, features)`` with features of what is known in advance."""
-    return features if known is None else np.concatenate([features, known], axis=1)
+def with_exogenous(features: FloatArray, exogenous: FloatArray | None) -> FloatArray:
+    """Features of points ``(points, features)`` with features of exogenous inputs."""
+    return features if exogenous is None else np.concatenate([features, exogenous], axis=1)

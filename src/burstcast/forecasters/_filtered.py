@@ -10,16 +10,12 @@ from typing import ClassVar, Self
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.exogenous import carry, of_series, of_washout
 from burstcast.data.observation_noise import observation_noise
+from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters._options import FilterOptions, ObservationOptions
 from burstcast.forecasters._square_root_filter import assimilate, mean, symmetric_members
-from burstcast.forecasters.base import (
-    Forecaster,
-    ForecasterRecord,
-    ForecastingCase,
-    fitted,
-    for_members,
-)
+from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase, fitted
 
 
 @dataclass(frozen=True)
@@ -41,14 +37,9 @@ class FilteredForecaster(ObservationOptions, FilterOptions, Forecaster):
 
     def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Fit the model; estimate the noise unless it is known (see `Forecaster.fit`)."""
-        return self.fit_under(training, case, None)
-
-    def fit_under(
-        self, training: FloatArray, case: ForecastingCase, schedules: FloatArray | None
-    ) -> Self:
-        """Fit the model to series under schedules (see `Forecaster.fit_under`)."""
-        errors = observation_noise(training, self.noise)
-        model = self._unfitted_model.fit_under(training, case, schedules)
+        states, _ = of_series(training, case.system.dimension)
+        errors = observation_noise(states, self.noise)
+        model = self._unfitted_model.fit(training, case)
         return self.with_fitted(model=model, errors=errors)
 
     @property
@@ -68,20 +59,17 @@ class FilteredForecaster(ObservationOptions, FilterOptions, Forecaster):
 
     def ensemble(self, washout: FloatArray) -> FloatArray:
         """Memories of the filter's members after a washout (see `Forecaster.ensemble`)."""
-        return self.ensemble_under(washout, None)
-
-    def ensemble_under(self, washout: FloatArray, schedule: FloatArray | None) -> FloatArray:
-        """Memories of the filter's members under a schedule (see `Forecaster.ensemble_under`)."""
-        batch, memory = washout.shape[2], self.first_members(washout[0])
-        for step, observation in enumerate(washout[1:]):
-            in_force = None if schedule is None else schedule[step : step + 1]
-            of_members = for_members(in_force, self.members)
-            outputs, memory = self.model.advance_under(memory, 1, of_members)
+        states, past, ahead = of_washout(washout, len(self.errors))
+        batch, memory = washout.shape[2], self.first_members(states[0])
+        for step, observation in enumerate(states[1:]):
+            in_force = np.tile(past[step : step + 1], (1, 1, self.members))
+            outputs, memory = self.model.advance(carry(memory, in_force), 1)
             # the forecast of what is observed, and below it all that goes on from there
             rows = np.concatenate([outputs[0], memory.reshape(-1, memory.shape[-1])])
             updated = self.corrected(rows.reshape(-1, self.members, batch), observation)
             memory = updated[outputs.shape[1] :].reshape(memory.shape)
-        return memory.reshape(*memory.shape[:-1], self.members, batch)
+        of_members = np.repeat(ahead[..., np.newaxis, :], self.members, axis=-2)
+        return carry(memory.reshape(*memory.shape[:-1], self.members, batch), of_members)
 
     def first_members(self, observation: FloatArray) -> FloatArray:
         """Memories of the members around an observation, ``(..., members * batch)``.
@@ -97,26 +85,21 @@ class FilteredForecaster(ObservationOptions, FilterOptions, Forecaster):
 
     def start(self, washout: FloatArray) -> FloatArray:
         """Mean of the members' memories (see `Forecaster.start`)."""
-        return self.start_under(washout, None)
-
-    def start_under(self, washout: FloatArray, schedule: FloatArray | None) -> FloatArray:
-        """Mean of the members' memories under a schedule (see `Forecaster.start_under`)."""
-        return self.combined(self.ensemble_under(washout, schedule))
+        return self.combined(self.ensemble(washout))
 
     def combined(self, ensemble: FloatArray) -> FloatArray:
-        """Mean of the members' memories (see `Forecaster.combined`)."""
-        shape = (*ensemble.shape[:-2], ensemble.shape[-1])
-        return mean(ensemble.reshape(-1, *ensemble.shape[-2:])).reshape(shape)
+        """Mean of the members' memories, whose inputs are equal (see `Forecaster.combined`)."""
+        size = len(ensemble)
+        if isinstance(self.model, IntegratedForecaster):
+            size = self.model.memory_size
+        memories, inputs = ensemble[:size], ensemble[size:, ..., 0, :]
+        shape = (*memories.shape[:-2], memories.shape[-1])
+        centre = mean(memories.reshape(-1, *memories.shape[-2:])).reshape(shape)
+        return np.concatenate([centre, inputs])
 
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Let the model forecast (see `Forecaster.advance`)."""
         return self.model.advance(memory, steps)
-
-    def advance_under(
-        self, memory: FloatArray, steps: int, schedule: FloatArray | None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Let the model forecast under a schedule (see `Forecaster.advance_under`)."""
-        return self.model.advance_under(memory, steps, schedule)
 
     def diverged(self, outputs: FloatArray) -> BoolArray:
         """Mark diverged forecasts, by the criterion of the model."""

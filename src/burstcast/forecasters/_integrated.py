@@ -25,6 +25,11 @@ class IntegratedForecaster(Forecaster):
     time_step: float = fitted()
     sampling_stride: int = fitted()
 
+    @property
+    def memory_size(self) -> int:
+        """Components of the state that is integrated: rows of a memory without inputs."""
+        return self.system.dimension
+
     def start(self, washout: FloatArray) -> FloatArray:
         """Last state of the washout, ``(dimension, batch)``."""
         return np.ascontiguousarray(washout[-1])

@@ -44,7 +44,7 @@ def fit_logistic(features: FloatArray, happened: BoolArray, penalty: float) -> F
     ridge = np.full(standard.shape[1], float(penalty))
     ridge[-1] = 0.0
     weights = np.stack(
-        [_newton(standard, one, ridge) for one in happened.T.astype(np.float64)], axis=1
+        [_newton(standard, labels, ridge) for labels in happened.T.astype(np.float64)], axis=1
     )
     if rotation is not None:
         weights = np.vstack([rotation @ weights[:-1], weights[-1:]])

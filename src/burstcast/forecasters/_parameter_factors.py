@@ -14,6 +14,9 @@ from functools import cached_property
 import numpy as np
 
 from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.forecasters._options import AwareOptions
+from burstcast.forecasters.base import ForecasterRecord
+from burstcast.systems.parameters import Parameters
 from burstcast.systems.polynomials.basis import monomials
 
 TRANSFORMS: Mapping[str, Callable[[FloatArray], FloatArray]] = {
@@ -67,6 +70,43 @@ class ParameterFactors:
         flat = values.reshape(-1, len(names))
         return cls(tuple(names), flat.min(axis=0), flat.max(axis=0), transform, degree)
 
+    @classmethod
+    def learnt(
+        cls, schedules: FloatArray, parameters: Parameters, options: AwareOptions
+    ) -> "ParameterFactors":
+        """Factors scaled by the inputs of training series; at least one parameter must vary.
+
+        ``schedules``: ``(series, time - 1, parameters)``; empty where the case's own values are in
+        force throughout.
+        """
+        names = parameters.names
+        if schedules.size:
+            factors = cls.of(names, schedules, options.transform, options.parameter_degree)
+            if factors.count:
+                return factors
+        raise ValueError(
+            f"{', '.join(names)} does not vary in training, so that nothing can be learnt of it: "
+            f"train on series under several values, or take a kind that is not aware"
+        )
+
+    def record(self) -> ForecasterRecord:
+        """Record of the factors in a forecaster's."""
+        return ForecasterRecord(
+            {"parameter_low": self.low, "parameter_high": self.high},
+            {"transform": self.transform, "parameter_degree": self.degree},
+        )
+
+    @classmethod
+    def restored(cls, record: ForecasterRecord, parameters: Parameters) -> "ParameterFactors":
+        """Factors from a forecaster's record."""
+        return cls(
+            parameters.names,
+            record.arrays["parameter_low"],
+            record.arrays["parameter_high"],
+            str(record.attributes["transform"]),
+            int(record.attributes["parameter_degree"]),
+        )
+
     @property
     def count(self) -> int:
         """Number of factors; 0 if no parameter varies in training."""
@@ -85,8 +125,8 @@ class ParameterFactors:
         scaled = (transformed - self._centre) / self._half_range
         factors = np.ones((*values.shape[:-1], self.count))
         for number, monomial in enumerate(self._monomials):
-            for one in monomial:
-                factors[..., number] *= scaled[..., one]
+            for parameter in monomial:
+                factors[..., number] *= scaled[..., parameter]
         return factors
 
     def of_schedule(self, schedule: FloatArray) -> FloatArray:

@@ -128,7 +128,7 @@ class Precursor:
         """
         # threads wait for each other more than they work
         with threadpool_limits(limits=1):
-            each = [one.predict_proba(features)[:, 1] for one in self.classifiers]
+            each = [classifier.predict_proba(features)[:, 1] for classifier in self.classifiers]
         return np.stack(each, axis=1)
 
     def record(self) -> dict[str, FloatArray]:

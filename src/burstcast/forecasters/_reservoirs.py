@@ -30,23 +30,23 @@ def recorded_dynamics(seed: ReservoirSeed, dynamics: Dynamics) -> dict[str, str 
 
 
 def restored_dynamics(
-    said: Mapping[str, Any], dimension: int, backend: Literal["compiled", "scipy"]
+    attributes: Mapping[str, Any], dimension: int, backend: Literal["compiled", "scipy"]
 ) -> tuple[ReservoirSeed, Dynamics]:
     """Make the reservoir of such attributes anew, for inputs of this dimension."""
     seed = ReservoirSeed(
-        int(said["random_seed"]),
-        int(said["neurons"]),
-        int(said["seed"]),
-        float(said["connectivity"]),
-        float(said["input_bias"]),
+        int(attributes["random_seed"]),
+        int(attributes["neurons"]),
+        int(attributes["seed"]),
+        float(attributes["connectivity"]),
+        float(attributes["input_bias"]),
     )
-    said = {**_AS_IN_THE_PAPER, **said}
+    attributes = {**_AS_IN_THE_PAPER, **attributes}
     dynamics = Dynamics(
         seed.reservoir(dimension),
-        float(said["spectral_radius"]),
-        float(said["input_scaling"]),
+        float(attributes["spectral_radius"]),
+        float(attributes["input_scaling"]),
         backend,
-        float(said["leak_rate"]),
-        said["readout"],
+        float(attributes["leak_rate"]),
+        attributes["readout"],
     )
     return seed, dynamics

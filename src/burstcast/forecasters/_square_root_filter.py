@@ -86,10 +86,10 @@ def _gains(deviation: FloatArray, component: int, variance: float) -> tuple[Floa
         covariance += deviation[:, member] * observed[member]
     total = spread / (members - 1) + variance
     # known without error, and observed without error: nothing to learn
-    known = total == 0.0
-    total[known] = 1.0
+    certain = total == 0.0
+    total[certain] = 1.0
     gain = covariance / (members - 1) / total
-    gain[:, known] = 0.0
+    gain[:, certain] = 0.0
     return gain, gain / (1.0 + np.sqrt(variance / total))
 
 

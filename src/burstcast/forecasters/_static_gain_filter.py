@@ -32,10 +32,10 @@ def leading_directions(covariance: FloatArray, count: int) -> FloatArray:
     ``covariance``: Covariance of the errors, ``(dimension, dimension)``. Shape ``(dimension,
     count)``; the largest entry of each is positive.
     """
-    variances, directions = np.linalg.eigh(covariance)
-    leading = directions[:, ::-1][:, :count]
+    variances, eigenvectors = np.linalg.eigh(covariance)
+    leading = eigenvectors[:, ::-1][:, :count]
     largest = np.argmax(np.abs(leading), axis=0)
     signs = np.sign(leading[largest, np.arange(leading.shape[1])])
     scale = np.sqrt(np.maximum(variances[::-1][:count], 0.0))
-    found: FloatArray = leading * signs * scale
-    return found
+    directions: FloatArray = leading * signs * scale
+    return directions

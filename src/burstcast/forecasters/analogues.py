@@ -64,12 +64,12 @@ class Analogues(AnalogueOptions, Forecaster):
     @cached_property
     def _last(self) -> BoolArray:
         """Whether a sample is the last of its series, ``(samples,)``."""
-        found = np.zeros(len(self._states), dtype=bool)
+        last = np.zeros(len(self._states), dtype=bool)
         if self.lengths is None:
-            found[self.training.shape[1] - 1 :: self.training.shape[1]] = True
+            last[self.training.shape[1] - 1 :: self.training.shape[1]] = True
         else:
-            found[np.cumsum(self.lengths).astype(int) - 1] = True
-        return found
+            last[np.cumsum(self.lengths).astype(int) - 1] = True
+        return last
 
     @cached_property
     def _scale(self) -> FloatArray:
@@ -96,9 +96,9 @@ class Analogues(AnalogueOptions, Forecaster):
         They are numbers of steps, counted through all series.
         """
         count = range(1, self.neighbours + 1)
-        found = self._tree.query(washout[-1].T / self._scale, k=list(count))[1].T
+        nearest = self._tree.query(washout[-1].T / self._scale, k=list(count))[1].T
         # from rows of the tree, whose series are one shorter
-        steps: FloatArray = np.flatnonzero(~self._last)[found].astype(np.float64)
+        steps: FloatArray = np.flatnonzero(~self._last)[nearest].astype(np.float64)
         return steps
 
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:

@@ -11,10 +11,8 @@ unfitted.
 
 Parameters of the equations may differ between series, and change in time: parameters of the system,
 such as a Reynolds number, or the share of an actuator in force (`burstcast.systems.parameters`).
-Columns of a record that are known in advance are parameters, too. A
-*schedule* is an array of their values, each in force from one state to the next; like states, it
-has the parameters in the middle and the batch last. Kinds that are `aware` use schedules, by the
-methods whose names end in `_under`. All others are without these methods.
+Columns of a record that are known in advance are parameters, too. Kinds that are `aware` may be
+given them as further components of series and washouts (`burstcast.base.exogenous`).
 """
 
 import abc
@@ -67,6 +65,13 @@ class ForecastingCase:
     maps: StateMaps | None = None
     random_seed: int = 0
 
+    @property
+    def required_parameters(self) -> Parameters:
+        """Parameters, for kinds that learn how the flow depends on them."""
+        if self.parameters is None:
+            raise ValueError("a forecaster that knows the parameters needs a case that has some")
+        return self.parameters
+
 
 def fitted() -> Any:
     """Declare a field of a forecaster that `fit` fills in; its other fields are options."""
@@ -107,8 +112,7 @@ class ForecasterKind:
     has_filter: ClassVar[bool] = False
     """Whether an ensemble filter estimates the present state from the whole washout."""
     aware: ClassVar[bool] = False
-    """Whether it uses schedules of parameters. Without a schedule, an aware forecaster assumes the
-    case's own values."""
+    """Whether it may be given exogenous inputs. Without them, the case's own values are assumed."""
     has_search: ClassVar[bool] = False
     """Whether a search finds its hyperparameters before it is trained."""
     searched_as: ClassVar[str] = ""
@@ -121,7 +125,7 @@ class ForecasterKind:
     def option_fields(cls) -> "list[dataclasses.Field[Any]]":
         """Fields that are options: all that `fit` does not fill in."""
         assert dataclasses.is_dataclass(cls)
-        return [one for one in dataclasses.fields(cls) if not one.metadata.get("fitted")]
+        return [option for option in dataclasses.fields(cls) if not option.metadata.get("fitted")]
 
     @property
     def options(self) -> dict[str, Any]:
@@ -173,7 +177,7 @@ class ForecasterKind:
     @classmethod
     def _fitted_names(cls) -> set[str]:
         assert dataclasses.is_dataclass(cls)
-        return {one.name for one in dataclasses.fields(cls) if one.metadata.get("fitted")}
+        return {option.name for option in dataclasses.fields(cls) if option.metadata.get("fitted")}
 
 
 class Forecaster(ForecasterKind, abc.ABC):
@@ -186,7 +190,8 @@ class Forecaster(ForecasterKind, abc.ABC):
         Parameters
         ----------
         training
-            Observed training series, ``(series, time, dimension)``.
+            Observed training series, ``(series, time, dimension)``, with inputs for kinds that
+            learn parameters.
         case
             What may be known beside them.
 
@@ -196,21 +201,8 @@ class Forecaster(ForecasterKind, abc.ABC):
             If the kind is made otherwise: networks have a search for hyperparameters.
         """
 
-    def fit_under(
-        self, training: FloatArray, case: ForecastingCase, schedules: FloatArray | None
-    ) -> Self:
-        """Fit to series under schedules of parameters, which kinds that are not `aware` ignore.
-
-        ``schedules``: ``(series, time - 1, parameters)``; None: the case's own values throughout.
-        """
-        return self.fit(training, case)
-
     def leave_one_out(
-        self,
-        training: FloatArray,
-        case: ForecastingCase,
-        washout: int,
-        schedules: FloatArray | None = None,
+        self, training: FloatArray, case: ForecastingCase, washout: int
     ) -> Iterator[Self]:
         """Forecasters that have learnt from all training series but one, for each one in turn.
 
@@ -218,8 +210,8 @@ class Forecaster(ForecasterKind, abc.ABC):
 
         Parameters
         ----------
-        training, case, schedules
-            As `fit_under` was given them.
+        training, case
+            As `fit` was given them.
         washout
             Steps at the beginning of each series that training leaves out.
 
@@ -232,8 +224,7 @@ class Forecaster(ForecasterKind, abc.ABC):
             raise ValueError("leaving one series out takes two training series at least")
         tuned = self.tuned()
         for row in range(len(training)):
-            others = None if schedules is None else np.delete(schedules, row, axis=0)
-            yield tuned.fit_under(np.delete(training, row, axis=0), case, others)
+            yield tuned.fit(np.delete(training, row, axis=0), case)
 
     @abc.abstractmethod
     def start(self, washout: FloatArray) -> FloatArray:
@@ -248,14 +239,6 @@ class Forecaster(ForecasterKind, abc.ABC):
         -------
         Memory, ``(..., batch)``.
         """
-
-    def start_under(self, washout: FloatArray, schedule: FloatArray | None) -> FloatArray:
-        """Memory after a washout under a schedule of parameters (`start`).
-
-        ``schedule``: Values in force from each observed state to the next, ``(steps - 1,
-        parameters, batch)``; None: the case's own.
-        """
-        return self.start(washout)
 
     def ensemble(self, washout: FloatArray) -> FloatArray:
         """Memories of all members of an ensemble after an observed washout, equally likely.
@@ -274,10 +257,6 @@ class Forecaster(ForecasterKind, abc.ABC):
         ``(..., members, batch)``. With its last two axes flattened it is a memory of `advance`.
         """
         return self.start(washout)[..., np.newaxis, :]
-
-    def ensemble_under(self, washout: FloatArray, schedule: FloatArray | None) -> FloatArray:
-        """Memories of all members after a washout under a schedule (`ensemble`, `start_under`)."""
-        return self.ensemble(washout)
 
     def combined(self, ensemble: FloatArray) -> FloatArray:
         """Memory of the single forecast that an ensemble stands for: `start` of its washout."""
@@ -300,16 +279,6 @@ class Forecaster(ForecasterKind, abc.ABC):
         Forecast states ``(steps, dimension, batch)``, the first one step after the starting point
         or after the last forecast state, and the memory from which the forecast goes on.
         """
-
-    def advance_under(
-        self, memory: FloatArray, steps: int, schedule: FloatArray | None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Forecast the next steps under a schedule of parameters (`advance`).
-
-        ``schedule``: Values in force during each step, ``(steps, parameters, batch)``; None: the
-        case's own.
-        """
-        return self.advance(memory, steps)
 
     def advance_tangent(
         self, memory: FloatArray, tangent: FloatArray, steps: int
@@ -347,34 +316,3 @@ class Forecaster(ForecasterKind, abc.ABC):
     def diverged(self, outputs: FloatArray) -> BoolArray:
         """Mark forecasts ``(steps, dimension, batch)`` that are not finite."""
         return np.asarray(~np.isfinite(outputs).all(axis=(0, 1)))
-
-
-def for_members(parameters: FloatArray | None, members: int) -> FloatArray | None:
-    """Schedule of the members of an ensemble that forecast side by side.
-
-    Parameters
-    ----------
-    parameters
-        Schedule of a batch, ``(steps, parameters, batch)``; None: there is none.
-    members
-        How many members each trajectory of the batch has.
-
-    Returns
-    -------
-    ``(steps, parameters, members * batch)``, in the order of `Forecaster.ensemble`.
-    """
-    return None if parameters is None else np.tile(parameters, (1, 1, members))
-
-
-def schedules_of(
-    parameters: FloatArray | None, washout: int
-) -> tuple[FloatArray | None, FloatArray | None]:
-    """Schedules of points over washouts of some states and over the forecasts after them.
-
-    The given schedules are ``(points, washout - 1 + steps, parameters)``, the returned ones have
-    the points last; None: there is no schedule.
-    """
-    if parameters is None:
-        return None, None
-    batch = parameters.transpose(1, 2, 0)
-    return batch[: washout - 1], batch[washout - 1 :]

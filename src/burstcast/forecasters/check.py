@@ -186,21 +186,26 @@ def _classifier_problems(
     """Violations by a fitted classifier, after washouts ``(points, steps, 3)``."""
     before = washouts.copy()
     try:
-        found = np.asarray(fitted.probabilities(washouts))
+        probabilities = np.asarray(fitted.probabilities(washouts))
     except Exception as error:  # whatever the classifier raises
         yield f"probabilities fails: {type(error).__name__}: {error}"
         return
-    if found.shape != (_BATCH, 2):
-        yield f"probabilities returns the shape {found.shape}, not (points, windows) {(_BATCH, 2)}"
+    if probabilities.shape != (_BATCH, 2):
+        yield (
+            f"probabilities returns the shape {probabilities.shape}, not (points, windows) "
+            f"{(_BATCH, 2)}"
+        )
         return
-    if not ((found >= 0) & (found <= 1)).all():
+    if not ((probabilities >= 0) & (probabilities <= 1)).all():
         yield "probabilities are not between 0 and 1"
     if not np.array_equal(washouts, before):
         yield "probabilities changes the washouts that it is given"
     alone = np.concatenate([fitted.probabilities(washouts[[n]]) for n in range(_BATCH)])
-    if not np.allclose(alone, found, rtol=_TOLERANCE, atol=_TOLERANCE):
+    if not np.allclose(alone, probabilities, rtol=_TOLERANCE, atol=_TOLERANCE):
         yield "a probability in a batch differs from the same probability alone"
-    yield from _record_problems(unfitted, fitted, case, lambda one: one.probabilities(washouts))
+    yield from _record_problems(
+        unfitted, fitted, case, lambda classifier: classifier.probabilities(washouts)
+    )
 
 
 def _record_problems(

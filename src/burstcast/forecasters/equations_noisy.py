@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
+from burstcast.base.exogenous import carry, of_washout
 from burstcast.data.encoders.state_maps import StateMaps
 from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
@@ -27,7 +28,7 @@ class EquationsFromObservation(IntegratedForecaster):
     needs_equations: ClassVar[bool] = True
     aware: ClassVar[bool] = True
 
-    #: equations under other parameters than the case's own, for schedules; None: there are none
+    #: equations under other parameters than the case's own, for inputs; None: there are none
     in_force: Parameters | None = fitted()
     #: between states of the equations and channels of the case; None: they are equal
     maps: StateMaps | None = fitted()
@@ -47,40 +48,42 @@ class EquationsFromObservation(IntegratedForecaster):
             "sampling_stride": case.sampling_stride,
         }
         if case.source is not None:
-            maps = StateMaps(**{one.name: record.arrays[one.name] for one in fields(StateMaps)})
+            arrays = {entry.name: record.arrays[entry.name] for entry in fields(StateMaps)}
+            maps = StateMaps(**arrays)
             return self.with_fitted(system=case.source, maps=maps, **steps)
         if not isinstance(case.system, DynamicalSystem):
             raise ValueError("measured series have no equations to forecast with")
         return self.with_fitted(system=case.system, in_force=case.parameters, **steps)
 
     def start(self, washout: FloatArray) -> FloatArray:
-        """Last state of the washout, ``(dimension, batch)``, decoded where it is encoded."""
-        if self.maps is None:
-            return super().start(washout)
-        return self.maps.estimates(washout[-1, :-1])
+        """Last state of the washout, ``(dimension, batch)``, decoded where it is encoded.
+
+        Inputs of an encoded flow are ignored.
+        """
+        if self.maps is not None:
+            states, _, _ = of_washout(washout, 1 + len(self.maps.matrix))
+            return self.maps.estimates(states[-1, :-1])
+        states, _, ahead = of_washout(washout, self.memory_size)
+        return carry(super().start(states), ahead)
 
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Integrate the equations (see `Forecaster.advance`); encode what was decoded."""
-        states, memory = super().advance(memory, steps)
+        size = self.memory_size
         if self.maps is not None:
-            states = _with_observable(self.maps, self.system, states)
-        return states, memory
-
-    def advance_under(
-        self, memory: FloatArray, steps: int, schedule: FloatArray | None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Integrate the equations under a schedule (see `Forecaster.advance_under`)."""
-        if self.maps is not None or schedule is None:
-            return self.advance(memory, steps)
+            states, memory = super().advance(memory[:size], steps)
+            return _with_observable(self.maps, self.system, states), memory
+        if len(memory) == size:
+            return super().advance(memory, steps)
         if self.in_force is None:
-            raise ValueError("a schedule was given, but the case has no parameters")
-        self.in_force.check(schedule, steps, memory.shape[-1])
+            raise ValueError("inputs were given, but the case has no parameters")
+        state, schedule, later = self.in_force.over(memory, size, steps)
         samples = integrate_scheduled(
-            self.in_force, schedule, memory, self.time_step, self.sampling_stride
+            self.in_force, schedule, state, self.time_step, self.sampling_stride
         )
-        return samples[1:], samples[-1]
+        return samples[1:], carry(samples[-1], later)
 
 
 def _with_observable(maps: StateMaps, system: DynamicalSystem, states: FloatArray) -> FloatArray:
     """Channels of states ``(steps, dimension, batch)``, the observable as the last one."""
-    return np.stack([np.vstack([maps.channels(one), system.observable(one)]) for one in states])
+    channels = [np.vstack([maps.channels(state), system.observable(state)]) for state in states]
+    return np.stack(channels)

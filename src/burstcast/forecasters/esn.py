@@ -49,7 +49,6 @@ class NetworkForecaster(NetworkOptions, Forecaster):
         *,
         washout: int,
         tikhonov: float,
-        **knowledge: Any,
     ) -> Self:
         """Train a network on all series.
 
@@ -58,29 +57,23 @@ class NetworkForecaster(NetworkOptions, Forecaster):
         readout = train(dynamics, training, washout=washout, tikhonov=tikhonov)
         scales = training.input_range, training.input_offset
         network = EchoStateNetwork(dynamics, readout, *scales)
-        return self.with_fitted(network=network, seed=seed, **knowledge)
+        return self.with_fitted(network=network, seed=seed, **training.knowledge)
 
     def leave_one_out(
-        self,
-        training: FloatArray,
-        case: ForecastingCase,
-        washout: int,
-        schedules: FloatArray | None = None,
+        self, training: FloatArray, case: ForecastingCase, washout: int
     ) -> Iterator[Self]:
         """Train the readout again without each series (see `Forecaster.leave_one_out`)."""
         network = self.network
         readouts = train_leaving_one_out(
             network.dynamics,
-            self._training_series(training, schedules),
+            self._training_series(training),
             washout=washout,
             tikhonov=network.readout.tikhonov,
         )
         for readout in readouts:
             yield replace(self, network=replace(network, readout=readout))
 
-    def _training_series(
-        self, training: FloatArray, schedules: FloatArray | None
-    ) -> TrainingSeries:
+    def _training_series(self, training: FloatArray) -> TrainingSeries:
         """Series that the network is trained on."""
         network = self.network
         return TrainingSeries(training, network.input_range, input_offset=network.input_offset)

@@ -1,24 +1,20 @@
 """Echo state networks that know the parameters in force: a readout linear in their factors.
 
-The reservoir does not receive the parameters, so that the washout needs no schedule, and one
-memory serves forecasts under any schedule (`burstcast.networks.factored`).
+The reservoir does not receive the parameters, so that the washout needs none of them, and one
+memory serves forecasts under any of their values (`burstcast.networks.factored`).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
 
 from burstcast.base.arrays import FloatArray
-from burstcast.forecasters._aware import (
-    fitted_factors,
-    parameters_of,
-    recorded_factors,
-    restored_factors,
-)
+from burstcast.base.exogenous import carry, of_series, of_washout
 from burstcast.forecasters._options import AwareOptions
 from burstcast.forecasters._parameter_factors import ParameterFactors
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.forecasters.esn import NetworkForecaster
+from burstcast.networks.factored import FactoredSeries, forecast_under, network_under
 from burstcast.networks.tangent import ClosedLoopTangent
 from burstcast.networks.training import TrainingSeries
 from burstcast.systems.parameters import Parameters
@@ -26,7 +22,7 @@ from burstcast.systems.parameters import Parameters
 
 @dataclass(frozen=True)
 class AwareNetworkForecaster(AwareOptions, NetworkForecaster):
-    """An echo state network whose closed loop follows a schedule."""
+    """An echo state network whose closed loop depends on parameters."""
 
     aware: ClassVar[bool] = True
     learns_parameters: ClassVar[bool] = True
@@ -43,56 +39,67 @@ class AwareNetworkForecaster(AwareOptions, NetworkForecaster):
             f"by {', '.join(self.factors.names)})"
         )
 
-    def _training_series(
-        self, training: FloatArray, schedules: FloatArray | None
-    ) -> TrainingSeries:
-        if schedules is None:
-            raise ValueError("the training series of this network have schedules")
-        plain = super()._training_series(training, schedules)
-        return replace(plain, factors=self.factors(schedules))
+    def _training_series(self, training: FloatArray) -> TrainingSeries:
+        plain = super()._training_series(training)
+        return _factored(plain, self.factors, self.in_force)
 
     def record(self) -> ForecasterRecord:
         """Record of a plain network with the scaling of the parameters."""
-        network, scaling = super().record(), recorded_factors(self.factors)
+        network, scaling = super().record(), self.factors.record()
         return ForecasterRecord(
             {**network.arrays, **scaling.arrays}, {**network.attributes, **scaling.attributes}
         )
 
     def _knowledge(self, record: ForecasterRecord, case: ForecastingCase) -> dict[str, Any]:
-        return {"factors": restored_factors(record, case), "in_force": parameters_of(case)}
+        return {
+            "factors": ParameterFactors.restored(record, case.required_parameters),
+            "in_force": case.required_parameters,
+        }
+
+    def start(self, washout: FloatArray) -> FloatArray:
+        """Reservoir states after the washout, ``(neurons, batch)``."""
+        states, _, ahead = of_washout(washout, len(self.network.input_range))
+        return carry(super().start(states), ahead)
 
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
-        """Closed loop under the case's own values (see `Forecaster.advance`)."""
-        return self.advance_under(memory, steps, None)
-
-    def advance_under(
-        self, memory: FloatArray, steps: int, schedule: FloatArray | None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Closed loop under a schedule (see `Forecaster.advance_under`)."""
-        batch = memory.shape[-1]
-        if schedule is None:
-            schedule = self.in_force.constant(steps, batch)
-        self.in_force.check(schedule, steps, batch)
-        return self.network.forecast(memory, steps, self.factors.of_schedule(schedule))
+        """Closed loop under the inputs (see `Forecaster.advance`)."""
+        neurons = self.network.dynamics.reservoir.neurons
+        states, schedule, later = self.in_force.over(memory, neurons, steps)
+        factors = self.factors.of_schedule(schedule)
+        outputs, states = forecast_under(self.network, states, factors)
+        return outputs, carry(states, later)
 
     @cached_property
     def _tangent(self) -> ClosedLoopTangent:
         # perturbations grow under the case's own values
         return ClosedLoopTangent(
-            self.network.under(self.factors(self.in_force.constant(1, 1)[0, :, 0]))
+            network_under(self.network, self.factors(self.in_force.constant(1, 1)[0, :, 0]))
         )
 
 
 def factored_training(
-    training: TrainingSeries,
-    schedules: FloatArray,
-    case: ForecastingCase,
-    options: AwareOptions,
-) -> tuple[TrainingSeries, ParameterFactors]:
-    """Training series of a network that knows the parameters, for its search and its training.
+    training: TrainingSeries, parameters: Parameters, options: AwareOptions
+) -> FactoredSeries:
+    """Training series of a network that knows the parameters.
 
-    ``training``: The series without factors. ``schedules``: Values in force from each sample to the
-    next, ``(series, time - 1, parameters)``.
+    ``training``: Series with their inputs. ``parameters``: What the inputs are.
     """
-    factors = fitted_factors(schedules, case, options)
-    return replace(training, factors=factors(schedules)), factors
+    _, schedules = of_series(training.observed, len(training.input_range))
+    factors = ParameterFactors.learnt(schedules, parameters, options)
+    return _factored(training, factors, parameters)
+
+
+def _factored(
+    training: TrainingSeries, factors: ParameterFactors, parameters: Parameters
+) -> FactoredSeries:
+    """Training series with factors in place of inputs."""
+    states, schedules = of_series(training.observed, len(training.input_range))
+    if not schedules.size:
+        raise ValueError("the training series of this network have inputs")
+    return FactoredSeries(
+        states,
+        training.input_range,
+        training.input_offset,
+        factors=factors(schedules),
+        knowledge={"factors": factors, "in_force": parameters},
+    )

@@ -16,7 +16,7 @@ from burstcast.data.dataset import network_input_offset
 from burstcast.forecasters._event_classifier import (
     EventClassifier,
     LabelledPoints,
-    with_known,
+    with_exogenous,
 )
 from burstcast.forecasters._logistic_readout import event_probability, fit_logistic
 from burstcast.forecasters._options import DirectReadoutOptions, NetworkOptions
@@ -78,7 +78,7 @@ class DirectReadout(NetworkOptions, DirectReadoutOptions, EventClassifier):
         several = np.prod([len(some) for some in choices]) > 1
         for point in product(*applied) if several else ():
             dynamics = driven(*point)
-            states = with_known(_states(dynamics, inputs), points.known)
+            states = with_exogenous(_states(dynamics, inputs), points.exogenous)
             for penalty in penalties:
                 score = _validation_score(states, points, penalty)
                 if score > highest:
@@ -91,7 +91,7 @@ class DirectReadout(NetworkOptions, DirectReadoutOptions, EventClassifier):
             )
         *chosen, penalty = best
         dynamics = driven(*chosen)
-        states = with_known(_states(dynamics, inputs), points.known)
+        states = with_exogenous(_states(dynamics, inputs), points.exogenous)
         weights = fit_logistic(states, points.happened, penalty)
         return self.with_fitted(
             dynamics=dynamics,
@@ -112,11 +112,13 @@ class DirectReadout(NetworkOptions, DirectReadoutOptions, EventClassifier):
             penalty=(self.chosen_penalty,),
         )
 
-    def probabilities(self, washouts: FloatArray, known: FloatArray | None = None) -> FloatArray:
+    def probabilities(
+        self, washouts: FloatArray, exogenous: FloatArray | None = None
+    ) -> FloatArray:
         """Probability of an event in each window (see `EventClassifier.probabilities`)."""
         inputs = _normalised(washouts, self.input_scale, self.input_mean)
         states = _states(self.dynamics, inputs)
-        return event_probability(self.weights, with_known(states, known))
+        return event_probability(self.weights, with_exogenous(states, exogenous))
 
     def record(self) -> ForecasterRecord:
         """Readout, normalisation and seed of the reservoir, without large matrices."""
@@ -152,11 +154,11 @@ def _normalised(
 
 def _states(dynamics: Dynamics, washouts: FloatArray) -> FloatArray:
     """States after washouts ``(points, steps, dimension)``, ``(points, neurons)``."""
-    found = []
+    features = []
     for first in range(0, len(washouts), _POINTS_PER_BATCH):
         batch = washouts[first : first + _POINTS_PER_BATCH].transpose(1, 2, 0)
-        found.append(dynamics.features(dynamics.open_loop(np.ascontiguousarray(batch), None)).T)
-    return np.concatenate(found)
+        features.append(dynamics.features(dynamics.open_loop(np.ascontiguousarray(batch), None)).T)
+    return np.concatenate(features)
 
 
 def _validation_score(states: FloatArray, points: LabelledPoints, penalty: float) -> float:

@@ -12,7 +12,7 @@ from burstcast.base.arrays import FloatArray
 from burstcast.forecasters._event_classifier import (
     EventClassifier,
     LabelledPoints,
-    with_known,
+    with_exogenous,
 )
 from burstcast.forecasters._options import PrecursorOptions
 from burstcast.forecasters._precursor_model import Precursor, PrecursorTraining, precursor_features
@@ -44,13 +44,17 @@ class LearntPrecursor(PrecursorOptions, EventClassifier):
     def fit(self, points: LabelledPoints, case: ForecastingCase) -> Self:
         """Fit the classifiers to the present and the lags of each point."""
         training = self._training(case)
-        features = with_known(precursor_features(points.washouts, training.lags), points.known)
+        features = with_exogenous(
+            precursor_features(points.washouts, training.lags), points.exogenous
+        )
         return self.with_fitted(precursor=Precursor.fit(features, points.happened, training))
 
-    def probabilities(self, washouts: FloatArray, known: FloatArray | None = None) -> FloatArray:
+    def probabilities(
+        self, washouts: FloatArray, exogenous: FloatArray | None = None
+    ) -> FloatArray:
         """Probability of an event in each window (see `EventClassifier.probabilities`)."""
         features = precursor_features(washouts, self.precursor.options.lags)
-        return self.precursor.probabilities(with_known(features, known))
+        return self.precursor.probabilities(with_exogenous(features, exogenous))
 
     def record(self) -> ForecasterRecord:
         """Training data of the classifiers, which are fitted again."""

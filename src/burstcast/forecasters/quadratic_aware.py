@@ -11,13 +11,8 @@ from typing import ClassVar, Self
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
+from burstcast.base.exogenous import carry, of_series, of_washout
 from burstcast.data.observation_noise import observation_noise
-from burstcast.forecasters._aware import (
-    fitted_factors,
-    parameters_of,
-    recorded_factors,
-    restored_factors,
-)
 from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters._options import AwareOptions, ObservationOptions, QuadraticOptions
 from burstcast.forecasters._parameter_factors import ParameterFactors
@@ -32,7 +27,7 @@ from burstcast.systems.state_space import StateSpace
 
 @dataclass(frozen=True)
 class AwareQuadraticModel(ObservationOptions, QuadraticOptions, AwareOptions, IntegratedForecaster):
-    """Integrates learnt equations under a schedule from the last state of the washout.
+    """Integrates learnt equations under inputs from the last state of the washout.
 
     The system has the factors as further components of its state, which do not change by
     themselves: one program serves all values of the parameters.
@@ -57,18 +52,12 @@ class AwareQuadraticModel(ObservationOptions, QuadraticOptions, AwareOptions, In
         )
 
     def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
-        """Refuse series whose parameters do not vary (see `Forecaster.fit`)."""
-        return self.fit_under(training, case, None)
-
-    def fit_under(
-        self, training: FloatArray, case: ForecastingCase, schedules: FloatArray | None
-    ) -> Self:
-        """Learn the equations (see `Forecaster.fit_under`)."""
-        factors = fitted_factors(schedules, case, self)
-        assert schedules is not None
+        """Learn the equations; refuse series whose parameters do not vary."""
+        states, schedules = of_series(training, case.system.dimension)
+        factors = ParameterFactors.learnt(schedules, case.required_parameters, self)
         coefficients = factored_coefficients(
-            training,
-            observation_noise(training, self.noise),
+            states,
+            observation_noise(states, self.noise),
             case.time_step * case.sampling_stride,
             self.degree,
             window_steps(self.window_lt, case.steps_per_lyapunov_time, training.shape[1]),
@@ -79,14 +68,18 @@ class AwareQuadraticModel(ObservationOptions, QuadraticOptions, AwareOptions, In
 
     def record(self) -> ForecasterRecord:
         """Coefficients of the equations, and how the parameters are scaled."""
-        scaling = recorded_factors(self.factors)
+        scaling = self.factors.record()
         return ForecasterRecord(
             {"coefficients": self.coefficients, **scaling.arrays}, scaling.attributes
         )
 
     def restore(self, record: ForecasterRecord, case: ForecastingCase) -> Self:
         """Make the equations from their coefficients."""
-        return self._of(record.arrays["coefficients"], restored_factors(record, case), case)
+        return self._of(
+            record.arrays["coefficients"],
+            ParameterFactors.restored(record, case.required_parameters),
+            case,
+        )
 
     def _of(
         self, coefficients: FloatArray, factors: ParameterFactors, case: ForecastingCase
@@ -97,28 +90,30 @@ class AwareQuadraticModel(ObservationOptions, QuadraticOptions, AwareOptions, In
             sampling_stride=case.sampling_stride,
             coefficients=coefficients,
             factors=factors,
-            in_force=parameters_of(case),
+            in_force=case.required_parameters,
         )
 
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
-        """Integrate the equations under the case's own values (see `Forecaster.advance`)."""
-        return self.advance_under(memory, steps, None)
+    @property
+    def memory_size(self) -> int:
+        """Components of the state without the factors."""
+        return int(self.coefficients.shape[2])
 
-    def advance_under(
-        self, memory: FloatArray, steps: int, schedule: FloatArray | None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Integrate the equations under a schedule (see `Forecaster.advance_under`)."""
-        dimension, batch = memory.shape
-        if schedule is None:
-            schedule = self.in_force.constant(steps, batch)
-        self.in_force.check(schedule, steps, batch)
-        outputs, state = np.empty((steps, dimension, batch)), memory
+    def start(self, washout: FloatArray) -> FloatArray:
+        """Last state of the washout, ``(dimension, batch)``."""
+        states, _, ahead = of_washout(washout, self.memory_size)
+        return carry(super().start(states), ahead)
+
+    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Integrate the equations under the inputs (see `Forecaster.advance`)."""
+        dimension = self.memory_size
+        state, schedule, later = self.in_force.over(memory, dimension, steps)
+        outputs = np.empty((steps, dimension, state.shape[1]))
         for part, factors in stretches(self.factors.of_schedule(schedule)):
             samples, last = super().advance(
                 np.concatenate([state, factors]), part.stop - part.start
             )
             outputs[part], state = samples[:, :dimension], last[:dimension]
-        return outputs, np.ascontiguousarray(state)
+        return outputs, carry(np.ascontiguousarray(state), later)
 
     def advance_tangent(
         self, memory: FloatArray, tangent: FloatArray, steps: int

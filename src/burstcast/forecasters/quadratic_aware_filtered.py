@@ -14,7 +14,7 @@ from burstcast.forecasters.quadratic_aware import AwareQuadraticModel
 
 @dataclass(frozen=True)
 class FilteredAwareQuadraticModel(QuadraticOptions, AwareOptions, FilteredForecaster):
-    """Integrates learnt equations under a schedule from the estimate of an ensemble filter."""
+    """Integrates learnt equations under inputs from the estimate of an ensemble filter."""
 
     aware: ClassVar[bool] = True
     learns_parameters: ClassVar[bool] = True

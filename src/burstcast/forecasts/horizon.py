@@ -11,7 +11,8 @@ import numpy as np
 
 from burstcast.base import durations
 from burstcast.base.arrays import FloatArray, IntArray
-from burstcast.forecasters.base import Forecaster, schedules_of
+from burstcast.base.exogenous import up_to_sample
+from burstcast.forecasters.base import Forecaster
 
 STEPS_BETWEEN_CHECKS = 16
 """Forecast steps between two checks of the tolerance: changes no result."""
@@ -82,23 +83,21 @@ def accurate_steps(
     washouts: FloatArray,
     truth: FloatArray,
     tolerance: float,
-    parameters: FloatArray | None = None,
 ) -> IntArray:
     """Steps during which each forecast stays within the tolerance of the truth (paper, eq. 11).
 
     ``washouts``: ``(steps, dimension, batch)``. ``truth``: True observable from one step after the
-    starting point, ``(steps, batch)``. ``parameters``: Schedule over washout and forecast, as of
-    `burstcast.forecasts.window_forecasts.window_forecasts`.
+    starting point, ``(steps, batch)``. ``tolerance``: Error that counts as lost, in the
+    observable's units. Returns accurate steps, ``(batch,)``; all the steps of ``truth`` where the
+    forecast never leaves it.
     """
     steps, batch = truth.shape
     accurate = np.full(batch, steps, dtype=np.int64)
     running = np.arange(batch)
-    past, ahead = schedules_of(parameters, len(washouts))
-    memory = forecaster.start_under(washouts, past)
+    memory = forecaster.start(washouts)
     for start in range(0, steps, STEPS_BETWEEN_CHECKS):
         chunk = min(STEPS_BETWEEN_CHECKS, steps - start)
-        in_force = None if ahead is None else ahead[start : start + chunk][..., running]
-        outputs, memory = forecaster.advance_under(memory, chunk, in_force)
+        outputs, memory = forecaster.advance(memory, chunk)
         error = np.abs(
             observable(outputs.transpose(1, 0, 2)) - truth[start : start + chunk, running]
         )
@@ -120,7 +119,7 @@ def prediction_horizons(
     observed: FloatArray,
     truth: FloatArray,
     search: HorizonSearch,
-    parameters: FloatArray | None = None,
+    inputs: int = 0,
 ) -> FloatArray:
     """PH_ee of each event, in Lyapunov times, ``(events,)``.
 
@@ -129,8 +128,10 @@ def prediction_horizons(
     fails, PH_ee is the time for which that forecast is accurate.
 
     ``observed``: Observed states up to the event, ``(events, search.steps_before_event + 1,
-    dimension)``. ``truth``: True observable of the same steps. ``parameters``: Schedule from each
-    of them to the next.
+    dimension + inputs)``. ``truth``: True observable of the same steps, ``(events,
+    search.steps_before_event + 1)``. ``inputs``: Number of exogenous inputs of the forecaster,
+    which are the last components of the observed states. Returns prediction horizons in Lyapunov
+    times, ``(events,)``.
     """
     if observed.shape[1] != search.steps_before_event + 1 or truth.shape != observed.shape[:2]:
         raise ValueError("the segments before the events do not fit the search for the horizon")
@@ -147,11 +148,12 @@ def prediction_horizons(
                     forecaster,
                     observable,
                     np.ascontiguousarray(
-                        observed[rows, start - search.washout + 1 : start + 1].transpose(1, 2, 0)
+                        up_to_sample(
+                            observed[rows, start - search.washout + 1 :], search.washout, inputs
+                        ).transpose(1, 2, 0)
                     ),
                     np.ascontiguousarray(truth[rows, start + 1 :].T),
                     search.tolerance,
-                    None if parameters is None else parameters[rows, start - search.washout + 1 :],
                 )
                 for rows in _batches(undecided, EVENTS_PER_BATCH)
             ]

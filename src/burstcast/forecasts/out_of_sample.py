@@ -19,24 +19,19 @@ def out_of_sample_forecasts(
     washouts: FloatArray,
     series: IntArray,
     boundaries: tuple[int, ...],
-    parameters: FloatArray | None = None,
-    schedules: FloatArray | None = None,
 ) -> WindowForecasts:
     """Forecast from starting points in the training series, refitted without the point's series.
 
-    ``washouts``, ``series``: Washout of each point, ``(points, steps, dimension)``, and row of its
-    training series. ``parameters``, ``schedules``: Of the training series, and of each point.
+    ``training``, ``case``, ``washout``: Arguments of `Forecaster.leave_one_out`. ``washouts``,
+    ``series``: Washout of each point, ``(points, steps, dimension)``, and row of its training
+    series, ``(points,)``.
     """
     rows, parts = [], []
-    refitted_without = forecaster.leave_one_out(training, case, washout, parameters)
-    for row, refitted in enumerate(refitted_without):
+    for row, refitted in enumerate(forecaster.leave_one_out(training, case, washout)):
         here = np.flatnonzero(series == row)
         if here.size:
-            in_force = None if schedules is None else schedules[here]
             rows.append(here)
-            parts.append(
-                window_forecasts(refitted, observable, washouts[here], boundaries, in_force)
-            )
+            parts.append(window_forecasts(refitted, observable, washouts[here], boundaries))
     order = np.argsort(np.concatenate(rows))
     forecasts = joined(parts)
     return WindowForecasts(**{name: values[order] for name, values in vars(forecasts).items()})

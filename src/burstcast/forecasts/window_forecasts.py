@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, FloatArray
-from burstcast.forecasters.base import Forecaster, for_members, schedules_of
+from burstcast.forecasters.base import Forecaster
 from burstcast.forecasts.windows import WindowForecasts, WindowSummaries, summarise
 
 POINTS_PER_BATCH = 1024
@@ -20,32 +20,24 @@ def window_forecasts(
     observable: Callable[[FloatArray], FloatArray],
     washouts: FloatArray,
     boundaries: tuple[int, ...],
-    parameters: FloatArray | None = None,
 ) -> WindowForecasts:
     """Forecast from many starting points and keep the window summaries.
 
-    Forecasts that overflow raise no warning; they predict no event. ``parameters``: Schedule over
-    washout and forecast, ``(points, steps - 1 + boundaries[-1], parameters)``; None: the defaults.
+    Forecasts that overflow raise no warning; they predict no event.
     """
     batches = []
     for start in range(0, len(washouts), POINTS_PER_BATCH):
         batch = washouts[start : start + POINTS_PER_BATCH].transpose(1, 2, 0)
-        in_force = None if parameters is None else parameters[start : start + POINTS_PER_BATCH]
-        past, ahead = schedules_of(in_force, washouts.shape[1])
-        ensemble = forecaster.ensemble_under(np.ascontiguousarray(batch), past)
+        ensemble = forecaster.ensemble(np.ascontiguousarray(batch))
         single, diverged = _summaries(
-            forecaster, observable, forecaster.combined(ensemble), boundaries, ahead
+            forecaster, observable, forecaster.combined(ensemble), boundaries
         )
         members, points = ensemble.shape[-2:]
         by_member = np.empty((2, 0, points, len(boundaries) - 1))
         if members > 1:
-            of_members = for_members(ahead, members)
-            summaries, _ = _summaries(
-                forecaster, observable, side_by_side(ensemble), boundaries, of_members
-            )
-            by_member = np.stack([summaries.first, summaries.largest]).reshape(
-                2, members, points, -1
-            )
+            summaries, _ = _summaries(forecaster, observable, side_by_side(ensemble), boundaries)
+            by_member = np.stack([summaries.first, summaries.largest])
+            by_member = by_member.reshape(2, members, points, -1)
         batches.append(
             WindowForecasts(single.first, single.largest, diverged, *by_member.swapaxes(1, 2))
         )
@@ -61,17 +53,15 @@ def joined(parts: list[WindowForecasts]) -> WindowForecasts:
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def member_forecasts(
-    forecaster: Forecaster, washout: FloatArray, steps: int, parameters: FloatArray | None = None
-) -> FloatArray:
-    """Forecast states by each member of an ensemble, ``(steps, dimension, members, batch)``.
+def member_forecasts(forecaster: Forecaster, washout: FloatArray, steps: int) -> FloatArray:
+    """Forecast states by every member of an ensemble, ``(steps, dimension, members, batch)``.
 
-    ``washout``: ``(steps, dimension, batch)``. ``parameters``: As of `window_forecasts`.
+    Overflows are as in `window_forecasts`.
+
+    ``washout``: Observed states up to the starting points, ``(steps, dimension, batch)``.
     """
-    past, ahead = schedules_of(parameters, len(washout))
-    ensemble = forecaster.ensemble_under(washout, past)
-    of_members = for_members(ahead, ensemble.shape[-2])
-    outputs, _ = forecaster.advance_under(side_by_side(ensemble), steps, of_members)
+    ensemble = forecaster.ensemble(washout)
+    outputs, _ = forecaster.advance(side_by_side(ensemble), steps)
     return outputs.reshape(*outputs.shape[:2], *ensemble.shape[-2:])
 
 
@@ -85,18 +75,16 @@ def _summaries(
     observable: Callable[[FloatArray], FloatArray],
     memory: FloatArray,
     boundaries: tuple[int, ...],
-    parameters: FloatArray | None,
 ) -> tuple[WindowSummaries, BoolArray]:
     """Summaries of the forecasts from memories, and whether they have diverged."""
     first, largest, diverged = [], [], []
     for start in range(0, memory.shape[-1], TRAJECTORIES_PER_BATCH):
         batch = slice(start, start + TRAJECTORIES_PER_BATCH)
-        in_force = None if parameters is None else parameters[..., batch]
         some = np.ascontiguousarray(memory[..., batch])
-        outputs, _ = forecaster.advance_under(some, boundaries[-1], in_force)
+        outputs, _ = forecaster.advance(some, boundaries[-1])
         summaries = summarise(observable(outputs.transpose(1, 0, 2)), boundaries)
         first.append(summaries.first)
         largest.append(summaries.largest)
         diverged.append(forecaster.diverged(outputs))
-    summaries = WindowSummaries(np.concatenate(first), np.concatenate(largest))
-    return summaries, np.concatenate(diverged)
+    together = WindowSummaries(np.concatenate(first), np.concatenate(largest))
+    return together, np.concatenate(diverged)

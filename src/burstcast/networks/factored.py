@@ -6,13 +6,17 @@ to be interpolated between the few values of the training; a factor of the reado
 exactly, as far as one step of the flow is linear in it.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.reservoir import Reservoir
+from burstcast.networks.training import TrainingSeries
 from burstcast.systems.parameters import stretches, values_in
 
 
@@ -71,31 +75,75 @@ def driven_neurons(reservoir: Reservoir) -> IntArray:
         reached = further
 
 
-def factored_closed_loop(
-    dynamics: Dynamics,
-    weights: FloatArray,
-    input_range: FloatArray,
-    states: FloatArray,
-    factors: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """Autonomous forecast by a readout that is linear in factors (see `Dynamics.closed_loop`).
+@dataclass(frozen=True)
+class FactoredSeries(TrainingSeries):
+    """Training series of a readout that is linear in factors."""
 
-    ``weights``: Of the features, ``(size + 1, dimension)``. ``factors``: During each step,
-    ``(steps, factors, batch)``. A forecast that has overflowed when its factors change is NaN from
-    there on.
+    #: factors in force from each sample to the next, ``(series, time - 1, factors)``
+    factors: FloatArray = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        expected = (self.series, self.length - 1)
+        if self.factors.shape[:2] != expected:
+            raise ValueError(
+                f"{self.series} series of {self.length} samples need factors of the shape "
+                f"({self.series}, {self.length - 1}, factors), not {self.factors.shape}"
+            )
+
+    def part(self, rows: slice) -> Self:
+        """Some of the series."""
+        return replace(self, observed=self.observed[rows], factors=self.factors[rows])
+
+    def feature_count(self, dynamics: Dynamics) -> int:
+        """Number of features (`FactoredStates`)."""
+        return FactoredStates.of(dynamics.reservoir, self.factors.shape[2]).size
+
+    def features(self, dynamics: Dynamics, states: FloatArray, first: int, stop: int) -> FloatArray:
+        """Features of states (see `TrainingSeries.features`)."""
+        layout = FactoredStates.of(dynamics.reservoir, self.factors.shape[2])
+        # a state at step j predicts step j: what counts is in force from step j - 1 on
+        in_force = self.factors[:, first - 1 : stop - 1].transpose(2, 1, 0)
+        columns = dynamics.features(states)
+        return layout.features(columns, in_force.reshape(layout.factors, columns.shape[1]))
+
+    def closed_loop(
+        self,
+        network: EchoStateNetwork,
+        states: FloatArray,
+        rows: slice,
+        starts: Sequence[int],
+        steps: int,
+    ) -> FloatArray:
+        """Forecasts under the factors of the series (see `TrainingSeries.closed_loop`)."""
+        # the step to the first sample is the first that is forecast
+        in_force = [self.factors[rows, start - 1 : start - 1 + steps] for start in starts]
+        factors = np.concatenate([part.transpose(1, 2, 0) for part in in_force], axis=2)
+        return forecast_under(network, states, factors)[0]
+
+
+def forecast_under(
+    network: EchoStateNetwork, states: FloatArray, factors: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Autonomous forecast by a readout that is linear in factors (`EchoStateNetwork.forecast`).
+
+    ``factors``: In force during each step, ``(steps, factors, batch)``. A forecast that has
+    overflowed when its factors change is NaN from there on.
     """
-    layout = FactoredStates.of(dynamics.reservoir, factors.shape[1])
-    outputs = np.full((len(factors), len(input_range), states.shape[1]), np.nan)
+    outputs = np.full((len(factors), len(network.input_range), states.shape[1]), np.nan)
     states = np.array(states, dtype=np.float64)
     for part, in_force in stretches(factors):
         different, which = values_in(in_force)
         for number, values in enumerate(different):
             here = np.flatnonzero((which == number) & np.isfinite(states).all(axis=0))
             if here.size:
-                outputs[part, :, here], states[:, here] = dynamics.closed_loop(
-                    layout.weights_at(weights, values),
-                    input_range,
-                    states[:, here],
-                    part.stop - part.start,
+                outputs[part, :, here], states[:, here] = network_under(network, values).forecast(
+                    states[:, here], part.stop - part.start
                 )
     return outputs, states
+
+
+def network_under(network: EchoStateNetwork, factors: FloatArray) -> EchoStateNetwork:
+    """Plain network that a network trained with factors is under constant ones, ``(factors,)``."""
+    layout = FactoredStates.of(network.dynamics.reservoir, len(factors))
+    weights = layout.weights_at(network.readout.weights, factors)
+    return replace(network, readout=replace(network.readout, weights=weights))

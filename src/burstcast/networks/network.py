@@ -1,12 +1,11 @@
 """A trained echo state network: dynamics, normalisation and readout."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.networks.dynamics import Dynamics
-from burstcast.networks.factored import FactoredStates, factored_closed_loop
 from burstcast.networks.readout import Readout
 
 
@@ -80,32 +79,34 @@ class EchoStateNetwork:
         centred = self._centred(inputs) / self.input_range[:, np.newaxis]
         return self.dynamics.open_loop(centred, states)
 
-    def forecast(
-        self, states: FloatArray, steps: int, factors: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Autonomous forecast from the states ``(neurons, batch)`` after a washout.
+    def forecast(self, states: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+        """Autonomous forecast from the states after a washout.
 
-        ``factors``: Factors during each step, ``(steps, factors, batch)``, of a network that was
-        trained with them. Returns outputs, ``(steps, dimension, batch)``, of which the first lies
-        one step after the last input of the washout, and states, with which a call continues the
-        forecast.
+        Parameters
+        ----------
+        states
+            Shape ``(neurons, batch)``; not changed.
+        steps
+            Length of the forecast.
+
+        Returns
+        -------
+        outputs
+            Shape ``(steps, dimension, batch)``, in the units of the data; the first lies one step
+            after the last input of the washout.
+        states
+            Shape ``(neurons, batch)``; a call with them continues the forecast.
+
+        Raises
+        ------
+        ValueError
+            If a shape does not fit or a state is not finite.
         """
         weights = self.readout.weights
-        if factors is not None:
-            outputs, states = factored_closed_loop(
-                self.dynamics, weights, self.input_range, states, factors
-            )
-        else:
-            outputs, states = self.dynamics.closed_loop(weights, self.input_range, states, steps)
+        outputs, states = self.dynamics.closed_loop(weights, self.input_range, states, steps)
         if self.input_offset is not None:
             outputs = outputs + self.input_offset[:, np.newaxis]
         return outputs, states
-
-    def under(self, factors: FloatArray) -> "EchoStateNetwork":
-        """Plain network that a network trained with factors is under constant ones."""
-        layout = FactoredStates.of(self.dynamics.reservoir, len(factors))
-        weights = layout.weights_at(self.readout.weights, factors)
-        return replace(self, readout=replace(self.readout, weights=weights))
 
     def diverged(self, outputs: FloatArray, bound: float) -> BoolArray:
         """Whether forecasts ``(steps, dimension, batch)`` have diverged, ``(batch,)``.

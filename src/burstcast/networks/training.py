@@ -4,16 +4,17 @@ Source: section "Echo State Networks" of the paper. All series are driven side b
 states are summed up panel by panel as they come: they are never all in memory.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import reduce
+from typing import Any, Self
 
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
 from burstcast.base.series_lengths import series_lengths
 from burstcast.networks.dynamics import Dynamics
-from burstcast.networks.factored import FactoredStates
+from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.readout import Moments, MomentsAccumulator, Readout, solve_ridge
 
 
@@ -28,33 +29,43 @@ class TrainingSeries:
         Series that are shorter than the longest are filled up with NaN.
     input_range
         What the inputs are divided by, ``(dimension,)``.
-    factors
-        Factors of parameters in force from each sample to the next, ``(series, time - 1,
-        factors)``, in which the readout is linear (`burstcast.networks.factored`); None: a plain
-        readout.
     input_offset
         What is subtracted from inputs and targets, ``(dimension,)``; None: nothing. The ridge
         regression penalises the bias of the readout, too, which would have to make up for it.
+    knowledge
+        Fields of the trained forecaster that say how the series depend on parameters.
     """
 
     observed: FloatArray
     input_range: FloatArray
-    factors: FloatArray | None = None
     input_offset: FloatArray | None = None
+    knowledge: Mapping[str, Any] = field(default_factory=dict, kw_only=True)
 
-    def __post_init__(self) -> None:
-        """Check the factors."""
-        expected = (self.series, self.length - 1)
-        if self.factors is not None and self.factors.shape[:2] != expected:
-            raise ValueError(
-                f"{self.series} series of {self.length} samples need factors of the shape "
-                f"({self.series}, {self.length - 1}, factors), not {self.factors.shape}"
-            )
-
-    def part(self, rows: slice) -> "TrainingSeries":
+    def part(self, rows: slice) -> Self:
         """Some of the series."""
-        factors = None if self.factors is None else self.factors[rows]
-        return replace(self, observed=self.observed[rows], factors=factors)
+        return replace(self, observed=self.observed[rows])
+
+    def feature_count(self, dynamics: Dynamics) -> int:
+        """Number of features that the readout of a network multiplies."""
+        return dynamics.reservoir.neurons
+
+    def features(self, dynamics: Dynamics, states: FloatArray, first: int, stop: int) -> FloatArray:
+        """Features of states ``(neurons, steps * series)`` from step ``first`` up to ``stop``."""
+        return dynamics.features(states)
+
+    def closed_loop(
+        self,
+        network: EchoStateNetwork,
+        states: FloatArray,
+        rows: slice,
+        starts: Sequence[int],
+        steps: int,
+    ) -> FloatArray:
+        """Forecasts of some series from some steps on, ``(steps, dimension, starts * series)``.
+
+        ``states``: Reservoir states before these steps, ``(neurons, starts * series)``.
+        """
+        return network.forecast(states, steps)[0]
 
     @property
     def series(self) -> int:
@@ -118,9 +129,8 @@ def collect(
     lengths = series_lengths(training.observed)
     if lengths is not None:
         inputs[np.isnan(inputs)] = 0.0  # series that have ended are driven on, and do not count
-    factors = training.factors
-    layout = FactoredStates.of(dynamics.reservoir, 0 if factors is None else factors.shape[2])
-    accumulator = MomentsAccumulator(layout.size, training.observed.shape[2])
+    features = training.feature_count(dynamics)
+    accumulator = MomentsAccumulator(features, training.dimension)
     taken: dict[int, Moments] = {}
     states: dict[int, FloatArray] = {}
     breakpoints = [step - 1 for step in (washout, *snapshots)]
@@ -136,11 +146,7 @@ def collect(
         targets = training.observed[:, first:stop].transpose(2, 1, 0)
         if offset is not None:
             targets = targets - offset[:, np.newaxis, np.newaxis]
-        columns = dynamics.features(panel.columns)
-        if factors is not None:
-            # a state at step j predicts step j: what counts is in force from step j - 1 on
-            in_force = factors[:, first - 1 : stop - 1].transpose(2, 1, 0)
-            columns = layout.features(columns, in_force.reshape(layout.factors, columns.shape[1]))
+        columns = training.features(dynamics, panel.columns, first, stop)
         targets = targets.reshape(len(targets), -1)
         if lengths is not None:
             there = (np.arange(first, stop)[:, np.newaxis] < lengths).reshape(-1)

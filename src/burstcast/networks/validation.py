@@ -74,16 +74,15 @@ def validate(
             moments = loops.moments(fold)
             states = loops.states(fold)
             truth = _truth(training, observable, fold, plan.interval)
-            factors = _factors(training, fold, plan.interval)
+            rows = slice(fold.series.start, fold.series.stop)
             for number, beta in enumerate(tikhonov):
                 readout = solve_ridge(moments, beta)
                 readouts[number].append(readout)
                 network = EchoStateNetwork(
                     dynamics, readout, training.input_range, training.input_offset
                 )
-                errors[number].append(
-                    _log_errors(network, observable, states, factors, truth, unit)
-                )
+                outputs = training.closed_loop(network, states, rows, fold.starts, plan.interval)
+                errors[number].append(_log_errors(outputs, observable, truth, unit))
         for number, beta in enumerate(tikhonov):
             worst = min(readouts[number], key=lambda readout: readout.reciprocal_condition)
             results.append(
@@ -210,31 +209,17 @@ def _truth(
     )
 
 
-def _factors(training: TrainingSeries, fold: Fold, interval: int) -> FloatArray | None:
-    """Factors in force during a fold's intervals, ``(interval, factors, intervals)``."""
-    if training.factors is None:
-        return None
-    of_series = training.factors[fold.series.start : fold.series.stop]
-    return np.concatenate(
-        [
-            # the step to the interval's first sample is the first that is forecast
-            of_series[:, start - 1 : start - 1 + interval].transpose(1, 2, 0)
-            for start in fold.starts
-        ],
-        axis=2,
-    )
-
-
 def _log_errors(
-    network: EchoStateNetwork,
+    outputs: FloatArray,
     observable: Callable[[FloatArray], FloatArray],
-    states: FloatArray,
-    factors: FloatArray | None,
     truth: FloatArray,
     unit: float,
 ) -> FloatArray:
-    """log10 of the mean square error of the observable over each interval, over ``unit``."""
-    outputs, _ = network.forecast(states, truth.shape[0], factors)
+    """log10 of the mean square error of the observable over each interval, ``(intervals,)``.
+
+    ``outputs``: Forecasts, ``(steps, dimension, intervals)``. ``unit``: What the errors are divided
+    by.
+    """
     with np.errstate(over="ignore", invalid="ignore"):
         error = np.mean((observable(outputs.transpose(1, 0, 2)) - truth) ** 2, axis=0)
         error = error / unit

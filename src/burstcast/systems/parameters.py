@@ -16,6 +16,7 @@ import numpy as np
 
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.discovery import suggestion
+from burstcast.base.exogenous import of_memory
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate, integrate_switched
 
@@ -53,6 +54,21 @@ class Parameters:
         column = np.array(values, dtype=np.float64)
         return np.tile(column[:, np.newaxis], (steps, 1, batch))
 
+    def over(
+        self, memory: FloatArray, size: int, steps: int
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Memory of a forecaster without inputs, its schedule of the next steps, and the later one.
+
+        ``memory``: With or without a schedule (`burstcast.base.exogenous.carry`); without one, the
+        case's own values are in force. ``size``: Rows of it without a schedule.
+        """
+        memory, schedule, later = of_memory(memory, size, len(self.names), steps)
+        batch = memory.shape[-1]
+        if schedule is None:
+            schedule = self.constant(steps, batch)
+        self.check(schedule, steps, batch)
+        return memory, schedule, later
+
     def check(self, schedule: FloatArray, steps: int, batch: int) -> None:
         """Check a schedule."""
         expected = (steps, len(self.names), batch)
@@ -73,7 +89,7 @@ class SystemParameters(Parameters):
     --------
     >>> from burstcast.systems.mfe import MoehlisFaisstEckhardt
     >>> parameters = SystemParameters.of(MoehlisFaisstEckhardt(400.0), ["reynolds"])
-    >>> parameters.own, parameters.system([600.0]).reynolds
+    >>> parameters.defaults, parameters.system([600.0]).reynolds
     ((400.0,), 600.0)
     """
 

@@ -22,7 +22,7 @@ def extrapolations(campaign: Campaign) -> Iterator[str]:
         factors = factors_of(campaign.config, sources)
         strengths: set[float] = set()
         for _, plan in plans_of(campaign.config, name):
-            if case.actuation is not None and plan.strategy.told:
+            if case.actuation is not None and plan.strategy.informed:
                 strengths.add(plan.strength)
                 if dict(plan.settings).get("reversible"):
                     strengths.add(-plan.strength)

@@ -132,7 +132,7 @@ class Job:
         """What forecasters learn of parameters, with the case's values, if they are given any."""
         if not self.name.asks_forecasters:
             return LEFT_OUT
-        given = self.plan and self.plan.strategy.told
+        given = self.plan and self.plan.strategy.informed
         switched = self.case_name in self.campaign.where(is_switched=True)
         if not (given or switched or kind_class(self.name.kind).learns_parameters):
             return LEFT_OUT

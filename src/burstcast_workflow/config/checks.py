@@ -193,7 +193,7 @@ def _strategies(config: Configuration) -> Iterator[str]:
         plain = [kind for kind in block.kinds if not kind_class(kind).aware]
         for values in plan_values(block):
             try:
-                if ControlPlan(**values).strategy.told and plain:
+                if ControlPlan(**values).strategy.informed and plain:
                     yield (
                         f"{place}: {name} passes the parameters in force to forecasters, which "
                         f"{', '.join(plain)} cannot use; take kinds that know them"

@@ -71,7 +71,7 @@ class Controlled(Forecasting, Washed, Training):
         """
         strategy = make_strategy(self.kind_of_strategy, self.strategy_settings)
         experiment = replace(self.experiment(ensemble, summary), sensor=sensor)
-        if strategy.told:
+        if strategy.informed:
             assert aware is not None
             values = ActuationValues.of(
                 aware["parameters"], experiment.system, experiment.actuated_system, self.strength

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from burstcast.base.arrays import FloatArray
+from burstcast.base.exogenous import with_inputs
 from burstcast.base.files.netcdf import Variable, read_attributes, read_netcdf, read_record
 from burstcast.base.names import parsed
 from burstcast.data.encoders.state_maps import StateMaps
@@ -117,6 +118,17 @@ def seen_rows(
     return settings.observed_rows(ensemble, first, states)
 
 
-def seen(forecaster: Forecaster, observed: FloatArray, true: FloatArray) -> FloatArray:
-    """Inputs of a forecaster: observed states, or true ones if it sees the truth."""
-    return true if forecaster.sees_truth else observed
+def seen(
+    forecaster: Forecaster,
+    observed: FloatArray,
+    true: FloatArray,
+    exogenous: FloatArray | None = None,
+) -> FloatArray:
+    """Inputs of a forecaster: observed states, or true ones if it sees the truth.
+
+    ``exogenous``: Exogenous inputs, for forecasters that use them (`burstcast.base.exogenous`).
+    """
+    states = true if forecaster.sees_truth else observed
+    if exogenous is None or not forecaster.aware:
+        return states
+    return with_inputs(states, exogenous)

@@ -6,7 +6,8 @@ from typing import Any, Literal
 from burstcast.base.arrays import FloatArray
 from burstcast.base.names import parsed
 from burstcast.data.dataset import network_input_offset, network_input_range
-from burstcast.forecasters._parameter_factors import ParameterFactors
+from burstcast.forecasters._options import AwareOptions
+from burstcast.forecasters.esn_aware import factored_training
 from burstcast.networks.hyperparameters import SearchSpace
 from burstcast.networks.reservoir import ReservoirSeed
 from burstcast.networks.training import TrainingSeries
@@ -40,34 +41,29 @@ class Networks(Washed, Observed):
             self.random_seed, name.neurons, name.seed, self.connectivity, self.input_bias
         )
 
-    def knowledge(self, scheduled: Sequence[str]) -> dict[str, Any]:
-        """Parameter inputs of a network that knows the parameters; empty for others."""
-        if not scheduled:
-            return {}
-        aware = self.aware
-        parameters = Parameters(tuple(aware["parameters"]), tuple(aware["own"]))
-        schedules = read_scheduled(scheduled, self.case).schedules
-        factors = ParameterFactors.of(
-            parameters.names, schedules, aware["transform"], aware["parameter_degree"]
-        )
-        return {"factors": factors, "in_force": parameters}
-
     def learnt(self, ensemble: str, scheduled: Sequence[str] = ()) -> TrainingSeries:
-        """Training series of a case as forecasters see them: scheduled ones, if there are any."""
-        if scheduled:
-            series = read_scheduled(scheduled, self.case)
-            factors = self.knowledge(scheduled)["factors"](series.schedules)
-            return self._training(series.observed.states, series.true.states, factors)
-        states = self.training_states(ensemble)
-        return self._training(self.observed_rows(ensemble, 0, states), states)
+        """Training series of a case as forecasters see them.
 
-    def _training(
-        self, observed: FloatArray, states: FloatArray, factors: FloatArray | None = None
-    ) -> TrainingSeries:
+        ``scheduled``: Files of series with their parameters, for networks that know them.
+        """
+        if not scheduled:
+            states = self.training_states(ensemble)
+            return self._training(self.observed_rows(ensemble, 0, states), states)
+        series = read_scheduled(scheduled, self.case)
+        names, values = tuple(self.aware["parameters"]), tuple(self.aware["own"])
+        options = AwareOptions(
+            parameters=names,
+            transform=self.aware["transform"],
+            parameter_degree=self.aware["parameter_degree"],
+        )
+        training = self._training(series.observed, series.states)
+        return factored_training(training, Parameters(names, values), options)
+
+    def _training(self, observed: FloatArray, states: FloatArray) -> TrainingSeries:
         """Observed series, normalised by their true states."""
         scale = network_input_range(states, self.input_range)
         offset = network_input_offset(states, self.input_offset)
-        return TrainingSeries(observed, scale, factors, offset)
+        return TrainingSeries(observed, scale, offset)
 
 
 class Search(System, Networks):

@@ -9,7 +9,7 @@ from burstcast.base.arrays import FloatArray
 from burstcast.base.durations import positive_steps
 from burstcast.base.files.netcdf import read_rows
 from burstcast.control.actuation import ActuationValues, actuated_system
-from burstcast.data.scheduled_series import RandomActuation, ScheduledSeries, simulated_series
+from burstcast.data.scheduled_series import RandomActuation, simulated_series
 from burstcast.systems.parameters import SHARE, Parameters, SystemParameters
 from burstcast_workflow.harness.settings import at
 from burstcast_workflow.jobs.data import Observed
@@ -35,8 +35,8 @@ class Switched(System, Clock, Observed):
 
     def switched_series(
         self, ensemble: str, rows: range, purpose: str
-    ) -> tuple[ScheduledSeries, FloatArray]:
-        """Series under an actuator that switches at random, and their observations.
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """States of series under an actuator that switches at random; observations; schedules.
 
         ``purpose``: "training" or "test": the random streams are called after it.
         """
@@ -61,7 +61,7 @@ class Switched(System, Clock, Observed):
             free.shape[1] - 1,
             random_streams.stream(self.random_seed, f"{purpose} actuation", self.case),
         )
-        series, _ = simulated_series(
+        states, schedules = simulated_series(
             parameters,
             system,
             np.ascontiguousarray(np.tile(free[:, -1].T, CANDIDATES)),
@@ -71,4 +71,5 @@ class Switched(System, Clock, Observed):
             sampling_stride=self.sampling_stride,
             laminarisation_threshold=self.laminarisation_threshold,
         )
-        return series, self.observed_rows(ensemble, rows.start, series.states, "actuated")
+        observed = self.observed_rows(ensemble, rows.start, states, "actuated")
+        return states, observed, schedules

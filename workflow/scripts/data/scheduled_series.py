@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from burstcast.data.scheduled_series import ScheduledSeries, scheduled_variables
+from burstcast.data.scheduled_series import scheduled_variables
 from burstcast_workflow.harness.job import job, write_netcdf
 from burstcast_workflow.jobs.data import known_rows
 from burstcast_workflow.jobs.switched import Switched
@@ -11,19 +11,21 @@ from burstcast_workflow.jobs.switched import Switched
 @job
 def schedule_series(*, ensemble: str, scheduled_series: str, settings: Switched) -> None:
     """Write the series, what is observed of them, and the parameters in force."""
-    free = settings.training_states(ensemble)
+    states = settings.training_states(ensemble)
     actuated = settings.switching is not None
     if actuated:
-        series, observed = settings.switched_series(ensemble, range(len(free)), "training")
-    elif (schedules := known_rows(ensemble, 0, len(free))) is not None:
-        if not np.ptp(schedules, axis=(0, 1)).any():
-            raise ValueError("data.known: nothing of it varies in the training series")
-        series, observed = (
-            ScheduledSeries(free, schedules),
-            settings.observed_rows(ensemble, 0, free),
-        )
+        rows = range(len(states))
+        states, observed, schedules = settings.switched_series(ensemble, rows, "training")
     else:
-        series = ScheduledSeries.constant(free, settings.known_parameters.defaults)
-        observed = settings.observed_rows(ensemble, 0, free)
-    variables = scheduled_variables(series, observed)
+        observed = settings.observed_rows(ensemble, 0, states)
+        columns = known_rows(ensemble, 0, len(states))
+        if columns is None:
+            series, time, _ = states.shape
+            constant = settings.known_parameters.constant(time - 1, series)
+            schedules = constant.transpose(2, 0, 1)
+        elif np.ptp(columns, axis=(0, 1)).any():
+            schedules = columns
+        else:
+            raise ValueError("data.known: nothing of it varies in the training series")
+    variables = scheduled_variables(states, observed, schedules)
     write_netcdf(scheduled_series, variables, {**settings.provenance, "actuated": int(actuated)})

@@ -15,7 +15,7 @@ def switched_evaluation_set_of_case(
 ) -> None:
     """Write points in series that go on from the ends of the test series, with their schedules."""
     rows = settings.test_rows(ensemble)
-    series, observed = settings.switched_series(ensemble, rows, "test")
-    observable = settings.space.observable(series.states.transpose(2, 0, 1))
-    given = series.states, observed, observable
-    settings.write_points(evaluation_set, given, settings.spacing, series.schedules)
+    states, observed, schedules = settings.switched_series(ensemble, rows, "test")
+    observable = settings.space.observable(states.transpose(2, 0, 1))
+    series = states, observed, observable
+    settings.write_points(evaluation_set, series, settings.spacing, schedules)

@@ -34,23 +34,25 @@ def forecast_calibration_set(
     space, boundaries = settings.space, settings.boundaries
     model = settings.read_forecaster(forecaster, settings.divergence_bound)
     points = read_netcdf(calibration_set)
-    schedules = points.get("parameter")
-    given = seen(model, points["washout"], points["true_washout"])
-    learnt = read_scheduled(scheduled, settings.case) if scheduled else None
-    if settings.calibration_series or (learnt and not learnt.own_rows):
-        forecasts = window_forecasts(model, space.observable, given, boundaries, schedules)
+    washouts = seen(model, points["washout"], points["true_washout"], points.get("parameter"))
+    training_set = read_scheduled(scheduled, settings.case) if scheduled else None
+    if settings.calibration_series or (training_set and not training_set.own_rows):
+        forecasts = window_forecasts(model, space.observable, washouts, boundaries)
     else:
+        if training_set:
+            training = training_set.observed
+            series = np.array(training_set.own_rows)[points["series"]]
+        else:
+            training, series = settings.learnt_rows(model, ensemble), points["series"]
         forecasts = out_of_sample_forecasts(
             model,
-            learnt.observed.states if learnt else settings.learnt_rows(model, ensemble),
+            training,
             settings.forecasting_case(ensemble),
             settings.washout,
             space.observable,
-            given,
-            np.array(learnt.own_rows)[points["series"]] if learnt else points["series"],
+            washouts,
+            series,
             boundaries,
-            learnt.schedules if learnt else None,
-            schedules,
         )
     variables = forecast_variables(forecasts, space.observable_name)
     write_netcdf(calibration_forecast, variables, settings.provenance)

@@ -25,9 +25,7 @@ def forecast_evaluation_set(
     space, boundaries = settings.space, settings.boundaries
     model = settings.read_forecaster(forecaster, settings.divergence_bound, settings.aware)
     points = read_netcdf(evaluation_set)
-    given = seen(model, points["washout"], points["true_washout"])
-    forecasts = window_forecasts(
-        model, space.observable, given, boundaries, points.get("parameter")
-    )
+    washouts = seen(model, points["washout"], points["true_washout"], points.get("parameter"))
+    forecasts = window_forecasts(model, space.observable, washouts, boundaries)
     variables = forecast_variables(forecasts, space.observable_name)
     write_netcdf(forecast, variables, settings.provenance)

@@ -18,13 +18,14 @@ def measure_horizons(
 ) -> None:
     """Write the prediction horizon of every event."""
     data, model = read_netcdf(events), settings.read_forecaster(forecaster)
+    observed = seen(model, data["observed"], data["true_state"], data.get("parameter"))
     horizons = prediction_horizons(
         model,
         settings.space.observable,
-        seen(model, data["observed"], data["true_state"]),
+        observed,
         data["truth"],
         settings.horizon_search(summary),
-        data.get("parameter"),
+        inputs=observed.shape[2] - data["observed"].shape[2],
     )
     write_netcdf(
         horizon, horizon_variables(data["series"], data["step"], horizons), settings.provenance

@@ -11,8 +11,7 @@ def fit(*, ensemble: str, scheduled: list[str], forecaster: str, settings: Obser
     """Write what it has learnt."""
     unfitted, case = as_forecaster(settings.unfitted()), settings.forecasting_case(ensemble)
     if scheduled:
-        learnt = read_scheduled(scheduled, settings.case)
-        fitted = unfitted.fit_under(learnt.observed.states, case, learnt.schedules)
+        training = read_scheduled(scheduled, settings.case).observed
     else:
-        fitted = unfitted.fit(settings.learnt_rows(unfitted, ensemble), case)
-    write_forecaster(forecaster, fitted, settings.provenance)
+        training = settings.learnt_rows(unfitted, ensemble)
+    write_forecaster(forecaster, unfitted.fit(training, case), settings.provenance)

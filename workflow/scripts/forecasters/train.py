@@ -57,6 +57,5 @@ def train(
         series,
         washout=settings.washout,
         tikhonov=chosen["tikhonov"],
-        **settings.knowledge(scheduled),
     )
     write_forecaster(forecaster, network, settings.provenance)

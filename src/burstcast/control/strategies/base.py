@@ -29,7 +29,7 @@ class ControlStrategy(abc.ABC):
     by_probability = False
 
     @property
-    def told(self) -> bool:
+    def informed(self) -> bool:
         """Whether its forecasters are given the past actuation and the one on its way."""
         return False
 
@@ -156,7 +156,7 @@ class ForesightedStrategy(SampledStrategy):
         horizon = self.horizon(schedule)
         if horizon < 1:
             raise ValueError(f"a horizon of {self.horizon_lt} Lyapunov times lasts no step")
-        if self.told and horizon <= schedule.steps(schedule.delay_lt):
+        if self.informed and horizon <= schedule.steps(schedule.delay_lt):
             raise ValueError(
                 f"a horizon of {self.horizon_lt} Lyapunov times does not reach beyond the delay of "
                 f"{schedule.delay_lt}: nothing that a decision can change is forecast"

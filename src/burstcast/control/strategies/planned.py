@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, ByteArray, FloatArray
+from burstcast.base.exogenous import carry
 from burstcast.control.actuation import REVERSED, ActuationValues
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.policy import Look, Policy, informed_memory
@@ -47,7 +48,7 @@ class Planned(ForesightedStrategy):
     durations_lt: tuple[float, ...] = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
 
     @property
-    def told(self) -> bool:
+    def informed(self) -> bool:
         """Forecasters receive the actuation."""
         return True
 
@@ -100,14 +101,14 @@ def pulses(starts: Sequence[int], lengths: Sequence[int], steps: int) -> BoolArr
 
     ``(plans, steps)``, no two alike, in the order of starts and lengths.
     """
-    found: dict[bytes, BoolArray] = {}
+    plans: dict[bytes, BoolArray] = {}
     for start in starts:
         for length in lengths:
             plan = np.zeros(steps, dtype=bool)
             plan[start : start + length] = True
             if plan.any():
-                found.setdefault(plan.tobytes(), plan)
-    return np.array(list(found.values())).reshape(-1, steps)
+                plans.setdefault(plan.tobytes(), plan)
+    return np.array(list(plans.values())).reshape(-1, steps)
 
 
 def best_plans(
@@ -126,8 +127,8 @@ def best_plans(
 
     @np.errstate(over="ignore", invalid="ignore")
     def ahead(memory: FloatArray, acting: ByteArray) -> FloatArray:
-        given = values.schedule(np.ascontiguousarray(acting))
-        outputs, _ = forecaster.advance_under(memory, len(acting), given)
+        schedule = values.schedule(np.ascontiguousarray(acting))
+        outputs, _ = forecaster.advance(carry(memory, schedule), len(acting))
         return observable(outputs.transpose(1, 0, 2))
 
     memory, number = informed_memory(forecaster, look, values), len(plans)

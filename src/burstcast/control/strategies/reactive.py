@@ -64,8 +64,8 @@ class Reactive(SampledStrategy):
 
 def quantity(expression: str, space: StateSpace) -> Callable[[FloatArray], FloatArray]:
     """Quantity of states ``(dimension, ...)``: an expression of components and ``observable``."""
-    found, names = Expression(expression), component_names(space)
-    unknown = sorted(set(found.names) - {*names, "observable"})
+    watched, names = Expression(expression), component_names(space)
+    unknown = sorted(set(watched.names) - {*names, "observable"})
     if unknown:
         raise ValueError(
             f"{expression!r} has the unknown name {unknown[0]!r}"
@@ -75,8 +75,8 @@ def quantity(expression: str, space: StateSpace) -> Callable[[FloatArray], Float
 
     def of_states(states: FloatArray) -> FloatArray:
         values = dict(zip(names, states, strict=True))
-        if "observable" in found.names:
+        if "observable" in watched.names:
             values["observable"] = space.observable(states)
-        return found(values)
+        return watched(values)
 
     return of_states

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from burstcast.base.arrays import BoolArray
+from burstcast.base.exogenous import carry
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.policy import Look, Policy, forecast, informed_memory
 from burstcast.control.strategies.base import ForesightedStrategy
@@ -32,7 +33,7 @@ class RecedingHorizon(ForesightedStrategy):
     aware: bool = False
 
     @property
-    def told(self) -> bool:
+    def informed(self) -> bool:
         """Whether the forecaster receives the actuation."""
         return self.aware
 
@@ -49,7 +50,7 @@ class RecedingHorizon(ForesightedStrategy):
             else:
                 memory = informed_memory(forecaster, look, values)
                 off = np.zeros((horizon - look.delay, memory.shape[-1]), dtype=bool)
-                outputs, _ = forecaster.advance_under(memory, len(off), values.schedule(off))
+                outputs, _ = forecaster.advance(carry(memory, values.schedule(off)), len(off))
                 states = outputs.transpose(1, 0, 2)
             ahead = observable(states)
             return np.asarray(((ahead >= level) & np.isfinite(ahead)).any(axis=0))

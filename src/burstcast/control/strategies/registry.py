@@ -29,7 +29,7 @@ def strategy_class(name: str) -> type[ControlStrategy]:
         )
     classes = concrete_classes(burstcast.control.strategies, name, ControlStrategy)  # type: ignore[type-abstract]
     if len(classes) != 1:
-        names = ", ".join(found.__name__ for found in classes) or "none"
+        names = ", ".join(strategy.__name__ for strategy in classes) or "none"
         raise TypeError(f"burstcast.control.strategies.{name} must define one, not {names}")
     return classes[0]
 
@@ -40,6 +40,6 @@ def make_strategy(name: str, settings: Mapping[str, Any]) -> ControlStrategy:
     Raises ValueError if there is no such strategy; if a setting is unknown, missing or not of its
     type; or if the strategy itself rejects a value.
     """
-    found = strategy_class(name)
-    values = checked_values(f"strategy of control {name!r}", "setting", found, settings)
-    return found(**values)
+    strategy = strategy_class(name)
+    values = checked_values(f"strategy of control {name!r}", "setting", strategy, settings)
+    return strategy(**values)
