@@ -46,10 +46,10 @@ def draw(
     for group in (_most_runs(runs[~comparing]), _most_runs(runs[comparing])):
         curves = _looks(group)
         contents.append((None, control_runs.where(group, usual), curves))
-        for condition in CONDITIONS:
-            contents.append(
-                (condition, control_runs.tried_under(group, usual, condition.column), curves)
-            )
+        contents += [
+            (condition, control_runs.tried_under(group, usual, condition.column), curves)
+            for condition in CONDITIONS
+        ]
     contents = [content for content in contents if not content[1].empty]
     if not contents:
         return style.nothing_to_show(
@@ -62,7 +62,7 @@ def draw(
     panels = list(grid.flat)[: len(contents)]
     for unused in list(grid.flat)[len(contents) :]:
         unused.remove()
-    frontiers = []
+    frontiers: list[Axes] = []
     for axes, (condition, shown, curves) in zip(panels, contents, strict=True):
         if condition is None:
             _draw_frontier(axes, shown, curves)

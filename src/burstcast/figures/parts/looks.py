@@ -203,7 +203,8 @@ def ordered_validations(names: Iterable[str]) -> list[str]:
 def few_of(values: FloatArray) -> FloatArray:
     """Smallest and largest of sorted values, and some between them: as many as a panel shows."""
     places = np.linspace(0, len(values) - 1, min(len(values), MOST_CURVES))
-    return values[places.round().astype(int)]
+    some: FloatArray = values[places.round().astype(int)]
+    return some
 
 
 def categories(count: int) -> list[MarkerStyle]:
