@@ -78,13 +78,15 @@ class TrainingSet:
     own_rows: list[int]
 
     @classmethod
-    def of_parts(cls, parts: Sequence[Mapping[str, Any]], own: int | None) -> "TrainingSet":
+    def of_parts(
+        cls, parts: Sequence[Mapping[str, Any]], part_of_case: int | None
+    ) -> "TrainingSet":
         """Training set of the series of several cases.
 
         Series of different cases take turns, so that the first ones, on which networks are
         validated, are of all of them.
 
-        ``own``: Which part has the case's own training series; None if none has.
+        ``part_of_case``: Which part has the case's own training series; None if none has.
         """
         counts = [len(part["state"]) for part in parts]
         turn = np.argsort(np.concatenate([np.arange(count) for count in counts]), kind="stable")
@@ -93,9 +95,9 @@ class TrainingSet:
             for name in ("state", "observed")
         )
         rows: list[int] = []
-        if own is not None:
-            first = sum(counts[:own])
-            rows = np.argsort(turn)[first : first + counts[own]].tolist()
+        if part_of_case is not None:
+            first = sum(counts[:part_of_case])
+            rows = np.argsort(turn)[first : first + counts[part_of_case]].tolist()
         return cls(
             ScheduledSeries(true.states[turn], true.schedules[turn]),
             ScheduledSeries(observed.states[turn], observed.schedules[turn]),

@@ -53,13 +53,13 @@ def time_step_of(given: float | str) -> tuple[float, str | None]:
         if not 0 < given < math.inf:
             raise ValueError(f"the time step must be finite and above 0, not {given!r}")
         return float(given), None
-    found = _STEP.fullmatch(given)
-    if found is None or not float(found[1]):
+    step = _STEP.fullmatch(given)
+    if step is None or not float(step[1]):
         raise ValueError(
             f"{given!r} is no time step: write a number above 0, or one with second, minute, hour "
             f"or day, such as 5 minutes"
         )
-    return float(found[1]), found[2]
+    return float(step[1]), step[2]
 
 
 def times_in(values: Any, unit: str | None) -> FloatArray:
@@ -123,8 +123,8 @@ def _times_of(texts: Sequence[str], unit: str | None) -> FloatArray:
 def _kind(text: str) -> str | None:
     if is_number(text):
         return "number"
-    found = _DATE.fullmatch(text)
-    return found and ("date with an offset" if found[1] else "date")
+    date = _DATE.fullmatch(text)
+    return date and ("date with an offset" if date[1] else "date")
 
 
 def moments_in(moments: pd.DatetimeIndex, unit: str) -> FloatArray:

@@ -10,7 +10,7 @@ from functools import reduce
 
 import numpy as np
 
-from burstcast.base.arrays import FloatArray
+from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.series_lengths import series_lengths
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.factored import FactoredStates
@@ -57,7 +57,12 @@ class TrainingSeries:
                 f"({self.series}, {self.length - 1}, factors), not {self.factors.shape}"
             )
 
-    def part(self, rows: slice) -> "TrainingSeries":
+    def longest_first(self) -> "TrainingSeries":
+        """Series of unequal lengths in the order of these, others in their own."""
+        lengths = series_lengths(self.observed)
+        return self if lengths is None else self.part(np.argsort(-lengths, kind="stable"))
+
+    def part(self, rows: slice | IntArray) -> "TrainingSeries":
         """Some of the series."""
         factors = None if self.factors is None else self.factors[rows]
         return replace(self, observed=self.observed[rows], factors=factors)

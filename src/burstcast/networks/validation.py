@@ -76,6 +76,8 @@ def validate(
             moments = loops.moments(fold)
             states = loops.states(fold)
             truth = _truth(training, observable, fold, plan.interval)
+            if np.isnan(truth).any():
+                raise ValueError("a validation interval reaches beyond the end of its series")
             factors = _factors(training, fold, plan.interval)
             for number, beta in enumerate(tikhonov):
                 readout = solve_ridge(moments, beta)

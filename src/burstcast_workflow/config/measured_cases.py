@@ -202,7 +202,14 @@ def own_problems(own: Config) -> Iterator[str]:
             if getattr(data, key) is None:
                 yield f"data.{key} is missing: {meaning}"
         if data.gaps and not data.blocks:
-            yield "data.gaps needs data.blocks beside it: gaps cut a record into unequal parts"
+            yield (
+                "data.gaps needs data.blocks beside it: the duration of series, or the length of "
+                "the shortest part between gaps that is one (shortest)"
+            )
+        if (blocks := data.blocks) and not (blocks.duration or blocks.shortest):
+            yield "data.blocks needs a duration, or the length of the shortest series (shortest)"
+        if blocks and blocks.duration and (blocks.shortest or 0) > blocks.duration:
+            yield "data.blocks.shortest is longer than data.blocks.duration"
     else:
         if is_encoded(own):
             for key in ("components", "delays", "observable"):

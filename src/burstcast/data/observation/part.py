@@ -61,16 +61,16 @@ class ObservedPart:
             If a quantity has a name that the state does not have.
         """
         quantities = [Quantity(text) for text in declarations]
-        space = MeasuredSeries([one.name for one in quantities], observable)
+        space = MeasuredSeries([quantity.name for quantity in quantities], observable)
         if space.appended:
             quantities.append(Quantity(observable))
-        for one in quantities:
-            one.columns([*component_names(source), OBSERVABLE])
+        for quantity in quantities:
+            quantity.columns([*component_names(source), OBSERVABLE])
         return cls(source, space, tuple(quantities))
 
     def __call__(self, states: FloatArray) -> FloatArray:
         """Observe states ``(dimension, ...)``: ``(observed, ...)``, without noise."""
         columns = dict(zip(component_names(self.source), states, strict=True))
         columns[OBSERVABLE] = self.source.observable(states)
-        found = np.broadcast_arrays(*(one.values(columns) for one in self.quantities))
-        return np.stack(found)
+        values = [quantity.values(columns) for quantity in self.quantities]
+        return np.stack(np.broadcast_arrays(*values))
