@@ -11,7 +11,6 @@ from burstcast.base.files.netcdf import read_attributes, read_netcdf
 from burstcast.base.files.tables import read_table
 from burstcast.forecasters.base import ForecasterRecord
 from burstcast.forecasters.nvar import NVAR
-from burstcast.forecasts.observed_points import observed_points
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow import open_campaign
