@@ -7,28 +7,32 @@ import xarray
 import yaml
 from helpers_rebuilds import Project
 
-from burstcast.base.files.netcdf import read_attributes, read_netcdf
+from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.files.tables import read_table
-from burstcast.forecasters.base import ForecasterRecord
 from burstcast.forecasters.nvar import NVAR
+from burstcast.forecasts.observed_points import observed_points
+from burstcast.forecasts.window_forecasts import window_forecasts
+from burstcast.forecasts.windows import window_boundaries
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow import open_campaign
+from burstcast_workflow.harness.storage import read_json
 
 LENGTHS = (700, 801, 350, 801, 120, 801, 640, 60, 801, 500)
-TRAINING = 6
-DURATION = 801
-LEADS = {"longest_lead_time_lt": 2}
+TRAINING, LONGEST = 6, 801
+STEPS = 55
+"""Samples in a Lyapunov time."""
 CONFIG = {
     "results": "results/lab",
     "campaign": [
         {
-            "cases": ["lab", "array", "gaps"],
+            "cases": ["lab"],
             "forecasters": {
                 "esn": {"neurons": [30], "validation": ["SSV", "RV"], "seeds": 1},
                 **{"nvar": {}, "precursor": {}},
             },
-        }
+        },
+        {"cases": ["array", "gaps"], "forecasters": {"persistence": {}}},
     ],
     "cases": {
         name: {
@@ -45,7 +49,7 @@ CONFIG = {
     "washout_lt": 0.5,
     "search": {"grid": 2, "bayesian_points": 1, "interval_lt": 2},
     "classification": {"longest_prediction_time_lt": 3, "prediction_times_lt": [1, 2]},
-    "horizon": LEADS,
+    "horizon": {"longest_lead_time_lt": 2},
     "probability": {"start_spacing_lt": 0.25},
     "statistics": {"starting_points": 6, "fixed_point_interval_lt": 1, "lyapunov_exponents": 0},
     "forecasters": {
@@ -74,25 +78,24 @@ def lab(tmp_path_factory, job_server, series):
     project = Project.create(tmp_path_factory.mktemp("lab") / "lab", job_server, "lab.yaml")
     place = project.directory
     (place / "lab.yaml").write_text(yaml.safe_dump(CONFIG, sort_keys=False))
-    tables = [pd.DataFrame(states, columns=[*"xyz"]) for states in series]
-    for number, table in enumerate(tables):
+    frames = [pd.DataFrame(states, columns=[*"xyz"]) for states in series]
+    for number, table in enumerate(frames):
         table.assign(time=0.02 * np.arange(len(table))).to_csv(
             place / f"lab_{number}.csv", index=False
         )
-    filled = np.full((len(series), DURATION, 3), np.nan)
+    filled = np.full((len(series), LONGEST, 3), np.nan)
     for row, states in enumerate(series):
         filled[row, : len(states)] = states
     axes = ("series", "time", "component")
     array = xarray.DataArray(filled, dims=axes, coords={"component": [*"xyz"]}, name="states")
     array.to_netcdf(place / "lab.nc")
-    record = pd.concat([table.reindex(range(len(table) + 3)) for table in tables])
+    record = pd.concat([table.reindex(range(len(table) + 3)) for table in frames])
     record.assign(time=0.02 * np.arange(len(record))).to_csv(place / "gaps.csv", index=False)
-    ensembles = [f"results/lab/{name}/ensemble.nc" for name in ("array", "gaps")]
-    outcome = project.made("results/lab/lab/networks/esn-N30-SSV-seed0/search.csv", *ensembles)
     names = ("classification", "horizon", "statistics", "probability_scores", "warnings")
-    tables_of_lab = [f"results/lab/lab/tables/{name}.csv" for name in names]
-    more = project.made(*tables_of_lab, "results/lab/lab/tables/survival.csv")
-    return project, outcome.text + more.text
+    tables = [f"results/lab/lab/tables/{name}.csv" for name in (*names, "lead_times", "survival")]
+    ensembles = [f"results/lab/{name}/ensemble.nc" for name in ("array", "gaps")]
+    outcome = project.made(*tables, *ensembles, "results/lab/lab/lengths.json")
+    return project, outcome.text
 
 
 def test_series_of_files_arrays_and_gaps(lab, series):
@@ -117,23 +120,47 @@ def test_series_of_files_arrays_and_gaps(lab, series):
     assert [len(states) for states in opened] == list(LENGTHS[:3])
 
 
-def test_results_are_those_of_the_library(lab, series):
+def test_results_are_those_of_the_library(lab):
     """A forecaster learns from all series; points and forecasts are those of each series alone."""
     project, text = lab
     assert "1 of 4 series have no starting point" in text
     place = project.directory / "results/lab/lab"
-    learnt = NVAR().fit(read_netcdf(place / "ensemble.nc")["state"][:TRAINING], None)
-    files = [place / f"nvar/{name}.nc" for name in ("forecaster", "forecast")]
-    record = ForecasterRecord(read_netcdf(files[0]), read_attributes(files[0]))
-    stored = NVAR().restore(record, None)
-    for name, value in learnt.record().arrays.items():
-        np.testing.assert_array_equal(record.arrays[name], value)
-    points = read_netcdf(place / "evaluation_set.nc")
+    ensemble = read_netcdf(place / "ensemble.nc")
+    model = NVAR().fit(ensemble["state"][:TRAINING], None)
+    record, stored = model.record(), read_netcdf(place / "nvar/forecaster.nc")
+    for name, value in record.arrays.items():
+        np.testing.assert_array_equal(stored[name], value)
+    points, forecast = (
+        read_netcdf(place / name) for name in ("evaluation_set.nc", "nvar/forecast.nc")
+    )
     assert set(points["series"]) == {0, 2, 3}  # the second test series has 60 samples
-    assert stored is not None
+    calibrated = read_netcdf(place / "calibration_set.nc")
+    assert set(calibrated["series"]) == {0, 1, 2, 3, 5}
+    boundaries = window_boundaries(0.5, forecast["first"].shape[1], STEPS)
+    for row in (0, 2, 3):
+        here = points["series"] == row
+        length = LENGTHS[TRAINING + row]
+        whole = ensemble["state"][[TRAINING + row], :length]
+        alone = observed_points(
+            *(whole, whole[..., 2], lambda states: states[2]),
+            **{"spacing": int(np.diff(points["step"][here])[0]), "washout": STEPS // 2},
+            boundaries=boundaries,
+        )
+        np.testing.assert_array_equal(points["step"][here], alone.points.step)
+        np.testing.assert_array_equal(points["washout"][here], alone.washouts)
+        np.testing.assert_array_equal(points["largest"][here], alone.truth.largest)
+        expected = window_forecasts(model, lambda states: states[2], alone.washouts, boundaries)
+        np.testing.assert_allclose(forecast["largest"][here], expected.largest, rtol=1e-9)
 
 
-def test_tables_are_whole(lab):
-    project, _ = lab
-    tables = project.directory / "results/lab/lab/tables"
-    assert read_table(tables / "horizon.csv")["mean_horizon_lt"].notna().all()
+def test_every_sample_counts_once(lab, series):
+    place = lab[0].directory / "results/lab/lab"
+    statistics = read_netcdf(place / "statistics_data.nc")
+    assert statistics["states"] == sum(LENGTHS)
+    np.testing.assert_allclose(statistics["mean"], np.concatenate(series).mean(axis=0), rtol=1e-12)
+    tables = {path.stem: read_table(path) for path in (place / "tables").glob("*.csv")}
+    assert tables["classification"]["f_score"].notna().any()
+    assert (tables["horizon"]["mean_horizon_lt"] > 0).any()
+    assert set(tables["statistics"]["forecaster"]) >= {"esn", "nvar"}
+    lengths = read_json(place / "lengths.json")
+    assert lengths["samples"] == max(LENGTHS[TRAINING:])

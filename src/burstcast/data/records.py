@@ -1,5 +1,6 @@
 """Measured records: checks, cuts at gaps, and conversion to series of states."""
 
+import itertools
 import math
 import numbers
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,10 +20,13 @@ from burstcast.data.measured_data import (
     series_of_runs,
 )
 from burstcast.data.series_files import content_of
+from burstcast.data.tables import RECIPES
 from burstcast.data.times import TIME, time_step_of
 from burstcast.systems.measured import MeasuredSeries
 
 _MANY = 10  # rows, of which gaps alone hardly leave each by itself
+_SHARED = 0.1  # of the rows, with the time of the row before: that is no row written twice
+_NO_GAP = 1.5  # time steps between two rows without another between them, at most
 TOLERANCE = 0.1
 """Largest distance of a row's time from the regular times of its run, in time steps.
 
@@ -134,9 +138,15 @@ def recorded_series(
         blocks = Blocks.of(lengths["duration"], lengths["gap"], lengths.get("shortest"), step)
     messages = []
     if data["gaps"] == "cut":
-        parts = [part for run in runs for part in runs_without_gaps(run, step)]
+        parts = []
+        for run in runs:
+            parts += (parts_of_run := runs_without_gaps(run, step))
+            messages += _drift(run, parts_of_run, step)
         shortest = blocks.shortest if blocks else 1
-        runs = long_runs(parts, shortest)
+        try:
+            runs = long_runs(parts, shortest)
+        except ValueError as error:
+            raise ValueError("; ".join([str(error), *messages])) from None
         messages += _left_out(parts, shortest)
     else:
         for run in runs:
@@ -158,6 +168,25 @@ def recorded_series(
         )
         start = start if (np.diff(start) > 0).all() else None
     return RecordedSeries(states, covariates, start, tuple(messages))
+
+
+def _drift(run: Run, parts: Sequence[Run], step: float) -> Iterator[str]:
+    """A sentence about parts that begin without a gap, since times are off, if there are any."""
+    if TIME not in run.columns:
+        return
+    ends = [part.columns[TIME][[0, -1]] for part in parts]
+    drifted = sum(
+        later[0] - earlier[1] < _NO_GAP * step for earlier, later in itertools.pairwise(ends)
+    )
+    steps = np.diff(run.columns[TIME])
+    mean = steps[steps < _NO_GAP * step].mean() if drifted else step
+    if drifted:
+        yield (
+            f"{run.name}: {drifted} of {len(parts)} parts begin without a gap, where times are off "
+            f"by more than a tenth of the time step, {step:g}. The mean step is {mean:.10g}: write "
+            f"that (data.time_step); where times are rounded, write each as the number of its row "
+            f"times the time step ({RECIPES})"
+        )
 
 
 def _left_out(parts: Sequence[Run], shortest: int) -> Iterator[str]:
@@ -210,6 +239,12 @@ def check_rising(run: Run) -> None:
             f"{run.name}: the record is in falling order, the newest row first: reverse it "
             f"(pandas: table[::-1])"
         )
+    if (steps >= 0).all() and (shared := int((steps == 0).sum())) >= _SHARED * len(time):
+        raise ValueError(
+            f"{run.name}: {shared} of {len(time)} rows have the time of the row before them: times "
+            f"are rounded. Write the time of each row as its number times the time step "
+            f"({RECIPES})"
+        )
     row = int(np.flatnonzero(steps <= 0)[0])
     back = f"goes back by {-steps[row]:g} from" if steps[row] else "stays at"
     raise ValueError(
@@ -229,11 +264,21 @@ def check_regular(run: Run, step: float) -> None:
     if away.any():
         row = int(away.argmax())
         mean = (time[-1] - time[0]) / (len(time) - 1)
+        steps = np.diff(time) / mean
+        if (np.abs(steps - 1) >= 0.5).any():
+            advice = "cut records at their gaps (data.gaps: cut)"
+        elif (np.abs((time - time[0]) / mean - np.arange(len(time))) <= TOLERANCE).all():
+            advice = f"it has no gap; write data.time_step: {mean:.10g}"
+        else:
+            advice = (
+                f"it has no gap, but steps of {steps.min() * mean:g} to {steps.max() * mean:g}: "
+                f"where times are rounded, write each as the number of its row times the time step "
+                f"({RECIPES})"
+            )
         raise ValueError(
             f"{run.name}, row {row + 1}: column {TIME!r} goes on by {time[row] - time[row - 1]:g} "
             f"from row {row}, and by {time[row] - time[0]:g} from row 1; the time step is "
-            f"{step:g}, and the mean step of the record {mean:g}: cut records at their gaps "
-            f"(data.gaps: cut)"
+            f"{step:g}, and the mean step of the record {mean:g}: {advice}"
         )
 
 
