@@ -399,7 +399,8 @@ class Case(Section):
     @property
     def has_known_lengths(self) -> bool:
         """Whether the config knows how long a Lyapunov time and a series are."""
-        return None not in (self.steps_per_lyapunov_time, self.samples)
+        shorter = self.data and self.data.blocks and self.data.blocks.shortest
+        return None not in (self.steps_per_lyapunov_time, self.samples) and not shorter
 
     @property
     def time_unit(self) -> str | list[str]:
