@@ -127,11 +127,11 @@ def test_results_are_those_of_the_library(lab):
     place = project.directory / "results/lab/lab"
     ensemble = read_netcdf(place / "ensemble.nc")
     model = NVAR().fit(ensemble["state"][:TRAINING], None)
-    record, stored = model.record(), read_netcdf(place / "nvar/forecaster.nc")
+    record, stored = model.record(), read_netcdf(place / "models/nvar/forecaster.nc")
     for name, value in record.arrays.items():
         np.testing.assert_array_equal(stored[name], value)
     points, forecast = (
-        read_netcdf(place / name) for name in ("evaluation_set.nc", "nvar/forecast.nc")
+        read_netcdf(place / name) for name in ("evaluation_set.nc", "models/nvar/forecast.nc")
     )
     assert set(points["series"]) == {0, 2, 3}  # the second test series has 60 samples
     calibrated = read_netcdf(place / "calibration_set.nc")
@@ -161,6 +161,6 @@ def test_every_sample_counts_once(lab, series):
     tables = {path.stem: read_table(path) for path in (place / "tables").glob("*.csv")}
     assert tables["classification"]["f_score"].notna().any()
     assert (tables["horizon"]["mean_horizon_lt"] > 0).any()
-    assert set(tables["statistics"]["forecaster"]) >= {"esn", "nvar"}
+    assert set(tables["statistics"]["forecaster"]) >= {"esn", "training"}
     lengths = read_json(place / "lengths.json")
     assert lengths["samples"] == max(LENGTHS[TRAINING:])

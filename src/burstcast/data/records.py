@@ -136,9 +136,9 @@ def recorded_series(
     blocks = None
     if lengths := data["blocks"]:
         blocks = Blocks.of(lengths["duration"], lengths["gap"], lengths.get("shortest"), step)
-    messages = []
+    messages: list[str] = []
     if data["gaps"] == "cut":
-        parts = []
+        parts: list[Run] = []
         for run in runs:
             parts += (parts_of_run := runs_without_gaps(run, step))
             messages += _drift(run, parts_of_run, step)
