@@ -41,7 +41,7 @@ class Record:
     """Series, how many of them train, and settings of forecasters that know their unit of time."""
 
     title: str  #: name, size and sampling
-    series: FloatArray
+    series: FloatArray | list[FloatArray]
     training: int
     settings: dict[str, Any]
     options: dict[str, dict[str, Any]] = field(default_factory=dict)  #: by kind

@@ -15,6 +15,7 @@ from burstcast.base.arrays import FloatArray
 from burstcast.base.compiled.backends import usable_backend
 from burstcast.base.discovery import suggestion
 from burstcast.base.files.netcdf import read_rows
+from burstcast.base.series_lengths import array_or_list
 from burstcast.forecasters.base import Forecaster
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_job
@@ -122,12 +123,13 @@ class OpenedCampaign:
 
     def series(
         self, case: str, start: int = 0, stop: int | None = None, *, observed: bool = True
-    ) -> FloatArray:
+    ) -> FloatArray | list[FloatArray]:
         """Series of a case; its first ``training.series`` series are the training series.
 
         ``start``, ``stop``: Range of series; without ``stop``, all series from ``start`` on.
         ``observed``: Whether series have observation noise, as forecasters see them, or are the
-        truth. Shape ``(series, time, component)``.
+        truth. Shape ``(series, time, component)``, or a list of series ``(time, component)`` of
+        unequal lengths.
         """
         names = self._campaign.case_names
         if case not in names:
@@ -140,10 +142,10 @@ class OpenedCampaign:
             raise ValueError(f"the series of {case} are not made yet ({path})")
         states = read_rows(path, "state", start, kept_series(str(path)) if stop is None else stop)
         if not observed:
-            return np.asarray(states)
+            return array_or_list(np.asarray(states))
         identity = {"case": case}
         settings = Observed(settings_of_job(self._campaign, Observed.paths(), identity), identity)
-        return settings.observed_rows(str(path), start, states)
+        return array_or_list(settings.observed_rows(str(path), start, states))
 
     def _stems(self, directory: str, suffix: str) -> list[str]:
         return sorted(path.stem for path in (self.results / directory).glob(f"*.{suffix}"))

@@ -143,15 +143,15 @@ def observed(states, first, noise=0.01, root_seed=2022, name="Re400"):
 def test_each_series_has_the_noise_of_its_own_stream(first, noise, root_seed, name):
     """Gaussian, of the given share of the scales: by case and number, whatever else there is."""
     states = np.random.default_rng(2).normal(size=(3, 20, 2))
-    before, found = states.copy(), observed(states, first, noise, root_seed, name)
+    before, noisy = states.copy(), observed(states, first, noise, root_seed, name)
     np.testing.assert_array_equal(states, before)
     for row in range(3):
         stream = random_streams.stream(root_seed, "noise", name, first + row)
         expected = states[row] + noise * np.array([1.0, 10.0]) * stream.standard_normal((20, 2))
-        np.testing.assert_allclose(found[row], expected, rtol=0, atol=1e-14)
+        np.testing.assert_allclose(noisy[row], expected, rtol=0, atol=1e-14)
     scales = dataset.Scales(np.array([1.0, 10.0]), np.ones(2))
     again = dataset.observe(states, first, noise, scales, root_seed, "noise", name)
-    np.testing.assert_array_equal(found, again)
+    np.testing.assert_array_equal(noisy, again)
 
 
 def test_inputs_are_divided_by_the_range_of_all_series_or_of_the_first():
@@ -240,8 +240,8 @@ def test_crossings_are_rises_to_the_threshold(observable):
         for step in range(1, 12)
         if observable[row, step - 1] < 0.1 <= observable[row, step]
     ]
-    found = crossing_points(observable, 0.1)
-    assert list(zip(found.series.tolist(), found.step.tolist(), strict=True)) == expected
+    crossings = crossing_points(observable, 0.1)
+    assert list(zip(crossings.series.tolist(), crossings.step.tolist(), strict=True)) == expected
 
 
 def test_horizon_events_are_the_first_that_leave_room():
@@ -261,12 +261,12 @@ def test_segments_are_cut_out(data, before, after):
     rows = data.draw(st.lists(st.integers(0, 2), max_size=5))
     steps = [data.draw(st.integers(before, 11 - after)) for _ in rows]
     points = SeriesPoints(np.array(rows, dtype=np.int64), np.array(steps, dtype=np.int64))
-    found = segments(series, points, before, after)
-    assert found.shape == (len(rows), before + 1 + after, 2)
+    cut = segments(series, points, before, after)
+    assert cut.shape == (len(rows), before + 1 + after, 2)
     for number, (row, step) in enumerate(zip(rows, steps, strict=True)):
-        np.testing.assert_array_equal(found[number], series[row, step - before : step + after + 1])
+        np.testing.assert_array_equal(cut[number], series[row, step - before : step + after + 1])
     two_dimensional = segments(series[..., 0], points, before, after)
-    np.testing.assert_array_equal(two_dimensional, found[..., 0])
+    np.testing.assert_array_equal(two_dimensional, cut[..., 0])
 
 
 @pytest.mark.parametrize(("step", "before", "after"), [(2, 3, 0), (9, 0, 1)])
@@ -285,8 +285,8 @@ def test_threshold_at_a_quantile_lies_in_proportion_between_two_samples(values, 
     place = quantile * (len(values) - 1)
     below, above = sorted(values)[int(place)], sorted(values)[int(place) + 1]
     expected = below + (place - int(place)) * (above - below)
-    found = threshold_at(quantile, np.array(values, float).reshape(1, -1))
-    assert found == pytest.approx(expected, abs=1e-9)
+    threshold_found = threshold_at(quantile, np.array(values, float).reshape(1, -1))
+    assert threshold_found == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -312,11 +312,11 @@ def test_values_replace_quantiles_wherever_they_are():
     ]
     settings = {"case.event_threshold": unknown, "cases": cases, "quantile": 0.5}
     assert list(cases_of_thresholds(settings)) == ["a", "b"]
-    known = with_thresholds(settings, {"a": 1.5, "b": 2.5}.get)
-    assert known["case.event_threshold"] == 1.5
-    found = [record["settings"]["case.event_threshold"] for record in known["cases"]]
-    assert found == [2.5, 3.0]
-    assert (known["quantile"], list(cases_of_thresholds(known))) == (0.5, [])
+    thresholds = with_thresholds(settings, {"a": 1.5, "b": 2.5}.get)
+    assert thresholds["case.event_threshold"] == 1.5
+    replaced = [record["settings"]["case.event_threshold"] for record in thresholds["cases"]]
+    assert replaced == [2.5, 3.0]
+    assert (thresholds["quantile"], list(cases_of_thresholds(thresholds))) == (0.5, [])
 
 
 # -- delay coordinates -----------------------------------------------------------------------------
@@ -329,14 +329,14 @@ def test_values_replace_quantiles_wherever_they_are():
 )
 def test_delay_coordinates_value_by_value(samples, delays, seed):
     series = np.random.default_rng(seed).normal(size=(3, samples, 2))
-    found = delay_coordinates(series, delays)
+    delayed = delay_coordinates(series, delays)
     longest = max(delays, default=0)
-    assert found.shape == (3, samples - longest, 2 * (1 + len(delays)))
+    assert delayed.shape == (3, samples - longest, 2 * (1 + len(delays)))
     for row in range(3):
         for step in range(samples - longest):
             now = step + longest
             expected = [series[row, now - back, i] for back in [0, *delays] for i in range(2)]
-            assert found[row, step].tolist() == expected
+            assert delayed[row, step].tolist() == expected
 
 
 def test_names_and_mistakes_of_delays():

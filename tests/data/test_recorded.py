@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import scipy.io
+import xarray
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -55,12 +56,12 @@ def test_a_regular_record_stays_as_it_is():
 
 
 def test_missing_rows_and_empty_cells_cut():
-    found = runs_without_gaps(
+    parts = runs_without_gaps(
         record([0, 5, 10, 20, 25, 30, 35], u=[1, 2, 3, 4, 5, NAN, 7], v=[1] * 7), STEP
     )
-    assert listed(found) == [[1, 2, 3], [4, 5], [7]]
+    assert listed(parts) == [[1, 2, 3], [4, 5], [7]]
     names = ["a.csv, rows 1 to 3", "a.csv, rows 4 to 5", "a.csv, rows 7 to 7"]
-    assert [run.name for run in found] == names
+    assert [run.name for run in parts] == names
     # the same of a column without times, where no row is missing
     assert listed(runs_without_gaps(Run("a.nc", {"u": np.array([1, 2, NAN, 4])}), STEP)) == [
         [1, 2],
@@ -92,17 +93,17 @@ def test_against_brute_force(steps, holes, jitter):
     place = np.cumsum([0, *steps])
     values = np.where([row in holes for row in range(len(place))], NAN, 2.0 * place)
     time = STEP * (place + np.array(jitter[: len(place)]))
-    found = runs_without_gaps(record(time, u=values), STEP)
+    parts = runs_without_gaps(record(time, u=values), STEP)
     runs: list[list[float]] = []
     last = None
-    for one, value in zip(place, values, strict=True):
+    for step, value in zip(place, values, strict=True):
         if np.isnan(value):
             continue
-        if last is None or one - last > 1:
+        if last is None or step - last > 1:
             runs.append([])
         runs[-1].append(value)
-        last = one
-    assert listed(found) == runs
+        last = step
+    assert listed(parts) == runs
 
 
 @pytest.mark.parametrize(
@@ -137,15 +138,10 @@ def test_regular_times():
         check_regular(record(np.arange(1000) * 0.0201), 0.02)  # it would drift by five rows
 
 
-def test_short_parts_are_left_out_and_told():
+def test_short_parts_are_left_out():
     parts = runs_without_gaps(record([0, 5, 10, 20, 25], u=[1, 2, 3, 4, 5]), STEP)
-    found, left_out = long_runs(parts, 3)
-    assert listed(found) == [[1, 2, 3]]
-    assert left_out == (
-        "gaps leave 2 parts of the record; 1 of them, with 2 of 5 rows, are shorter than a block "
-        "of 3 and left out; the first is a.csv, rows 4 to 5"
-    )
-    with pytest.raises(ValueError, match=r"as a block .* takes, 4: the longest of 2 has 3"):
+    assert listed(long_runs(parts, 3)) == [[1, 2, 3]]
+    with pytest.raises(ValueError, match=r"as a series takes, 4 .*: the longest of 2 has 3"):
         long_runs(parts, 4)
     with pytest.raises(ValueError, match="there are none"):
         long_runs([], 2)
@@ -184,12 +180,64 @@ def test_known_columns_are_cut_with_the_record(tmp_path):
     rain = np.arange(30) % 4.0
     rain[11] = NAN
     path = write(tmp_path / "a.csv", rain=rain)
-    found = recorded_series([path], DATA, SPACE)
-    assert found.states[:, 0, 0].tolist() == [0, 5, 12, 17, 22]
-    np.testing.assert_array_equal(found.known[..., 0], 2 * (found.states[..., 0] % 4))
-    assert found.start.tolist() == [18262, 18267, 18274, 18279, 18284]  # days since 1970
+    recorded = recorded_series([path], DATA, SPACE)
+    assert recorded.states[:, 0, 0].tolist() == [0, 5, 12, 17, 22]
+    np.testing.assert_array_equal(recorded.covariates[..., 0], 2 * (recorded.states[..., 0] % 4))
+    assert recorded.start.tolist() == [18262, 18267, 18274, 18279, 18284]  # days since 1970
+    ends = "4 of 29 rows, at the ends of 2 of 2 runs, are too few for a series and left out"
+    assert recorded.messages == (ends,)
     with pytest.raises(ValueError, match=r"column 'rain' has no number in row 12 of 30"):
         recorded_series([path], {**DATA, "gaps": None}, SPACE)
+
+
+def test_series_of_unequal_lengths(tmp_path):
+    """Whole runs between gaps, or blocks and what is left of a run; all rows are accounted for."""
+    path = write(tmp_path / "a.csv", lost=[3, 11])  # runs of 3, 7 and 18 days
+    for blocks, lengths, starts, messages in (
+        (
+            {"duration": None, "gap": 0, "shortest": 3},
+            [7, 18],
+            [4, 12],
+            ("gaps leave 3 parts of the record; 1 of them, with 3 of 28 rows,", "2 series have 7"),
+        ),
+        (
+            {"duration": 7, "gap": 1, "shortest": 1},
+            [3, 7, 8, 8, 2],
+            [0, 4, 12, 20, 28],
+            ("5 series have 2 to 8 samples",),
+        ),
+        (
+            {"duration": 7, "gap": 3, "shortest": 3},
+            [7, 8, 8],
+            [4, 12, 22],
+            ("gaps leave", "3 series have 7 to 8 samples"),
+        ),
+    ):
+        recorded = recorded_series([path], {**DATA, "blocks": blocks}, SPACE)
+        assert (~np.isnan(recorded.states[..., 0])).sum(axis=1).tolist() == lengths
+        assert recorded.states[:, 0, 0].tolist() == starts
+        assert recorded.start.tolist() == [18262 + start for start in starts]
+        for row, (first, length) in enumerate(zip(starts, lengths, strict=True)):
+            values = recorded.states[row, :length, 0]
+            np.testing.assert_array_equal(values, np.arange(first, first + length))
+            np.testing.assert_array_equal(recorded.covariates[row, :length, 0], 2 * (values % 4))
+        for message, beginning in zip(recorded.messages, messages, strict=True):
+            assert message.startswith(beginning)
+    cut = measured_series(path, "1 day", ["u"], shortest=3, cut_gaps=True)
+    assert [series[:, 0].tolist() for series in cut] == [[*range(4, 11)], [*range(12, 30)]]
+
+
+def test_an_array_of_several_series_may_end_with_nan():
+    states = np.arange(24.0).reshape(2, 6, 2)
+    states[1, 4:] = NAN
+    array = xarray.DataArray(states, dims=("series", "time", "component"), name="state")
+    cut = measured_series(array, 1)
+    assert [series.tolist() for series in cut] == [states[0].tolist(), states[1, :4].tolist()]
+    for row, place in ((1, 3), (0, 5)):  # within a series, or in one component
+        damaged = array.copy()
+        damaged[row, place, 0] = NAN
+        with pytest.raises(ValueError, match=f"series {row + 1}: column 'c1' has no number in row"):
+            measured_series(damaged, 1)
 
 
 @pytest.mark.parametrize(
@@ -228,15 +276,15 @@ def test_a_table_without_times(tmp_path):
 )
 def test_mistakes_in_known_columns(changes, message):
     data = {"components": ["x", "y"], "observable": "z", **changes}
-    found = list(problems_of_columns(data, ["x", "y", "z", "rho"]))
-    assert len(found) == (message is not None)
-    assert message is None or found[0].startswith(message), found
+    problems = list(problems_of_columns(data, ["x", "y", "z", "rho"]))
+    assert len(problems) == (message is not None)
+    assert message is None or problems[0].startswith(message), problems
 
 
 def test_all_mistakes_are_told():
     data = {"components": ["x"], "observable": "z", "known": ["rhoo", "x", "rho", "rho", "sigma"]}
-    found = list(problems_of_columns(data, ["x", "y", "z", "rho"]))
-    assert [re.split(r" \(|,|;", one)[0] for one in found] == [
+    problems = list(problems_of_columns(data, ["x", "y", "z", "rho"]))
+    assert [re.split(r" \(|,|;", problem)[0] for problem in problems] == [
         "known: there is no column 'rhoo'",
         "known has x",
         "known has rho twice",
@@ -252,20 +300,21 @@ def test_tables_and_arrays_are_what_their_files_are(tmp_path):
     array.to_netcdf(tmp_path / "a.nc")
     sources = (path, tmp_path / "a.nc", table, table.set_index("time"), pd.read_csv(path), array)
     for source in (*sources, array.to_dataarray("component"), table.convert_dtypes()):
-        found = measured_series(source, "1 day", ["u"], block=4, gap=1, cut_gaps=True)
-        assert np.array_equal(found, expected)
+        cut = measured_series(source, "1 day", ["u"], block=4, gap=1, cut_gaps=True)
+        assert np.array_equal(cut, expected)
         with pytest.raises(ValueError, match="row 11: column 'time' goes on by 2"):
             measured_series(source, "1 day", ["u"])
     both = measured_series([table, array], "1 day", ["u"], block=4, cut_gaps=True)
     assert np.array_equal(both, np.concatenate([expected, expected]))
     with pytest.raises(ValueError, match="the table: there is no column 'x'; the columns are u, r"):
         measured_series(table, "1 day", ["x"])
-    with pytest.raises(ValueError, match="cut_gaps needs block"):
+    with pytest.raises(ValueError, match=r"cut_gaps needs block.* or shortest"):
         measured_series(table, "1 day", ["u"], cut_gaps=True)
     for error, message, arguments in (
         (TypeError, r"components must be a list: \['u'\]", {"components": "u"}),
         (TypeError, "block must be a number, in time units .* not '4 days'", {"block": "4 days"}),
-        (ValueError, "block must be above 0", {"block": -5}),
+        (ValueError, "block and shortest must be above 0", {"block": -5}),
+        (TypeError, "shortest must be a number", {"shortest": "4 days"}),
         (ValueError, "the time step must be finite and above 0, not nan", {"time_step": math.nan}),
     ):
         with pytest.raises(error, match=message):
@@ -281,55 +330,55 @@ GENERATOR = np.random.default_rng(1)
 
 
 def run(name="run_1.csv", length=20, **columns):
-    found = {key: GENERATOR.normal(size=length) for key in ("u", "v", "flow rate [l/s]")}
-    return Run(name, {**found, **columns})
+    given = {key: GENERATOR.normal(size=length) for key in ("u", "v", "flow rate [l/s]")}
+    return Run(name, {**given, **columns})
 
 
 def series(runs, components, observable, blocks=None):
     quantities = [Quantity(text) for text in components]
-    space = MeasuredSeries([one.name for one in quantities], observable)
+    space = MeasuredSeries([quantity.name for quantity in quantities], observable)
     return series_of_runs(runs, space, quantities, blocks)
 
 
 def test_columns_expressions_and_an_observable_that_is_none_of_the_components():
     runs = [run("a"), run("b")]
-    found = series(runs, ["v", "u2 = u**2", "q = flow rate [l/s]", "u - v"], "v")
-    for states, one in zip(found, runs, strict=True):
-        u, v, q = one.columns.values()
+    selected = series(runs, ["v", "u2 = u**2", "q = flow rate [l/s]", "u - v"], "v")
+    for states, source in zip(selected, runs, strict=True):
+        u, v, q = source.columns.values()
         np.testing.assert_array_equal(states, np.stack([v, u * u, q, u - v], axis=1))
-    one = run()
-    found = series([one], ["u"], "u * v")
-    np.testing.assert_array_equal(found[0, :, 1], one.columns["u"] * one.columns["v"])
+    source = run()
+    selected = series([source], ["u"], "u * v")
+    np.testing.assert_array_equal(selected[0, :, 1], source.columns["u"] * source.columns["v"])
     # an expression of components is none of its own
-    assert series([one], ["u", "v"], "u * v").shape == (1, 20, 2)
+    assert series([source], ["u", "v"], "u * v").shape == (1, 20, 2)
     assert series([run(v=np.full(20, np.nan))], ["u"], "u").shape == (1, 20, 1)
 
 
 @given(length=st.integers(5, 200), samples=st.integers(2, 60), gap=st.integers(1, 30))
 def test_blocks_lie_end_to_end_with_gaps(length, samples, gap):
-    one = Run("a", {"u": np.arange(length) + 1.0})
+    record = Run("a", {"u": np.arange(length) + 1.0})
     if length < samples:
         with pytest.raises(ValueError, match=f"a has {length} rows, but a block .* {samples}"):
-            series([one], ["u"], "u", Blocks(samples, gap))
+            series([record], ["u"], "u", Blocks(samples, gap, samples))
         return
-    found = series([one], ["u"], "u", Blocks(samples, gap))[:, :, 0]
+    cut = series([record], ["u"], "u", Blocks(samples, gap, samples))[:, :, 0]
     # brute force: row by row
     rows, expected = list(range(1, length + 1)), []
     while len(rows) >= samples:
         expected.append(rows[:samples])
         rows = rows[samples - 1 + gap :]
-    assert found.tolist() == expected
-    assert len(set(found.flat)) == found.size  # no sample twice
+    assert cut.tolist() == expected
+    assert len(set(cut.flat)) == cut.size  # no sample twice
 
 
 def test_runs_are_cut_into_blocks_of_a_duration():
     runs = [run("a", 11), run("b", 30)]
-    assert series(runs, ["u"], "u", Blocks(5, 2)).shape == (2 + 5, 5, 1)
-    with pytest.raises(ValueError, match=r"a has 11 rows, b 30; .*data\.blocks"):
-        series(runs, ["u"], "u")
-    assert Blocks.of(10.0, 2.0, 0.5) == Blocks(21, 4)
-    assert Blocks.of(0.3, 0.0, 0.1) == Blocks(4, 1)
-    assert Blocks.of(1.0, 0.25, 0.1) == Blocks(11, 3)  # at least the gap
+    assert series(runs, ["u"], "u", Blocks(5, 2, 5)).shape == (2 + 5, 5, 1)
+    whole = series(runs, ["u"], "u")
+    assert (~np.isnan(whole[..., 0])).sum(axis=1).tolist() == [11, 30]
+    assert Blocks.of(10.0, 2.0, None, 0.5) == Blocks(21, 4, 21)
+    assert Blocks.of(0.3, 0.0, 0.2, 0.1) == Blocks(4, 1, 3)
+    assert Blocks.of(None, 0.25, 1.0, 0.1) == Blocks(None, 3, 11)  # at least the gap
 
 
 @pytest.mark.parametrize(
@@ -401,7 +450,7 @@ def test_constant_components():
 
 
 @pytest.mark.parametrize(
-    ("code", "times", "found"),
+    ("code", "times", "is_code"),
     [
         (99.0, 20, True),
         (-999.99, 2, True),
@@ -412,9 +461,9 @@ def test_constant_components():
         (0.0, 200, False),  # a rain gauge
     ],
 )
-def test_codes_for_missing_numbers(code, times, found):
+def test_codes_for_missing_numbers(code, times, is_code):
     values = np.append(1.5 + 0.8 * np.sin(np.arange(500) / 40), np.full(times, code))
-    assert code_of_gaps(values) == (code if found else None)
+    assert code_of_gaps(values) == (code if is_code else None)
 
 
 def test_no_codes_among_few_values():
@@ -442,8 +491,8 @@ HOURS = pd.date_range("2021-03-27", periods=48, freq="h", tz="UTC")
 
 def recipe(beginning):
     """The only recipe whose first line begins so."""
-    (found,) = [one for one in RECIPES if one.startswith(f"# {beginning}")]
-    return found
+    (matching,) = [text for text in RECIPES if text.startswith(f"# {beginning}")]
+    return matching
 
 
 def berlin(path):
@@ -531,9 +580,9 @@ def test_in_a_notebook(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     table = pd.DataFrame({"time": HOURS, "u": np.arange(48.0), "v": np.arange(48.0) ** 2})
     table.drop(index=22).to_csv("raw.csv", index=False)
-    found = {}
-    exec(recipe("raw.csv: hourly"), found)
-    np.testing.assert_array_equal(found["series"][:, :, 0], [np.arange(23, 48)])
+    names = {}
+    exec(recipe("raw.csv: hourly"), names)
+    np.testing.assert_array_equal(names["series"][:, :, 0], [np.arange(23, 48)])
 
 
 def test_every_recipe_is_run():
@@ -549,7 +598,7 @@ def test_a_local_clock_in_autumn_with_hours_that_the_record_lacks(missing, tmp_p
     table.to_csv(tmp_path / "raw.csv", index=False)
     monkeypatch.chdir(tmp_path)
     exec(recipe("raw.csv: times of a clock"), {})
-    found = pd.read_csv("lab.csv", parse_dates=["time"])
-    assert (hours[found["u"]] == found["time"]).all()
+    written = pd.read_csv("lab.csv", parse_dates=["time"])
+    assert (hours[written["u"]] == written["time"]).all()
     lost = {2, 3} if len({2, 3} & set(missing)) == 1 else set()
-    assert set(there) - set(found["u"]) <= lost
+    assert set(there) - set(written["u"]) <= lost

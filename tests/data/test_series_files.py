@@ -24,8 +24,8 @@ def runs(source, *names, unit=None):
     return content_of(source).read(names or ("u", "v"), unit)
 
 
-def states(found, *names):
-    return np.stack([np.stack([run.columns[name] for name in names], axis=1) for run in found])
+def states(of_runs, *names):
+    return np.stack([np.stack([run.columns[name] for name in names], axis=1) for run in of_runs])
 
 
 def both(data, path):
@@ -42,19 +42,19 @@ def test_a_table_to_the_last_digit(tmp_path):
     table = pd.DataFrame(values, columns=["u", "v"]).assign(note="text", time=range(2000))
     table.to_csv(path, index=False)
     assert content_of(path).names == ["u", "v", "note"]
-    (found,) = runs(path)
-    assert found.name == str(path)
-    assert np.array_equal(states([found], "u", "v")[0], values)
-    assert np.array_equal(found.columns["time"], np.arange(2000))
+    (run,) = runs(path)
+    assert run.name == str(path)
+    assert np.array_equal(states([run], "u", "v")[0], values)
+    assert np.array_equal(run.columns["time"], np.arange(2000))
 
 
 def test_gaps_and_what_is_declared_as_missing_are_nan(tmp_path):
     # wherever they are: an empty last cell is one as any other
     path = tmp_path / "a.csv"
     path.write_text("time,u,v\n0,1,2\n1,,4\n2,nan,\n3,NA,\n")
-    (found,) = runs(path)
-    assert np.array_equal(found.columns["u"], [1, *[np.nan] * 3], equal_nan=True)
-    assert np.array_equal(found.columns["v"], [2, 4, np.nan, np.nan], equal_nan=True)
+    (run,) = runs(path)
+    assert np.array_equal(run.columns["u"], [1, *[np.nan] * 3], equal_nan=True)
+    assert np.array_equal(run.columns["v"], [2, 4, np.nan, np.nan], equal_nan=True)
     path = tmp_path / "a.nc"
     with netCDF4.Dataset(path, "w") as file:
         file.createDimension("time", 7)
@@ -62,9 +62,9 @@ def test_gaps_and_what_is_declared_as_missing_are_nan(tmp_path):
         u.set_auto_maskandscale(False)
         u.valid_range, u.scale_factor = np.array([0, 4], "i2"), 0.5
         u[...] = np.arange(7) - 1
-    (found,) = runs(path, "u")
+    (run,) = runs(path, "u")
     expected = [np.nan, 0, 0.5, 1, 1.5, 2, np.nan]
-    assert np.array_equal(found.columns["u"], expected, equal_nan=True)
+    assert np.array_equal(run.columns["u"], expected, equal_nan=True)
 
 
 @pytest.mark.parametrize(
@@ -79,9 +79,9 @@ def test_gaps_and_what_is_declared_as_missing_are_nan(tmp_path):
 def test_dialects_of_csv(tmp_path, text):
     path = tmp_path / "a.csv"
     path.write_text(text, encoding="utf-8", newline="")
-    (found,) = runs(path)
-    assert np.array_equal(states([found], "u", "v")[0], [[1.5, 2], [3, -40]])
-    assert found.columns["time"].tolist() == [0, 1]
+    (run,) = runs(path)
+    assert np.array_equal(states([run], "u", "v")[0], [[1.5, 2], [3, -40]])
+    assert run.columns["time"].tolist() == [0, 1]
 
 
 @pytest.mark.parametrize(
@@ -161,8 +161,8 @@ def test_dates(tmp_path):
         (["0", "1.5", "3"], [0, 1.5, 3]),
     ):
         path.write_text("time,u,v\n" + "".join(f"{stamp},1,2\n" for stamp in stamps))
-        (found,) = runs(path, unit="hour")
-        assert found.columns["time"].tolist() == expected
+        (run,) = runs(path, unit="hour")
+        assert run.columns["time"].tolist() == expected
 
 
 @given(
@@ -196,9 +196,9 @@ STAMPS = pd.to_datetime(["1970-01-01 00:00", "1970-01-01 12:30"])
 def test_tables_of_pandas_and_parquet(monkeypatch, table, expected):
     monkeypatch.setattr(pd, "read_parquet", lambda path: table)  # of any library
     for source in (table, "a.parquet"):
-        (found,) = runs(source, "u", unit="hour")
-        assert found.columns["time"].tolist() == expected
-        assert np.array_equal(found.columns["u"], [1, np.nan], equal_nan=True)
+        (run,) = runs(source, "u", unit="hour")
+        assert run.columns["time"].tolist() == expected
+        assert np.array_equal(run.columns["u"], [1, np.nan], equal_nan=True)
 
 
 @pytest.mark.parametrize(
@@ -241,17 +241,17 @@ STATE = xarray.DataArray(STATES, dims=("series", "time", "component"), name="sta
 
 def test_variables(tmp_path):
     for source, name in zip(both(FLOW, tmp_path / "a.nc"), ("the array", tmp_path), strict=True):
-        found = runs(source, "u", "v", "w")
-        assert np.array_equal(states(found, "u", "v"), STATES)
+        of_series = runs(source, "u", "v", "w")
+        assert np.array_equal(states(of_series, "u", "v"), STATES)
         assert all(
             np.array_equal(run.columns[name], np.arange(7.0))
-            for run in found
+            for run in of_series
             for name in ("w", "time")
         )
-        assert found[2].name.startswith(str(name))
-        assert found[2].name.endswith(", series 3")
-    (one,) = runs(FLOW["w"], "w")
-    assert one.columns["w"].tolist() == list(range(7))
+        assert of_series[2].name.startswith(str(name))
+        assert of_series[2].name.endswith(", series 3")
+    (alone,) = runs(FLOW["w"], "w")
+    assert alone.columns["w"].tolist() == list(range(7))
 
 
 def test_components_by_their_labels(tmp_path):
@@ -323,8 +323,8 @@ def test_times_are_what_their_units_say(tmp_path, units, calendar, expected, sca
     path = tmp_path / "a.nc"
     first = (pd.Timestamp(expected) - pd.Timestamp(0)) / pd.Timedelta("1min")
     for source in both(timed(units, calendar), path):
-        (found,) = runs(source, "u", unit="minute")
-        assert found.columns["time"].tolist() == [first, first + 60 * scale]
+        (run,) = runs(source, "u", unit="minute")
+        assert run.columns["time"].tolist() == [first, first + 60 * scale]
         # without a unit, numbers
         assert runs(source, "u")[0].columns["time"].tolist() == [0, 60]
     if calendar:
@@ -453,12 +453,12 @@ CELLS = (
 def same_or_refused(path, expected, names):
     """Exactly the array, or a message that begins with the file; gaps are refused later on."""
     try:
-        found, message = states(runs(path, *names), *names), str(path)
+        values, message = states(runs(path, *names), *names), str(path)
     except ValueError as error:
-        found, message = expected, str(error)
+        values, message = expected, str(error)
     assert message.startswith(str(path))
-    assert found.shape == expected.shape
-    assert np.isnan(found).any() or np.array_equal(found, expected)
+    assert values.shape == expected.shape
+    assert np.isnan(values).any() or np.array_equal(values, expected)
 
 
 @settings(max_examples=300)
@@ -492,8 +492,8 @@ def test_damaged_tables(tmp_path_factory, data):
         same_or_refused(path, values[np.newaxis], names)
         return
     try:  # a shifted row has another time, which the check of times finds, and a gap
-        (found,), message = runs(path, *names), str(path)
-        assert np.isnan(states([found], *names)).any()
+        (run,), message = runs(path, *names), str(path)
+        assert np.isnan(states([run], *names)).any()
     except ValueError as error:
         message = str(error)
     assert message.startswith(str(path))

@@ -96,24 +96,24 @@ def test_a_drawn_set_is_the_nearest_of_many_and_random_otherwise():
 def test_components_are_those_of_the_analysis_of_variance(seed, groups, members):
     generator = np.random.default_rng(seed)
     values = generator.normal(size=(groups, members)) + generator.normal(size=(groups, 1))
-    found = variance_components(list(values))
+    components = variance_components(list(values))
     within = values.var(axis=1, ddof=1).mean()
-    assert found.within == pytest.approx(np.sqrt(within))
+    assert components.within == pytest.approx(np.sqrt(within))
     # scipy's F is the ratio of the mean squares
     mean_square = scipy.stats.f_oneway(*values).statistic * within
     expected = max(0.0, (mean_square - within) / members)
-    assert found.between == pytest.approx(np.sqrt(expected), abs=1e-9)
-    assert found.mean == pytest.approx(values.mean())
-    assert (found.groups, found.values) == (groups, groups * members)
+    assert components.between == pytest.approx(np.sqrt(expected), abs=1e-9)
+    assert components.mean == pytest.approx(values.mean())
+    assert (components.groups, components.values) == (groups, groups * members)
 
 
 def test_known_components_are_found():
     generator = np.random.default_rng(0)
     sizes = generator.integers(2, 6, size=3000)
     groups = [3.0 * generator.normal() + 0.5 * generator.normal(size=size) for size in sizes]
-    found = variance_components(groups)
-    assert found.between == pytest.approx(3.0, rel=0.05)
-    assert found.within == pytest.approx(0.5, rel=0.05)
+    components = variance_components(groups)
+    assert components.between == pytest.approx(3.0, rel=0.05)
+    assert components.within == pytest.approx(0.5, rel=0.05)
 
 
 def test_what_is_not_known_is_not_told():
@@ -158,7 +158,7 @@ def stretch_lengths(acting):
 
 def test_stretches_have_their_mean_lengths_in_whole_intervals():
     acting = RandomActuation(15, 3.0, 9.0).draw(40, 15 * 2000, np.random.default_rng(1))
-    on, off = (found / 15 for found in stretch_lengths(acting))
+    on, off = (steps / 15 for steps in stretch_lengths(acting))
     assert (on == on.astype(int)).all()
     assert on.mean() == pytest.approx(3.0, abs=5 * 2.5 / np.sqrt(len(on)))
     assert off.mean() == pytest.approx(9.0, abs=5 * 8.5 / np.sqrt(len(off)))
@@ -204,7 +204,7 @@ def test_series_are_those_of_integration_and_the_first_that_do_not_laminarise():
 def test_what_does_not_fit_is_refused():
     long, short = (part(0, 2, length) for length in (10, 9))
     with pytest.raises(ValueError, match="the same length, components and parameters"):
-        TrainingSet.of_parts([long, short], own=0)
+        TrainingSet.of_parts([long, short], part_of_case=0)
     with pytest.raises(ValueError, match=r"mean_on must be 1 at least, not 0\.5"):
         RandomActuation(5, 0.5, 3.0)
 
@@ -221,13 +221,13 @@ def part(case, count, length=4):
 def test_series_of_several_cases_take_turns():
     """Case 0 has two series, case 1 three."""
     parts = [part(0, 2), part(1, 3)]
-    training = TrainingSet.of_parts(parts, own=1)
+    training = TrainingSet.of_parts(parts, part_of_case=1)
     assert training.states[:, 0, 0].tolist() == [0, 10, 1, 11, 12]
     assert training.observed[:, 3, 1].tolist() == [0.5, 10.5, 1.5, 11.5, 12.5]
     assert training.observed[:, 2, 2].tolist() == [0, 1, 0, 1, 1]
     assert training.own_rows == [1, 3, 4]
-    assert TrainingSet.of_parts(parts, own=0).own_rows == [0, 2]
-    assert TrainingSet.of_parts(parts, own=None).own_rows == []
+    assert TrainingSet.of_parts(parts, part_of_case=0).own_rows == [0, 2]
+    assert TrainingSet.of_parts(parts, part_of_case=None).own_rows == []
 
 
 # -- factors of parameters -------------------------------------------------------------------------
@@ -252,26 +252,33 @@ def test_parameter_factors_are_monomials_of_scaled_values_or_inverses(names, tra
 def test_a_schedule_has_factors_in_its_own_layout():
     factors = ParameterFactors.of(["reynolds"], VALUES, "inverse", 2)
     schedule = np.random.default_rng(2).uniform(400, 1000, (5, 1, 3))
-    found = factors.of_schedule(schedule)
-    assert found.shape == (5, 2, 3)
-    assert np.array_equal(found[3, :, 1], factors(schedule[3, :, 1]))
+    of_schedule = factors.of_schedule(schedule)
+    assert of_schedule.shape == (5, 2, 3)
+    assert np.array_equal(of_schedule[3, :, 1], factors(schedule[3, :, 1]))
 
 
 def test_a_parameter_that_is_constant_in_training_has_no_factor():
-    one = ParameterFactors.of(["reynolds"], np.full((7, 1), 400.0), "inverse", 2)
-    assert one.count == 0
-    assert one(np.full((3, 1), 400.0)).shape == (3, 0)
-    two = np.column_stack([np.full(4, 5.0), np.arange(4.0)])
-    factors = ParameterFactors.of(["a", "b"], two, "identity", 1)
-    assert factors(two).tolist() == [[-1.0], [pytest.approx(-1 / 3)], [pytest.approx(1 / 3)], [1.0]]
+    none = ParameterFactors.of(["reynolds"], np.full((7, 1), 400.0), "inverse", 2)
+    assert none.count == 0
+    assert none(np.full((3, 1), 400.0)).shape == (3, 0)
+    values = np.column_stack([np.full(4, 5.0), np.arange(4.0)])
+    factors = ParameterFactors.of(["a", "b"], values, "identity", 1)
+    assert factors(values).tolist() == [
+        [-1.0],
+        [pytest.approx(-1 / 3)],
+        [pytest.approx(1 / 3)],
+        [1.0],
+    ]
 
 
 def test_extrapolation_is_told_with_the_range():
     factors = ParameterFactors.of(["reynolds"], VALUES, "inverse", 1)
-    told = r"reynolds = 2000 lies outside .* 400 to 1000"
-    with pytest.warns(UserWarning, match=told) as caught:
-        found = factors(np.array([[2000.0]]))
-    assert found[0, 0] == pytest.approx(-1.0 - 2 * (1 / 1000 - 1 / 2000) / (1 / 400 - 1 / 1000))
+    message = r"reynolds = 2000 lies outside .* 400 to 1000"
+    with pytest.warns(UserWarning, match=message) as caught:
+        extrapolated = factors(np.array([[2000.0]]))
+    assert extrapolated[0, 0] == pytest.approx(
+        -1.0 - 2 * (1 / 1000 - 1 / 2000) / (1 / 400 - 1 / 1000)
+    )
     assert factors.outside(VALUES) is None
     assert caught[0].filename == __file__  # of the caller
 

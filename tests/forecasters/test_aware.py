@@ -372,14 +372,14 @@ def trained(kind, case, states, schedules):
 def test_a_record_of_a_simulated_flow_is_that_flow_with_its_schedule(simulated, record):
     states, schedules = simulated
     np.testing.assert_array_equal(record.states, states)
-    np.testing.assert_array_equal(record.known[:, 1:], schedules)
+    np.testing.assert_array_equal(record.covariates[:, 1:], schedules)
 
 
 @pytest.mark.parametrize("kind", ["quadratic_aware", "esn_aware"])
 def test_forecasts_from_the_record_are_those_of_the_simulated_case(simulated, record, kind):
     states, schedules = simulated
     simulated_model = trained(kind, SIMULATED, states[:4], schedules[:4])
-    measured_model = trained(kind, MEASURED, record.states[:4], record.known[:4, 1:])
+    measured_model = trained(kind, MEASURED, record.states[:4], record.covariates[:4, 1:])
     for name, array in simulated_model.record().arrays.items():
         np.testing.assert_array_equal(measured_model.record().arrays[name], array, err_msg=name)
     starts = [(row, step) for row in (4, 5) for step in range(40, 700, 60)]

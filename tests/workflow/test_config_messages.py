@@ -277,7 +277,8 @@ cases.lab.data.known: [w] | data.known: there is no column 'w'
 cases.lab.data.observable: u + | 'u +' is no arithmetic expression
 cases.lab.data.observable: sin(u) | sin(u) is not understood
 cases.lab.data.observable: u(t-2) | u(t - 2) is not understood
-cases.lab.data.blocks: {gap: 1} | cases.lab.data.blocks.duration: missing: length of
+cases.lab.data.blocks: {gap: 1} | case lab: data.blocks needs a duration, or the length of
+cases.lab.data.blocks: {duration: 20, shortest: 30} | data.blocks.shortest is longer than
 cases.lab.data.delays: [2, 2] | cases.lab.data.delays: has 2 twice
 cases.lab.data.blocks: {duration: 20}, cases.lab.lyapunov.published_exponent: 0.5,
   campaign.1.forecasters: {persistence: {}} |

@@ -21,6 +21,35 @@ def padded(series: Sequence[FloatArray]) -> FloatArray:
     return filled
 
 
+def without_padding(states: FloatArray) -> list[FloatArray]:
+    """Series ``(time, component)`` of ``(series, time, component)``, each with its own length."""
+    lengths = series_lengths(states)
+    if lengths is None:
+        return list(states)
+    return [series[:length] for series, length in zip(states, lengths, strict=True)]
+
+
+def numbers_of(observable: FloatArray) -> FloatArray:
+    """Observable ``(series, time)``; without NaN, ``(samples,)``, where shorter series have any."""
+    missing = np.isnan(observable)
+    return observable[~missing] if missing.any() else observable
+
+
+def held_after_the_end(states: FloatArray) -> FloatArray:
+    """Series whose NaN at the end are replaced by their last samples."""
+    lengths = series_lengths(states)
+    if lengths is None:
+        return states
+    step = np.minimum(np.arange(states.shape[1]), lengths[:, np.newaxis] - 1)
+    held: FloatArray = np.take_along_axis(states, step[..., np.newaxis], axis=1)
+    return held
+
+
+def array_or_list(states: FloatArray) -> FloatArray | list[FloatArray]:
+    """The array itself, or a list of its series where these have unequal lengths."""
+    return states if series_lengths(states) is None else without_padding(states)
+
+
 def series_lengths(states: FloatArray) -> IntArray | None:
     """Samples of each of ``(series, time, component)``; None if no series is filled up."""
     if not np.isnan(states[:, -1]).any():

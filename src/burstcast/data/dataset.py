@@ -103,10 +103,7 @@ class Scales:
 def component_scales(training_states: FloatArray) -> Scales:
     """Scales of the training series ``(series, time, component)``.
 
-    Raises
-    ------
-    ValueError
-        If a component is constant, since the inputs are divided by its range.
+    A constant component, by whose range inputs cannot be divided, is a ValueError.
 
     Examples
     --------
@@ -161,21 +158,11 @@ def observe(
     root_seed: int,
     *stream_names: str | int,
 ) -> FloatArray:
-    """Series as an observer sees them: with Gaussian noise, added once.
+    """Series ``(series, time, component)`` with Gaussian noise, as an observer sees them.
 
-    Parameters
-    ----------
-    states
-        True series, ``(series, time, component)``.
-    first_series
-        Number of the first of them in the ensemble. The noise of a series depends on its number and
-        on nothing else, so that it is the same in whatever part of the ensemble it is read.
-    noise
-        Standard deviation of the noise in units of each component's standard deviation.
-    scales
-        Scales of the training series.
-    root_seed, stream_names
-        Name of the random stream, to which the number of each series is appended.
+    ``noise``: Standard deviation, in standard deviations of each component (``scales``). The noise
+    of a series depends on its number alone, which counts from ``first_series`` and is appended to
+    the name of the random stream.
 
     Examples
     --------

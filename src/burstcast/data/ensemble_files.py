@@ -7,6 +7,7 @@ import numpy as np
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.files.netcdf import Variable
 from burstcast.base.files.units import COMPONENT, NUMBER, OBSERVABLE, TIME
+from burstcast.base.series_lengths import numbers_of, series_lengths
 
 START = "start"
 """Variable of an ensemble of a record: the time of the first sample of each series."""
@@ -32,8 +33,8 @@ def ensemble_variables(
     """Variables of the file of an ensemble, and a summary.
 
     ``states``, ``observable``: States and observable of the kept series, ``(series, time,
-    component)`` and ``(series, time)``. ``lifetimes``: Steps until each of all series laminarised;
-    all steps of a kept one.
+    component)`` and ``(series, time)``; shorter series end with NaN. ``lifetimes``: Steps until
+    each of all series laminarised; all steps of a kept one.
     """
     variables = {
         "series": Variable(("series",), index, NUMBER, "number of the series in the ensemble"),
@@ -64,10 +65,13 @@ def ensemble_variables(
             chunks=(1, observable.shape[1]),
         ),
     }
+    if (lengths := series_lengths(states)) is not None:
+        meaning = "samples of each series, after which it is filled up with NaN"
+        variables["length"] = Variable(("series",), lengths, NUMBER, meaning)
     summary = {
         "series_generated": len(lifetimes),
         "series_kept": len(index),
         "laminarised_fraction": 1 - len(index) / len(lifetimes),
-        "mean_observable": float(observable.mean()),
+        "mean_observable": float(numbers_of(observable).mean()),
     }
     return variables, summary

@@ -15,6 +15,7 @@ from burstcast.base.arrays import FloatArray, IntArray, float_array, is_known
 from burstcast.base.discovery import suggestion
 from burstcast.base.expressions import Expression
 from burstcast.base.laminarisation import first_laminar_step
+from burstcast.base.series_lengths import padded, samples_of, without_padding
 from burstcast.systems.measured import MeasuredSeries
 
 
@@ -49,10 +50,10 @@ class Content:
     def columns_of(self, quantities: "Sequence[Quantity]") -> list[str]:
         """Columns from which quantities are computed, each once."""
         try:
-            found = [name for one in quantities for name in one.columns(self.names)]
+            columns = [name for quantity in quantities for name in quantity.columns(self.names)]
         except ValueError as error:
             raise ValueError(f"{self.source}: {error}") from None
-        return list(dict.fromkeys(found))
+        return list(dict.fromkeys(columns))
 
 
 def runs_of_states(
@@ -65,9 +66,14 @@ def runs_of_states(
     return [
         Run(
             f"{source}, series {number}",
-            {**dict(zip(components, one.T, strict=True)), "observable": values},
+            {
+                **dict(zip(components, series.T, strict=True)),
+                "observable": values[: len(series)],
+            },
         )
-        for number, (one, values) in enumerate(zip(states, observable, strict=True), 1)
+        for number, (series, values) in enumerate(
+            zip(without_padding(states), observable, strict=True), 1
+        )
     ]
 
 
@@ -89,9 +95,9 @@ class Quantity:
         """The column or expression that it is taken from."""
         return self.declaration.partition("=")[2].strip() or self.name
 
-    def columns(self, known: Sequence[str]) -> tuple[str, ...]:
+    def columns(self, available: Sequence[str]) -> tuple[str, ...]:
         """Columns that it is made of."""
-        if self.source in known:
+        if self.source in available:
             return (self.source,)
         try:
             names = Expression(self.source).names
@@ -99,7 +105,11 @@ class Quantity:
             if self.source.isidentifier():
                 names = (self.source,)
             else:
-                inside = [one for one in known if one in self.source and not one.isidentifier()]
+                inside = [
+                    column
+                    for column in available
+                    if column in self.source and not column.isidentifier()
+                ]
                 hint = (
                     f": {max(inside, key=len)!r} can stand alone, but in an expression names have "
                     "letters, digits and _ only: rename the column in the record"
@@ -108,12 +118,13 @@ class Quantity:
                 )
                 raise ValueError(f"there is no column {self.source!r}, and {error}{hint}") from None
         for name in names:
-            if name not in known:
-                alike = [one for one in known if normalize("NFKC", one) == normalize("NFKC", name)]
+            if name not in available:
+                plain = normalize("NFKC", name)
+                alike = [column for column in available if normalize("NFKC", column) == plain]
                 hint = f"; {alike[0]!r} is written with other characters: copy it" if alike else ""
                 raise ValueError(
-                    f"there is no column {name!r}{hint or suggestion(name, known)}; "
-                    f"the columns are {', '.join(known)}"
+                    f"there is no column {name!r}{hint or suggestion(name, available)}; "
+                    f"the columns are {', '.join(available)}"
                 )
         return names
 
@@ -128,20 +139,38 @@ class Quantity:
 class Blocks:
     """Lengths by which records are cut into series."""
 
-    samples: int  #: number of samples of each block
+    samples: int | None  #: number of samples of each block; None: of the whole run
     gap: int  #: samples from the last one of a block to the first one of the next, 1 at least
+    #: samples of the shortest series; the rest of a run is a series from this length on
+    shortest: int
 
     @classmethod
-    def of(cls, duration: float, gap: float, time_step: float) -> "Blocks":
-        """Blocks of a duration, with gaps between them, both in time units.
+    def of(
+        cls, duration: float | None, gap: float, shortest: float | None, time_step: float
+    ) -> "Blocks":
+        """Blocks of a duration, with gaps between them, in time units.
 
-        Both ends of a block are samples, as in a simulated series.
+        Both ends of a block are samples, as in a simulated series. ``duration``: None: the whole
+        run. ``shortest``: None: no block is shorter than the others.
         """
-        return cls(round(duration / time_step) + 1, max(1, math.ceil(gap / time_step - 1e-9)))
+        samples, least = (
+            None if length is None else round(length / time_step) + 1
+            for length in (duration, shortest)
+        )
+        least = samples if least is None else least
+        assert least is not None, "the duration of blocks, or of the shortest one"
+        return cls(samples, max(1, math.ceil(gap / time_step - 1e-9)), least)
 
-    def starts(self, length: int) -> range:
-        """First samples of the blocks of a run of some length."""
-        return range(0, length - self.samples + 1, self.samples - 1 + self.gap)
+    def of_run(self, length: int) -> list[slice]:
+        """Samples of each block of a run of some length."""
+        samples = length if self.samples is None else self.samples
+        starts = range(0, length - self.shortest + 1, samples - 1 + self.gap)
+        return [slice(start, min(start + samples, length)) for start in starts]
+
+    def left_over(self, length: int) -> int:
+        """Samples at the end of a run of some length that do not make a block."""
+        blocks = self.of_run(length)
+        return max(0, length - blocks[-1].stop - (self.gap - 1)) if blocks else length
 
 
 def series_of_runs(
@@ -153,10 +182,10 @@ def series_of_runs(
     """Series of states, ``(series, time, component)``: of each run, one after the other.
 
     ``quantities``: Components of a state, without the observable where that is a component of its
-    own. ``blocks``: How runs are cut; None for one series from each, all of one length.
+    own. ``blocks``: How runs are cut; None for one series from each. Shorter series end with NaN.
     """
     taken = [*quantities, *([Quantity(space.observable_of)] if space.appended else [])]
-    found = []
+    series: list[FloatArray] = []
     for run in runs:
         try:
             needed = [quantity.columns(list(run.columns)) for quantity in taken]
@@ -167,8 +196,16 @@ def series_of_runs(
         states = np.stack([quantity.values(run.columns) for quantity in taken], axis=1)
         for name, values in zip(space.component_names, states.T, strict=True):
             check_numbers(run.name, f"the component {name!r}", values)
-        found.append(states)
-    return _equal(runs, found) if blocks is None else _cut(runs, found, blocks)
+        if blocks is None:
+            series.append(states)
+            continue
+        if run.length < blocks.shortest:
+            raise ValueError(
+                f"{run.name} has {run.length} rows, but a block (data.blocks) takes "
+                f"{blocks.shortest}"
+            )
+        series += [states[block] for block in blocks.of_run(run.length)]
+    return padded(series)
 
 
 def check_varying(series: FloatArray, names: Sequence[str], which: str) -> None:
@@ -176,7 +213,7 @@ def check_varying(series: FloatArray, names: Sequence[str], which: str) -> None:
 
     ``which`` series they are, for the message: "the training series".
     """
-    for name, values in zip(names, series.reshape(-1, series.shape[-1]).T, strict=True):
+    for name, values in zip(names, samples_of(series).T, strict=True):
         if np.all(values == values[0]):
             raise ValueError(
                 f"the component {name!r} is {values[0]:g} in all of {which}: a constant teaches "
@@ -204,39 +241,17 @@ def code_of_gaps(values: FloatArray) -> float | None:
     It is written with nines alone, repeats, and lies farther from all other values than these lie
     from each other.
     """
-    known = values[is_known(values)]
-    for extreme in (known.min(initial=np.inf), known.max(initial=-np.inf)):
+    numbers = values[is_known(values)]
+    for extreme in (numbers.min(initial=np.inf), numbers.max(initial=-np.inf)):
         digits = f"{extreme:g}".lstrip("-").replace(".", "")
         if len(digits) < 2 or set(digits) != {"9"}:
             continue
-        others = known[known != extreme]
-        if len(known) - len(others) < 2 or not len(others):
+        others = numbers[numbers != extreme]
+        if len(numbers) - len(others) < 2 or not len(others):
             continue
         if np.abs(others - extreme).min() > np.ptp(others) > 0:
             return float(extreme)
     return None
-
-
-def _equal(runs: Sequence[Run], found: Sequence[FloatArray]) -> FloatArray:
-    for run, states in zip(runs, found, strict=True):
-        if len(states) != len(found[0]):
-            raise ValueError(
-                f"series have unequal lengths: {runs[0].name} has {len(found[0])} rows, "
-                f"{run.name} {len(states)}; cut them into blocks of one length (data.blocks)"
-            )
-    return np.stack(found)
-
-
-def _cut(runs: Sequence[Run], found: Sequence[FloatArray], blocks: Blocks) -> FloatArray:
-    cut = []
-    for run, states in zip(runs, found, strict=True):
-        if len(states) < blocks.samples:
-            raise ValueError(
-                f"{run.name} has {len(states)} rows, but a block (data.blocks.duration) takes "
-                f"{blocks.samples}"
-            )
-        cut += [states[start : start + blocks.samples] for start in blocks.starts(len(states))]
-    return np.stack(cut)
 
 
 def kept_series(observable: FloatArray, threshold: float | None) -> tuple[IntArray, IntArray]:
@@ -244,7 +259,8 @@ def kept_series(observable: FloatArray, threshold: float | None) -> tuple[IntArr
 
     ``observable``: ``(series, time)``. ``threshold``: A series whose observable exceeds it is
     discarded; None keeps all. Returns numbers of the kept series, and the steps until each series
-    exceeds it, all steps if it does not (`burstcast.data.dataset.KeptSeries`).
+    exceeds it, all steps if it does not (`burstcast.data.dataset.KeptSeries`); steps that are NaN,
+    after the end of a shorter series, are none.
     """
     first = first_laminar_step(observable, threshold)
     index = np.flatnonzero(first < 0)
@@ -252,4 +268,4 @@ def kept_series(observable: FloatArray, threshold: float | None) -> tuple[IntArr
         raise ValueError(
             f"all {len(observable)} series exceed laminarisation_threshold, {threshold}: raise it"
         )
-    return index, np.where(first >= 0, first, observable.shape[1] - 1)
+    return index, np.where(first >= 0, first, (~np.isnan(observable)).sum(axis=1) - 1)

@@ -42,7 +42,8 @@ class NamedArrays:
                 self.columns[label] = name, number
         if not self.columns:
             listed = ", ".join(
-                f"{name} ({', '.join(map(str, one.dims))})" for name, one in self.variables.items()
+                f"{name} ({', '.join(map(str, variable.dims))})"
+                for name, variable in self.variables.items()
             )
             raise ValueError(
                 f"{source} has no variable with the dimensions {', '.join(AXES)} or some of them; "
@@ -58,10 +59,10 @@ class NamedArrays:
     def states(self, names: Sequence[str]) -> FloatArray:
         """Some components, ``(series, time, component)``; what is missing is NaN."""
         columns = [self.columns[name] for name in names]
-        arrays = {name: self._ordered(name) for name in dict.fromkeys(one for one, _ in columns)}
-        found = [arrays[name][:, :, number] for name, number in columns]
-        series = max(map(len, found))
-        return np.stack([np.broadcast_to(one, (series, one.shape[1])) for one in found], axis=2)
+        arrays = {name: self._ordered(name) for name in dict.fromkeys(name for name, _ in columns)}
+        values = [arrays[name][:, :, number] for name, number in columns]
+        shape = max(map(len, values)), values[0].shape[1]
+        return np.stack([np.broadcast_to(column, shape) for column in values], axis=2)
 
     def _ordered(self, name: str) -> FloatArray:
         """A variable as ``(series, time, component)``; outside its valid range it is NaN."""
@@ -96,21 +97,30 @@ class NamedArrays:
             dated = time.dtype.kind not in "iuf" or bool(time.attrs.get("units"))
             times = self.times("second" if dated else None)
         if times is None:
-            return [LabelledRun(names, one) for one in states]
+            return [LabelledRun(names, series) for series in states]
         rows = np.broadcast_to(times, (len(states), times.shape[1]))
-        return [LabelledRun(names, *one, dated) for one in zip(states, rows, strict=True)]
+        return [
+            LabelledRun(names, series, time, dated)
+            for series, time in zip(states, rows, strict=True)
+        ]
 
     def runs(self, names: Sequence[str], unit: str | None) -> list[Run]:
-        """Runs of the series."""
+        """Runs of the series, each up to its last sample: one of several may end with NaN."""
         states, times = self.states(names), self.times(unit)
-        found = []
-        for row, one in enumerate(states):
-            columns = dict(zip(names, one.T, strict=True))
-            if times is not None:
-                columns[TIME] = times[min(row, len(times) - 1)]
-            number = f", series {row + 1}" if len(states) > 1 else ""
-            found.append(Run(f"{self.source}{number}", columns))
-        return found
+        if len(states) == 1:
+            return [self._run(self.source, names, states[0], None if times is None else times[0])]
+        runs = []
+        for row, series in enumerate(states):
+            (there,) = np.nonzero(~np.isnan(series).all(axis=1))
+            stop = there[-1] + 1 if there.size else len(series)
+            time = None if times is None else times[min(row, len(times) - 1)][:stop]
+            runs.append(self._run(f"{self.source}, series {row + 1}", names, series[:stop], time))
+        return runs
+
+    @staticmethod
+    def _run(source: str, names: Sequence[str], states: FloatArray, time: FloatArray | None) -> Run:
+        columns = dict(zip(names, states.T, strict=True))
+        return Run(source, columns if time is None else {**columns, TIME: time})
 
     def content(self) -> Content:
         """What there is to read."""

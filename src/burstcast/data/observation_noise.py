@@ -17,16 +17,16 @@ _ORDER = 8
 """Order of the differences: an oscillation of eight samples is damped to a thousandth of itself."""
 
 
-def observation_noise(series: FloatArray, known: float | None) -> FloatArray:
+def observation_noise(series: FloatArray, level: float | None) -> FloatArray:
     """Standard deviation of the noise in each component of observed series.
 
-    ``known``: In standard deviations of each component; None: it is estimated (`estimate_noise`).
+    ``level``: In standard deviations of each component; None: it is estimated (`estimate_noise`).
     In the units of the components, ``(dimension,)``.
     """
-    if known is None:
+    if level is None:
         return estimate_noise(series)
     scale: FloatArray = samples_of(series).std(axis=0)
-    return known * scale
+    return level * scale
 
 
 def estimate_noise(series: FloatArray) -> FloatArray:

@@ -1,5 +1,6 @@
 """Measured records: checks, cuts at gaps, and conversion to series of states."""
 
+import itertools
 import math
 import numbers
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from burstcast.base.arrays import FloatArray, is_known
+from burstcast.base.series_lengths import array_or_list, series_lengths
 from burstcast.data.measured_data import (
     Blocks,
     Quantity,
@@ -18,10 +20,13 @@ from burstcast.data.measured_data import (
     series_of_runs,
 )
 from burstcast.data.series_files import content_of
+from burstcast.data.tables import RECIPES
 from burstcast.data.times import TIME, time_step_of
 from burstcast.systems.measured import MeasuredSeries
 
 _MANY = 10  # rows, of which gaps alone hardly leave each by itself
+_SHARED = 0.1  # of the rows, with the time of the row before: that is no row written twice
+_NO_GAP = 1.5  # time steps between two rows without another between them, at most
 TOLERANCE = 0.1
 """Largest distance of a row's time from the regular times of its run, in time steps.
 
@@ -32,12 +37,12 @@ Clocks jitter by less; a row further away begins another run, so that no run dri
 class RecordedSeries:
     """Series of states as they were measured."""
 
-    states: FloatArray  #: ``(series, time, component)``
+    states: FloatArray  #: ``(series, time, component)``; shorter series end with NaN
     #: values that are known in advance, ``(series, time, column)``; None where there are none
-    known: FloatArray | None = None
+    covariates: FloatArray | None = None
     #: time of the first sample of each series; None where rows have no times, or these do not rise
     start: FloatArray | None = None
-    left_out: str = ""  #: sentence about rows that were left out; empty if there are none
+    messages: tuple[str, ...] = ()  #: what was left out, and which lengths series have
 
 
 def measured_series(
@@ -47,8 +52,9 @@ def measured_series(
     *,
     block: float | None = None,
     gap: float = 0.0,
+    shortest: float | None = None,
     cut_gaps: bool = False,
-) -> FloatArray:
+) -> FloatArray | list[FloatArray]:
     """Series of measured records, checked and cut as a campaign does it.
 
     Parameters
@@ -63,12 +69,16 @@ def measured_series(
         Columns, expressions of columns, or ``name = expression``; by default all columns.
     block, gap
         Length of each series, and time between two of them, in time units; None: one of each run.
+    shortest
+        Length of the shortest series, in time units: what is left of a run beside its blocks is a
+        series from this length on. None: all series are as long as a block.
     cut_gaps
-        Whether missing rows and NaN cut a record into blocks; otherwise they are errors.
+        Whether missing rows and NaN cut a record into runs; otherwise they are errors.
 
     Returns
     -------
-    ``(series, time, component)``. What are no numbers in equal steps is a ValueError with the row.
+    ``(series, time, component)``, or a list of series ``(time, component)`` if their lengths
+    differ. What are no numbers in equal steps is a ValueError with the row.
 
     Examples
     --------
@@ -80,16 +90,19 @@ def measured_series(
     >>> measured_series(table, "1 hour", block=24).shape
     (4, 25, 1)
     """
-    if cut_gaps and block is None:
-        raise ValueError("cut_gaps needs block, the length of the series")
+    if cut_gaps and block is None and shortest is None:
+        raise ValueError("cut_gaps needs block, the length of the series, or shortest")
     if isinstance(components, str):
         raise TypeError(f"components must be a list: [{components!r}]")
-    for name, length in (("block", block), ("gap", gap)):
+    for name, length in (("block", block), ("gap", gap), ("shortest", shortest)):
         is_number = isinstance(length, numbers.Real) and not isinstance(length, bool)
         if length is not None and not (is_number and math.isfinite(length)):
             raise TypeError(f"{name} must be a number, in time units of the record, not {length!r}")
-    if (block is not None and not block > 0) or gap < 0:
-        raise ValueError(f"block must be above 0, and gap not below it, not {block!r} and {gap!r}")
+    if gap < 0 or any(length is not None and not length > 0 for length in (block, shortest)):
+        raise ValueError(
+            f"block and shortest must be above 0, and gap not below it, not {block!r}, "
+            f"{shortest!r} and {gap!r}"
+        )
     listed = sources if isinstance(sources, list | tuple) else [sources]
     declared = components or content_of(listed[0]).names
     data = {
@@ -97,10 +110,12 @@ def measured_series(
         "components": declared,
         "known": (),
         "gaps": "cut" if cut_gaps else None,
-        "blocks": None if block is None else {"duration": block, "gap": gap},
+        "blocks": {"duration": block, "gap": gap, "shortest": shortest}
+        if block is not None or shortest is not None
+        else None,
     }
     names = [Quantity(text).name for text in declared]
-    return recorded_series(listed, data, MeasuredSeries(names, names[0])).states
+    return array_or_list(recorded_series(listed, data, MeasuredSeries(names, names[0])).states)
 
 
 def recorded_series(
@@ -111,34 +126,90 @@ def recorded_series(
     ``data``: Section ``data`` of the case, with its ``components``.
     """
     step, unit = time_step_of(data["time_step"])
-    quantities, known = (list(map(Quantity, data[key])) for key in ("components", "known"))
+    quantities, in_advance = (list(map(Quantity, data[key])) for key in ("components", "known"))
     appended = [Quantity(space.observable_of)] if space.appended else []
     runs: list[Run] = []
     for content in map(content_of, sources):
-        runs += content.read(content.columns_of([*quantities, *appended, *known]), unit)
+        runs += content.read(content.columns_of([*quantities, *appended, *in_advance]), unit)
     for run in runs:
         _check_codes(run)
-    blocks = data["blocks"] and Blocks.of(data["blocks"]["duration"], data["blocks"]["gap"], step)
-    left_out = ""
+    blocks = None
+    if lengths := data["blocks"]:
+        blocks = Blocks.of(lengths["duration"], lengths["gap"], lengths.get("shortest"), step)
+    messages: list[str] = []
     if data["gaps"] == "cut":
-        parts = [part for run in runs for part in runs_without_gaps(run, step)]
-        runs, left_out = long_runs(parts, blocks.samples if blocks else 1)
+        parts: list[Run] = []
+        for run in runs:
+            parts += (parts_of_run := runs_without_gaps(run, step))
+            messages += _drift(run, parts_of_run, step)
+        shortest = blocks.shortest if blocks else 1
+        try:
+            runs = long_runs(parts, shortest)
+        except ValueError as error:
+            raise ValueError("; ".join([str(error), *messages])) from None
+        messages += _left_out(parts, shortest)
     else:
         for run in runs:
             check_regular(run, step)
     states = series_of_runs(runs, space, quantities, blocks)
     check_varying(states, space.component_names, f"the series of {runs[0].name} and all others")
-    values = start = None
-    if known:
-        names = [one.name for one in known]
-        values = series_of_runs(runs, MeasuredSeries(names, names[0]), known, blocks)
+    messages += _lengths(states, runs, blocks)
+    covariates = start = None
+    if in_advance:
+        names = [quantity.name for quantity in in_advance]
+        covariates = series_of_runs(runs, MeasuredSeries(names, names[0]), in_advance, blocks)
     if all(TIME in run.columns for run in runs):
-        rows = [list(blocks.starts(run.length)) if blocks else [0] for run in runs]
-        start = np.concatenate(
-            [run.columns[TIME][first] for run, first in zip(runs, rows, strict=True)]
+        start = np.array(
+            [
+                run.columns[TIME][block.start]
+                for run in runs
+                for block in (blocks.of_run(run.length) if blocks else [slice(0, None)])
+            ]
         )
         start = start if (np.diff(start) > 0).all() else None
-    return RecordedSeries(states, values, start, left_out)
+    return RecordedSeries(states, covariates, start, tuple(messages))
+
+
+def _drift(run: Run, parts: Sequence[Run], step: float) -> Iterator[str]:
+    """A sentence about parts that begin without a gap, since times are off, if there are any."""
+    if TIME not in run.columns:
+        return
+    ends = [part.columns[TIME][[0, -1]] for part in parts]
+    drifted = sum(
+        later[0] - earlier[1] < _NO_GAP * step for earlier, later in itertools.pairwise(ends)
+    )
+    steps = np.diff(run.columns[TIME])
+    mean = steps[steps < _NO_GAP * step].mean() if drifted else step
+    if drifted:
+        yield (
+            f"{run.name}: {drifted} of {len(parts)} parts begin without a gap, where times are off "
+            f"by more than a tenth of the time step, {step:g}. The mean step is {mean:.10g}: write "
+            f"that (data.time_step); where times are rounded, write each as the number of its row "
+            f"times the time step ({RECIPES})"
+        )
+
+
+def _left_out(parts: Sequence[Run], shortest: int) -> Iterator[str]:
+    """A sentence about the parts between gaps that are too short for a series, if there are any."""
+    short = [part for part in parts if part.length < shortest]
+    if short:
+        yield (
+            f"gaps leave {len(parts)} parts of the record; {len(short)} of them, with "
+            f"{sum(part.length for part in short)} of {sum(part.length for part in parts)} rows, "
+            f"are shorter than a series of {shortest} and left out; the first is {short[0].name}"
+        )
+
+
+def _lengths(states: FloatArray, runs: Sequence[Run], blocks: Blocks | None) -> Iterator[str]:
+    """Sentences about rows that fill no block, and about unequal lengths."""
+    rows = [blocks.left_over(run.length) if blocks else 0 for run in runs]
+    if any(rows):
+        yield (
+            f"{sum(rows)} of {sum(run.length for run in runs)} rows, at the ends of "
+            f"{np.count_nonzero(rows)} of {len(runs)} runs, are too few for a series and left out"
+        )
+    if (lengths := series_lengths(states)) is not None:
+        yield f"{len(lengths)} series have {lengths.min()} to {lengths.max()} samples"
 
 
 def _check_codes(run: Run) -> None:
@@ -168,6 +239,12 @@ def check_rising(run: Run) -> None:
             f"{run.name}: the record is in falling order, the newest row first: reverse it "
             f"(pandas: table[::-1])"
         )
+    if (steps >= 0).all() and (shared := int((steps == 0).sum())) >= _SHARED * len(time):
+        raise ValueError(
+            f"{run.name}: {shared} of {len(time)} rows have the time of the row before them: times "
+            f"are rounded. Write the time of each row as its number times the time step "
+            f"({RECIPES})"
+        )
     row = int(np.flatnonzero(steps <= 0)[0])
     back = f"goes back by {-steps[row]:g} from" if steps[row] else "stays at"
     raise ValueError(
@@ -187,11 +264,21 @@ def check_regular(run: Run, step: float) -> None:
     if away.any():
         row = int(away.argmax())
         mean = (time[-1] - time[0]) / (len(time) - 1)
+        steps = np.diff(time) / mean
+        if (np.abs(steps - 1) >= 0.5).any():
+            advice = "cut records at their gaps (data.gaps: cut)"
+        elif (np.abs((time - time[0]) / mean - np.arange(len(time))) <= TOLERANCE).all():
+            advice = f"it has no gap; write data.time_step: {mean:.10g}"
+        else:
+            advice = (
+                f"it has no gap, but steps of {steps.min() * mean:g} to {steps.max() * mean:g}: "
+                f"where times are rounded, write each as the number of its row times the time step "
+                f"({RECIPES})"
+            )
         raise ValueError(
             f"{run.name}, row {row + 1}: column {TIME!r} goes on by {time[row] - time[row - 1]:g} "
             f"from row {row}, and by {time[row] - time[0]:g} from row 1; the time step is "
-            f"{step:g}, and the mean step of the record {mean:g}: cut records at their gaps "
-            f"(data.gaps: cut)"
+            f"{step:g}, and the mean step of the record {mean:g}: {advice}"
         )
 
 
@@ -213,7 +300,7 @@ def runs_without_gaps(run: Run, step: float) -> list[Run]:
             raise ValueError(f"{run.name}, row {row}: {name!r} is infinite; write nan for gaps")
         complete &= is_known(column)
     rows = np.flatnonzero(complete)
-    found = []
+    runs: list[Run] = []
     apart = np.flatnonzero((np.abs(np.diff(time[rows]) / step - 1) > 0.5) | (np.diff(rows) > 1))
     for piece in np.split(rows, apart + 1):
         while len(piece):
@@ -222,15 +309,15 @@ def runs_without_gaps(run: Run, step: float) -> list[Run]:
             if timed:
                 regular = part.columns[TIME][0] + step * np.arange(count)
                 part = Run(part.name, {**part.columns, TIME: regular})
-            found.append(part)
+            runs.append(part)
             piece = piece[count:]
-    if len(found) == len(rows) >= _MANY:  # hardly gaps alone
+    if len(runs) == len(rows) >= _MANY:  # hardly gaps alone
         apart_by = float(np.median(np.diff(time[rows])))
         raise ValueError(
             f"{run.name}: no two rows are the time step (data.time_step), {step:g}, apart; most "
             f"are {apart_by:g} apart"
         )
-    return found
+    return runs
 
 
 def _regular(time: FloatArray, step: float) -> int:
@@ -246,24 +333,17 @@ def _regular(time: FloatArray, step: float) -> int:
         length *= 4
 
 
-def long_runs(runs: Sequence[Run], samples: int) -> tuple[list[Run], str]:
-    """Runs of at least ``samples`` rows, and a sentence about shorter ones, empty without any."""
-    lengths = [run.length for run in runs]
+def long_runs(runs: Sequence[Run], samples: int) -> list[Run]:
+    """Runs of at least ``samples`` rows."""
     kept = [run for run in runs if run.length >= samples]
     if not kept:
-        most = f"the longest of {len(runs)} has {max(lengths)}" if runs else "there are none"
+        longest = max((run.length for run in runs), default=0)
+        most = f"the longest of {len(runs)} has {longest}" if runs else "there are none"
         raise ValueError(
-            f"no rows without a gap between them are as many as a block (data.blocks.duration) "
-            f"takes, {samples}: {most}"
+            f"no rows without a gap between them are as many as a series takes, {samples} "
+            f"(data.blocks, duration or shortest): {most}"
         )
-    short = [run for run in runs if run.length < samples]
-    if not short:
-        return kept, ""
-    return kept, (
-        f"gaps leave {len(runs)} parts of the record; {len(short)} of them, with "
-        f"{sum(run.length for run in short)} of {sum(lengths)} rows, are shorter than a block of "
-        f"{samples} and left out; the first is {short[0].name}"
-    )
+    return kept
 
 
 def problems_of_columns(data: Mapping[str, Any], names: Sequence[str]) -> Iterator[str]:
@@ -273,19 +353,19 @@ def problems_of_columns(data: Mapping[str, Any], names: Sequence[str]) -> Iterat
     setting in ``data`` that is wrong: "known has rho twice".
     """
     channels = list(map(Quantity, [*data["components"], data["observable"]]))
-    taken = {text for one in channels for text in (one.name, one.source)}
+    taken = {text for channel in channels for text in (channel.name, channel.source)}
     seen: list[str] = []
-    for one in map(Quantity, data["known"]):
-        if {one.name, one.source} & taken:
+    for covariate in map(Quantity, data["known"]):
+        if {covariate.name, covariate.source} & taken:
             yield (
-                f"known has {one.declaration}, which forecasters see and forecast as a "
+                f"known has {covariate.declaration}, which forecasters see and forecast as a "
                 f"component or the observable: leave it out there, or here"
             )
-        elif one.name in seen:
-            yield f"known has {one.name} twice"
+        elif covariate.name in seen:
+            yield f"known has {covariate.name} twice"
         elif names:
             try:
-                one.columns(names)
+                covariate.columns(names)
             except ValueError as error:
                 yield f"known: {error}"
-        seen.append(one.name)
+        seen.append(covariate.name)

@@ -46,13 +46,15 @@ class TrainingSet:
     own_rows: list[int]
 
     @classmethod
-    def of_parts(cls, parts: Sequence[Mapping[str, FloatArray]], own: int | None) -> "TrainingSet":
+    def of_parts(
+        cls, parts: Sequence[Mapping[str, FloatArray]], part_of_case: int | None
+    ) -> "TrainingSet":
         """Training set of the series of several cases, as variables of `scheduled_variables`.
 
         Series of different cases take turns, so that the first ones, on which networks are
         validated, are of all of them.
 
-        ``own``: Which part has the case's own training series; None if none has.
+        ``part_of_case``: Which part has the case's own training series; None if none has.
         """
         observed = [with_inputs(part["observed"], part["parameter"]) for part in parts]
         shapes = {part.shape[1:] for part in observed}
@@ -64,9 +66,9 @@ class TrainingSet:
         counts = [len(part) for part in observed]
         turn = np.argsort(np.concatenate([np.arange(count) for count in counts]), kind="stable")
         rows: list[int] = []
-        if own is not None:
-            first = sum(counts[:own])
-            rows = np.argsort(turn)[first : first + counts[own]].tolist()
+        if part_of_case is not None:
+            first = sum(counts[:part_of_case])
+            rows = np.argsort(turn)[first : first + counts[part_of_case]].tolist()
         states = np.concatenate([part["state"] for part in parts])
         return cls(states[turn], np.concatenate(observed)[turn], rows)
 

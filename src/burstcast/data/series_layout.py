@@ -85,14 +85,14 @@ def labelled_series(data: Any, what: str = "the series") -> LabelledSeries:
     if not isinstance(data, list | tuple) or not data:
         return LabelledSeries(_checked(float_array(data, what), np.shape(data), what))
     if any(map(_is_labelled, data)):
-        runs = [run for one in data for run in _runs(one, what)]
+        runs = [run for source in data for run in _runs(source, what)]
         states = [_by_label(run, runs[0].labels, what) for run in runs]
         step, dated = _clock(runs, what)
         return LabelledSeries(_side_by_side(states, what), runs[0].labels, step, dated)
-    lengths = {len(one) for one in data if hasattr(one, "__len__")}
+    lengths = {len(series) for series in data if hasattr(series, "__len__")}
     if len(lengths) < 2:
         return LabelledSeries(_checked(float_array(data, what), np.shape(data), what))
-    return LabelledSeries(_side_by_side([float_array(one, what) for one in data], what))
+    return LabelledSeries(_side_by_side([float_array(series, what) for series in data], what))
 
 
 def observation_of(data: Any) -> tuple[FloatArray, tuple[str, ...] | None]:
@@ -158,10 +158,14 @@ def _clock(runs: list[LabelledRun], what: str) -> tuple[float | None, bool]:
     """Interval of the clocks of all series, and whether it is in seconds."""
     timed = [(run, run.times) for run in runs if run.times is not None and len(run.times) > 1]
     steps = [_step(times, run.dated, what) for run, times in timed]
-    for (run, one), (other, step) in pairwise(zip((run for run, _ in timed), steps, strict=True)):
-        samples = min(len(run.states), len(other.states))
-        if run.dated != other.dated or not _alike(step, one, samples):
-            raise ValueError(f"{what} have clocks of different steps, {one:.6g} and {step:.6g}")
+    for (run, step), (following, its_step) in pairwise(
+        zip((run for run, _ in timed), steps, strict=True)
+    ):
+        samples = min(len(run.states), len(following.states))
+        if run.dated != following.dated or not _alike(its_step, step, samples):
+            raise ValueError(
+                f"{what} have clocks of different steps, {step:.6g} and {its_step:.6g}"
+            )
     return (float(np.mean(steps)), timed[0][0].dated) if steps else (None, False)
 
 
@@ -191,7 +195,7 @@ def _alike(step: float, expected: float, samples: int) -> bool:
 
 def _side_by_side(series: list[FloatArray], what: str) -> FloatArray:
     """Series ``(time, component)`` in one array, checked."""
-    shapes = [one.shape for one in series]
+    shapes = [states.shape for states in series]
     if any(len(shape) != 2 or shape[1] != shapes[0][-1] for shape in shapes):
         raise ValueError(
             f"each of {what} must be (time, component) with the same components, not "
@@ -199,9 +203,9 @@ def _side_by_side(series: list[FloatArray], what: str) -> FloatArray:
         )
     if short := [row for row, shape in enumerate(shapes) if not shape[0]]:
         raise ValueError(f"{what} are empty: series {short[0]} has no sample")
-    for row, one in enumerate(series):
-        _check_known(one[np.newaxis], what, row)
-    return np.stack(series) if len({len(one) for one in series}) == 1 else padded(series)
+    for row, states in enumerate(series):
+        _check_finite(states[np.newaxis], what, row)
+    return padded(series)
 
 
 def _checked(array: FloatArray, shape: tuple[int, ...], what: str) -> FloatArray:
@@ -212,14 +216,14 @@ def _checked(array: FloatArray, shape: tuple[int, ...], what: str) -> FloatArray
         raise ValueError(f"{what} must be ({', '.join(AXES)}), not {shape}{hint}")
     if series.size == 0:
         raise ValueError(f"{what} of shape {series.shape} are empty")
-    _check_known(series, what)
+    _check_finite(series, what)
     return series
 
 
-def _check_known(series: FloatArray, what: str, first: int = 0) -> None:
-    known = is_known(series)
-    if not known.all():
-        row, step, component = (int(index) for index in np.argwhere(~known)[0])
+def _check_finite(series: FloatArray, what: str, first: int = 0) -> None:
+    missing = ~is_known(series)
+    if missing.any():
+        row, step, component = (int(index) for index in np.argwhere(missing)[0])
         raise ValueError(
             f"{what} must be finite: series {first + row} is {series[row, step, component]:g} at "
             f"step {step}, component {component}"

@@ -36,10 +36,11 @@ def starting_points(
     ``longest_forecast``: Steps that a forecast reaches beyond its starting point. ``lengths``:
     Samples of each series, where some are shorter than ``length``.
     """
-    steps = np.arange(washout - 1, length - longest_forecast, spacing)
+    longest = length if lengths is None else int(lengths.max())
+    steps = np.arange(washout - 1, longest - longest_forecast, spacing)
     if steps.size == 0:
         raise ValueError(
-            f"series of {length} samples leave no room for a washout of {washout} steps and a "
+            f"series of {longest} samples leave no room for a washout of {washout} steps and a "
             f"forecast of {longest_forecast}"
         )
     points = SeriesPoints(

@@ -194,7 +194,7 @@ def _csv_frame(path: str, names: list[str], header: int, columns: list[str]) -> 
         return table(dtype=kinds, keep_default_na=not dated, na_values=sorted(_GAPS))
     except ValueError:  # a field that is no number, whose place pandas does not tell
         read = table(dtype=str, keep_default_na=False)
-        for name in (one for one in columns if one != TIME):
+        for name in (column for column in columns if column != TIME):
             read[name] = _numbers(path, name, read[name].tolist(), header + 1)
         return read
 

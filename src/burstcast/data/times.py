@@ -53,13 +53,13 @@ def time_step_of(given: float | str) -> tuple[float, str | None]:
         if not 0 < given < math.inf:
             raise ValueError(f"the time step must be finite and above 0, not {given!r}")
         return float(given), None
-    found = _STEP.fullmatch(given)
-    if found is None or not float(found[1]):
+    step = _STEP.fullmatch(given)
+    if step is None or not float(step[1]):
         raise ValueError(
             f"{given!r} is no time step: write a number above 0, or one with second, minute, hour "
             f"or day, such as 5 minutes"
         )
-    return float(found[1]), found[2]
+    return float(step[1]), step[2]
 
 
 def times_in(values: Any, unit: str | None) -> FloatArray:
@@ -73,7 +73,7 @@ def times_in(values: Any, unit: str | None) -> FloatArray:
     if pd.api.types.is_numeric_dtype(kind) and kind.kind not in "bc":
         return column.to_numpy(dtype=np.float64, na_value=np.nan)
     if pd.api.types.is_datetime64_any_dtype(kind):
-        return moments_in(pd.DatetimeIndex(column), _given(unit))
+        return _moments_in(pd.DatetimeIndex(column), _given(unit))
     if pd.api.types.is_timedelta64_dtype(kind):
         return pd.TimedeltaIndex(column).total_seconds().to_numpy() / SECONDS[_given(unit)]
     texts = column.fillna("").tolist()
@@ -117,17 +117,17 @@ def _times_of(texts: Sequence[str], unit: str | None) -> FloatArray:
     if moments.hasnans:  # no such day or hour
         row = int(moments.isna().argmax())
         raise TimesError(f"has {texts[row]!r}, which is no date of the calendar", row)
-    return moments_in(moments, unit)
+    return _moments_in(moments, unit)
 
 
 def _kind(text: str) -> str | None:
     if is_number(text):
         return "number"
-    found = _DATE.fullmatch(text)
-    return found and ("date with an offset" if found[1] else "date")
+    date = _DATE.fullmatch(text)
+    return date and ("date with an offset" if date[1] else "date")
 
 
-def moments_in(moments: pd.DatetimeIndex, unit: str) -> FloatArray:
+def _moments_in(moments: pd.DatetimeIndex, unit: str) -> FloatArray:
     """Moments in units of time since 1970-01-01 UTC; without a zone, they count as UTC."""
     if moments.tz is not None:
         moments = moments.tz_convert("UTC")

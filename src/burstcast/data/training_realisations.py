@@ -43,8 +43,7 @@ def rows_of_realisation(kept: int, training: int, realisation: int) -> IntArray:
         raise ValueError(
             f"{kept} series are too few for {realisation + 1} choices of {training} of them"
         )
-    own = not realisation
-    return trained_first(kept, np.arange(training) + (0 if own else first))
+    return trained_first(kept, np.arange(training) + (first if realisation else 0))
 
 
 def trained_first(kept: int, chosen: IntArray) -> IntArray:
@@ -53,8 +52,8 @@ def trained_first(kept: int, chosen: IntArray) -> IntArray:
     The displaced series take the places that become free; all other series keep theirs.
     """
     rows = np.arange(kept)
-    own = rows[: len(chosen)].copy()
-    rows[np.setdiff1d(chosen, own)] = np.setdiff1d(own, chosen)
+    first = rows[: len(chosen)].copy()
+    rows[np.setdiff1d(chosen, first)] = np.setdiff1d(first, chosen)
     rows[: len(chosen)] = chosen
     return rows
 
@@ -72,7 +71,7 @@ def draw_training_series(
     is nearest to the wanted one. Neither forecasts nor their scores enter.
 
     ``event_shares``: Share of its time that the observable of each series is at or above the event
-    threshold, ``(kept,)``. All series are equally long, so that the share of a set is the mean.
+    threshold, ``(kept,)``; the share of a set is their mean.
     ``candidates``: Rows of the series that may be drawn: all but the test series. Returns rows of
     each choice, in random order, ``(training,)``.
     """

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from burstcast.base.arrays import FloatArray
 from burstcast.base.declared import at, read
+from burstcast.base.series_lengths import numbers_of
 from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
 from burstcast.statistics.densities import bin_edges, edges_over, histogram
@@ -33,7 +34,8 @@ def draw(
     ``observable``: ``(series, time)``. ``density``: Number of ``bins`` of the histogram, and their
     ``range``; None: the range of the data.
     """
-    shown = observable[np.argmax(observable.max(axis=1) >= threshold)]  # the first if none has any
+    # the first if none has any
+    shown = numbers_of(observable[np.argmax((observable >= threshold).any(axis=1))])
     unit = frame.samples_per_lyapunov_time(
         exponents, published_exponent, time_step, sampling_stride
     )
@@ -51,11 +53,11 @@ def draw(
     evolution.set_ylabel(frame.observable_label(symbol, observable_name))
 
     if density["range"] is None:
-        edges = edges_over(observable, density["bins"])
+        edges = edges_over(numbers_of(observable), density["bins"])
     else:
         low, high = density["range"]
         edges = bin_edges(low, high, density["bins"])
-    height = histogram(observable, edges).density
+    height = histogram(numbers_of(observable), edges).density
     panel.stairs(height, edges, color=style.BLACK, linewidth=looks.TRUTH["linewidth"])
     beyond = edges[:-1] >= threshold
     panel.stairs(

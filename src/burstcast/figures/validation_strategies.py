@@ -29,11 +29,12 @@ def draw(
     threshold: float = at("case.event_threshold"),
     strategies: Sequence[str] = at("shown.strategies"),
     recycle: Mapping[str, Any] = at("case.recycle_validation"),
+    training_series: int = at("case.training.series"),
     washout_lt: float = at("washout_lt"),
     interval_lt: float = at("search.interval_lt"),
     symbol: str = at("case.space.observable_symbol"),
 ) -> Figure:
-    """Draw one panel per strategy: the first series, and below it what it is used for.
+    """Draw one panel per strategy: the first (longest) series, and below it what it is used for.
 
     The signal is drawn in the strategy's colour where the network is validated on it.
     ``observable``: Of all series, ``(series, time)``. ``recycle``: Number of ``series`` and of
@@ -48,7 +49,10 @@ def draw(
         series=recycle["series"],
         intervals=recycle["intervals_per_series"],
     )
-    first = observable[0]
+    lengths = (~np.isnan(observable[:training_series])).sum(axis=1)
+    first = observable[np.argmax(lengths), : lengths.max()]
+    if lengths.min() < lengths.max():
+        plan = plan.fitted_to(np.sort(lengths)[::-1].tolist())
     time_lt = np.arange(len(first)) / unit
     figure = style.new_figure(style.DOUBLE_COLUMN, 1.55 * len(strategies) + 0.15)
     panels = figure.subplots(len(strategies), 1, sharex=True, squeeze=False)[:, 0]

@@ -9,6 +9,7 @@ import numpy as np
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.files.netcdf import Variable
 from burstcast.base.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
+from burstcast.base.series_lengths import numbers_of
 from burstcast.data.starting_points import SeriesPoints, segments
 from burstcast.forecasts.event_probabilities import EventProbabilities
 from burstcast.forecasts.observed_points import ObservedPoints
@@ -101,14 +102,19 @@ def forecasts_from(arrays: Mapping[str, Any]) -> WindowForecasts | EventProbabil
 def event_summary(
     observable: FloatArray, threshold: float, training: int, crossings: int, usable: int
 ) -> dict[str, float]:
-    """Summary of the events of all kept series ``(series, time)``."""
-    happens = observable >= threshold
+    """Summary of the events of all kept series.
+
+    ``observable``: True observable, ``(series, time)``; NaN counts nowhere. ``crossings``,
+    ``usable``: Number of events in all series, and of those whose prediction horizon can be
+    measured.
+    """
+    everywhere, in_training = numbers_of(observable), numbers_of(observable[:training])
     return {
-        "event_share": float(happens.mean()),
-        "training_event_share": float(happens[:training].mean()),
+        "event_share": float((everywhere >= threshold).mean()),
+        "training_event_share": float((in_training >= threshold).mean()),
         "events_per_series": crossings / len(observable),
         "usable_events": usable,
-        "largest_observable": float(np.max(observable)),
+        "largest_observable": float(np.max(everywhere)),
     }
 
 

@@ -90,7 +90,7 @@ class FactoredSeries(TrainingSeries):
                 f"({self.series}, {self.length - 1}, factors), not {self.factors.shape}"
             )
 
-    def part(self, rows: slice) -> Self:
+    def part(self, rows: slice | IntArray) -> Self:
         """Some of the series."""
         return replace(self, observed=self.observed[rows], factors=self.factors[rows])
 

@@ -11,7 +11,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from burstcast.base.arrays import FloatArray
+from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.series_lengths import series_lengths
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.network import EchoStateNetwork
@@ -41,7 +41,12 @@ class TrainingSeries:
     input_offset: FloatArray | None = None
     knowledge: Mapping[str, Any] = field(default_factory=dict, kw_only=True)
 
-    def part(self, rows: slice) -> Self:
+    def longest_first(self) -> Self:
+        """Series of unequal lengths in the order of these, others in their own."""
+        lengths = series_lengths(self.observed)
+        return self if lengths is None else self.part(np.argsort(-lengths, kind="stable"))
+
+    def part(self, rows: slice | IntArray) -> Self:
         """Some of the series."""
         return replace(self, observed=self.observed[rows])
 

@@ -75,6 +75,8 @@ def validate(
             states = loops.states(fold)
             truth = _truth(training, observable, fold, plan.interval)
             rows = slice(fold.series.start, fold.series.stop)
+            if np.isnan(truth).any():
+                raise ValueError("a validation interval reaches beyond the end of its series")
             for number, beta in enumerate(tikhonov):
                 readout = solve_ridge(moments, beta)
                 readouts[number].append(readout)

@@ -97,13 +97,20 @@ class LongTermRun:
 
 
 def long_term_starting_points(
-    series: int, length: int, spacing: int, washout: int, count: int
+    series: int,
+    length: int,
+    spacing: int,
+    washout: int,
+    count: int,
+    lengths: IntArray | None = None,
 ) -> SeriesPoints:
     """Starting points of a long-term run: the earliest ones, shared out evenly among the series.
 
-    There are fewer than ``count`` where the series have no more room.
+    The earliest points of every series are taken, one more in the first series where ``count`` is
+    no multiple of their number. There are fewer than ``count`` where the series have no more room.
+    ``lengths``: Samples of each series, where some are shorter than ``length``.
     """
-    points = starting_points(series, length, spacing, washout, longest_forecast=0)
+    points = starting_points(series, length, spacing, washout, longest_forecast=0, lengths=lengths)
     taken = np.sort(np.lexsort((points.series, points.step))[:count])
     return SeriesPoints(series=points.series[taken], step=points.step[taken])
 

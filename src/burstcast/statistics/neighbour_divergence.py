@@ -55,7 +55,8 @@ import scipy
 
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
-from burstcast.data.series_layout import as_series
+from burstcast.base.series_lengths import padded, samples_of, series_lengths, without_padding
+from burstcast.data.series_layout import labelled_series
 
 FITTED = (0.5, 0.65)
 """Parts of its way to saturation over which the mean logarithm of the distances is fitted."""
@@ -142,7 +143,8 @@ def neighbour_divergence(
     Parameters
     ----------
     series
-        ``(series, time, component)`` (`burstcast.data.series_layout`); no component is constant.
+        ``(series, time, component)`` (`burstcast.data.series_layout`), or a list of series of
+        unequal lengths; no component is constant.
     sampling_interval
         Time between two steps, in time units.
     generator
@@ -170,8 +172,9 @@ def neighbour_divergence(
     >>> bool(abs(found.exponent - 0.906) < 0.2)
     True
     """
-    series = as_series(series)
-    spread = series.std(axis=(0, 1))
+    series = labelled_series(series).states
+    unequal = series_lengths(series) is not None
+    spread = samples_of(series).std(axis=0) if unequal else series.std(axis=(0, 1))
     if not (spread > 0).all():
         raise ValueError("no component of the series may be constant")
     if not 0 < sampling_interval < np.inf:
@@ -272,12 +275,17 @@ class _Growth:
 
 
 def correlation_steps(series: FloatArray) -> int:
-    """Steps until the autocorrelation of series is below 1 / e; a quarter of them at most."""
-    departures = series - series.mean(axis=(0, 1))
-    variance = np.square(departures).mean()
+    """Steps until the autocorrelation of series ``(series, time, component)`` is below 1 / e.
+
+    A quarter of the series if it is not before that.
+    """
+    # the same sums with and without NaN, but in another order
+    mean = np.mean if series_lengths(series) is None else np.nanmean
+    departures = series - mean(series, axis=(0, 1))
+    variance = mean(np.square(departures))
     most = int(series.shape[1] // 4)
     for lag in range(1, most):
-        if (departures[:, lag:] * departures[:, :-lag]).mean() < variance / np.e:
+        if mean(departures[:, lag:] * departures[:, :-lag]) < variance / np.e:
             return lag
     return max(1, most)
 
@@ -302,7 +310,11 @@ class _Neighbours:
         """Follow the nearest neighbours of ``most`` states at most for some steps."""
         # both are followed to the end: the mean is over the same pairs at all times
         starts = states.shape[1] - steps
-        candidates = states[:, :starts].reshape(-1, states.shape[2])
+        inside = np.flatnonzero(~np.isnan(states[:, steps:]).any(axis=2))
+        series_of, step_of = np.divmod(inside, starts)
+        candidates = states[:, :starts].reshape(-1, states.shape[2])[inside]
+        if not len(candidates):
+            raise NoExponentError("no state has a neighbour: the series are too short")
         tree = scipy.spatial.cKDTree(candidates)
         chosen = generator.choice(
             len(candidates), min(most, len(candidates)), replace=False, shuffle=False
@@ -311,20 +323,20 @@ class _Neighbours:
         neighbour = np.full(len(chosen), -1)
         waiting, count = np.arange(len(chosen)), 2
         while len(waiting) and count <= min(_MOST_CANDIDATES, len(candidates)):
-            neighbours = np.asarray(tree.query(candidates[chosen[waiting]], k=count)[1])
-            at = chosen[waiting][:, np.newaxis] % starts
-            others, later = np.divmod(neighbours, starts)
-            distinct = (others != chosen[waiting][:, np.newaxis] // starts) | (
-                np.abs(later - at) > window
+            here = chosen[waiting][:, np.newaxis]
+            nearest = np.asarray(tree.query(candidates[chosen[waiting]], k=count)[1])
+            distinct = (series_of[nearest] != series_of[here]) | (
+                np.abs(step_of[nearest] - step_of[here]) > window
             )
             has = distinct.any(axis=1)
-            neighbour[waiting[has]] = neighbours[has, distinct[has].argmax(axis=1)]
+            neighbour[waiting[has]] = nearest[has, distinct[has].argmax(axis=1)]
             waiting, count = waiting[~has], 4 * count
-        paired = neighbour >= 0
-        if not paired.any():
+        has_neighbour = neighbour >= 0
+        if not has_neighbour.any():
             raise NoExponentError("no state has a neighbour: the series are too short")
-        series, step = np.divmod(chosen[paired], starts)
-        other_series, other_step = np.divmod(neighbour[paired], starts)
+        of_pairs, neighbour = chosen[has_neighbour], neighbour[has_neighbour]
+        series, step = series_of[of_pairs], step_of[of_pairs]
+        other_series, other_step = series_of[neighbour], step_of[neighbour]
         distance = np.empty((len(series), steps + 1))
         for ahead in range(steps + 1):
             apart = states[series, step + ahead] - states[other_series, other_step + ahead]
@@ -366,20 +378,29 @@ def surrogate(series: FloatArray, generator: np.random.Generator, *, normal: boo
     replaced by normal ones of the same ranks, which turns a function of normal noise into that
     noise.
     """
-    flat = series.reshape(-1, series.shape[2])
-    values = (
-        scipy.special.ndtri((_ranks(flat) + 0.5) / len(flat)).reshape(series.shape)
-        if normal
-        else series
-    )
+    there = ~np.isnan(series[..., 0])
+    flat, values = series[there], series.copy()
+    if normal:
+        values[there] = scipy.special.ndtri((_ranks(flat) + 0.5) / len(flat))
+    if there.all():
+        noise = _with_drawn_phases(values, generator)
+    else:
+        noise = padded(
+            [_with_drawn_phases(run[np.newaxis], generator)[0] for run in without_padding(values)]
+        )
+    order = _ranks(noise[there])
+    values[there] = np.take_along_axis(np.sort(flat, axis=0), order, axis=0)
+    return values
+
+
+def _with_drawn_phases(values: FloatArray, generator: np.random.Generator) -> FloatArray:
+    """Series ``(series, time, component)`` with the same spectra, about the line between ends."""
     first, last = values[:, :1], values[:, -1:]
-    line = first + (last - first) * np.linspace(0.0, 1.0, series.shape[1])[:, np.newaxis]
+    line = first + (last - first) * np.linspace(0.0, 1.0, values.shape[1])[:, np.newaxis]
     spectrum = np.fft.rfft(values - line, axis=1)
     phases = 2j * np.pi * generator.random((*spectrum.shape[:2], 1))
     phases[:, 0] = 0.0  # the mean stays
-    noise = line + np.fft.irfft(spectrum * np.exp(phases), series.shape[1], axis=1)
-    order = _ranks(noise.reshape(flat.shape))
-    return np.take_along_axis(np.sort(flat, axis=0), order, axis=0).reshape(series.shape)
+    return line + np.fft.irfft(spectrum * np.exp(phases), values.shape[1], axis=1)
 
 
 def _ranks(values: FloatArray) -> IntArray:
@@ -391,18 +412,26 @@ def _saturation(
     states: FloatArray, directions: FloatArray, generator: np.random.Generator
 ) -> float:
     """Mean logarithm of the distance of two states at random."""
-    flat, along = (array.reshape(-1, states.shape[2]) for array in (states, directions))
-    first, second = generator.integers(len(flat), size=(2, _RANDOM_PAIRS))
-    distance = _across(flat[first] - flat[second], along[first])
+    flat, along = map(samples_of, (states, directions))
+    one, other = generator.integers(len(flat), size=(2, _RANDOM_PAIRS))
+    distance = _across(flat[one] - flat[other], along[one])
     return float(np.log(distance[distance > 0]).mean())
 
 
 def _directions(states: FloatArray) -> FloatArray:
     """Unit vectors along the trajectories; zero where a state rests."""
-    change: FloatArray = np.gradient(states, axis=1)
+    if series_lengths(states) is None:
+        change: FloatArray = np.gradient(states, axis=1)
+    else:
+        change = padded([_change(run) for run in without_padding(states)])
     length = np.linalg.norm(change, axis=2, keepdims=True)
     change /= np.where(length > 0, length, 1.0)
     return change
+
+
+def _change(states: FloatArray) -> FloatArray:
+    """Changes from step to step of a series ``(time, component)``; none where it has one sample."""
+    return np.gradient(states, axis=0) if len(states) > 1 else np.zeros_like(states)
 
 
 def _across(apart: FloatArray, direction: FloatArray) -> FloatArray:
@@ -417,4 +446,6 @@ def _embedded(states: FloatArray, copies: int, lag: int) -> FloatArray:
     if length < 2:  # a direction takes two
         raise NoExponentError("the series are too short beside their own correlation time")
     parts = [states[:, copy * lag : copy * lag + length] for copy in range(copies)]
-    return np.concatenate(parts, axis=2)
+    embedded = np.concatenate(parts, axis=2)
+    embedded[np.isnan(embedded).any(axis=2)] = np.nan
+    return embedded[~np.isnan(embedded).all(axis=(1, 2))]

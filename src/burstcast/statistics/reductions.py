@@ -4,6 +4,7 @@ They are summed step by step in the order of time, so that they do not depend on
 cut up; but for products of many components, which are summed by matrix products.
 """
 
+import itertools
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.series_lengths import series_lengths, without_padding
 from burstcast.statistics.densities import Histogram, check_edges, from_slots, slots
 from burstcast.statistics.moments import StateMoments
 
@@ -128,9 +130,14 @@ def reduce_series(
     observable: Callable[[FloatArray], FloatArray],
     edges: FloatArray,
 ) -> SeriesReductions:
-    """Reduce stored series, blocks of ``(series, time, component)``; blocks change no result."""
+    """Reduce stored series.
+
+    ``blocks``: The series, ``(series, time, component)`` each, shorter ones filled up with NaN:
+    read a few at a time, all series need never be in the memory together. How they are grouped
+    changes no result. ``edges``: Edges of the histogram's bins, ``(bins + 1,)``.
+    """
     parts = []
-    for block in blocks:
+    for block in itertools.chain.from_iterable(map(_of_equal_lengths, blocks)):
         accumulator = SeriesAccumulator(len(block), block.shape[2], edges)
         states = np.ascontiguousarray(block.transpose(1, 2, 0))
         accumulator.add(np.arange(len(block)), states, observable(states.transpose(1, 0, 2)))
@@ -143,3 +150,10 @@ def reduce_series(
         np.concatenate([part.sums for part in parts]),
         np.concatenate([part.product_sums for part in parts]),
     )
+
+
+def _of_equal_lengths(block: FloatArray) -> list[FloatArray]:
+    """Series as they are, or one by one where their lengths differ."""
+    if series_lengths(block) is None:
+        return [block]
+    return [series[np.newaxis] for series in without_padding(block)]

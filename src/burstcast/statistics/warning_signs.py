@@ -245,8 +245,8 @@ def noise_drowns_components(states: FloatArray, noise: float) -> Iterator[str]:
 
     ``noise``: Its standard deviation, in standard deviations of each component.
     """
-    increments = np.sqrt(np.mean(np.diff(states, axis=1) ** 2, axis=(0, 1)))
-    levels = noise * states.std(axis=(0, 1))
+    increments = np.sqrt(np.nanmean(np.diff(states, axis=1) ** 2, axis=(0, 1)))
+    levels = noise * np.nanstd(states, axis=(0, 1))
     # a component that does not vary has no noise either
     drowned = np.flatnonzero(levels > NOISE_OVER_INCREMENT * increments)
     if not drowned.size:
@@ -277,7 +277,7 @@ def slow_trend(
     if len(start) < 4 or not np.ptp(start):
         return
     time = (start - start.mean()) / np.ptp(start)
-    means = states.mean(axis=1)
+    means = np.nanmean(states, axis=1)
     slopes = time @ means / (time @ time)
     residuals = means - means.mean(axis=0) - np.outer(time, slopes)
     squares = np.sum(residuals**2, axis=0)
@@ -285,7 +285,7 @@ def slow_trend(
     # a line that fits exactly leaves nothing to correlate
     alike = np.clip(lagged / np.maximum(squares, np.finfo(float).tiny), 0.0, 0.99)
     error = np.sqrt(squares / (len(start) - 2) / (time @ time) * (1 + alike) / (1 - alike))
-    drift = slopes / np.maximum(states.std(axis=(0, 1)), np.finfo(float).tiny)
+    drift = slopes / np.maximum(np.nanstd(states, axis=(0, 1)), np.finfo(float).tiny)
     strong = (np.abs(drift) >= TREND) & (np.abs(slopes) >= TREND_ERRORS * error)
     if not strong.any():
         return

@@ -207,8 +207,15 @@ class RecycleValidation(Section):
 class Blocks(Section):
     """Lengths by which measured records are cut into series."""
 
-    duration: Positive = setting("length of each block; the remainder is dropped", TIME)
+    duration: Positive | None = optional(
+        "length of each block; null: each record, or part of one between gaps, is a series", TIME
+    )
     gap: Number = setting("from the end of a block to the start of the next", TIME, ge=0, default=0)
+    shortest: Positive | None = optional(
+        "length of the shortest series: what is left of a record beside its blocks is a series "
+        "from this length on; null: all series are as long as a block",
+        TIME,
+    )
 
 
 class Data(Section):
@@ -243,7 +250,8 @@ class Data(Section):
     )
     time_step: TimeStep = optional("time between two rows, which are the steps of a forecast", TIME)
     gaps: Literal["cut"] | None = optional(
-        "cut: gaps cut a record, and parts shorter than a block are left out; null: gaps are errors"
+        "cut: gaps cut a record, and parts that are too short for a series (blocks) are left out; "
+        "null: gaps are errors"
     )
     blocks: Blocks | None = optional("how series are cut; null: not at all")
 
@@ -387,7 +395,8 @@ class Case(Section):
     @property
     def has_known_lengths(self) -> bool:
         """Whether the config knows how long a Lyapunov time and a series are."""
-        return None not in (self.steps_per_lyapunov_time, self.samples)
+        shorter = self.data and self.data.blocks and self.data.blocks.shortest
+        return None not in (self.steps_per_lyapunov_time, self.samples) and not shorter
 
     @property
     def time_unit(self) -> str | list[str]:

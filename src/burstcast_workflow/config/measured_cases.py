@@ -183,7 +183,14 @@ def problems_of_entry(entry: Config) -> Iterator[str]:
         if data.time_step is None:
             yield "data.time_step is missing: the time between two rows"
         if data.gaps and not data.blocks:
-            yield "data.gaps needs data.blocks beside it: gaps cut a record into unequal parts"
+            yield (
+                "data.gaps needs data.blocks beside it: the duration of series, or the length of "
+                "the shortest part between gaps that is one (shortest)"
+            )
+        if (blocks := data.blocks) and not (blocks.duration or blocks.shortest):
+            yield "data.blocks needs a duration, or the length of the shortest series (shortest)"
+        if blocks and blocks.duration and (blocks.shortest or 0) > blocks.duration:
+            yield "data.blocks.shortest is longer than data.blocks.duration"
         return
     if not (is_encoded(entry) or data.components):
         yield "data.components is missing: what forecasters see of the other case"

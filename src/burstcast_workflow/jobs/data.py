@@ -8,6 +8,7 @@ from typing import Any
 
 from burstcast.base.arrays import FloatArray
 from burstcast.base.files.netcdf import read_netcdf, read_rows, variable_names
+from burstcast.base.series_lengths import numbers_of
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.ensemble_files import SCHEDULE
 from burstcast.statistics.densities import bin_edges, edges_over
@@ -113,4 +114,4 @@ class Density(JobSettings):
         if self.density["range"] is not None:
             low, high = self.density["range"]
             return bin_edges(low, high, bins)
-        return edges_over(read_netcdf(ensemble, "observable")["observable"], bins)
+        return edges_over(numbers_of(read_netcdf(ensemble, "observable")["observable"]), bins)

@@ -1,11 +1,14 @@
 """Forecasts of a job's case: the sets of their starting points, their windows."""
 
+import numpy as np
+
 from burstcast.base.arrays import FloatArray
 from burstcast.base.files.netcdf import read_rows
 from burstcast.forecasts.forecast_files import point_variables, schedule_variables
 from burstcast.forecasts.horizon import HorizonSearch
 from burstcast.forecasts.observed_points import observed_points
 from burstcast.forecasts.windows import window_boundaries
+from burstcast_workflow.harness.job import tell
 from burstcast_workflow.harness.settings import at, concerning
 from burstcast_workflow.harness.storage import read_json, write_netcdf
 from burstcast_workflow.jobs.data import Observed, Tested, known_rows
@@ -83,6 +86,12 @@ class Points(System, Washed, Windows, Observed):
                 spacing=spacing,
                 washout=self.washout,
                 boundaries=boundaries,
+            )
+        without = len(states) - len(np.unique(points.points.series))
+        if without:
+            tell(
+                f"{without} of {len(states)} series have no starting point: they are shorter than "
+                f"a washout and the longest forecast"
             )
         variables = point_variables(points, states, space.observable_name)
         if schedules is not None:

@@ -3,7 +3,7 @@
 The checks are the library's, which refuses the same in a job and in a notebook.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -55,12 +55,14 @@ class Lengths(Washed):
         kinds: Collection[str],
         validations: Collection[str],
         long_runs: bool = True,
+        training_lengths: Sequence[int] = (),
     ) -> list[str]:
         """Durations that do not fit into series of so many samples, with their settings.
 
         ``steps``: Of a Lyapunov time. ``samples``: None if unknown; durations are then compared
         with a step alone. The case has forecasters of these ``kinds``, and networks of
-        these ``validations``.
+        these ``validations``. ``training_lengths``: Samples of training series of unequal lengths,
+        the longest first.
         """
         problems: list[str] = []
         counts: dict[Any, int] = {}
@@ -78,6 +80,9 @@ class Lengths(Washed):
             training, lead = self.training_series, self.single_shot_lead_steps
             validated = min(self.validated_series, training)
             plan = ValidationPlan(washout, interval, validated, self.intervals, lead)
+            if training_lengths and validations:
+                with listing(problems, VALIDATED):
+                    plan = plan.fitted_to(training_lengths)
             for name in dict.fromkeys([*VALIDATED_TOGETHER, *validations] if validations else []):
                 with listing(problems, f"{VALIDATION} or ensemble.duration"):
                     make_strategy(name).folds(plan, training, samples)
@@ -101,6 +106,7 @@ class Lengths(Washed):
 
 
 VALIDATION = names(Lengths.intervals, Lengths.interval_lt, Lengths.washout_lt)
+VALIDATED = names(Lengths.validated_series, Lengths.interval_lt, Lengths.washout_lt)
 FORECASTS = names(Lengths.longest_prediction_time_lt, Lengths.window_lt, Lengths.washout_lt)
 HORIZONS = names(Lengths.longest_lead_time_lt, Lengths.washout_lt)
 LONG_RUNS = names(Lengths.duration, Lengths.fixed_point_interval_lt)

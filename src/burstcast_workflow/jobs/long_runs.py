@@ -4,6 +4,7 @@ from typing import Any
 
 from burstcast.base.arrays import FloatArray
 from burstcast.base.files.netcdf import read_netcdf
+from burstcast.base.series_lengths import series_lengths
 from burstcast.data.starting_points import segments
 from burstcast.forecasters.base import Forecaster
 from burstcast.statistics.densities import SETTLED
@@ -35,11 +36,12 @@ class LongRuns(System, Washed, Observed):
             self.steps(self.start_spacing_lt),
             self.washout,
             self.starting_points,
+            series_lengths(states),
         )
         return segments(states, points, self.washout - 1, 0)
 
     def run_steps(self, ensemble: str) -> int:
-        """Steps of each run; without a duration, as many as a series has."""
+        """Steps of each run; without a duration, as many as the longest series has."""
         if self.duration is None:
             return len(read_netcdf(ensemble, "time")["time"]) - 1
         return round(self.duration / self.sampling_interval)

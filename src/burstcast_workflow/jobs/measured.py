@@ -8,8 +8,13 @@ import numpy as np
 from burstcast.base.arrays import FloatArray
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.data.dataset import component_scales, observed_series
-from burstcast.data.delay_coordinates import delay_coordinates
-from burstcast.data.measured_data import Quantity, check_varying, runs_of_states, series_of_runs
+from burstcast.data.delay_coordinates import with_delays
+from burstcast.data.measured_data import (
+    Quantity,
+    check_varying,
+    runs_of_states,
+    series_of_runs,
+)
 from burstcast.data.records import RecordedSeries, recorded_series
 from burstcast.systems.measured import MeasuredSeries
 from burstcast_workflow.harness.settings import at
@@ -51,7 +56,7 @@ class MeasuredData(Tested):
                 states, 0, noise["level"], scales, noise["random_seed"], self.case
             )
         count = len(self.data["components"])
-        seen = delay_coordinates(states[..., :count], delays)
+        seen = with_delays(states[..., :count], delays)
         return np.concatenate([seen, states[:, self.past :, count:]], axis=2)
 
     def measured_series(self, sources: Sequence[str]) -> RecordedSeries:

@@ -5,6 +5,7 @@ from typing import Any, Literal
 
 from burstcast.base.arrays import FloatArray
 from burstcast.base.names import parsed
+from burstcast.base.series_lengths import series_lengths
 from burstcast.data.dataset import network_input_offset, network_input_range
 from burstcast.forecasters._options import AwareOptions
 from burstcast.forecasters.esn_aware import factored_training
@@ -63,7 +64,7 @@ class Networks(Washed, Observed):
         """Observed series, normalised by their true states."""
         scale = network_input_range(states, self.input_range)
         offset = network_input_offset(states, self.input_offset)
-        return TrainingSeries(observed, scale, offset)
+        return TrainingSeries(observed, scale, offset).longest_first()
 
 
 class Search(System, Networks):
@@ -87,17 +88,21 @@ class Search(System, Networks):
         self, identifier: str, ensemble: str, scheduled: Sequence[str]
     ) -> PointValidator:
         """Validation of the search points of one reservoir, its own or a network's."""
+        training = self.learnt(ensemble, scheduled)
+        plan = ValidationPlan(
+            washout=self.washout,
+            interval=self.positive_steps(Search.interval_lt),
+            series=self.validated_series,
+            intervals=self.intervals,
+            single_shot_lead=self.single_shot_lead_steps,
+        )
+        if (lengths := series_lengths(training.observed)) is not None:
+            plan = plan.fitted_to(lengths.tolist())
         return PointValidator(
             reservoir=self.reservoir_seed(identifier).reservoir(self.space.dimension),
-            training=self.learnt(ensemble, scheduled),
+            training=training,
             observable=self.space.observable,
-            plan=ValidationPlan(
-                washout=self.washout,
-                interval=self.positive_steps(Search.interval_lt),
-                series=self.validated_series,
-                intervals=self.intervals,
-                single_shot_lead=self.single_shot_lead_steps,
-            ),
+            plan=plan,
             tikhonov=self.tikhonov,
             backend=self.backend,
             readout=self.readout,

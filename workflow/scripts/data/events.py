@@ -1,6 +1,7 @@
 """Find the extreme events of the series that were not used for training."""
 
 from burstcast.base.files.netcdf import read_netcdf, read_rows
+from burstcast.base.series_lengths import numbers_of
 from burstcast.data.starting_points import crossing_points, horizon_events, steps_before_events
 from burstcast.forecasts.forecast_files import event_summary, event_variables
 from burstcast.statistics.warning_signs import few_events
@@ -26,12 +27,13 @@ def events_of_case(*, ensemble: str, events: str, events_summary: str, settings:
     with concerning(Events.longest_lead_time_lt, Events.washout_lt):
         longest = settings.positive_steps(Events.longest_lead_time_lt)
         before = steps_before_events(observable.shape[1], longest, settings.washout)
-    if not threshold > observable.mean():
+    samples = numbers_of(observable)
+    if not threshold > samples.mean():
         raise ValueError(
             f"event_threshold is {threshold}, but it must exceed the mean of the "
-            f"observable over all data, {observable.mean():.4g}"
+            f"observable over all data, {samples.mean():.4g}"
         )
-    for finding in few_events(1, 1, threshold, float(observable.max())):
+    for finding in few_events(1, 1, threshold, float(samples.max())):
         tell(finding.text)
     crossings = crossing_points(observable, threshold)
     points = horizon_events(crossings, first, before, settings.most_events)

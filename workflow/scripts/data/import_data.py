@@ -4,6 +4,7 @@ import numpy as np
 
 from burstcast.base.files.netcdf import Variable
 from burstcast.base.files.units import TIME
+from burstcast.base.series_lengths import held_after_the_end
 from burstcast.data.ensemble_files import START, ensemble_variables, schedule_variable
 from burstcast.data.measured_data import kept_series
 from burstcast_workflow.harness.job import at, job, tell, write_json, write_netcdf
@@ -21,11 +22,12 @@ class Imported(MeasuredData, Sampling):
 def import_data(*, sources: list[str], ensemble: str, summary: str, settings: Imported) -> None:
     """Write the series, their observable, and a summary."""
     measured = settings.measured_series(sources)
-    if measured.left_out:
-        tell(measured.left_out)
+    for message in measured.messages:
+        tell(message)
     states = measured.states
     space = settings.present_space
     observable = np.stack([space.observable(series.T) for series in states])
+    observable[np.isnan(states[..., 0])] = np.nan
     index, lifetimes = kept_series(observable, settings.laminarisation_threshold)
     variables, of_all = ensemble_variables(
         settings.with_past(states[index]),
@@ -35,8 +37,9 @@ def import_data(*, sources: list[str], ensemble: str, summary: str, settings: Im
         np.maximum(lifetimes - settings.past, 0),
         settings.sampling_interval,
     )
-    if measured.known is not None:
-        variables |= schedule_variable(measured.known[index, settings.past + 1 :])
+    if measured.covariates is not None:
+        covariates = held_after_the_end(measured.covariates)
+        variables |= schedule_variable(covariates[index, settings.past + 1 :])
     if measured.start is not None:
         start = measured.start[index] + settings.past * settings.sampling_interval
         variables[START] = Variable(("series",), start, TIME, "time of the first sample")

@@ -3,7 +3,9 @@
 Nothing waits for it, but it runs before what would fail for the same reason, job after job.
 """
 
-from burstcast.base.files.netcdf import read_netcdf
+import numpy as np
+
+from burstcast.base.files.netcdf import read_netcdf, variable_names
 from burstcast_workflow.harness.job import at, job, write_json
 from burstcast_workflow.jobs.lengths import Lengths
 
@@ -20,8 +22,14 @@ class LengthsOfCase(Lengths):
 def lengths_of_case(*, ensemble: str, lengths: str, settings: LengthsOfCase) -> None:
     """Write the steps of a Lyapunov time and of a series, or raise with all that does not fit."""
     steps, samples = settings.lyapunov_time, len(read_netcdf(ensemble, "time")["time"])
+    training: list[int] = []
+    if "length" in variable_names(ensemble):
+        lengths_of_series = read_netcdf(ensemble, "length")["length"]
+        trained, tested = np.split(lengths_of_series, [settings.training_series])
+        training = sorted(trained.tolist(), reverse=True)
+        samples = int(min(trained.max(), tested.max()))  # the longest series of either set
     problems = settings.misfits(
-        steps, samples, settings.kinds, settings.validations, settings.long_runs
+        steps, samples, settings.kinds, settings.validations, settings.long_runs, training
     )
     if problems:
         raise ValueError(

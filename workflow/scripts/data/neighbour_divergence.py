@@ -1,6 +1,7 @@
 """Estimate the leading Lyapunov exponent of measured series: how fast neighbours part."""
 
 from burstcast.base import random_streams
+from burstcast.base.series_lengths import array_or_list
 from burstcast.statistics.neighbour_divergence import NoExponentError, neighbour_divergence
 from burstcast_workflow.harness.job import at, job, tell, write_json
 from burstcast_workflow.jobs.data import Training
@@ -23,7 +24,11 @@ def estimated_exponent(*, ensemble: str, exponents: str, settings: Divergence) -
     stream = random_streams.stream(settings.random_seed, "neighbour divergence", settings.case)
     try:
         record = neighbour_divergence(
-            series, interval, stream, resamples=settings.resamples, confidence=settings.confidence
+            array_or_list(series),
+            interval,
+            stream,
+            resamples=settings.resamples,
+            confidence=settings.confidence,
         ).record()
     except NoExponentError as error:
         if settings.sets_time_unit:

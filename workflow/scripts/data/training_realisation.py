@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from burstcast.base import random_streams
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.data.ensemble_files import ensemble_variables, schedule_variable
@@ -42,7 +44,8 @@ def choose_training_series(
     if drawn := settings.drawn:
         base, _ = realisation_of(settings.case)
         rows = rows_of_drawn_series(
-            (data["observable"] >= drawn["threshold"]).mean(axis=1),
+            (data["observable"] >= drawn["threshold"]).sum(axis=1)
+            / (~np.isnan(data["observable"])).sum(axis=1),
             training,
             sum(held.values()),
             drawn["shares"],

@@ -20,24 +20,13 @@ from burstcast.systems.state_space import StateSpace, component_names
 
 @dataclass(frozen=True)
 class EncodingCase:
-    """Information for encoders of a case beside the data.
+    """Information for encoders of a case beside the data."""
 
-    Attributes
-    ----------
-    space
-        The states of the flow, and its symmetries where it has any.
-    options
-        Settings of the kind itself.
-    observation
-        How the observed components follow from states; None: they are the states themselves.
-    noise
-        Standard deviation of the errors of the observed components, ``(observed,)``; None: there
-        are none.
-    """
-
-    space: StateSpace
-    options: Mapping[str, Any] = field(default_factory=dict)
+    space: StateSpace  #: the states of the flow, and its symmetries where it has any
+    options: Mapping[str, Any] = field(default_factory=dict)  #: settings of the kind itself
+    #: how the observed components follow from states; None: they are the states themselves
     observation: Observation | None = None
+    #: standard deviation of the errors of the observed components, ``(observed,)``; None: no errors
     noise: FloatArray | None = None
 
     @property
@@ -73,18 +62,8 @@ class Encoder(abc.ABC):
     def fit(cls, training: FloatArray, case: EncodingCase) -> Self:
         """Fit the encoder to training series.
 
-        Parameters
-        ----------
-        training
-            True states where the kind needs them, and observed ones otherwise, of the training
-            series only: ``(series, time, component)``.
-        case
-            Information beside the series.
-
-        Raises
-        ------
-        ValueError
-            If an option is out of bounds, or the states have no such encoding.
+        ``training``: True states where the kind needs them, and observed ones otherwise, ``(series,
+        time, component)``. An option out of bounds is a ValueError.
         """
 
     @classmethod
@@ -95,38 +74,16 @@ class Encoder(abc.ABC):
     @classmethod
     @abc.abstractmethod
     def channel_names(cls, case: EncodingCase) -> tuple[str, ...]:
-        """Names of the channels, which are known before the encoder is fitted.
-
-        Raises
-        ------
-        ValueError
-            If an option is out of bounds, or the states have no such encoding.
-        """
+        """Names of the channels, which are known before the encoder is fitted."""
 
     @abc.abstractmethod
     def encode(self, observed: FloatArray) -> FloatArray:
-        """Channels of observations.
-
-        Parameters
-        ----------
-        observed
-            ``(component, ...)``.
-
-        Returns
-        -------
-        ``(channel, ...)``.
-        """
+        """Channels ``(channel, ...)`` of observations ``(component, ...)``."""
 
     def encode_series(self, observed: FloatArray) -> FloatArray:
         """Channels of series ``(series, time, component)``: ``(series, time, channel)``."""
         return np.moveaxis(self.encode(np.moveaxis(observed, -1, 0)), 0, -1)
 
     def decode(self, channels: FloatArray) -> FloatArray:
-        """Components of channels ``(channel, ...)``, as near as the encoding allows.
-
-        Raises
-        ------
-        NotImplementedError
-            If the kind cannot decode.
-        """
+        """Components of channels ``(channel, ...)``, as near as the encoding allows."""
         raise NotImplementedError(f"{type(self).__name__} does not decode")

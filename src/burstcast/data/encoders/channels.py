@@ -90,10 +90,10 @@ class StateChannels:
         """Fitted arrays, by part and name."""
         parts = {"estimate": self.estimate, "encoder": self.encoder}
         return {
-            f"{part}_{name}": getattr(one, name)
-            for part, one in parts.items()
-            if one is not None
-            for name in one.array_names
+            f"{part}_{name}": getattr(encoder, name)
+            for part, encoder in parts.items()
+            if encoder is not None
+            for name in encoder.array_names
         }
 
     def encode(self, seen: FloatArray) -> FloatArray:
@@ -122,8 +122,8 @@ class StateChannels:
         decode: Callable[[FloatArray], FloatArray] = self.encoder.decode
         if self.case.observation is not None and self.estimate is None:
             # channels are the estimate of the state itself, or readings, which it follows from
-            known = isinstance(self.encoder, StateEstimateEncoder)
-            decode = _same if known else StateEstimateEncoder.of(moments, self.case).encode
+            is_estimate = isinstance(self.encoder, StateEstimateEncoder)
+            decode = _same if is_estimate else StateEstimateEncoder.of(moments, self.case).encode
         matrix, offset = _affine(
             lambda state: self.encode(self.case.readings(state)), states.shape[-1]
         )
@@ -180,9 +180,9 @@ def check_encoding(kind: str, case: EncodingCase, noise: float, snapshots: int) 
 
     ``noise``: Level of the observation noise, ``training.noise``.
     """
-    known = encoder_class(kind).option_names
+    options = encoder_class(kind).option_names
     for name, value in case.options.items():
-        if value not in (None, []) and name not in known:
+        if value not in (None, []) and name not in options:
             raise ValueError(f"encoder.{name} is no option of the encoder {kind}: leave it out")
     channel_names(kind, case)
     if isinstance(case.observation, VelocitySensors):

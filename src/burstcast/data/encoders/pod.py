@@ -58,11 +58,6 @@ class PodEncoder(Encoder):
             raise ValueError(f"modes must be a number from 1 to {most}, the components of a state")
         return tuple(f"mode_{number}" for number in range(1, int(count) + 1))
 
-    @property
-    def kept_variance(self) -> float:
-        """Share of the variance that the modes hold."""
-        return float(self.variances[: self.modes.shape[1]].sum() / self.variances.sum())
-
     def encode(self, observed: FloatArray) -> FloatArray:
         """Coefficients ``(mode, ...)`` of states ``(component, ...)``."""
         return np.tensordot(self.modes.T, (observed.T - self.mean).T, axes=1)

@@ -33,8 +33,8 @@ def encoder_class(kind: str) -> type[Encoder]:
             f"the available kinds are {', '.join(available)}; "
             "a class in a module of yours is named <module>:<class>"
         )
-    (found,) = concrete_classes(burstcast.data.encoders, kind, Encoder)  # type: ignore[type-abstract]
-    return found
+    (encoder,) = concrete_classes(burstcast.data.encoders, kind, Encoder)  # type: ignore[type-abstract]
+    return encoder
 
 
 def encoder_module(kind: str) -> str:

@@ -17,10 +17,10 @@ class ObservedComponents(Observation):
     names: tuple[str, ...]
 
     def __post_init__(self) -> None:
-        known = component_names(self.space)
+        components = component_names(self.space)
         for name in self.names:
-            if name not in known or self.names.count(name) > 1:
-                raise ValueError(f"components must be some of {', '.join(known)}, each once")
+            if name not in components or self.names.count(name) > 1:
+                raise ValueError(f"components must be some of {', '.join(components)}, each once")
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -30,5 +30,5 @@ class ObservedComponents(Observation):
     @property
     def matrix(self) -> FloatArray:
         """Rows of the unit matrix, ``(observed, dimension)``."""
-        known = component_names(self.space)
-        return np.eye(len(known))[[known.index(name) for name in self.names]]
+        components = component_names(self.space)
+        return np.eye(len(components))[[components.index(name) for name in self.names]]

@@ -18,15 +18,6 @@ OBSERVABLE = "observable"
 class ObservedPart:
     """Observed part of states: components, expressions of components, and the observable.
 
-    Attributes
-    ----------
-    source
-        State space of the whole states.
-    space
-        State space of the observed part.
-    quantities
-        The components of `space`, from the components of `source` and ``observable``.
-
     Examples
     --------
     >>> from burstcast.systems.mfe import MoehlisFaisstEckhardt
@@ -38,39 +29,28 @@ class ObservedPart:
     (3, 5)
     """
 
-    source: StateSpace
-    space: MeasuredSeries
+    source: StateSpace  #: of the whole states
+    space: MeasuredSeries  #: of the observed part
+    #: components of `space`, from the components of `source` and ``observable``
     quantities: tuple[Quantity, ...]
 
     @classmethod
     def of(cls, source: StateSpace, declarations: Sequence[str], observable: str) -> "ObservedPart":
-        """Observe quantities of another state.
+        """Observe components of a state, or ``name = expression`` of components.
 
-        Parameters
-        ----------
-        source
-            State space of the whole states.
-        declarations
-            Names of components, or ``name = expression`` of components.
-        observable
-            Observable of the part: one of its components, an expression of them, or ``observable``.
-
-        Raises
-        ------
-        ValueError
-            If a quantity has a name that the state does not have.
+        ``observable``: One of the observed components, an expression of them, or ``observable``.
         """
         quantities = [Quantity(text) for text in declarations]
-        space = MeasuredSeries([one.name for one in quantities], observable)
+        space = MeasuredSeries([quantity.name for quantity in quantities], observable)
         if space.appended:
             quantities.append(Quantity(observable))
-        for one in quantities:
-            one.columns([*component_names(source), OBSERVABLE])
+        for quantity in quantities:
+            quantity.columns([*component_names(source), OBSERVABLE])
         return cls(source, space, tuple(quantities))
 
     def __call__(self, states: FloatArray) -> FloatArray:
         """Observe states ``(dimension, ...)``: ``(observed, ...)``, without noise."""
         columns = dict(zip(component_names(self.source), states, strict=True))
         columns[OBSERVABLE] = self.source.observable(states)
-        found = np.broadcast_arrays(*(one.values(columns) for one in self.quantities))
-        return np.stack(found)
+        values = [quantity.values(columns) for quantity in self.quantities]
+        return np.stack(np.broadcast_arrays(*values))

@@ -33,21 +33,6 @@ class PlaneFlow(Protocol):
 class VelocitySensors(Observation):
     """Velocities u and v at the points of a grid.
 
-    Parameters
-    ----------
-    flow
-        The flow, whose domain the grid covers.
-    points
-        Number of sensors along x and y, at equal distances.
-    offset
-        Coordinates of the first sensor. A grid that begins at the origin can miss a force that is
-        zero at all its points, as sin(4 y) is at multiples of pi / 4.
-
-    Raises
-    ------
-    ValueError
-        If there is no sensor, or one lies outside the domain.
-
     Examples
     --------
     >>> class SineFlow:
@@ -61,8 +46,10 @@ class VelocitySensors(Observation):
     (64, 1)
     """
 
-    flow: PlaneFlow
-    points: tuple[int, int] = (8, 8)
+    flow: PlaneFlow  #: its domain is covered by the grid
+    points: tuple[int, int] = (8, 8)  #: sensors along x and y, at equal distances
+    #: coordinates of the first sensor: a grid that begins at the origin can miss a force that is
+    #: zero at all its points, as sin(4 y) is at multiples of pi / 4
     offset: tuple[float, float] = (0.31, 0.17)
 
     def __post_init__(self) -> None:

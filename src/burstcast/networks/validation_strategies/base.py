@@ -7,7 +7,7 @@ Neural Networks 142 (2021).
 
 import abc
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 
@@ -40,6 +40,22 @@ class ValidationPlan:
     def fitting(self, length: int) -> int:
         """Number of intervals that fit into a series of ``length`` samples after the washout."""
         return max(0, (length - self.washout) // self.interval)
+
+    def fitted_to(self, lengths: Sequence[int]) -> "ValidationPlan":
+        """Plan with as many intervals as fit the shortest validated series, unless they are given.
+
+        ``lengths``: Samples of each training series, the longest first. A ValueError says how many
+        series are long enough if these are too few.
+        """
+        wanted = self.intervals or 1
+        fitting = [self.fitting(length) for length in lengths]
+        if self.series > (enough := sum(count >= wanted for count in fitting)):
+            raise ValueError(
+                f"{self.series} series are to have validation intervals, but only {enough} of "
+                f"{len(lengths)} training series have a washout of {self.washout} steps and "
+                f"{wanted} {'interval' if wanted == 1 else 'intervals'} of {self.interval}"
+            )
+        return replace(self, intervals=self.intervals or min(fitting[: self.series]))
 
     def starts(self, length: int) -> tuple[int, ...]:
         """First steps of the intervals, laid end to end in a series of ``length`` samples."""

@@ -10,6 +10,7 @@ from burstcast.base.arrays import FloatArray
 from burstcast.base.declared import at, declaring, read
 from burstcast.base.files.netcdf import read_netcdf, read_rows, variable_names
 from burstcast.base.names import PERMANENT_ALARM
+from burstcast.base.series_lengths import samples_of
 from burstcast.data.ensemble_files import START
 from burstcast.networks.negligible_ridge import negligible_ridge
 from burstcast.statistics import warning_signs
@@ -84,7 +85,7 @@ def make(
         "input_scaling": input_scaling,
         "tikhonov": tikhonov,
     }
-    samples, space = len(states) * states.shape[1], make_space(system, parameters)
+    samples, space = len(samples_of(states)), make_space(system, parameters)
     histogram = LongTermStatistics.from_arrays(data).histogram
     of_case = [
         *warning_signs.few_events(

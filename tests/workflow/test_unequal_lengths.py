@@ -1,0 +1,166 @@
+"""A measured campaign whose series have unequal lengths: files, arrays, and runs between gaps."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray
+import yaml
+from helpers_rebuilds import Project
+
+from burstcast.base.files.netcdf import read_netcdf
+from burstcast.base.files.tables import read_table
+from burstcast.forecasters.nvar import NVAR
+from burstcast.forecasts.observed_points import observed_points
+from burstcast.forecasts.window_forecasts import window_forecasts
+from burstcast.forecasts.windows import window_boundaries
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
+from burstcast_workflow import open_campaign
+from burstcast_workflow.harness.storage import read_json
+
+LENGTHS = (700, 801, 350, 801, 120, 801, 640, 60, 801, 500)
+TRAINING, LONGEST = 6, 801
+STEPS = 55
+"""Samples in a Lyapunov time."""
+CONFIG = {
+    "results": "results/lab",
+    "campaign": [
+        {
+            "cases": ["lab"],
+            "forecasters": {
+                "esn": {"neurons": [30], "validation": ["SSV", "RV"], "seeds": 1},
+                **{"nvar": {}, "precursor": {}},
+            },
+        },
+        {"cases": ["array", "gaps"], "forecasters": {"persistence": {}}},
+    ],
+    "cases": {
+        name: {
+            "data": {"files": files, "observable": "z", "time_step": 0.02, **data},
+            **{"event_threshold": {"quantile": 0.9}, "training": {"series": TRAINING}},
+            "lyapunov": {"published_exponent": 0.9},
+        }
+        for name, files, data in (
+            ("lab", ["lab_*.csv"], {}),
+            ("array", ["lab.nc"], {}),
+            ("gaps", ["gaps.csv"], {"gaps": "cut", "blocks": {"duration": 16, "shortest": 6}}),
+        )
+    },
+    "washout_lt": 0.5,
+    "search": {"grid": 2, "bayesian_points": 1, "interval_lt": 2},
+    "classification": {"longest_prediction_time_lt": 3, "prediction_times_lt": [1, 2]},
+    "horizon": {"longest_lead_time_lt": 2},
+    "probability": {"start_spacing_lt": 0.25},
+    "statistics": {"starting_points": 6, "fixed_point_interval_lt": 1, "lyapunov_exponents": 0},
+    "forecasters": {
+        "esn": {"backend": "scipy"},
+        "precursor": {"classifier": "logistic", "lags_lt": [0.2]},
+    },
+}
+
+
+def trajectories():
+    start = np.array([[1.0], [1.0], [20.0]]) + np.random.default_rng(0).normal(size=(3, 10))
+    states = integrate(Lorenz63(), start, 0.01, 2 * 1300, stride=2)[500:]
+    return [
+        series[:length] for series, length in zip(states.transpose(2, 0, 1), LENGTHS, strict=True)
+    ]
+
+
+@pytest.fixture(scope="module")
+def series():
+    return trajectories()
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory, job_server, series):
+    """The campaign, all of it for the case of tables."""
+    project = Project.create(tmp_path_factory.mktemp("lab") / "lab", job_server, "lab.yaml")
+    place = project.directory
+    (place / "lab.yaml").write_text(yaml.safe_dump(CONFIG, sort_keys=False))
+    frames = [pd.DataFrame(states, columns=[*"xyz"]) for states in series]
+    for number, table in enumerate(frames):
+        table.assign(time=0.02 * np.arange(len(table))).to_csv(
+            place / f"lab_{number}.csv", index=False
+        )
+    filled = np.full((len(series), LONGEST, 3), np.nan)
+    for row, states in enumerate(series):
+        filled[row, : len(states)] = states
+    axes = ("series", "time", "component")
+    array = xarray.DataArray(filled, dims=axes, coords={"component": [*"xyz"]}, name="states")
+    array.to_netcdf(place / "lab.nc")
+    record = pd.concat([table.reindex(range(len(table) + 3)) for table in frames])
+    record.assign(time=0.02 * np.arange(len(record))).to_csv(place / "gaps.csv", index=False)
+    names = ("classification", "horizon", "statistics", "probability_scores", "warnings")
+    tables = [f"results/lab/lab/tables/{name}.csv" for name in (*names, "lead_times", "survival")]
+    ensembles = [f"results/lab/{name}/ensemble.nc" for name in ("array", "gaps")]
+    outcome = project.made(*tables, *ensembles, "results/lab/lab/lengths.json")
+    return project, outcome.text
+
+
+def test_series_of_files_arrays_and_gaps(lab, series):
+    project, text = lab
+    assert "10 series have 60 to 801 samples" in text
+    assert "gaps leave 10 parts of the record; 2 of them, with 180 of 5574 rows" in text
+    place = project.directory / "results/lab"
+    from_files, from_array, from_gaps = (
+        read_netcdf(place / name / "ensemble.nc") for name in ("lab", "array", "gaps")
+    )
+    assert from_files["length"].tolist() == list(LENGTHS)
+    for row, states in enumerate(series):
+        stored = from_files["state"][row]
+        np.testing.assert_array_equal(stored[: len(states)], states)
+        assert np.isnan(stored[len(states) :]).all()
+    for name in ("state", "observable", "length"):
+        np.testing.assert_array_equal(from_array[name], from_files[name])
+    kept = [row for row, length in enumerate(LENGTHS) if length > 300]
+    assert from_gaps["length"].tolist() == [LENGTHS[row] for row in kept]
+    np.testing.assert_array_equal(from_gaps["state"], from_files["state"][kept])
+    opened = open_campaign(place).series("lab", 0, 3)
+    assert [len(states) for states in opened] == list(LENGTHS[:3])
+
+
+def test_results_are_those_of_the_library(lab):
+    """A forecaster learns from all series; points and forecasts are those of each series alone."""
+    project, text = lab
+    assert "1 of 4 series have no starting point" in text
+    place = project.directory / "results/lab/lab"
+    ensemble = read_netcdf(place / "ensemble.nc")
+    model = NVAR().fit(ensemble["state"][:TRAINING], None)
+    record, stored = model.record(), read_netcdf(place / "models/nvar/forecaster.nc")
+    for name, value in record.arrays.items():
+        np.testing.assert_array_equal(stored[name], value)
+    points, forecast = (
+        read_netcdf(place / name) for name in ("evaluation_set.nc", "models/nvar/forecast.nc")
+    )
+    assert set(points["series"]) == {0, 2, 3}  # the second test series has 60 samples
+    calibrated = read_netcdf(place / "calibration_set.nc")
+    assert set(calibrated["series"]) == {0, 1, 2, 3, 5}
+    boundaries = window_boundaries(0.5, forecast["first"].shape[1], STEPS)
+    for row in (0, 2, 3):
+        here = points["series"] == row
+        length = LENGTHS[TRAINING + row]
+        whole = ensemble["state"][[TRAINING + row], :length]
+        alone = observed_points(
+            *(whole, whole[..., 2], lambda states: states[2]),
+            **{"spacing": int(np.diff(points["step"][here])[0]), "washout": STEPS // 2},
+            boundaries=boundaries,
+        )
+        np.testing.assert_array_equal(points["step"][here], alone.points.step)
+        np.testing.assert_array_equal(points["washout"][here], alone.washouts)
+        np.testing.assert_array_equal(points["largest"][here], alone.truth.largest)
+        expected = window_forecasts(model, lambda states: states[2], alone.washouts, boundaries)
+        np.testing.assert_allclose(forecast["largest"][here], expected.largest, rtol=1e-9)
+
+
+def test_every_sample_counts_once(lab, series):
+    place = lab[0].directory / "results/lab/lab"
+    statistics = read_netcdf(place / "statistics_data.nc")
+    assert statistics["states"] == sum(LENGTHS)
+    np.testing.assert_allclose(statistics["mean"], np.concatenate(series).mean(axis=0), rtol=1e-12)
+    tables = {path.stem: read_table(path) for path in (place / "tables").glob("*.csv")}
+    assert tables["classification"]["f_score"].notna().any()
+    assert (tables["horizon"]["mean_horizon_lt"] > 0).any()
+    assert set(tables["statistics"]["forecaster"]) >= {"esn", "training"}
+    lengths = read_json(place / "lengths.json")
+    assert lengths["samples"] == max(LENGTHS[TRAINING:])
