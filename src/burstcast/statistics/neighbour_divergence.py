@@ -413,8 +413,8 @@ def _saturation(
 ) -> float:
     """Mean logarithm of the distance of two states at random."""
     flat, along = map(samples_of, (states, directions))
-    one, other = generator.integers(len(flat), size=(2, _RANDOM_PAIRS))
-    distance = _across(flat[one] - flat[other], along[one])
+    first, second = generator.integers(len(flat), size=(2, _RANDOM_PAIRS))
+    distance = _across(flat[first] - flat[second], along[first])
     return float(np.log(distance[distance > 0]).mean())
 
 
