@@ -552,6 +552,7 @@ ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
     },
     "validation_strategies": lambda: {
         **SERIES,
+        "training_series": 1,
         "strategies": ["SSV", "RV"],
         "recycle": {"series": 1, "intervals_per_series": 2},
         **{"washout_lt": 0.5, "interval_lt": 2.0},

@@ -357,7 +357,7 @@ NRMSE = normalised_root_mean_square_error
         (lambda: mean_logarithmic_error(ONES, OTHER), "common bins"),
         (lambda: mean_density([]), "no density"),
         (lambda: mean_density([ONES, OTHER]), "common bins"),
-        (lambda: reduced(np.full((2, 5, 9), np.nan)), "not finite"),
+        (lambda: reduced(np.full((2, 5, 9), np.nan)), "no value that is finite"),
         (lambda: reduce_series([], energy, ENERGIES), "no series"),
         *((lambda size=size: floor_of(3, sample=size), "split") for size in (0, 3)),
         (lambda: floor_of(1), "split"),

@@ -332,7 +332,7 @@ def test_the_command_line(capsys):
     for arguments, message in (
         (["lorentz63"], "did you mean 'lorenz63'"),
         (["lorenz63", "rho"], "write NAME=VALUE"),
-        (["lorenz63", "rho=28", "rho=1"], "a parameter is given twice: rho=28 rho=1"),
+        (["lorenz63", "rho=28", "rho=1"], "rho is given twice: rho=28 rho=1"),
     ):
         assert main(["check-system", *arguments]) == 1
         assert message in capsys.readouterr().err

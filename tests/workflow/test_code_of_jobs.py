@@ -173,7 +173,11 @@ def test_the_search_does_not_depend_on_other_forecasters(script):
     """An edit of a filter must not repeat the search."""
     found = reached(f"forecasters/{script}.py", "esn")
     assert "burstcast.networks.readout" in found
-    others = ("burstcast.data.encoders", "burstcast.filters", "burstcast.data.observation")
+    others = (
+        "burstcast.data.encoders",
+        "burstcast.forecasters._filtered",
+        "burstcast.data.observation",
+    )
     assert not {name for name in found if name.startswith(others)}
 
 

@@ -449,7 +449,11 @@ def test_long_runs_are_as_long_as_the_series(measured):
         settings = settings_of_job(found, ["statistics.duration"], {"case": case})
         assert settings == {"statistics.duration": duration}
     put(measured, "cases.lab.data.blocks", {"duration": 50})
-    assert records_of(load(measured))["lab"]["data"]["blocks"] == {"duration": 50, "gap": 0}
+    assert records_of(load(measured))["lab"]["data"]["blocks"] == {
+        "duration": 50,
+        "gap": 0,
+        "shortest": None,
+    }
 
 
 def test_components_are_the_columns_of_the_header_but_what_is_known(measured, tmp_path):

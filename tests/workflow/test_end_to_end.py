@@ -16,7 +16,7 @@ from burstcast.base.files.tables import read_table
 
 
 def table(run, name):
-    return read_table(run.project.results / "tables" / f"{name}.csv")
+    return read_table(run.results / "tables" / f"{name}.csv")
 
 
 def results(project):

@@ -239,7 +239,7 @@ def check_rising(run: Run) -> None:
             f"{run.name}: the record is in falling order, the newest row first: reverse it "
             f"(pandas: table[::-1])"
         )
-    if (steps >= 0).all() and (shared := int((steps == 0).sum())) >= _SHARED * len(time):
+    if (steps >= 0).all() and (shared := int((steps == 0).sum())) >= max(3, _SHARED * len(time)):
         raise ValueError(
             f"{run.name}: {shared} of {len(time)} rows have the time of the row before them: times "
             f"are rounded. Write the time of each row as its number times the time step "

@@ -12,9 +12,10 @@ from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.exogenous import of_series
 from burstcast.base.series_lengths import series_lengths
 from burstcast.data.dataset import network_input_offset, network_input_range
+from burstcast.forecasters._parameter_factors import factored_training
 from burstcast.forecasters.base import Forecaster, ForecastingCase
 from burstcast.forecasters.esn import NetworkForecaster
-from burstcast.forecasters.esn_aware import AwareNetworkForecaster, factored_training
+from burstcast.forecasters.esn_aware import AwareNetworkForecaster
 from burstcast.networks.hyperparameters import SearchSpace
 from burstcast.networks.negligible_ridge import negligible_ridge
 from burstcast.networks.network_search import best, optimiser_seed, search

@@ -14,8 +14,11 @@ from functools import cached_property
 import numpy as np
 
 from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.exogenous import of_series
 from burstcast.forecasters._options import AwareOptions
 from burstcast.forecasters.base import ForecasterRecord
+from burstcast.networks.factored import FactoredSeries
+from burstcast.networks.training import TrainingSeries
 from burstcast.systems.parameters import Parameters
 from burstcast.systems.polynomials.basis import monomials
 
@@ -176,3 +179,31 @@ class ParameterFactors:
     @property
     def _half_range(self) -> FloatArray:
         return np.asarray(np.abs(self._ends[1] - self._ends[0]) / 2)
+
+
+def factored_training(
+    training: TrainingSeries, parameters: Parameters, options: AwareOptions
+) -> FactoredSeries:
+    """Training series of a network that knows the parameters.
+
+    ``training``: Series with their inputs. ``parameters``: What the inputs are.
+    """
+    _, schedules = of_series(training.observed, len(training.input_range))
+    factors = ParameterFactors.learnt(schedules, parameters, options)
+    return factored(training, factors, parameters)
+
+
+def factored(
+    training: TrainingSeries, factors: ParameterFactors, parameters: Parameters
+) -> FactoredSeries:
+    """Training series with factors in place of inputs."""
+    states, schedules = of_series(training.observed, len(training.input_range))
+    if not schedules.size:
+        raise ValueError("the training series of this network have inputs")
+    return FactoredSeries(
+        states,
+        training.input_range,
+        training.input_offset,
+        factors=factors(schedules),
+        knowledge={"factors": factors, "in_force": parameters},
+    )

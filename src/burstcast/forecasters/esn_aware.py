@@ -9,12 +9,12 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 from burstcast.base.arrays import FloatArray
-from burstcast.base.exogenous import carry, of_series, of_washout
+from burstcast.base.exogenous import carry, of_washout
 from burstcast.forecasters._options import AwareOptions
-from burstcast.forecasters._parameter_factors import ParameterFactors
+from burstcast.forecasters._parameter_factors import ParameterFactors, factored
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.forecasters.esn import NetworkForecaster
-from burstcast.networks.factored import FactoredSeries, forecast_under, network_under
+from burstcast.networks.factored import forecast_under, network_under
 from burstcast.networks.tangent import ClosedLoopTangent
 from burstcast.networks.training import TrainingSeries
 from burstcast.systems.parameters import Parameters
@@ -41,7 +41,7 @@ class AwareNetworkForecaster(AwareOptions, NetworkForecaster):
 
     def _training_series(self, training: FloatArray) -> TrainingSeries:
         plain = super()._training_series(training)
-        return _factored(plain, self.factors, self.in_force)
+        return factored(plain, self.factors, self.in_force)
 
     def record(self) -> ForecasterRecord:
         """Record of a plain network with the scaling of the parameters."""
@@ -75,31 +75,3 @@ class AwareNetworkForecaster(AwareOptions, NetworkForecaster):
         return ClosedLoopTangent(
             network_under(self.network, self.factors(self.in_force.constant(1, 1)[0, :, 0]))
         )
-
-
-def factored_training(
-    training: TrainingSeries, parameters: Parameters, options: AwareOptions
-) -> FactoredSeries:
-    """Training series of a network that knows the parameters.
-
-    ``training``: Series with their inputs. ``parameters``: What the inputs are.
-    """
-    _, schedules = of_series(training.observed, len(training.input_range))
-    factors = ParameterFactors.learnt(schedules, parameters, options)
-    return _factored(training, factors, parameters)
-
-
-def _factored(
-    training: TrainingSeries, factors: ParameterFactors, parameters: Parameters
-) -> FactoredSeries:
-    """Training series with factors in place of inputs."""
-    states, schedules = of_series(training.observed, len(training.input_range))
-    if not schedules.size:
-        raise ValueError("the training series of this network have inputs")
-    return FactoredSeries(
-        states,
-        training.input_range,
-        training.input_offset,
-        factors=factors(schedules),
-        knowledge={"factors": factors, "in_force": parameters},
-    )

@@ -154,6 +154,9 @@ def reduce_series(
 
 def _of_equal_lengths(block: FloatArray) -> list[FloatArray]:
     """Series as they are, or one by one where their lengths differ."""
-    if series_lengths(block) is None:
+    lengths = series_lengths(block)
+    if lengths is None:
         return [block]
+    if not lengths.all():
+        raise ValueError("a series has no value that is finite, and cannot be reduced")
     return [series[np.newaxis] for series in without_padding(block)]

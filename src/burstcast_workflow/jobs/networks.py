@@ -8,7 +8,7 @@ from burstcast.base.names import parsed
 from burstcast.base.series_lengths import series_lengths
 from burstcast.data.dataset import network_input_offset, network_input_range
 from burstcast.forecasters._options import AwareOptions
-from burstcast.forecasters.esn_aware import factored_training
+from burstcast.forecasters._parameter_factors import factored_training
 from burstcast.networks.hyperparameters import SearchSpace
 from burstcast.networks.reservoir import ReservoirSeed
 from burstcast.networks.training import TrainingSeries
