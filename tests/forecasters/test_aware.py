@@ -9,12 +9,12 @@ from burstcast.base.exogenous import carry, of_memory, of_washout, with_inputs
 from burstcast.control.actuation import ActuatorShare
 from burstcast.data.records import recorded_series
 from burstcast.forecasters._event_classifier import LabelledPoints
-from burstcast.forecasters._parameter_factors import ParameterFactors
+from burstcast.forecasters._parameter_factors import ParameterFactors, factored_training
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
-from burstcast.forecasters.esn_aware import AwareNetworkForecaster, factored_training
+from burstcast.forecasters.esn_aware import AwareNetworkForecaster
 from burstcast.forecasters.quadratic_aware import AwareQuadraticModel
 from burstcast.forecasters.quadratic_aware_filtered import FilteredAwareQuadraticModel
 from burstcast.forecasters.registry import (

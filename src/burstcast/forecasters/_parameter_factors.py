@@ -16,7 +16,7 @@ import numpy as np
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.exogenous import of_series
 from burstcast.forecasters._options import AwareOptions
-from burstcast.forecasters.base import ForecasterRecord
+from burstcast.forecasters._record import ForecasterRecord
 from burstcast.networks.factored import FactoredSeries
 from burstcast.networks.training import TrainingSeries
 from burstcast.systems.parameters import Parameters

@@ -17,7 +17,7 @@ given them as further components of series and washouts (`burstcast.base.exogeno
 
 import abc
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self
 
@@ -25,6 +25,7 @@ import numpy as np
 
 from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.data.encoders.state_maps import StateMaps
+from burstcast.forecasters._record import ForecasterRecord as ForecasterRecord
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters
 from burstcast.systems.state_space import StateSpace
@@ -76,22 +77,6 @@ class ForecastingCase:
 def fitted() -> Any:
     """Declare a field of a forecaster that `fit` fills in; its other fields are options."""
     return field(default=None, kw_only=True, repr=False, metadata={"fitted": True})
-
-
-@dataclass(frozen=True)
-class ForecasterRecord:
-    """Record of a fitted forecaster, from which it is restored.
-
-    Attributes
-    ----------
-    arrays
-        By name.
-    attributes
-        Numbers and texts by name.
-    """
-
-    arrays: Mapping[str, FloatArray] = field(default_factory=dict)
-    attributes: Mapping[str, str | int | float] = field(default_factory=dict)
 
 
 class ForecasterKind:
