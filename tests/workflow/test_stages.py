@@ -82,7 +82,7 @@ def Wildcards(**values):  # noqa: N802 - as Snakemake's
 
 JOINED = dict.fromkeys(table.section for table in DECLARED.values() if table.of_cases)
 """Sections of the report, the tables of which one job joins."""
-STAGES = [*WRITTEN, *MAKERS, *(f"joined_{section}" for section in JOINED)]
+STAGES = [*WRITTEN, *MAKERS] + [f"joined_{section}" for section in JOINED]
 TABLES = SCRIPTS / "tables" / "table.py"
 """Script that makes all tables of a case."""
 
@@ -215,10 +215,8 @@ def test_a_script_takes_the_files_of_its_rule(rule):
     assert not optional
 
 
-DECLARING = {
-    **{name: maker(name) for name in MAKERS},
-    **{name: drawn.draw for name, drawn in FIGURES.items()},
-}
+DECLARING = {name: maker(name) for name in MAKERS}
+DECLARING |= {name: figure.draw for name, figure in FIGURES.items()}
 
 
 @pytest.mark.parametrize("name", DECLARING)
@@ -292,13 +290,14 @@ def fields_read(function, cls, seen):
             of_class = function.__globals__.get(node.value.id)
             if node.value.id in ("settings", "self") or (of_class in cls.__mro__):
                 value = inspect.getattr_static(cls, node.attr, None)
+                method = getattr(value, "fget", value)  # of a property
                 if isinstance(value, Setting):
                     fields.add(node.attr)
-                elif inspect.isfunction(made := getattr(value, "fget", value)):
-                    fields |= fields_read(made, cls, seen)
+                elif inspect.isfunction(method):
+                    fields |= fields_read(method, cls, seen)
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            handed = [*node.args, *(keyword.value for keyword in node.keywords)]
-            if {"settings", "self"} & {*map(ast.unparse, handed)}:
+            handed = node.args + [keyword.value for keyword in node.keywords]
+            if {"settings", "self"} & {ast.unparse(argument) for argument in handed}:
                 helper = function.__globals__.get(node.func.id)
                 fields |= fields_read(helper, cls, seen) if inspect.isfunction(helper) else set()
     return fields
@@ -319,10 +318,9 @@ def test_a_script_reads_every_setting_that_it_declares(rule):
 @pytest.mark.parametrize("rule", STAGES)
 def test_a_job_is_given_the_settings_that_its_script_declares(rule):
     """Those that do not concern the job are left out."""
-    path, cls = script_of(rule), class_of(rule)
-    of_maker = {*paths_of(maker(rule))} if path == TABLES else set()
-    left = {path for path in declared(rule) - {*cls.paths()} if not covered(path, of_maker)}
-    assert left == set()
+    of_script = set(class_of(rule).paths())
+    of_maker = {*paths_of(maker(rule))} if script_of(rule) == TABLES else set()
+    assert [path for path in declared(rule) - of_script if not covered(path, of_maker)] == []
 
 
 def covered(path, paths):
