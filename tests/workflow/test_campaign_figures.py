@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers_configs import PRESETS, ROOT, TINY, campaign, read
+from helpers_configs import PRESETS, ROOT, TINY, campaign, networks, read
 from helpers_rebuilds import loaded_script
 
 from burstcast.base.declared import File, at
@@ -45,19 +45,19 @@ def drawn(script, directory, symbol="k"):
     """Files of the schematic of the horizon."""
     figures = {"pdf": str(directory / "figure.pdf"), "png": str(directory / "figure.png")}
     names = ("longest_lead_time_lt", "lead_time_step_lt", "tolerance")
-    said = {f"horizon.{name}": value for name, value in zip(names, (10, 0.5, 0.2), strict=True)}
+    values = {f"horizon.{name}": value for name, value in zip(names, (10, 0.5, 0.2), strict=True)}
     identity = {"rule": "figure", "figure": "horizon_schematic"}
-    settings = JobSettings({**said, "case.space.observable_symbol": symbol}, identity)
+    settings = JobSettings({**values, "case.space.observable_symbol": symbol}, identity)
     script.figure(**figures, settings=settings)
     assert settings.unread() == []
     return {path.name: path.read_bytes() for path in sorted(directory.glob("figure.*"))}
 
 
 def test_a_figure_is_written_as_pdf_and_png(script, tmp_path):
-    found = drawn(script, tmp_path)
-    assert list(found) == ["figure.pdf", "figure.png"]
-    assert found["figure.pdf"].startswith(b"%PDF")
-    assert found["figure.png"].startswith(b"\x89PNG")
+    files = drawn(script, tmp_path)
+    assert list(files) == ["figure.pdf", "figure.png"]
+    assert files["figure.pdf"].startswith(b"%PDF")
+    assert files["figure.png"].startswith(b"\x89PNG")
 
 
 def test_nothing_is_written_of_a_figure_that_cannot_be_drawn(script, tmp_path):
@@ -78,11 +78,11 @@ def test_inputs_are_the_contents_of_files(tmp_path):
         return content_of(path, File(place, variables))
 
     assert content(table).to_dict("records") == rows
-    assert [one.to_dict("records") for one in content([table, table])] == [rows, rows]
+    assert [both.to_dict("records") for both in content([table, table])] == [rows, rows]
     assert content(record) == {"tikhonov": 1e-9}
-    found = content(arrays)
-    assert (found["forecaster"], found["neurons"], found["seed"]) == ("esn-N40-RV-seed0", 40, 0)
-    assert found["time"].tolist() == content(arrays, "case/x.nc:time").tolist() == [0, 1, 2]
+    stored = content(arrays)
+    assert (stored["forecaster"], stored["neurons"], stored["seed"]) == ("esn-N40-RV-seed0", 40, 0)
+    assert stored["time"].tolist() == content(arrays, "case/x.nc:time").tolist() == [0, 1, 2]
     assert content(arrays, "case/x.nc:path") == arrays
     assert content([]) is None
 
@@ -93,7 +93,7 @@ def test_inputs_are_the_contents_of_files(tmp_path):
 def test_captions_are_docstrings_and_no_two_figures_have_one_place():
     text = "Measurement of the prediction horizon of an extreme event."
     assert caption("horizon_schematic") == text
-    places = {(one.section, one.position) for one in FIGURES.values()}
+    places = {(drawn.section, drawn.position) for drawn in FIGURES.values()}
     assert len(places) == len(FIGURES)
     with pytest.raises(TypeError, match=r"registry.py has no function draw with the decorator"):
         figure_of("registry")
@@ -138,11 +138,10 @@ def test_an_unknown_place_or_setting_is_named():
 @pytest.mark.parametrize("name", FIGURES)
 def test_captions_are_sentences_that_the_report_shows_and_no_settings(name):
     text = caption(name)
-    assert text == text.strip()
+    assert text == " ".join(text.split())
     assert text.endswith(".")
-    assert "  " not in text
     assert [other for other in FIGURES if caption(other) == text] == [name]
-    assert not {text} & {str(value) for one in FIGURES for value in shown(PAPER, one).values()}
+    assert text not in {str(value) for other in FIGURES for value in shown(PAPER, other).values()}
     assert "captions" in (WORKFLOW / "report" / "figure.rst").read_text()
 
 
@@ -155,8 +154,8 @@ LORENZ = {"system": "lorenz63", "actuation": {"parameters": {"rho": 10}}}
 
 
 def block(neurons, validation=("RV",), seeds=2, **cases):
-    networks = {"neurons": neurons, "validation": [*validation], "seeds": seeds}
-    return {**cases, "forecasters": {"esn": networks, "equations": {}, "equations_noisy": {}}}
+    esn = networks(neurons, validation, seeds)
+    return {**cases, "forecasters": {**esn, "equations": {}, "equations_noisy": {}}}
 
 
 def of_blocks(blocks=None, **overlay):
@@ -168,11 +167,8 @@ def stage_figures(of):
     assert len(set(figures)) == len(figures)
     stages = FLOW | STATISTICS | CONTROL
     assert stages < set(FIGURES)
-    return {
-        figure
-        for figure in figures
-        if any(figure == name or figure.startswith(f"{name}_") for name in stages)
-    }
+    heads = tuple(f"{name}_" for name in stages)
+    return {figure for figure in figures if f"{figure}_".startswith(heads)}
 
 
 def shown(of, figure, case="Re400"):
@@ -182,25 +178,23 @@ def shown(of, figure, case="Re400"):
 
 OFF = {"forecasters": {"esn": None, "equations": None}}
 SSV = {"forecasters": {"esn": {"validation": ["SSV"]}}}
-ONE = [block([2000], reynolds=[400])]
-
-
+SMALL = [block([2000], reynolds=[400])]
 MORE = {f"{name}_Re600" for name in (*STATISTICS, "control_tradeoff")}
-SMALLER = [block([2000], reynolds=[400]), block([500], reynolds=[600])]
+SMALLER = [*SMALL, block([500], reynolds=[600])]
 
 
 @pytest.mark.parametrize(
     ("blocks", "overlay", "figures"),
     [
-        (ONE, {}, FLOW | STATISTICS | CONTROL),
+        (SMALL, {}, FLOW | STATISTICS | CONTROL),
         # other cases have their own statistics, and share the densities under control
         ([block([2000], reynolds=[600, 400])], {}, FLOW | STATISTICS | CONTROL | MORE),
         # nothing is drawn of a size that one case alone has
         (SMALLER, {}, FLOW | STATISTICS | CONTROL),
         # nor of stages that are switched off
-        (ONE, {"control": OFF}, FLOW | STATISTICS),
-        (ONE, {"statistics": OFF}, FLOW | CONTROL),
-        (ONE, {"case_defaults": {"actuation": None}}, FLOW | STATISTICS),
+        (SMALL, {"control": OFF}, FLOW | STATISTICS),
+        (SMALL, {"statistics": OFF}, FLOW | CONTROL),
+        (SMALL, {"case_defaults": {"actuation": None}}, FLOW | STATISTICS),
     ],
 )
 def test_figure_names_are_those_of_the_stages_and_cases_that_there_are(blocks, overlay, figures):
@@ -208,72 +202,72 @@ def test_figure_names_are_those_of_the_stages_and_cases_that_there_are(blocks, o
 
 
 def test_a_strategy_that_no_network_has_leaves_no_figures():
-    blocks = [*ONE, block([2000], validation=("SSV",), reynolds=[600])]
+    blocks = [*SMALL, block([2000], validation=("SSV",), reynolds=[600])]
     wanted = {"cases": {"Re600": {"actuation": None}}, "statistics": SSV}
     control = {"forecasters": {**SSV["forecasters"], "equations": None}}
-    found = of_blocks(blocks, **wanted, control=control)
-    assert {one.case for one in found.long_term_forecasters} == {"Re600"}
-    assert stage_figures(found) == FLOW | STATISTICS
-    assert "control" not in table_names(found)
+    uncontrolled = of_blocks(blocks, **wanted, control=control)
+    assert {forecaster.case for forecaster in uncontrolled.long_term_forecasters} == {"Re600"}
+    assert stage_figures(uncontrolled) == FLOW | STATISTICS
+    assert "control" not in table_names(uncontrolled)
 
 
 def test_forecasters_that_are_no_networks_have_tables_and_no_figures_of_their_own():
     choice = {"forecasters": {"esn": None, "equations": {}, "equations_noisy": {}}}
-    found = of_blocks(ONE, statistics=choice, control=choice)
-    assert stage_figures(found) == FLOW
-    assert {"control_percentiles", "statistics_percentiles"} <= set(table_names(found))
-    kinds = {run.controller.kind for run in found.control_runs}
+    without = of_blocks(SMALL, statistics=choice, control=choice)
+    assert stage_figures(without) == FLOW
+    assert {"control_percentiles", "statistics_percentiles"} <= set(table_names(without))
+    kinds = {run.controller.kind for run in without.control_runs}
     assert kinds == {"equations", "equations_noisy"}
 
 
 def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
-    found = of_blocks(
+    with_lorenz = of_blocks(
         [block([2000], cases=["lorenz"])],
         cases={"lorenz": LORENZ},
         figures={"example_case": "lorenz", "flow_event": {"peak": 45}},
     )
-    assert not found.cases["lorenz"].is_flow
-    assert stage_figures(found) == {
+    assert not with_lorenz.cases["lorenz"].is_flow
+    assert stage_figures(with_lorenz) == {
         *("long_term_density", "own_flow", "control_schematic", "control_density"),
         "control_tradeoff",
     }
-    assert shown(found, "long_term_density", "lorenz")["case.space.observable_symbol"] == "z"
+    assert shown(with_lorenz, "long_term_density", "lorenz")["case.space.observable_symbol"] == "z"
 
 
 def test_densities_of_different_systems_are_not_in_one_figure():
     blocks = [block([2000], reynolds=[600, 400], cases=["lorenz"])]
-    found = of_blocks(blocks, cases={"lorenz": LORENZ}, figures={"example_case": "Re400"})
-    assert {"control_density", "control_density_lorenz"} <= stage_figures(found)
+    with_lorenz = of_blocks(blocks, cases={"lorenz": LORENZ}, figures={"example_case": "Re400"})
+    assert {"control_density", "control_density_lorenz"} <= stage_figures(with_lorenz)
     for case, cases in (("Re400", ["Re400", "Re600"]), ("lorenz", ["lorenz"])):
-        panels = shown(found, "control_density", case)["shown.panels"]
+        panels = shown(with_lorenz, "control_density", case)["shown.panels"]
         assert [panel["case"] for panel in panels] == cases
 
 
 def test_densities_leave_the_sweep_and_other_sizes_out():
-    found = of_blocks(
+    swept = of_blocks(
         [block([500, 2000], reynolds=[400], seeds=3)],
         control={
             "forecasters": {"esn": {"neurons": [500, 2000]}},
             "sweep": {"cases": ["Re400"], "seeds": 2},
         },
     )
-    assert {run.prediction_time_lt for run in found.control_runs} == {1, 2, 3, 4, 5}
-    assert shown(found, "control_density", "Re400")["shown.panels"] == [
+    assert {run.prediction_time_lt for run in swept.control_runs} == {1, 2, 3, 4, 5}
+    assert shown(swept, "control_density", "Re400")["shown.panels"] == [
         {"case": "Re400", "event_threshold": 0.1, "neurons": 2000, "validation": "RV"}
     ]
-    assert found.config.control.prediction_times_lt == [1, 2]
+    assert swept.config.control.prediction_times_lt == [1, 2]
 
 
 def test_a_case_without_networks_of_the_fixed_size_shows_those_that_it_has():
-    found = of_blocks(SMALLER, control={"forecasters": {"esn": {"neurons": []}}})
-    networks = shown(found, "control_tradeoff", "Re600")["shown.control_networks"]
-    assert networks == {"neurons": 500, "validation": "RV"}
+    two_sizes = of_blocks(SMALLER, control={"forecasters": {"esn": {"neurons": []}}})
+    of_control = shown(two_sizes, "control_tradeoff", "Re600")["shown.control_networks"]
+    assert of_control == {"neurons": 500, "validation": "RV"}
 
 
 def test_the_suppressed_event_is_the_example_networks_if_it_controls():
     seeds = [block([500, 2000], validation=("SSV", "RV"), reynolds=[600, 400], seeds=3)]
-    own = of_blocks(seeds, figures={"example_forecaster": "esn-N2000-RV-seed2"})
-    assert Choices(own).example_run.controller == own.example.name
+    chosen = of_blocks(seeds, figures={"example_forecaster": "esn-N2000-RV-seed2"})
+    assert Choices(chosen).example_run.controller == chosen.example.name
     other = of_blocks(
         seeds,
         figures={"example_forecaster": "esn-N500-RV-seed2"},
@@ -293,8 +287,8 @@ def test_the_best_network_is_of_the_examples_strategy():
     expectations = ((both, "RV"), ({**both, **ssv}, "SSV"), ({"statistics": SSV}, "SSV"))
     for overlay, expected in expectations:
         candidates = Shown(of_blocks(blocks, **overlay), "Re400").long_term_networks
-        assert {(one.name.neurons, one.name.validation) for one in candidates} == {(2000, expected)}
-        assert len(candidates) == 2
+        names = [network.name for network in candidates]
+        assert [(name.neurons, name.validation) for name in names] == [(2000, expected)] * 2
 
 
 def statistics(counts):
@@ -361,14 +355,15 @@ def test_every_campaign_of_networks_has_the_figures_of_the_method(preset):
 def test_no_figure_over_one_reynolds_number_and_each_once():
     overlay = read(TINY)
     block = {**overlay["campaign"][0], "reynolds": [400]}
-    assert {*(names := figure_names(campaign({**overlay, "campaign": [block]})))} >= EVERYWHERE
+    names = set(figure_names(campaign({**overlay, "campaign": [block]})))
+    assert names >= EVERYWHERE
     assert "by_reynolds" not in names
     blocks = PAPER.config.dump()["campaign"]
     twins = {"Twin": {"parameters": {"reynolds": 600}, "lyapunov": {}}}
     twin = {**blocks[1], "reynolds": [400], "cases": ["Twin"]}
-    found = campaign({"cases": twins}, blocks=[*blocks, twin])
-    assert "Twin" in found.case_names
-    assert files_of(found, FIGURES["by_reynolds"], "Re400")["horizons"] == [
+    with_twin = campaign({"cases": twins}, blocks=[*blocks, twin])
+    assert "Twin" in with_twin.case_names
+    assert files_of(with_twin, FIGURES["by_reynolds"], "Re400")["horizons"] == [
         f"Re{reynolds}/tables/horizon_percentiles.csv" for reynolds in (400, 600, 800, 1000)
     ]
 
@@ -415,19 +410,19 @@ def test_figures_show_the_case_in_their_name():
 
 def test_files_of_figures_are_those_of_the_example():
     computed = campaign({"case_defaults": {"lyapunov": {"time_unit": "computed"}}})
-    network, exponents = "Re400/networks/esn-N2000-RV-seed0", "Re400/lyapunov.json"
+    network = "Re400/networks/esn-N2000-RV-seed0"
     plan = "prediction_triggered-prediction_time2-window1"
     event = f"{network.replace('networks', 'control')}/{plan}"
+    observable = {"observable": "Re400/ensemble.nc"}
     for of, name, files in (
         (PAPER, "network_schematic", {"hyperparameters": f"{network}/hyperparameters.json"}),
         (PAPER, "prediction_examples", {"examples": f"{network}/examples.nc"}),
-        (PAPER, "observable_and_density", {"observable": "Re400/ensemble.nc", "exponents": []}),
+        (PAPER, "observable_and_density", {**observable, "exponents": []}),
+        (computed, "observable_and_density", {**observable, "exponents": "Re400/lyapunov.json"}),
         (PAPER, "suppressed_event", {"event": f"{event}/suppressed_event.nc"}),
         (PAPER, "horizon_schematic", {}),
     ):
         assert files_of(of, FIGURES[name], "Re400") == files
-    found = files_of(computed, FIGURES["observable_and_density"], "Re400")
-    assert found == {"observable": "Re400/ensemble.nc", "exponents": exponents}
 
 
 def test_the_paper_has_all_tables_but_those_of_other_training_series():
@@ -448,8 +443,8 @@ def test_stages_that_are_switched_off_have_no_tables():
     }
     assert set(table_names(PAPER)) - set(table_names(without)) == gone
     assert not {typeset(TABLES)[name]["source"] for name in latex_names(without)} & gone
-    one = campaign({"statistics": {"forecasters": {"esn": {"neurons": [500]}}}})
-    cases = cases_of_tables(one)
+    smaller = campaign({"statistics": {"forecasters": {"esn": {"neurons": [500]}}}})
+    cases = cases_of_tables(smaller)
     assert cases["statistics"] == cases["statistics_percentiles"] == ["Re400"]
     assert cases["horizon"] == ["Re400", "Re600", "Re800", "Re1000"]
 

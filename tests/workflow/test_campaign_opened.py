@@ -66,15 +66,14 @@ def test_its_forecasters_forecast_what_the_workflow_has(opened, identifier):
 
 
 def test_its_series_are_those_of_the_workflow(opened):
-    points = read_netcdf(
-        opened.results / "Re400" / "evaluation_set.nc", "series", "step", "washout"
-    )
+    directory = opened.results / "Re400"
+    points = read_netcdf(directory / "evaluation_set.nc", "series", "step", "washout")
     tested = opened.series("Re400", 3)
     point = len(points["step"]) // 2
     series, step = points["series"][point], points["step"][point]
     washout = points["washout"][point]
     assert_array_equal(tested[series, step - len(washout) + 1 : step + 1], washout)
-    stored = read_netcdf(opened.results / "Re400" / "ensemble.nc", "state")["state"]
+    stored = read_netcdf(directory / "ensemble.nc", "state")["state"]
     assert_array_equal(opened.series("Re400", 1, 4, observed=False), stored[1:4])
     with pytest.raises(ValueError, match=r"no case 'Re40' \(did you mean 'Re400'\?\); the cases"):
         opened.series("Re40")
@@ -82,10 +81,9 @@ def test_its_series_are_those_of_the_workflow(opened):
 
 def test_its_tables_and_figures(opened, tmp_path):
     path = opened.results / "tables" / "classification.csv"
-    pd.testing.assert_frame_equal(
-        opened.tables["classification"], pd.read_csv(path), check_dtype=False
-    )
-    assert set(opened.tables) == {one.stem for one in path.parent.glob("*.csv")}
+    stored, shown = pd.read_csv(path), opened.tables["classification"]
+    pd.testing.assert_frame_equal(shown, stored, check_dtype=False)
+    assert set(opened.tables) == {table.stem for table in path.parent.glob("*.csv")}
     with pytest.raises(KeyError, match="did you mean 'horizon'"):
         opened.tables["horizn"]
     assert "permanent alarm" in campaign_summary(path.parent)
@@ -120,12 +118,11 @@ def test_the_notebook_reads_a_campaign(finished, tmp_path, monkeypatch, capsys):
     for cell in notebook["cells"]:
         if cell["cell_type"] == "code":
             exec("".join(cell["source"]), names)
-    said = capsys.readouterr().out
+    output = capsys.readouterr().out.partition("p25")[0]
     table = pd.read_csv(finished.results / "tables" / "classification.csv")
     rows = table[table["prediction_time_lt"] == table["prediction_time_lt"].min()]
-    assert len(re.findall(r"^ +esn .*RV", said.partition("p25")[0], re.MULTILINE)) == len(
-        rows[rows["validation"] == "RV"]
-    )
+    networks = rows[rows["validation"] == "RV"]
+    assert len(re.findall(r"^ +esn .*RV", output, re.MULTILINE)) == len(networks)
     assert_array_equal(
         names["forecast"][:, :, 0],
         names["network"].advance(names["memory"][:, :1], names["steps"])[0][:, :, 0],
@@ -138,11 +135,8 @@ def test_the_notebook_reads_a_campaign(finished, tmp_path, monkeypatch, capsys):
 def percentiles(metric, medians, **more):
     """Rows of a percentile table: by case, kind, neurons, validation."""
     names = ["case", "forecaster", "neurons", "validation"]
-    rows = [
-        {**dict(zip(names, key, strict=True)), **more, "metric": metric, "p50": median}
-        for key, median in medians.items()
-    ]
-    return pd.DataFrame(rows)
+    keys = pd.DataFrame(list(medians), columns=names)
+    return keys.assign(**more, metric=metric, p50=list(medians.values()))
 
 
 ESN = ("Re400", "esn", 500, "RV")
@@ -161,11 +155,9 @@ def scores(*cases, neurons=(500,), median=0.5, time=2.0):
 
 
 def test_campaign_summary_has_a_row_for_each_forecaster_best_first(tmp_path):
-    of_times = (
-        percentiles("f_score", {ESN: 0.7 - less, EQUATIONS: 1.0 - less}, prediction_time_lt=time)
-        for time, less in ((0.5, 0.2), (2.5, 0))
-    )
-    write(tmp_path, "classification_percentiles", *of_times)
+    early = percentiles("f_score", {ESN: 0.5, EQUATIONS: 0.8}, prediction_time_lt=0.5)
+    late = percentiles("f_score", {ESN: 0.7, EQUATIONS: 1.0}, prediction_time_lt=2.5)
+    write(tmp_path, "classification_percentiles", early, late)
     write(tmp_path, "horizon_percentiles", percentiles("mean_horizon_lt", {ESN: 3.25}))
     lines = campaign_summary(tmp_path).splitlines()
     assert "F-score 2.5 LT ahead" in lines[0]  # the nearest to 2 LT
@@ -189,11 +181,11 @@ def test_a_large_campaign_is_cut_and_says_so(tmp_path):
 
 def test_exceedances_are_of_one_prediction_time(tmp_path):
     """Not the least of each, which would pair two experiments."""
-    tables = (
+    tables = [
         percentiles(f"exceedance_{flows}", {ESN: value}, prediction_time_lt=time)
-        for time, values in {1: (0.12, 0.02), 2: (0.11, 0.05)}.items()
-        for flows, value in zip(("uncontrolled", "controlled"), values, strict=True)
-    )
+        for flows, values in {"uncontrolled": (0.12, 0.11), "controlled": (0.02, 0.05)}.items()
+        for time, value in zip((1, 2), values, strict=True)
+    ]
     write(tmp_path, "control_percentiles", *tables)
     heads, row = campaign_summary(tmp_path).splitlines()
     assert heads.endswith("exceedance  under control  PT [LT]")

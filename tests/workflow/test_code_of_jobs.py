@@ -17,11 +17,12 @@ from forbidden_code import docstrings_read, forbidden_imports, forbidden_reads, 
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*/*.py"))
-SOURCES = sorted((ROOT / "src").rglob("*.py"))
+SOURCE = ROOT / "src"
+SOURCES = sorted(SOURCE.rglob("*.py"))
 
 
 def sources_of(scripts: Path) -> Sources:
-    return Sources(lambda name: scripts / name, ROOT / "src", {})
+    return Sources(lambda name: scripts / name, SOURCE, {})
 
 
 SEEN = sources_of(ROOT / "workflow" / "scripts")
@@ -38,9 +39,9 @@ def modules_of(path: Path) -> frozenset[str]:
 
 
 def test_all_packages_are_those_of_the_project():
-    found = {path.name for path in (ROOT / "src").iterdir() if path.suffix == ""}
+    packages = {path.name for path in SOURCE.iterdir() if path.suffix == ""}
     # what Snakemake imports is in no closure of a script
-    assert found == {*PACKAGES, "snakemake_logger_plugin_burstcast"}
+    assert packages == {*PACKAGES, "snakemake_logger_plugin_burstcast"}
 
 
 def test_closures_have_what_scripts_load(job_server):
@@ -49,10 +50,11 @@ def test_closures_have_what_scripts_load(job_server):
     scripts = [name for name in loaded if name.endswith(".py")]
     assert len(scripts) == len(SCRIPTS)
     for script in scripts:
-        found = names(SEEN.entries(script, {}))
+        closure = names(SEEN.entries(script, {}))
         # what reads and writes files loads more, for which the version stands, too
         left_out = (*OF_HARNESS, "burstcast.base.files.")
-        assert {one for one in loaded[script] if not one.startswith(left_out)} <= found, script
+        missing = [name for name in loaded[script] - closure if not name.startswith(left_out)]
+        assert not missing, script
 
 
 # which have a version instead
@@ -71,31 +73,24 @@ def test_closures_see_all_code_of_the_project(path):
 
 
 # Functions that pass docstrings on to people: a figure's caption, where a source is.
-PASS_WORDS_ON = {
-    "burstcast.figures.registry": {"caption"},
-}
+PASS_WORDS_ON = {"burstcast.figures.registry": {"caption"}}
 
 
 def test_no_job_depends_on_docstrings_or_on_what_packages_offer_late():
     registries = {
-        f"burstcast.{name}": [
-            path.stem
-            for path in (ROOT / "src" / "burstcast" / name).glob("*.py")
-            if path.stem not in ("__init__", "base", "check", "registry")
+        ".".join(path.parent.relative_to(SOURCE).parts): [
+            other.stem
+            for other in path.parent.glob("*.py")
+            if other.stem not in ("__init__", "base", "check", "registry")
         ]
-        for name in (
-            *("systems", "forecasters", "control/strategies", "tuning/strategies"),
-            "tables/makers",
-        )
+        for path in sorted((SOURCE / "burstcast").rglob("registry.py"))
     }
-    found_by_name = {name.replace("/", "."): modules for name, modules in registries.items()}
+    assert len(registries) > 5
     paths = {}
     for script in SCRIPTS:
         name = str(script.relative_to(ROOT / "workflow" / "scripts"))
-        for module in names(SEEN.entries(name, found_by_name)):
-            path = ROOT / "src" / module.replace(".", "/")
-            inside = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-            paths[module] = script if module.endswith(".py") else inside
+        for module in names(SEEN.entries(name, registries)):
+            paths[module] = script if module.endswith(".py") else place(module)
     assert len(paths) > 200
     for module, path in paths.items():
         allowed = frozenset(PASS_WORDS_ON.get(module, ()))
@@ -103,7 +98,7 @@ def test_no_job_depends_on_docstrings_or_on_what_packages_offer_late():
         # these offer what notebooks begin with, and no job asks for that
         packages = "burstcast", "burstcast_workflow"
         for package in packages if module not in packages else ():
-            assert offered_late(path, ROOT / "src" / package) == [], module
+            assert offered_late(path, SOURCE / package) == [], module
     for module, functions in PASS_WORDS_ON.items():  # none in vain
         for function in functions:
             assert docstrings_read(paths[module], frozenset(functions - {function})), function
@@ -112,14 +107,14 @@ def test_no_job_depends_on_docstrings_or_on_what_packages_offer_late():
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
 def test_a_script_depends_on_what_concerns_its_numbers_alone(path):
     assert forbidden_reads(path) == []  # only what parameters carry
-    found = modules_of(path)
-    assert not {one for one in found if one.startswith("burstcast_workflow.config")}
+    modules = modules_of(path)
+    assert not {module for module in modules if module.startswith("burstcast_workflow.config")}
     # of the harness, which is left out, its version
-    of_harness = {one for one in found if one.startswith(OF_HARNESS)}
+    of_harness = {module for module in modules if module.startswith(OF_HARNESS)}
     assert of_harness == {"burstcast_workflow.harness.version"}
     # others than control know what an actuation is; tables know its records
     if path.parent.name != "control":
-        control = {one for one in found if one.startswith("burstcast.control.")}
+        control = {module for module in modules if module.startswith("burstcast.control.")}
         assert control <= {"burstcast.control.actuation"}
 
 
@@ -131,9 +126,9 @@ def test_packages_import_nothing_by_themselves():
         if path.name == "__init__.py" and ast.parse(path.read_text()).body[1:]  # not only words
     }
     # Snakemake asks for its plugins' classes there, and no job imports them
-    plugins = {ROOT / "src" / "snakemake_logger_plugin_burstcast" / "__init__.py"}
+    plugins = {SOURCE / "snakemake_logger_plugin_burstcast" / "__init__.py"}
     # what notebooks begin with is loaded when it is asked for
-    notebook = {ROOT / "src" / name / "__init__.py" for name in ("burstcast", "burstcast_workflow")}
+    notebook = {SOURCE / name / "__init__.py" for name in ("burstcast", "burstcast_workflow")}
     assert packages == plugins | notebook
     for path in notebook:
         assert modules_of(path) == {"__init__.py"}
@@ -152,33 +147,31 @@ def test_closure_in_the_project_is_selective(tmp_path):
 
 def reached(script, *kinds, systems=(), strategies=()):
     """Modules that a script reaches where it is about these."""
-    about = {
-        **{"burstcast.forecasters": [*kinds], "burstcast.systems": [*systems]},
-        **{"burstcast.control.strategies": [*strategies]},
-        "burstcast.networks.validation_strategies": ["recycle"],
-    }
+    about = {"burstcast.forecasters": kinds, "burstcast.systems": systems}
+    about["burstcast.control.strategies"] = strategies
+    about["burstcast.networks.validation_strategies"] = ["recycle"]
     return names(SEEN.entries(script, about))
 
 
 @pytest.mark.parametrize("rule", ["control", "suppressed_event"])
 def test_control_does_not_depend_on_the_statistics_of_the_velocity(rule):
-    found = reached(f"control/{rule}.py", strategies=["prediction_triggered"])
-    assert "burstcast.control.windows" in found
+    modules = reached(f"control/{rule}.py", strategies=["prediction_triggered"])
+    assert "burstcast.control.windows" in modules
     others = ("statistics.measures", "statistics.profiles", "systems.mfe_modes")
-    assert not found & {f"burstcast.{name}" for name in (*others, "control.strategies.planned")}
+    assert not modules & {f"burstcast.{name}" for name in (*others, "control.strategies.planned")}
 
 
 @pytest.mark.parametrize("script", ["scan", "search"])
 def test_the_search_does_not_depend_on_other_forecasters(script):
     """An edit of a filter must not repeat the search."""
-    found = reached(f"forecasters/{script}.py", "esn")
-    assert "burstcast.networks.readout" in found
+    modules = reached(f"forecasters/{script}.py", "esn")
+    assert "burstcast.networks.readout" in modules
     others = (
         "burstcast.data.encoders",
         "burstcast.forecasters._filtered",
         "burstcast.data.observation",
     )
-    assert not {name for name in found if name.startswith(others)}
+    assert not {name for name in modules if name.startswith(others)}
 
 
 @pytest.mark.parametrize(
@@ -187,18 +180,17 @@ def test_the_search_does_not_depend_on_other_forecasters(script):
 )
 def test_the_equations_do_not_depend_on_the_networks(script):
     for kind, expected in (("equations", False), ("esn", True)):
-        found = reached(f"{script}.py", kind, systems=["mfe"])
-        assert f"burstcast.forecasters.{kind}" in found
-        assert "burstcast.systems.lorenz63" not in found
-        assert any(name.startswith("burstcast.networks.") for name in found) == expected
+        modules = reached(f"{script}.py", kind, systems=["mfe"])
+        assert f"burstcast.forecasters.{kind}" in modules
+        assert "burstcast.systems.lorenz63" not in modules
+        assert any(name.startswith("burstcast.networks.") for name in modules) == expected
 
 
 # -- starting up -----------------------------------------------------------------------------------
 
-SOURCE = ROOT / "src"
 # What a job runs: a script, or the module of a figure.
 FIGURES = SOURCE / "burstcast" / "figures"
-STARTED = [*SCRIPTS, *(FIGURES / f"{name}.py" for name in available_figures())]
+STARTED = SCRIPTS + [FIGURES / f"{name}.py" for name in available_figures()]
 
 # Libraries that take long to load, and the scripts and figures that cannot do without them.
 NEEDED_BY = {
@@ -218,13 +210,13 @@ WITHOUT_NETWORKS = ["tables/*.py", "data/*.py", "control/*.py"]
 
 def libraries(path: Path) -> set[str]:
     """Packages that the imports at the top of a file name."""
-    found = set()
+    packages = set()
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Import):
-            found |= {alias.name.partition(".")[0] for alias in node.names}
+            packages |= {alias.name.partition(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            found.add(node.module.partition(".")[0])
-    return found
+            packages.add(node.module.partition(".")[0])
+    return packages
 
 
 def modules(started: Path) -> set[str]:
@@ -248,9 +240,9 @@ def allowed(script: Path, patterns: list[str]) -> bool:
 
 @pytest.mark.parametrize("script", STARTED, ids=lambda path: path.stem)
 def test_a_script_loads_what_it_needs_and_no_other_library_that_takes_long(script):
-    found = loaded(script)
+    packages = loaded(script)
     may = {library for library, users in NEEDED_BY.items() if allowed(script, users)}
-    assert found & {*NEEDED_BY} == may
+    assert packages & {*NEEDED_BY} == may
     if allowed(script, WITHOUT_NETWORKS):
         assert NETWORK not in modules(script)
 
@@ -263,22 +255,15 @@ from burstcast.tables.makers.registry import maker
 from burstcast_workflow.figures.registry import FIGURES
 from burstcast_workflow.harness.job import function_of
 from burstcast_workflow.tables.registry import MAKERS
-found = [*map(function_of, Path(sys.argv[1]).glob("*/*.py")), *map(maker, MAKERS), *FIGURES]
-print(len(found), *sys.modules)
+jobs = [*map(function_of, Path(sys.argv[1]).glob("*/*.py")), *map(maker, MAKERS), *FIGURES]
+print(len(jobs), *sys.modules)
 """
     command = [sys.executable, "-c", code, str(ROOT / "workflow" / "scripts")]
     output = subprocess.run(command, capture_output=True, text=True, check=True)
     count, *names = output.stdout.split()
     assert int(count) > 60
-    heavy = {
-        "skimage.measure",
-        "sklearn",
-        "skopt",
-        "scipy.ndimage",
-        "scipy.optimize",
-        "scipy.special",
-    }
-    assert not heavy & {*names}
+    scipy = {"scipy.ndimage", "scipy.optimize", "scipy.special"}
+    assert not {"skimage.measure", "sklearn", "skopt", *scipy} & {*names}
 
 
 def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_with():
@@ -334,14 +319,9 @@ def imports_between(directory, prefix):
 
 
 def test_the_parts_of_the_workflow_import_downwards():
-    found = list(imports_between(SOURCE / "burstcast_workflow", "burstcast_workflow."))
-    assert {part for part, *_ in found} >= {"stages", "figures", "config", "jobs"}
-    up = [
-        (part, other, path)
-        for part, other, path in found
-        if part not in PARTS[PARTS.index(other) :]
-    ]
-    assert up == []
+    imports = list(imports_between(SOURCE / "burstcast_workflow", "burstcast_workflow."))
+    assert {part for part, *_ in imports} >= {"stages", "figures", "config", "jobs"}
+    assert [edge for edge in imports if edge[0] not in PARTS[PARTS.index(edge[1]) :]] == []
 
 
 @pytest.mark.parametrize("package", DOWNWARDS)
@@ -353,6 +333,6 @@ def test_packages_import_downwards(package):
 
 def test_rooms_of_the_library_import_from_the_floors_below():
     floor = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
-    found = list(imports_between(SOURCE / "burstcast", "burstcast."))
-    assert {"base", *(room for room, _, _ in found)} == set(floor)
-    assert [edge for edge in found if floor[edge[1]] >= floor[edge[0]]] == []
+    imports = list(imports_between(SOURCE / "burstcast", "burstcast."))
+    assert {room for room, _, _ in imports} == set(floor) - {"base"}
+    assert [edge for edge in imports if floor[edge[1]] >= floor[edge[0]]] == []

@@ -19,7 +19,11 @@ CHOICE = re.compile(r"(statistics|control)\.forecasters\.")
 SCHEMA = schema_of(Configuration)
 PLACES = dict(settings(SCHEMA))
 # sections themselves have no default
-HEADS = {name for name in PLACES if any(one.startswith(f"{name}.") for one in PLACES)}
+HEADS = {name for name in PLACES if any(place.startswith(f"{name}.") for place in PLACES)}
+# sections of cases that nothing is said in
+UNSAID = tuple(
+    f"case_defaults.{name}." for name in ("data", "training.actuation", "sensors", "encoder")
+)
 
 
 @pytest.fixture
@@ -68,19 +72,16 @@ def test_every_setting_has_its_default_in_one_place(config):
     for name, node in PLACES.items():
         if "[" in name or CHOICE.match(name) or name in HEADS:
             continue
-        value, said = value_at(config, name)
-        unsaid = tuple(
-            f"case_defaults.{one}." for one in ("data", "training.actuation", "sensors", "encoder")
-        )
-        if name.startswith(unsaid):  # sections that nothing is said in
-            assert not said
+        value, given = value_at(config, name)
+        if name.startswith(UNSAID):
+            assert not given
         elif "default" not in node:
-            assert said, f"config.yaml lacks {name}"
+            assert given, f"config.yaml lacks {name}"
             changed = copy.deepcopy(config)
             parent, last = name.rpartition(".")[::2]
             del (value_at(changed, parent)[0] if parent else changed)[last]
             assert f"{name}: missing" in problems(changed)[0]
-        elif said and name not in of_the_paper:
+        elif given and name not in of_the_paper:
             assert value != node["default"], f"{name} has a default"
     for name in of_the_paper:
         section, key = name.split(".")[1:]
@@ -122,8 +123,7 @@ def test_the_reference_of_all_settings_is_up_to_date_and_tells_what_holds(config
 
 
 def test_writing_a_config_differently_changes_nothing(config):
-    other = copy.deepcopy(config)
-    other = dict(reversed(other.items()))
+    other = dict(reversed(copy.deepcopy(config).items()))
     put(other, "random_seed", 2022.0)
     put(other, "horizon.longest_lead_time_lt", 10.0)
     put(other, "results", "./results//paper/")
@@ -162,15 +162,14 @@ def test_all_mistakes_are_reported_at_once(config):
     """Of types, between settings and of lengths; none is of what replaces an invalid setting."""
     for name, value in MISTAKES.items():
         put(config, name, value)
-    found = problems(config)
-    assert len(found) == len(MISTAKES), found
+    messages = problems(config)
+    assert len(messages) == len(MISTAKES), messages
     names = [name.removeprefix("cases.").replace("campaign.0", "campaign[0]") for name in MISTAKES]
     for name in names:
         case, _, setting = name.partition(".")
-        told = [
-            text for text in found if name in text or (f"case {case}" in text and setting in text)
-        ]
-        assert len(told) == 1, (name, found)
+        parts = [f"case {case}", setting]
+        there = [name in text or all(part in text for part in parts) for text in messages]
+        assert sum(there) == 1, (name, messages)
     with pytest.raises(ConfigError, match=r"has 10 mistakes:\n  1\. .*\n  2\. .*\n  3\. "):
         load(config)
 
@@ -190,8 +189,8 @@ def test_all_mistakes_are_reported_at_once(config):
 def test_invalid_sections_are_the_only_mistakes_reported(config, values):
     for name, value in values.items():
         put(config, name, value)
-    found = problems(config)
-    assert all(any(text.startswith(name[:8]) for name in values) for text in found), found
+    messages = problems(config)
+    assert all(any(text.startswith(name[:8]) for name in values) for text in messages), messages
 
 
 # -- keys that are there twice ---------------------------------------------------------------------
@@ -206,22 +205,22 @@ def test_duplicated_keys(config, tmp_path):
         "horizon: {}\ncases: &all\n  Re400: {}\nother: *all\n"
     )
     shown = os.path.relpath(path)
-    found = [
+    messages = [
         f"{shown}, line 4: the key horizon.events is there already, in line 2",
         f"{shown}, line 7: the key campaign[1].seeds is there already, in line 7",
         f"{shown}, line 8: the key horizon is there already, in line 1",
     ]
-    assert misread([path, str(path)]) == found
+    assert misread([path, str(path)]) == messages
     assert misread([ROOT / "config.yaml", *PRESETS]) == []
     put(config, "random_seed", -1)
     with pytest.raises(ConfigError) as caught:
         load(config, [path])
-    assert caught.value.problems[:3] == found
+    assert caught.value.problems[:3] == messages
     assert len(caught.value.problems) == 4
 
 
 @pytest.mark.parametrize(
-    ("text", "found"),
+    ("text", "message"),
     [
         ("# nothing\n", ""),
         ('{\n\t"horizon": {\n\t\t"events": 3}}\n', ""),  # JSON, but not YAML
@@ -241,10 +240,11 @@ def test_duplicated_keys(config, tmp_path):
         ("a: 2026-11-23", "a is 2026-11-23, which YAML reads as a date: quote it"),
     ],
 )
-def test_what_yaml_reads_otherwise_than_it_looks(config, tmp_path, text, found):
+def test_what_yaml_reads_otherwise_than_it_looks(config, tmp_path, text, message):
     (tmp_path / "mine").write_text(text)
-    assert (found in misread([tmp_path / "mine"])[0]) if found else not misread([tmp_path / "mine"])
-    if found:
+    messages = misread([tmp_path / "mine"])
+    assert (message in messages[0]) if message else not messages
+    if message:
         with pytest.raises(ConfigError, match="mine"):
             load(config, [tmp_path / "mine"])
 

@@ -114,36 +114,31 @@ def test_what_the_papers_campaign_shows(config, neurons):
     ],
 )
 def test_an_overlay_that_changes_the_campaign_needs_no_other_line(blocks, example, controllers):
-    found = campaign(
+    changed = campaign(
         blocks=[
-            {
-                "reynolds": [reynolds],
-                "forecasters": {**networks(sizes, ("SSV", "RV")), "equations": None},
-            }
+            {"reynolds": [reynolds], "forecasters": networks(sizes, ("SSV", "RV"))}
             for reynolds, sizes in blocks.items()
         ]
     )
-    assert (found.example.case, found.example.name.identifier) == example
-    assert {run.case for run in found.control_runs} == controllers
-    assert {run.controller.neurons for run in found.control_runs} == {found.example.name.neurons}
-    assert {one.name.validation for one in found.long_term_forecasters} == {"RV"}
+    network, runs = changed.example, changed.control_runs
+    assert (network.case, network.name.identifier) == example
+    assert {run.case for run in runs} == controllers
+    assert {run.controller.neurons for run in runs} == {network.name.neurons}
+    assert {network.name.validation for network in changed.long_term_forecasters} == {"RV"}
 
 
-def test_strategies_and_times_that_the_campaign_has():
-    times = {"control": {"prediction_times_lt": [1]}}
-    times["classification"] = {"prediction_times_lt": [1, 4.5]}
-    blocks = [{"reynolds": [400], "forecasters": networks([30], ("SSV", "RV"))}]
-    found = campaign(times, blocks=blocks)
-    assert found.example.name.identifier == "esn-N30-RV-seed0"
-    assert [found.prediction_time(wanted) for wanted in (2, 3)] == [1, 4.5]
+def test_times_that_the_campaign_has():
+    times = {"classification": {"prediction_times_lt": [1, 4.5]}}
+    two = campaign(times, {"control": {"prediction_times_lt": [1]}})
+    assert [two.prediction_time(wanted) for wanted in (2, 3)] == [1, 4.5]
 
 
 def test_a_campaign_without_networks():
     others = {"quadratic": {}, "equations": {}, "persistence": {}, "analogues": {}}
-    found = campaign(blocks=[{"reynolds": [600, 400], "forecasters": others}])
-    assert found.example.case == "Re400"
-    assert not found.networks
-    figures, tables = set(figure_names(found)), set(table_names(found))
+    plain = campaign(blocks=[{"reynolds": [600, 400], "forecasters": others}])
+    assert plain.example.case == "Re400"
+    assert not plain.networks
+    figures, tables = set(figure_names(plain)), set(table_names(plain))
     assert {"observable_and_density", "forecast_skill", "reliability"} <= figures
     assert not {"network_schematic", "prediction_examples"} & figures
     assert {"classification", "horizon", "warnings"} <= tables
@@ -153,16 +148,21 @@ def test_a_campaign_without_networks():
 # -- another system --------------------------------------------------------------------------------
 
 
+def with_lorenz(config, name="lorenz", **entry):
+    """A config with a case of the Lorenz system with this entry."""
+    config["cases"][name] = {"system": "lorenz63", **entry}
+    config["campaign"].append({"cases": [name], "forecasters": networks([100])})
+    return config
+
+
 def lorenz(config, **entry):
-    """The record of a case of the Lorenz system with this entry."""
-    config["cases"]["lorenz"] = {"system": "lorenz63", **entry}
-    config["campaign"].append({"cases": ["lorenz"], "forecasters": networks([100])})
-    return records_of(load(config))["lorenz"]
+    """The record of such a case."""
+    return records_of(load(with_lorenz(config, **entry)))["lorenz"]
 
 
-def silent_lorenz(monkeypatch, **said):
+def silent_lorenz(monkeypatch, **defaults):
     """Let the Lorenz system say this of its cases, and nothing else."""
-    monkeypatch.setattr(Lorenz63, "case_defaults", said)
+    monkeypatch.setattr(Lorenz63, "case_defaults", defaults)
 
 
 ENSEMBLE = {
@@ -206,9 +206,7 @@ def test_a_case_of_another_system_starts_from_what_its_class_says(config):
 
 def test_what_nobody_says_is_asked_for_in_one_message(config, monkeypatch):
     silent_lorenz(monkeypatch, event_threshold=40, ensemble={"time_step": 0.01})
-    config["cases"]["mine"] = {"system": "lorenz63", "ensemble": {"sampling_stride": 2}}
-    config["campaign"].append({"cases": ["mine"], "forecasters": networks([100])})
-    assert only_problem(config) == (
+    assert only_problem(with_lorenz(config, "mine", ensemble={"sampling_stride": 2})) == (
         "case mine: ensemble.initial_state, ensemble.perturbed_component, ensemble.perturbation, "
         "ensemble.transient, ensemble.duration, density.range, fixed_point, "
         "controlled_density.range are missing: the class Lorenz63 says nothing of them in its "
@@ -237,9 +235,9 @@ def test_what_follows_from_other_settings_need_not_be_said(config, monkeypatch):
 
 def test_a_system_that_draws_initial_states_needs_none(config, monkeypatch):
     names = ("initial_state", "perturbed_component", "perturbation")
-    said = {**Lorenz63.case_defaults}
-    said["ensemble"] = {key: value for key, value in said["ensemble"].items() if key not in names}
-    silent_lorenz(monkeypatch, **said)
+    defaults = Lorenz63.case_defaults
+    kept = {key: value for key, value in defaults["ensemble"].items() if key not in names}
+    silent_lorenz(monkeypatch, **{**defaults, "ensemble": kept})
     draw = lambda self, series, generator: generator.random((3, series))  # noqa: E731
     monkeypatch.setattr(Lorenz63, "sample_initial_states", draw)
     ensemble = lorenz(config)["ensemble"]
@@ -248,9 +246,7 @@ def test_a_system_that_draws_initial_states_needs_none(config, monkeypatch):
 
 def test_a_force_needs_a_right_hand_side(config, monkeypatch):
     monkeypatch.setattr(Lorenz63, "flow_map", lambda self, state, time_step: state)
-    config["cases"]["lorenz"] = {"system": "lorenz63", "actuation": {"force": [1, 0, 0]}}
-    config["campaign"].append({"cases": ["lorenz"], "forecasters": networks([100])})
-    assert only_problem(config) == (
+    assert only_problem(with_lorenz(config, actuation={"force": [1, 0, 0]})) == (
         "case lorenz: actuation: a force is added to a right-hand side, but Lorenz63 has an "
         "integrator of its own: let the actuation change a parameter"
     )
@@ -258,9 +254,7 @@ def test_a_force_needs_a_right_hand_side(config, monkeypatch):
 
 def test_mistakes_in_what_a_class_says(config, monkeypatch):
     silent_lorenz(monkeypatch, event_treshold=40, density={"range": [5, 1]})
-    config["cases"]["lorenz"] = {"system": "lorenz63"}
-    config["campaign"].append({"cases": ["lorenz"], "forecasters": networks([100])})
-    problem = only_problem(config)
+    problem = only_problem(with_lorenz(config))
     assert problem.startswith("case_defaults of the class Lorenz63 (system lorenz63): ")
     assert "event_treshold: unknown setting; did you mean event_threshold?" in problem
     assert "density.range: the first number must be below the second (got [5, 1])" in problem
@@ -314,10 +308,10 @@ def test_series_are_counted_together():
 
 
 def test_too_few_starting_points_are_told_of_cases_that_the_campaign_uses(config):
-    def told():
+    def caveat():
         return few_points(Campaign(load(config)))
 
-    assert told() == ""
+    assert caveat() == ""
     put(config, "campaign", [{"reynolds": [400, 600], "forecasters": networks([2000])}])
     put(config, "statistics.fixed_point_interval_lt", 1)
     put(config, "cases.Re400.ensemble", {"duration": 1500})
@@ -327,12 +321,12 @@ def test_too_few_starting_points_are_told_of_cases_that_the_campaign_uses(config
     # from a washout of 30 steps to 6 LT of 61 steps before the end, in one and in ten series
     score, calibrate = (len(range(29, 1501 - 6 * 61, step)) for step in (61, 9 * 61))
     assert (score, 10 * calibrate) == (19, 30)
-    assert told().startswith("fewer than 30 starting points of forecasts: Re400 has 19 to score; ")
+    assert caveat().startswith("fewer than 30 starting points of forecasts: Re400 has 19 to score;")
     put(config, "probability.start_spacing_lt", 10)
     put(config, "cases.Re400.ensemble", {"duration": 1400})
-    assert "Re400 has 17 to score and 20 to calibrate with; raise test_series" in told()
+    assert "Re400 has 17 to score and 20 to calibrate with; raise test_series" in caveat()
     put(config, "cases.Re400.lyapunov.published_exponent", None)
-    assert told() == ""
+    assert caveat() == ""
 
 
 # -- measured series -------------------------------------------------------------------------------
@@ -374,20 +368,20 @@ def test_records_of_measured_cases(measured):
 
 def test_past_values_are_components(measured):
     put(measured, "cases.part.data.delays", [20, 10])
-    found = Campaign(load(measured))
-    part = found.cases["part"].dump()
+    loaded = Campaign(load(measured))
+    part = loaded.cases["part"].dump()
     names = ["a1", "s", "a1(t-20)", "s(t-20)", "a1(t-10)", "s(t-10)"]
     assert part["parameters"]["components"] == names
-    assert found.cases["part"].space.dimension == 7  # and the observable
+    assert loaded.cases["part"].space.dimension == 7  # and the observable
     # every series begins later
     assert part["ensemble"] == {"time_step": 0.25, "sampling_stride": 4, "duration": 3980}
     # the noise is there before the past values are taken, and not added again
     assert part["training"]["noise"] == 0.01
     path = "job.noise_of_data"
-    noises = [settings_of_job(found, [path], {"case": case}) for case in ("part", "lab", "Re400")]
+    noises = [settings_of_job(loaded, [path], {"case": case}) for case in ("part", "lab", "Re400")]
     assert noises == [{path: {"level": 0.01, "random_seed": 2022}}, {path: None}, {path: None}]
     for case, noise in (("part", 0), ("Re400", 0.01)):
-        settings = settings_of_job(found, ["case.training.noise"], {"case": case})
+        settings = settings_of_job(loaded, ["case.training.noise"], {"case": case})
         assert settings == {"case.training.noise": noise}
     # measured series have their own
     put(measured, "cases.lab.data.delays", [3])
@@ -395,30 +389,30 @@ def test_past_values_are_components(measured):
 
 
 def test_whose_unit_of_time_is_an_estimate(measured):
-    found = Campaign(load(measured))
-    estimates = {name: case.estimates_time_unit for name, case in found.cases.items()}
+    loaded = Campaign(load(measured))
+    estimates = {name: case.estimates_time_unit for name, case in loaded.cases.items()}
     assert estimates == {"Re400": False, "lab": True, "part": False}
     put(measured, "cases.lab.lyapunov.published_exponent", 0.01)
     assert not Campaign(load(measured)).cases["lab"].estimates_time_unit
 
 
 def test_what_a_campaign_makes_of_measured_cases(measured):
-    found = Campaign(load(measured))
-    assert found.simulated_cases == ("Re400",)
-    assert found.where(has_equations=False) == ("lab", "part")
+    loaded = Campaign(load(measured))
+    assert loaded.simulated_cases == ("Re400",)
+    assert loaded.where(has_equations=False) == ("lab", "part")
     kinds = {"Re400": Simulated, "lab": Measured, "part": PartOfCase}
-    assert {name: type(case) for name, case in found.cases.items()} == kinds
-    assert found.cases["Re400"].is_flow
-    assert not found.cases["part"].is_flow
-    sources = {name: case.source.name for name, case in found.cases.items()}
+    assert {name: type(case) for name, case in loaded.cases.items()} == kinds
+    assert loaded.cases["Re400"].is_flow
+    assert not loaded.cases["part"].is_flow
+    sources = {name: case.source.name for name, case in loaded.cases.items()}
     assert sources == {"Re400": "Re400", "lab": "lab", "part": "Re400"}
-    assert not any(case.is_encoded or case.undecoded for case in found.cases.values())
+    assert not any(case.is_encoded or case.undecoded for case in loaded.cases.values())
     with pytest.raises(TypeError, match="lab is no part of another case"):
-        _ = found.cases["lab"].sensor
-    assert {run.case for run in found.strategy_runs} == {"Re400"}
+        _ = loaded.cases["lab"].sensor
+    assert {run.case for run in loaded.strategy_runs} == {"Re400"}
     # only what is about measured series depends on their code
-    assert found.modules({"case": "part"})["burstcast.systems"] == ["measured"]
-    assert found.modules({"case": "Re400"})["burstcast.systems"] == ["mfe"]
+    assert loaded.modules({"case": "part"})["burstcast.systems"] == ["measured"]
+    assert loaded.modules({"case": "Re400"})["burstcast.systems"] == ["mfe"]
 
 
 @pytest.mark.parametrize("given", [None, "none", "mean"])
@@ -427,12 +421,12 @@ def test_networks_of_measured_series_have_an_offset_unless_the_config_says_other
 ):
     put(measured, "forecasters.esn.input_offset", given)
     put(measured, "forecasters.variants", {"plain": {"input_offset": "none"}, "open": {}})
-    found, data = Campaign(load(measured)), ("lab", "part")
+    loaded, data = Campaign(load(measured)), ("lab", "part")
     for case, default in (("lab", "mean"), ("part", "mean"), ("Re400", "none"), ("", "none")):
         for label, expected in ((None, given or default), ("open", given or default)):
-            assert found.sections(case, label)["esn"]["input_offset"] == expected
-            assert found.sections(case, label)["esn"]["input_bias"] == (1 if case in data else 0.1)
-        assert found.sections(case, "plain")["esn"]["input_offset"] == "none"
+            assert loaded.sections(case, label)["esn"]["input_offset"] == expected
+            assert loaded.sections(case, label)["esn"]["input_bias"] == (1 if case in data else 0.1)
+        assert loaded.sections(case, "plain")["esn"]["input_offset"] == "none"
 
 
 def test_files_as_people_sort_their_names(measured):
@@ -444,16 +438,13 @@ def test_files_as_people_sort_their_names(measured):
 
 def test_long_runs_are_as_long_as_the_series(measured):
     measured["statistics"]["duration"] = None
-    found = Campaign(load(measured))
+    loaded = Campaign(load(measured))
     for case, duration in (("lab", None), ("Re400", 4000)):
-        settings = settings_of_job(found, ["statistics.duration"], {"case": case})
+        settings = settings_of_job(loaded, ["statistics.duration"], {"case": case})
         assert settings == {"statistics.duration": duration}
     put(measured, "cases.lab.data.blocks", {"duration": 50})
-    assert records_of(load(measured))["lab"]["data"]["blocks"] == {
-        "duration": 50,
-        "gap": 0,
-        "shortest": None,
-    }
+    blocks = records_of(load(measured))["lab"]["data"]["blocks"]
+    assert blocks == {"duration": 50, "gap": 0, "shortest": None}
 
 
 def test_components_are_the_columns_of_the_header_but_what_is_known(measured, tmp_path):
@@ -500,15 +491,12 @@ def test_what_is_left_out_of_a_case_follows_from_the_data(measured):
 
 
 def test_what_is_extrapolated_is_told_with_the_range():
-    found = list(extrapolations(Campaign(load(tiny_campaign("aware")))))
-    assert found == []  # Re = 2000 is in the actuated series of Re800
+    # Re = 2000 is in the actuated series of Re800
+    assert list(extrapolations(Campaign(load(tiny_campaign("aware"))))) == []
     free = {"cases": {"Re800": {"training": {"actuation": None}}}}
-    told = list(extrapolations(Campaign(load(tiny_campaign("aware", free)))))
-    said = "lies outside of the values in training, 400 to 800: forecasts are extrapolated"
-    assert [one.removesuffix(said) for one in told] == [
-        "Re400: reynolds = 2000 ",
-        "Re400switched: reynolds = 2000 ",
-        "Re600: reynolds = 950 ",  # the actuator at a quarter of its strength
-        "Re600: reynolds = 2000 ",
-        "Re800: reynolds = 2000 ",
-    ]
+    outside = list(extrapolations(Campaign(load(tiny_campaign("aware", free)))))
+    end = "lies outside of the values in training, 400 to 800: forecasts are extrapolated"
+    # 950: the actuator at a quarter of its strength
+    cases = ["Re400 2000", "Re400switched 2000", "Re600 950", "Re600 2000", "Re800 2000"]
+    expected = [case.replace(" ", ": reynolds = ") for case in cases]
+    assert [message.removesuffix(f" {end}") for message in outside] == expected

@@ -32,14 +32,9 @@ PLANS = {
         "forecasters": {"precursor": {}},
     },
 }
-OVERLAYS = {
-    "measured": MEASURED,
-    "lorenz": {"cases": {"lorenz": {"system": "lorenz63"}}},
-}
-FILES = {
-    **{f"lab/run_{number}.csv": "time,u,v\n0,1,2" for number in (10, 9, 1)},
-    "README.md": "",
-}
+OVERLAYS = {"measured": MEASURED, "lorenz": {"cases": {"lorenz": {"system": "lorenz63"}}}}
+FILES = dict.fromkeys([f"lab/run_{number}.csv" for number in (10, 9, 1)], "time,u,v\n0,1,2")
+FILES["README.md"] = ""
 
 
 def config_of(table):
@@ -57,10 +52,10 @@ def config_of(table):
     return config
 
 
-def changed(table, said):
+def changed(table, line):
     """The config of a table with what a line says."""
     config = config_of(table)
-    for name, value in yaml.safe_load(f"{{{said.removeprefix('& ')}}}").items():
+    for name, value in yaml.safe_load(f"{{{line.removeprefix('& ')}}}").items():
         put(config, name.replace("plan.", "control.strategies.0."), value)
     return config
 
@@ -69,8 +64,8 @@ def lines_of(tables):
     """Lines of all tables: the table, what is said, parts of the message."""
     for table, text in tables.items():
         for line in text.replace("\n  ", " ").strip().splitlines():
-            said, *parts = map(str.strip, line.split(" | "))
-            yield pytest.param(table, said, parts, id=f"{table}: {said}")
+            change, *parts = map(str.strip, line.split(" | "))
+            yield pytest.param(table, change, parts, id=f"{table}: {change}")
 
 
 TABLES = {}
@@ -454,27 +449,26 @@ campaign: [{reynolds: [400], forecasters: {equations_noisy: {}}}],
 @pytest.fixture(scope="module")
 def directory(tmp_path_factory):
     """The files that configs name."""
-    found = tmp_path_factory.mktemp("configs")
-    (found / "lab").mkdir()
+    directory = tmp_path_factory.mktemp("configs")
+    (directory / "lab").mkdir()
     for name, text in FILES.items():
-        (found / name).write_text(text + "\n", encoding="utf-8")
-    return found
+        (directory / name).write_text(text + "\n", encoding="utf-8")
+    return directory
 
 
-@pytest.mark.parametrize(("table", "said", "parts"), list(lines_of(TABLES)))
+@pytest.mark.parametrize(("table", "line", "parts"), list(lines_of(TABLES)))
 def test_a_mistake_is_told_in_these_words_and_no_other_is(
-    table, said, parts, directory, monkeypatch
+    table, line, parts, directory, monkeypatch
 ):
     monkeypatch.chdir(directory)
     with pytest.raises(ConfigError) as caught:
-        load(changed(table, said))
-    told = caught.value.problems
-    assert [one for one in told if all(part in one for part in parts)], told
-    if not said.startswith("& "):
-        assert len(told) == 1
+        load(changed(table, line))
+    messages = caught.value.problems
+    assert any(all(part in message for part in parts) for message in messages), messages
+    assert line.startswith("& ") or len(messages) == 1
 
 
-@pytest.mark.parametrize(("table", "said", "nothing"), list(lines_of(SOUND)))
-def test_nothing_is_wrong(table, said, nothing, directory, monkeypatch):
+@pytest.mark.parametrize(("table", "line", "nothing"), list(lines_of(SOUND)))
+def test_nothing_is_wrong(table, line, nothing, directory, monkeypatch):
     monkeypatch.chdir(directory)
-    load(changed(table, said))
+    load(changed(table, line))

@@ -57,7 +57,7 @@ def at(node, path: Place):
 
 def mutated(config: dict, chance: random.Random) -> tuple[dict, list[str]]:
     """A config with one to three changes, and what they are."""
-    config, said = copy.deepcopy(config), []
+    config, changes = copy.deepcopy(config), []
     for _ in range(chance.choice([1, 1, 1, 2, 3])):
         path = chance.choice(places(config))
         *above, key = path
@@ -76,10 +76,10 @@ def mutated(config: dict, chance: random.Random) -> tuple[dict, list[str]]:
             parent[key] = new
         else:
             parent[key] = new
-        said.append(f"{kind} {'.'.join(map(str, (*above, key)))}: {new!r:.80}")
+        changes.append(f"{kind} {'.'.join(map(str, (*above, key)))}: {new!r:.80}")
         if not config:
             break
-    return config, said
+    return config, changes
 
 
 def base(chance: random.Random) -> dict:
@@ -88,31 +88,23 @@ def base(chance: random.Random) -> dict:
     return paper_with(read(ROOT / f"workflow/presets/{preset}.yaml") if preset else {})
 
 
-def planned(config: dict) -> int:
-    """Expand a campaign as the workflow does; the number of what it has."""
+def plan(config: dict) -> None:
+    """Expand a campaign as the workflow does."""
     campaign = Campaign(config)
-    records = [
-        *(one.directory for one in campaign.forecasters),
-        *(
-            settings_of_job(campaign, ["control.run"], run.identity)
-            for run in (*campaign.control_runs, *campaign.strategy_runs)
-        ),
-        settings_of_cases(campaign, CaseInputs),
-        table_names(campaign),
-        latex_names(campaign),
-    ]
-    canonical_json(records)
-    for one in {(one.case, one.name.kind): one for one in campaign.forecasters}.values():
-        campaign.modules(one.identity)
-        settings_of_job(campaign, ["forecaster.options", "case.training"], one.identity)
+    runs = [*campaign.control_runs, *campaign.strategy_runs]
+    records = [settings_of_job(campaign, ["control.run"], run.identity) for run in runs]
+    directories = [forecaster.directory for forecaster in campaign.forecasters]
+    canonical_json([records, settings_of_cases(campaign, CaseInputs), directories])
+    canonical_json([table_names(campaign), latex_names(campaign)])
+    of_each_kind = {(model.case, model.name.kind): model for model in campaign.forecasters}
+    for forecaster in of_each_kind.values():
+        campaign.modules(forecaster.identity)
+        settings_of_job(campaign, ["forecaster.options", "case.training"], forecaster.identity)
     for name in figure_names(campaign):
-        figure = next(
-            known for known in sorted(FIGURES, key=len, reverse=True) if name.startswith(known)
-        )
+        figure = max((figure for figure in FIGURES if name.startswith(figure)), key=len)
         case = registry.figure_case(campaign, figure, name.removeprefix(figure))
         registry.files_of(campaign, FIGURES[figure], case)
         canonical_json(registry.settings_of(campaign, FIGURES[figure], case))
-    return len(records)
 
 
 def outcome(config: dict) -> list[str]:
@@ -121,7 +113,7 @@ def outcome(config: dict) -> list[str]:
         loaded = load(config, defaults=ROOT / "config.yaml")
     except ConfigError as error:
         return error.problems
-    planned(loaded)
+    plan(loaded)
     return []
 
 
@@ -131,17 +123,17 @@ def test_mutated_configs_have_a_plan_or_clear_messages(capsys):
     counts, failures = {"plans": 0, "messages": 0}, []
     sections = (*Configuration.model_fields, "case", "the key")
     for number, chance in enumerate(trials):
-        config, said = mutated(base(chance), chance)
+        config, changes = mutated(base(chance), chance)
         try:
             problems = outcome(config)
         except Exception as error:
-            failures.append(f"{number}: {said}: {type(error).__name__}: {error}")
+            failures.append(f"{number}: {changes}: {type(error).__name__}: {error}")
             continue
         counts["messages" if problems else "plans"] += 1
         for problem in problems:
             # of a reasonable length, and about a setting
             if len(problem) > 600 or not any(name in problem for name in sections):
-                failures.append(f"{number}: {said}: {problem}")
+                failures.append(f"{number}: {changes}: {problem}")
     with capsys.disabled():
         print(f"\nseed {SEED}: {NUMBER} mutations, {json.dumps(counts)}, {len(failures)} failures")
     assert not failures, "\n".join(failures)
@@ -156,12 +148,12 @@ def test_snakemake_says_what_a_mutated_config_has(tmp_path, job_server, capsys):
     for number in range(max(1, NUMBER * PLANNED_BY_SNAKEMAKE // 500)):
         chance = random.Random(f"{SEED} snakemake {number}")
         tiny = yaml.safe_load((ROOT / "workflow/presets/tiny.yaml").read_text())
-        config, said = mutated(tiny, chance)
+        config, changes = mutated(tiny, chance)
         result = project.snakemake("-n", "--quiet", "rules", overlay=config)
-        assert "Traceback" not in result.text, (said, result.text)
+        assert "Traceback" not in result.text, (changes, result.text)
         counts["messages" if result.status else "plans"] += 1
         if result.status:
-            assert result.text.count("The configuration has") == 1, (said, result.text)
+            assert result.text.count("The configuration has") == 1, (changes, result.text)
             assert not (project.directory / "results").exists()
     with capsys.disabled():
         print(f"\nseed {SEED}: {json.dumps(counts)} through Snakemake")

@@ -123,11 +123,11 @@ def network(ensemble):
 @pytest.fixture(params=trajectory_kinds())
 def forecaster(request, network, ensemble):
     """One of each kind, and the settings of its job."""
-    found = kind_class(request.param)
-    identifier = IDENTIFIER.replace("esn", request.param) if found.has_search else request.param
+    cls = kind_class(request.param)
+    identifier = IDENTIFIER.replace("esn", request.param) if cls.has_search else request.param
     settings = job(forecaster=identifier)
-    if issubclass(found, NetworkForecaster):
-        return found(**vars(network)), settings
+    if issubclass(cls, NetworkForecaster):
+        return cls(**vars(network)), settings
     observed = networks().learnt(ensemble).observed
     return settings.unfitted().fit(observed, settings.forecasting_case()), settings
 
@@ -140,15 +140,14 @@ def test_read_forecaster_gives_back_what_write_forecaster_was_given(forecaster, 
     assert type(back) is type(made)
     assert back.options | {"divergence_bound": None} == made.options | {"divergence_bound": None}
     washout = np.random.default_rng(5).normal(size=(12, 3, 3))
-    outputs = [one.advance(one.start(washout), 20)[0] for one in (made, back)]
+    outputs = [model.advance(model.start(washout), 20)[0] for model in (made, back)]
     assert np.isfinite(outputs[0]).all()
     assert outputs[0].tobytes() == outputs[1].tobytes()
     # and it would be written as it was
-    one, other = made.record(), back.record()
-    assert one.attributes == other.attributes
-    assert {name: array.tobytes() for name, array in one.arrays.items()} == {
-        name: array.tobytes() for name, array in other.arrays.items()
-    }
+    records = [model.record() for model in (made, back)]
+    assert records[0].attributes == records[1].attributes
+    arrays = [{key: array.tobytes() for key, array in record.arrays.items()} for record in records]
+    assert arrays[0] == arrays[1]
 
 
 def test_the_file_of_a_network_says_what_it_is_made_of_and_holds_no_big_matrix(network, tmp_path):
@@ -188,11 +187,7 @@ def test_what_forecasters_may_know_of_their_case():
 
 def test_options_of_a_job_are_those_of_its_kind():
     filtered = job(forecaster="quadratic_filtered").unfitted()
-    assert filtered.options == {
-        **SECTIONS["observation"],
-        **SECTIONS["filter"],
-        **SECTIONS["quadratic"],
-    }
+    assert filtered.options == SECTIONS["observation"] | SECTIONS["filter"] | SECTIONS["quadratic"]
     given = {**SETTINGS, "forecaster.options": {"neighbours": 3, "lags": 2}}
     with pytest.raises(ValueError, match="'analogues' has no option 'lags'"):
         job(given, forecaster="analogues").unfitted()
@@ -246,6 +241,7 @@ OF_SEARCH = {
     "search.input_scaling": [0.5, 5],
 }
 POINT = HyperparameterPoint(0.5, 2.0)
+STRATEGIES = [SingleShotValidation(), RecycleValidation()]
 
 
 @pytest.fixture(scope="module")
@@ -253,11 +249,7 @@ def searched(tmp_path_factory):
     start = np.array([[1.0, 1.0, 20.0]] * 4).T + np.random.default_rng(2).random((3, 4))
     states = integrate(Lorenz63(), start, 0.01, 1600, stride=4)[101:].transpose(2, 0, 1)
     path = tmp_path_factory.mktemp("data") / "searched.nc"
-    variables = {
-        "series": Variable(("series",), np.arange(4), "1", "number"),
-        "state": Variable(("series", "time", "component"), states, "1", "state"),
-    }
-    write_netcdf(path, variables, {})
+    write(path, states)
     return str(path)
 
 
@@ -270,7 +262,7 @@ def validator(settings, searched):
 
 
 def test_durations_are_those_of_the_settings(searched):
-    found = validator(OF_SEARCH, searched)(POINT, [SingleShotValidation(), RecycleValidation()])
+    evaluations = validator(OF_SEARCH, searched)(POINT, STRATEGIES)
     plan = ValidationPlan(washout=12, interval=50, series=2, intervals=4)
     expected = validate(
         Dynamics(ReservoirSeed(2022, 40, 0, 6, 0.1).reservoir(3), 0.5, 2.0, "scipy"),
@@ -278,19 +270,19 @@ def test_durations_are_those_of_the_settings(searched):
         Lorenz63().observable,
         plan,
         [1e-6, 1e-9],
-        [SingleShotValidation(), RecycleValidation()],
+        STRATEGIES,
     )
-    assert found == expected
-    assert len(found) == 4
+    assert evaluations == expected
+    assert len(evaluations) == 4
+
+
+TOO_MANY = {"case.recycle_validation": {"series": 2, "intervals_per_series": 6}}
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (
-            {"case.recycle_validation": {"series": 2, "intervals_per_series": 6}},
-            r"6 validation intervals per series are requested, but only 5 intervals",
-        ),
+        (TOO_MANY, r"6 validation intervals per series are requested, but only 5 intervals"),
         ({"search.interval_lt": 11.6}, "leave nothing to train on before the last"),
         ({"search.interval_lt": 0.01}, r"search\.interval_lt is 0\.01 Lyapunov times"),
         ({"washout_lt": 0.01}, r"washout_lt is 0\.01 Lyapunov times"),
@@ -298,9 +290,8 @@ def test_durations_are_those_of_the_settings(searched):
     ],
 )
 def test_what_does_not_fit_is_told_before_anything_is_computed(searched, change, message):
-    strategies = [SingleShotValidation(), RecycleValidation()]
     with pytest.raises(ValueError, match=message):
-        validator({**OF_SEARCH, **change}, searched)(POINT, strategies)
+        validator({**OF_SEARCH, **change}, searched)(POINT, STRATEGIES)
 
 
 def test_intervals_that_just_fit_are_accepted(searched):
@@ -310,23 +301,21 @@ def test_intervals_that_just_fit_are_accepted(searched):
 
 def test_evaluations_are_read_as_they_were_written(searched, tmp_path):
     """Also where strategies have different numbers of intervals."""
-    strategies = [SingleShotValidation(), RecycleValidation()]
-    found = scan(validator(OF_SEARCH, searched), search(OF_SEARCH).search_space, strategies, 2)
-    assert [one.number for one in found[::4]] == [0, 1, 2, 3]
+    space = search(OF_SEARCH).search_space
+    evaluations = scan(validator(OF_SEARCH, searched), space, STRATEGIES, 2)
+    assert [evaluation.number for evaluation in evaluations[::4]] == [0, 1, 2, 3]
     path = str(tmp_path / "errors.nc")
-    write_netcdf(path, log_error_variables(found), {"rule": "scan"})
-    records = [one.record() for one in found]
-    assert read_evaluations(records, path) == found
-    intervals = [len(one.validation.log_errors) for one in found[:4]]
+    write_netcdf(path, log_error_variables(evaluations), {"rule": "scan"})
+    records = [evaluation.record() for evaluation in evaluations]
+    assert read_evaluations(records, path) == evaluations
+    intervals = [len(evaluation.validation.log_errors) for evaluation in evaluations[:4]]
     assert intervals[0] == intervals[1] < intervals[2] == intervals[3]
-    for one, record in zip(found, records, strict=True):
-        assert record["objective"] == np.mean(one.validation.log_errors)
-        assert (record["source"], record["solver"]) == ("grid", one.validation.solver)
+    for evaluation, record in zip(evaluations, records, strict=True):
+        assert record["objective"] == np.mean(evaluation.validation.log_errors)
+        assert (record["source"], record["solver"]) == ("grid", evaluation.validation.solver)
 
 
 def test_the_search_space_is_that_of_the_settings():
-    corners = {
-        (point.spectral_radius, point.input_scaling)
-        for point in search(OF_SEARCH).search_space.grid(2)
-    }
+    points = search(OF_SEARCH).search_space.grid(2)
+    corners = {(point.spectral_radius, point.input_scaling) for point in points}
     assert corners == {(0.1, 0.5), (0.1, 5), (1, 0.5), (1, 5)}

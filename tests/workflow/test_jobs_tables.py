@@ -52,10 +52,8 @@ def test_rows_are_labelled_by_the_files_in_any_order_and_at_any_place(
     directory = tmp_path_factory.mktemp("files")
     paths = []
     for name, place in zip(names, places, strict=True):
-        path = directory / f"{place}.json"
-        written(directory, forecaster(name)).rename(path)
-        paths.append(path)
-    rows = [{**one.name.keys, **one.content} for one in CASE.gathered(paths)]
+        paths.append(written(directory, forecaster(name)).rename(directory / f"{place}.json"))
+    rows = [{**file.name.keys, **file.content} for file in CASE.gathered(paths)]
     assert [row["value"] for row in rows] == list(names)
     for row in rows:
         assert tuple(row[key] for key in KEYS[2:]) == LABELS[row["value"]]
@@ -66,10 +64,10 @@ def test_what_a_job_was_told_is_known_of_its_files(tmp_path):
     wildcards = {"case": "Re400", "controller": "esn-N30-RV-seed0-random", "strategy": "reactive"}
     for suffix in (".json", ".nc"):
         path = written(tmp_path, wildcards, suffix, "control", {"control.run": plan})
-        (one,) = CASE.gathered([path])
-        keys = one.name.keys
+        (file,) = CASE.gathered([path])
+        keys = file.name.keys
         assert (keys["forecaster"], keys["neurons"], keys["seed"]) == ("random", 30, 0)
-        assert one.plan == plan
+        assert file.plan == plan
         assert origins([path])[0].identity == {"rule": "control", **wildcards}
 
 
@@ -80,8 +78,8 @@ def tables_of(case, parameters, declared):
 def test_key_columns_of_a_case():
     declared = {"scores": {"columns": ["case", "reynolds*", "value"]}}
     rows = {"scores": [{"value": 1}]}
-    found = tables_of("Re400", {"reynolds": 400}, declared).with_keys(rows)
-    assert found == {"scores": [{"case": "Re400", "reynolds": 400, "value": 1}]}
+    with_keys = tables_of("Re400", {"reynolds": 400}, declared).with_keys(rows)
+    assert with_keys == {"scores": [{"case": "Re400", "reynolds": 400, "value": 1}]}
     (row,) = tables_of("lorenz", {"sigma": 10}, declared).with_keys(rows)["scores"]
     assert row == {"case": "lorenz", "reynolds": None, "value": 1}
     declared = {"scores": {"columns": ["value"]}}
@@ -95,7 +93,7 @@ def test_files_that_do_not_belong_together_are_refused(tmp_path):
         origins(twice)
     assert all(str(path) in str(error.value) for path in twice)
     cases = [written(tmp_path, forecaster(case=case)) for case in ("Re400", "Re600")]
-    assert [one.identity["case"] for one in origins(cases)] == ["Re400", "Re600"]
+    assert [origin.identity["case"] for origin in origins(cases)] == ["Re400", "Re600"]
     with pytest.raises(ValueError, match="is of the case Re600"):
         CASE.gathered(cases)
     write_json(tmp_path / "x.json", {"seed": 1})
@@ -108,23 +106,19 @@ def test_files_that_do_not_belong_together_are_refused(tmp_path):
 
 def forecasts(*names, ensembles=()):
     """Forecasts of one point, with two members where there is an ensemble."""
-    one = np.zeros((1, 3))
+    values = np.zeros((1, 3))
+    members = {name: np.zeros((1, 2 if name in ensembles else 0, 3)) for name in names}
     return {
-        name: WindowForecasts(
-            one,
-            one,
-            np.zeros(1, dtype=bool),
-            *(np.zeros((1, 2 if name in ensembles else 0, 3)) for _ in range(2)),
-        )
-        for name in names
+        name: WindowForecasts(values, values, np.zeros(1, dtype=bool), several, several)
+        for name, several in members.items()
     }
 
 
 def test_committees_are_of_seeds_and_of_members_of_an_ensemble():
     networks = ["esn-N2000-RV-seed0", "esn-N2000-RV-seed1"]
     singles = [*networks, "analogues", "quadratic", "quadratic_filtered"]
-    found = alarm_sources(forecasts(*singles, ensembles=("analogues", "quadratic_filtered")))
-    by_name = {source.identifier: source for source in found}
+    sources = alarm_sources(forecasts(*singles, ensembles=("analogues", "quadratic_filtered")))
+    by_name = {source.identifier: source for source in sources}
     # by which what raises alarms is compared: committees of networks come first
     committees = {
         "esn-N2000-RV-committee": networks,
@@ -132,7 +126,7 @@ def test_committees_are_of_seeds_and_of_members_of_an_ensemble():
         "quadratic_filtered-committee": ["quadratic_filtered"],
     }
     assert list(by_name) == [*BASELINES, *singles, *committees]
-    assert [name for name, one in by_name.items() if one.committee] == list(committees)
+    assert [name for name, source in by_name.items() if source.committee] == list(committees)
     for name, voters in committees.items():
         assert list(by_name[name].forecasters) == voters
         assert by_name[name].compared
@@ -142,16 +136,14 @@ def test_committees_are_of_seeds_and_of_members_of_an_ensemble():
         assert by_name[name].compared == (name not in networks)
     assert [by_name[name].forecasters for name in BASELINES] == [(), ()]
     # without an ensemble there is none
-    found = alarm_sources(forecasts("esn-N2000-RV-seed0", "quadratic", "equations"))
-    assert not any(source.committee for source in found)
+    sources = alarm_sources(forecasts("esn-N2000-RV-seed0", "quadratic", "equations"))
+    assert not any(source.committee for source in sources)
 
 
 ROWS = [
     {"f_score": 0.5, "case": "a", "seed": 1, "nrmse_u": None},
     {"case": "b", "seed": None, "f_score": None},
 ]
-
-
 DECLARED = ["case", "reynolds*", "seed", "nrmse_u*", "f_score"]
 
 

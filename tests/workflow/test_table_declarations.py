@@ -27,8 +27,8 @@ PAPER = campaign()
 
 def columns_of(name, optional=True):
     """All declared columns of a table, or those that every such table has."""
-    table = table_of(name)
-    return plain(one for one in [*table.keys, *table.columns] if optional or one[-1] != "*")
+    columns = [*table_of(name).keys, *table_of(name).columns]
+    return plain(column for column in columns if optional or column[-1] != "*")
 
 
 # -- what is declared ------------------------------------------------------------------------------
@@ -40,7 +40,7 @@ def test_the_page_is_up_to_date():
 
 
 def test_every_column_has_its_meaning_and_no_other():
-    used = {*(column for name in FILES for column in columns_of(name))}
+    used = {column for name in FILES for column in columns_of(name)}
     used |= {metric for name in FILES for metric in table_of(name).metrics}
     assert used == set(COLUMNS)
     assert all(column.meaning for column in COLUMNS.values())
@@ -65,20 +65,19 @@ def test_a_declaration_agrees_with_itself(name):
 def test_every_sign_has_its_advice():
     tree = ast.parse(Path(warning_signs.__file__).read_text())
     functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
-    signs = {name for name in functions if not name.startswith("_")}
-    assert signs == set(ADVICE) > set(OF_NETWORKS)
+    assert functions - {"_sign"} == set(ADVICE) > set(OF_NETWORKS)
     assert not [text for text in ADVICE.values() if "neurons" in text or "seeds" in text]
 
 
 # -- what jobs are told ----------------------------------------------------------------------------
 
 
-def told():
+def settings_of_jobs():
     """Settings of the jobs of each table."""
+    records = {name: registry.joined(PAPER, with_percentiles([name])) for name in TABLES}
     return {
-        name: (written([name]), found["columns"], found["latex"])
-        for name in TABLES
-        for found in [registry.joined(PAPER, with_percentiles([name]))]
+        name: (written([name]), record["columns"], record["latex"])
+        for name, record in records.items()
     }
 
 
@@ -94,21 +93,21 @@ WITH_RECALL = {"columns": [*TABLES["control"].columns, "recall"]}
     ],
 )
 def test_a_change_runs_what_shows_it(monkeypatch, declared, name, change, changed, same):
-    before = told()
+    before = settings_of_jobs()
     monkeypatch.setitem(declared, name, replace(declared[name], **change))
-    after = told()
-    assert [one for one in TABLES if before[one] != after[one]] == [changed]
+    after = settings_of_jobs()
+    assert [table for table in TABLES if before[table] != after[table]] == [changed]
     assert before[changed][same] == after[changed][same]
 
 
 def test_words_run_nothing(monkeypatch):
-    before = told()
+    before = settings_of_jobs()
     for name, column in COLUMNS.items():
         monkeypatch.setitem(COLUMNS, name, replace(column, meaning="another", unit="another"))
     for name, table in TABLES.items():
         words = {"description": "Another.", "section": "warnings", "redefined": {}}
         monkeypatch.setitem(TABLES, name, replace(table, **words))
-    assert told() == before
+    assert settings_of_jobs() == before
 
 
 # -- what is written -------------------------------------------------------------------------------
@@ -141,11 +140,11 @@ LAYOUTS = registry.typeset(["dataset", "control_strategies"])
 
 def rows(case: str, forecaster: str, seeds: list[float]) -> pd.DataFrame:
     """Rows of control under one strategy, by all who forecast."""
-    who = {"neurons": 40, "validation": "RV"} if forecaster == "esn" else {}
+    network = {"neurons": 40, "validation": "RV"} if forecaster == "esn" else {}
     return pd.DataFrame(
         {
             **{"case": case, "forecaster": forecaster, "neurons": np.nan, "validation": np.nan},
-            **{**who, "seed": seeds, "strategy": "prediction_triggered", "delay_lt": 0.0},
+            **{**network, "seed": seeds, "strategy": "prediction_triggered", "delay_lt": 0.0},
             **{"prediction_time_lt": 1.0, "metric": "exceedance_controlled"},
             **{"value": [0.1 + seed for seed in seeds], "low": 0.0, "high": 1.0},
         }
@@ -155,23 +154,20 @@ def rows(case: str, forecaster: str, seeds: list[float]) -> pd.DataFrame:
 def test_seeds_tell_networks_apart_also_after_a_case_without_networks():
     seeds = {("alpha", "equations"): [np.nan], ("Zeta", "esn"): [0, 1]}
     seeds["Zeta", "equations"] = [np.nan]
-    table = pd.concat([rows(*who, of) for who, of in seeds.items()], ignore_index=True)
-    found = {
-        case: texts for case, texts, _ in wide_tables(table, LAYOUTS["control_strategies"], KEYS)
-    }
-    assert list(found) == ["alpha", "Zeta"]
-    assert [len(texts) for texts in found.values()] == [1, 3]
-    assert "seed" not in found["alpha"]
-    assert list(found["Zeta"]["seed"]) == ["0", "1", ""]
+    table = pd.concat([rows(*network, of) for network, of in seeds.items()], ignore_index=True)
+    first, second = wide_tables(table, LAYOUTS["control_strategies"], KEYS)
+    assert [first[0], second[0]] == ["alpha", "Zeta"]
+    assert (len(first[1]), "seed" in first[1]) == (1, False)
+    assert list(second[1]["seed"]) == ["0", "1", ""]
 
 
 def test_what_no_case_has_is_no_column():
     layout = LAYOUTS["dataset"]
     names = [name for name in layout["metrics"] if name != "lyapunov_exponent_paper"]
     table = pd.DataFrame({"case": ["lab"], **{name: [1.5] for name in names}})
-    for columns, one in enumerate((table, table.assign(lyapunov_exponent_paper=0.9)), 1):
-        ((_, texts, _),) = wide_tables(one, layout, KEYS)
-        assert len(texts.columns) == columns + len(names)
+    for given, more in ((table, 1), (table.assign(lyapunov_exponent_paper=0.9), 2)):
+        ((_, texts, _),) = wide_tables(given, layout, KEYS)
+        assert len(texts.columns) == len(names) + more
 
 
 def test_settings_that_only_later_cases_have_tell_their_rows_apart():
