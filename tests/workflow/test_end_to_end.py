@@ -132,12 +132,12 @@ def test_the_search_keeps_its_whole_trace_and_the_standard_errors_of_the_interva
     of_grid = errors[np.tile(np.repeat([True, False], 3), 4)]  # RV, then SSV, at each point
     assert of_grid.shape[1] > 1
     np.testing.assert_allclose(of_grid.mean(axis=1), trace["objective"][:12], rtol=1e-12)
-    own = of_grid.std(axis=1, ddof=1) / np.sqrt(of_grid.shape[1])
-    np.testing.assert_allclose(trace["standard_error"][:12], own, rtol=1e-12)
+    error = of_grid.std(axis=1, ddof=1) / np.sqrt(of_grid.shape[1])
+    np.testing.assert_allclose(trace["standard_error"][:12], error, rtol=1e-12)
 
 
 def test_files_say_what_made_them(finished):
-    found = 0
+    count = 0
     for path in finished.results.glob("[!.]*/**/*"):
         if path.suffix == ".nc":
             record = read_attributes(path)
@@ -145,14 +145,14 @@ def test_files_say_what_made_them(finished):
             record = json.loads(path.read_text())["provenance"]
         else:
             continue
-        found += 1
+        count += 1
         assert set(record) >= {"source", "rule", "settings", "numpy", "scipy", "llvmlite"}, path
         assert str(finished.directory) not in json.dumps(record)
-    assert found > 20
+    assert count > 20
 
 
 def test_all_variables_have_their_units(finished):
-    known = {value for name, value in vars(units).items() if name.isupper()}
+    defined = {value for name, value in vars(units).items() if name.isupper()}
     numbers = set()
     for path in finished.results.rglob("*.nc"):
         with netCDF4.Dataset(path) as file:
@@ -160,7 +160,7 @@ def test_all_variables_have_their_units(finished):
                 unit = getattr(variable, "units", None)
                 # a forecaster's coefficients belong to quantities of all kinds
                 assert (unit is None) == (path.name == "forecaster.nc"), (path, name)
-                assert unit in {None, *known}, (path, name)
+                assert unit in {None, *defined}, (path, name)
                 if unit is not None:
                     assert (unit == units.LYAPUNOV_TIMES) == name.endswith("_lt"), (path, name)
                     assert unit == units.NUMBER or variable.dtype.kind == "f", (path, name)
