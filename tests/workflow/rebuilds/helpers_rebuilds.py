@@ -85,7 +85,7 @@ class JobServer:
 
     def snakemake(self, directory: Path, *arguments: object) -> Outcome:
         """Run Snakemake with this project's code in any directory."""
-        request = {"arguments": [*map(str, arguments)]}
+        request = {"arguments": list(map(str, arguments))}
         environment = {**Project(directory).environment(), "PYTHONPATH": str(ROOT / "src")}
         return Project(directory, self)._request(request, environment)
 
