@@ -102,7 +102,7 @@ class Workflow:
 
     def some_inputs(self, place):
         """Numbers of sources, which are negative, and of earlier rules."""
-        numbers = [*range(-len(self.sources), place)]
+        numbers = list(range(-len(self.sources), place))
         return [self.random.choice(numbers) for _ in range(self.random.randint(1, 2))]
 
     def texts(self):
@@ -154,7 +154,7 @@ class Workflow:
         elif kind == "module":
             self.values[chance.choice(MODULES)] = chance.randrange(9)
         elif kind == "setting" and rule["settings"]:
-            rule["settings"][chance.choice([*rule["settings"]])] = chance.randrange(9)
+            rule["settings"][chance.choice(list(rule["settings"]))] = chance.randrange(9)
         elif kind == "more settings":
             rule["settings"][f"x.p{chance.randrange(6)}"] = chance.randrange(9)
         elif kind == "imports":
@@ -293,7 +293,7 @@ def trial(seed, edits, place):
             problem = f"unlike a run from scratch: {wrong}"
         elif back and computed and kinds == ["back"]:
             problem = f"computed on the way back: {computed}"
-        elif {*kinds} <= {"comment", "delete", "touch", "touch a source", "forget"} and computed:
+        elif set(kinds) <= {"comment", "delete", "touch", "touch a source", "forget"} and computed:
             problem = f"computed in vain: {computed}"
         elif again := run(directory, cache=cache)[0]:
             problem = f"runs twice: {again}"
