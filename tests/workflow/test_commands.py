@@ -333,7 +333,7 @@ def test_the_tiny_campaign_runs_from_a_wheel_in_an_empty_directory(installed, tm
         for entry in claim["code"]
         if not entry.partition(" ")[0].endswith(".py")
     }
-    assert packages == {*PACKAGES}
+    assert packages == set(PACKAGES)
     edited = root.parents[1] / "burstcast" / "events.py"
     edited.write_text(edited.read_text() + "\nEDITED = True\n")
     assert "code of burstcast.base.events (Re400)" in said_by(why, study, **environment)
