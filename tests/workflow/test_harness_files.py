@@ -189,7 +189,7 @@ def settings_and_origin() -> bytes:
     )
     origin = provenance(identity, {"b": [1, 2.0], "a": {"quantile": None}})
     # libraries and Python differ from machine to machine: their names count
-    libraries = sorted({*origin} - {"source", "rule", "identity", "settings"})
+    libraries = sorted(set(origin) - {"source", "rule", "identity", "settings"})
     stated = [origin[name] for name in ("rule", "identity", "settings")]
     return json.dumps([with_thresholds(given, {"a": 0.1}.get), stated, libraries]).encode()
 
