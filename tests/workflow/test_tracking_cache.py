@@ -31,7 +31,7 @@ def computed(directory, content="12", key=1, rule="train", seconds=2.0):
         Path(path).write_text(text)
     log = directory / "job.log"
     log.write_text("a warning")
-    Entry(outputs, key=key).store([*map(digest, outputs)], rule, seconds, log)
+    Entry(outputs, key=key).store(list(map(digest, outputs)), rule, seconds, log)
     return outputs
 
 
@@ -107,7 +107,7 @@ def test_two_writers_of_one_entry_leave_one(tmp_path, place):
     with ThreadPoolExecutor(8) as pool:
         list(pool.map(lambda number: computed(tmp_path / str(number)), range(40)))
     assert len(blobs(place)) == 2
-    assert len([*place.glob("*/*")]) == 1
+    assert len(list(place.glob("*/*"))) == 1
     assert taken(tmp_path / "two") == "12"
 
 
@@ -262,4 +262,4 @@ for key in range(30):
         for name in ("one", "two")
     ]
     assert [process.wait(120) for process in running] == [0, 0]
-    assert len([*place.glob("*/*")]) == 30
+    assert len(list(place.glob("*/*"))) == 30
