@@ -206,11 +206,11 @@ class OneMachineSlurm:
         lines = self._ask(
             *("squeue", "--noheader", "--states=all", "--sort=i", "--format=%i|%T|%m|%k")
         ).splitlines()
-        found = []
+        jobs = []
         for line in lines:
             number, state, memory, rules = line.split("|", 3)
-            found.append(Job(int(number), state, _mebibytes(memory), rules))
-        return found
+            jobs.append(Job(int(number), state, _mebibytes(memory), rules))
+        return jobs
 
     def cancel(self, job: Job) -> None:
         """Kill a running job."""
@@ -225,7 +225,7 @@ class OneMachineSlurm:
         node = ["scontrol", "update", f"nodename={socket.gethostname().split('.')[0]}"]
         subprocess.run([*node, "state=down", "reason=test"], check=True)
         self._wait_for(
-            lambda: {one.number: one.state for one in self.jobs()}[job.number] != "RUNNING",
+            lambda: {other.number: other.state for other in self.jobs()}[job.number] != "RUNNING",
             "the failure",
         )
         subprocess.run([*node, "state=resume"])  # unless it has come back by itself

@@ -36,7 +36,7 @@ rule all:
     localrule: True
 
 rule step:
-    input: before=lambda one: [f"results/step/{int(one.n) - 1}.txt"][: int(one.n) - 1]
+    input: before=lambda step: [f"results/step/{int(step.n) - 1}.txt"][: int(step.n) - 1]
     output: made="results/step/{n}.txt"
     log: "results/logs/{n}.log"
     wildcard_constraints: n="[1-5]"
@@ -140,7 +140,7 @@ def test_a_group_that_slurm_starts_again_takes_what_its_members_have_finished_fr
     toy.go_on(3)
     toy.finish(process)
     assert toy.ran() == ["1", "2", "3", "3", "4", "5", "6"]
-    assert [one.number for one in slurm.jobs() if "five" in one.rules][-1] == job.number
+    assert [entry.number for entry in slurm.jobs() if "five" in entry.rules][-1] == job.number
 
 
 def test_four_finished_members_of_a_group_are_kept_if_the_last_runs_out_of_time(slurm, toy):

@@ -72,33 +72,33 @@ def snakemake(tree: Path, *arguments: str) -> subprocess.Popen:
 @pytest.fixture(scope="module")
 def run(slurm, tmp_path_factory):
     """Submit, let a job waste memory, cancel the first job of forecasters, wait for the end."""
-    found = Run(copy_of_project(tmp_path_factory.mktemp("cluster") / "project"))
-    script = found.tree / "workflow" / "scripts" / "data" / "evaluation_set.py"
+    outcome = Run(copy_of_project(tmp_path_factory.mktemp("cluster") / "project"))
+    script = outcome.tree / "workflow" / "scripts" / "data" / "evaluation_set.py"
     head, end, tail = script.read_text().rpartition('"""\n')  # of the function's docstring
     script.write_text(head + end + WASTE + tail)
     before = len(slurm.jobs())
     options = "--workflow-profile profiles/slurm --slurm-no-account --latency-wait 5"
     # a small machine answers at once: no need to wait as long as a cluster's profile does
     options += " --slurm-init-seconds-before-status-checks 3 --seconds-between-status-checks 2"
-    process = snakemake(found.tree, *TABLES, *options.split())
-    deadline, requested = time.monotonic() + LONGEST_RUN, found.tree / "requested"
+    process = snakemake(outcome.tree, *TABLES, *options.split())
+    deadline, requested = time.monotonic() + LONGEST_RUN, outcome.tree / "requested"
     try:
         while process.poll() is None and time.monotonic() < deadline:
             time.sleep(2)
-            found.jobs = slurm.jobs()[before:]
-            for job in found.of_group("case"):
+            outcome.jobs = slurm.jobs()[before:]
+            for job in outcome.of_group("case"):
                 if not requested.exists():
                     requested.write_text(str(job.memory_mib))
-            for job in found.of_group("forecaster"):
-                if not found.cancelled and job.state == "RUNNING":
+            for job in outcome.of_group("forecaster"):
+                if not outcome.cancelled and job.state == "RUNNING":
                     slurm.cancel(job)
-                    found.cancelled.append(job.number)
+                    outcome.cancelled.append(job.number)
     finally:
         process.kill()
-    found.status, found.jobs = process.wait(), slurm.jobs()[before:]
-    for job in found.jobs:
+    outcome.status, outcome.jobs = process.wait(), slurm.jobs()[before:]
+    for job in outcome.jobs:
         print(f"job {job.number}: {job.state}, {job.memory_mib} MiB, {job.rules}")
-    return found
+    return outcome
 
 
 def test_campaign_finishes_in_spite_of_two_killed_jobs(run):

@@ -65,11 +65,11 @@ def test_a_network_is_the_workflows_bit_for_bit(finished, neurons, validation):
     config = read_json(results / ".run.json")["config"]
     training = config["case_defaults"]["training"]["series"]
     states = read_netcdf(results / CASE / "ensemble.nc", "state")["state"]
-    found = EventForecaster(**settings_of(config, neurons, validation)).fit(states[:training])
+    model = EventForecaster(**settings_of(config, neurons, validation)).fit(states[:training])
 
     identifier = f"esn-N{neurons}-{validation}-seed0"
     path = results / CASE / "networks" / identifier / "forecaster.nc"
-    (member,) = found.members_
+    (member,) = model.members_
     record = member.record()
     for name, array in read_netcdf(path).items():
         assert_array_equal(record.arrays[name], array)
@@ -77,18 +77,18 @@ def test_a_network_is_the_workflows_bit_for_bit(finished, neurons, validation):
     for name, value in record.attributes.items():
         assert attributes[name] == value
     hyperparameters = read_json(path.parent / "hyperparameters.json")
-    assert found.hyperparameters_ == [
-        {name: hyperparameters[name] for name in found.hyperparameters_[0]}
+    assert model.hyperparameters_ == [
+        {name: hyperparameters[name] for name in model.hyperparameters_[0]}
     ]
     # probabilities, from forecasts of each training series by a readout that has not seen it
     rules = read_json(results / CASE / "calibration.json")["alarms"][identifier]
-    assert len(found.alarms_) > 1
-    for time, alarm in found.alarms_.items():
+    assert len(model.alarms_) > 1
+    for time, alarm in model.alarms_.items():
         rule = rules[f"{time:g}"]["calibrated"]
         assert alarm.calibration.values.tolist() == rule["values"]
         assert alarm.calibration.probabilities.tolist() == rule["probabilities"]
         assert alarm.threshold == rule["threshold"]
-    assert any(np.ptp(alarm.calibration.probabilities) > 0 for alarm in found.alarms_.values())
+    assert any(np.ptp(alarm.calibration.probabilities) > 0 for alarm in model.alarms_.values())
 
 
 def test_a_forecaster_without_a_search_is_the_workflows(finished):
@@ -99,15 +99,15 @@ def test_a_forecaster_without_a_search_is_the_workflows(finished):
         "kind": "quadratic_filtered",
         "options": {"members": config["forecasters"]["filter"]["members"]},
     }
-    found = EventForecaster(**settings).fit(states[: config["case_defaults"]["training"]["series"]])
-    record = found.members_[0].record()
+    model = EventForecaster(**settings).fit(states[: config["case_defaults"]["training"]["series"]])
+    record = model.members_[0].record()
     stored = read_netcdf(results / CASE / "models" / "quadratic_filtered" / "forecaster.nc")
     assert set(stored) == set(record.arrays)
     for name, array in stored.items():
         assert_array_equal(record.arrays[name], array)
     # the members of the filter's ensemble vote
     alarms = read_json(results / CASE / "calibration.json")["alarms"]
-    for time, alarm in found.alarms_.items():
+    for time, alarm in model.alarms_.items():
         rule = alarms["quadratic_filtered-committee"][f"{time:g}"]["calibrated"]
         assert alarm.calibration.values.tolist() == rule["values"]
         assert alarm.calibration.probabilities.tolist() == rule["probabilities"]

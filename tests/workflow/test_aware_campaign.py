@@ -30,7 +30,7 @@ TARGETS = (
 def results(tmp_path_factory, job_server):
     project = Project.create(tmp_path_factory.mktemp("aware") / "project", job_server)
     directory = OVERLAY["results"]
-    project.made(*(f"{directory}/{one}" for one in TARGETS), overlay=OVERLAY)
+    project.made(*(f"{directory}/{name}" for name in TARGETS), overlay=OVERLAY)
     return project.directory / directory
 
 
@@ -52,9 +52,9 @@ def test_a_network_of_an_unseen_case_has_the_hyperparameters_of_the_first_it_is_
     identifier = "esn_aware-N40-RV-seed0"
     assert (results / "Re400" / "networks" / identifier / "hyperparameters.json").exists()
     assert not (results / "Re600" / "networks" / identifier / "hyperparameters.json").exists()
-    found = read_netcdf(results / "Re600" / "networks" / identifier / "forecaster.nc")
-    assert found["parameter_low"].tolist() == [400]
-    assert found["parameter_high"].tolist() == [2000]
+    forecaster = read_netcdf(results / "Re600" / "networks" / identifier / "forecaster.nc")
+    assert forecaster["parameter_low"].tolist() == [400]
+    assert forecaster["parameter_high"].tolist() == [2000]
 
 
 def test_control_says_what_it_was_told_and_what_it_cost(results):
@@ -95,27 +95,24 @@ def test_choices_are_the_cheapest_runs_of_half_of_the_flows_scored_on_the_others
         chosen = min(ranks, key=ranks.__getitem__)
         assert set(rows["margin"]) == {chosen}
         scored = runs[chosen]["row"] % 2 == 1
-        found = rows.set_index("metric")["value"]
-        assert found["effort"] == pytest.approx(runs[chosen]["effort"][scored].mean())
+        values = rows.set_index("metric")["value"]
+        assert values["effort"] == pytest.approx(runs[chosen]["effort"][scored].mean())
         assert set(rows["scored_flows"]) == {scored.sum()}
 
 
 def test_equations_that_are_told_of_the_switching_actuator_are_never_wrong(results):
     truth = read_netcdf(results / "Re400switched" / "evaluation_set.nc")
     assert np.unique(truth["parameter"]).tolist() == [400, 2000]
-    points, washout, _ = truth["washout"].shape
     of_equations = read_netcdf(results / "Re400switched/models/equations" / "forecast.nc")
     np.testing.assert_array_equal(of_equations["largest"], truth["largest"])
     # forecasts that are told of another actuation are other ones
-    told = truth["parameter"][:, washout - 1 :]
-    assert told.shape[0] == points
-    acting = (told == 2000).any(axis=(1, 2))
-    assert acting.any()
+    parameter = truth["parameter"][:, truth["washout"].shape[1] - 1 :]
+    acting = (parameter == 2000).any(axis=(1, 2))
     untold = read_netcdf(results / "Re400switched/models/quadratic_filtered" / "forecast.nc")
     filtered = read_netcdf(results / "Re400switched/models/equations_filtered" / "forecast.nc")
     errors = [
-        np.abs(one["largest"][acting, 0] - truth["largest"][acting, 0]).mean()
-        for one in (filtered, untold)
+        np.abs(forecast["largest"][acting, 0] - truth["largest"][acting, 0]).mean()
+        for forecast in (filtered, untold)
     ]
     assert errors[0] < errors[1]
 

@@ -143,9 +143,9 @@ PAGE = (ROOT / "docs" / "installing.md").read_text(encoding="utf-8")
 def test_the_page_has_all_commands(capsys):
     with pytest.raises(SystemExit):
         main(["--help"])
-    known = re.findall(r"^    ([a-z-]+)(?: |$)", capsys.readouterr().out, re.MULTILINE)
-    assert sorted(re.findall(r"^\| `burstcast ([a-z-]+)", PAGE, re.MULTILINE)) == sorted(known)
-    assert len(known) == 4
+    commands = re.findall(r"^    ([a-z-]+)(?: |$)", capsys.readouterr().out, re.MULTILINE)
+    assert sorted(re.findall(r"^\| `burstcast ([a-z-]+)", PAGE, re.MULTILINE)) == sorted(commands)
+    assert len(commands) == 4
 
 
 def study(directory, change=("", "")):
@@ -164,20 +164,19 @@ def test_the_module_of_the_page_plans(tmp_path, job_server):
 
 @pytest.mark.long
 def test_a_study_may_have_rules_of_its_own(tmp_path):
-    own = '\nrule own:\n    output: "own.txt"\n    shell: "echo done > {output}"\n'
-    study(tmp_path, (" as burstcast_*\n", f"\n{own}"))
+    rule = '\nrule own:\n    output: "own.txt"\n    shell: "echo done > {output}"\n'
+    study(tmp_path, (" as burstcast_*\n", f"\n{rule}"))
     profile = ["--workflow-profile", ROOT / "profiles" / "default"]
     targets = ["results/tiny/tables/horizon.csv", "own.txt"]
     plan = said_by([sys.executable, "-m", "snakemake", "-n", *profile, *targets], tmp_path)
     assert "burstcast_train (4)" in plan
     snakemake = [sys.executable, "-m", "snakemake", "--cores", "1", *profile]
     figure = "results/tiny/figures/validation_strategies.png"
-    said = said_by([*snakemake, "own.txt", figure], tmp_path)
-    assert "100%" in said  # the handlers of the module are called
-    assert "Tables: results/tiny" in said
-    assert (tmp_path / "own.txt").exists()
-    said = said_by([*COMMAND, "archive", "--output", "x.zip"], tmp_path)
-    assert "x.zip: 6 files" in said
+    output = said_by([*snakemake, "own.txt", figure], tmp_path)
+    assert "100%" in output  # the handlers of the module are called
+    assert "Tables: results/tiny" in output
+    output = said_by([*COMMAND, "archive", "--output", "x.zip"], tmp_path)
+    assert "x.zip: 6 files" in output
     # a workflow that has nothing of burstcast
     (tmp_path / "Snakefile").write_text("rule own:\n    output: 'b'\n    shell: 'touch b'\n")
     assert "no rules of burstcast" in said_by([*COMMAND, "archive", "own"], tmp_path, status=2)
@@ -218,9 +217,9 @@ def test_an_archive_has_what_can_be_cited(results, tmp_path):
     config = yaml.safe_load(files["quick/config.yaml"])
     assert config == {"results": "results/quick", "random_seed": 3}
     assert str(tmp_path) not in b"".join(files.values()).decode()
-    told = json.loads(files["quick/versions.json"])
-    assert (told["revision"], told["linear algebra"]) == ("a1-dirty", ["a kernel"])
-    assert {"numpy", "scipy", "snakemake"} <= set(told["libraries"])
+    stated = json.loads(files["quick/versions.json"])
+    assert (stated["revision"], stated["linear algebra"]) == ("a1-dirty", ["a kernel"])
+    assert {"numpy", "scipy", "snakemake"} <= set(stated["libraries"])
 
 
 def test_equal_results_make_equal_archives(results, tmp_path):
@@ -239,10 +238,10 @@ def test_equal_results_make_equal_archives(results, tmp_path):
 
 
 def test_an_archive_replaces_archives_alone(tmp_path):
-    one, other = tmp_path / "one.zip", tmp_path / "config.yaml"
+    archived, other = tmp_path / "one.zip", tmp_path / "config.yaml"
     for number in (b"1", b"2"):
-        write_archive(one, {"quick/versions.json": number})
-        with zipfile.ZipFile(one) as archive:
+        write_archive(archived, {"quick/versions.json": number})
+        with zipfile.ZipFile(archived) as archive:
             assert archive.read("quick/versions.json") == number
     other.write_text("mine")
     with zipfile.ZipFile(tmp_path / "other.zip", "w") as archive:
@@ -267,11 +266,8 @@ def test_a_run_says_its_revision_and_files_do_not(finished):
     """Equal runs of different revisions have the same bits: only the claim tells them apart."""
     results = finished.results
     claim = json.loads((results / ".run.json").read_bytes())
-    told = versions(claim)
-    assert (told["revision"], told["linear algebra"]) == (
-        claim["revision"],
-        claim["linear algebra"],
-    )
+    for name in ("revision", "linear algebra"):
+        assert versions(claim)[name] == claim[name]
     path = results / "Re400" / "networks" / "esn-N40-RV-seed0" / "forecaster.nc"
     if claim["revision"] != "unknown":
         assert claim["revision"][:40].encode() not in path.read_bytes()
@@ -307,8 +303,8 @@ def installed(tmp_path_factory):
 @pytest.mark.long
 def test_a_wheel_of_a_repository_knows_its_revision(installed, tmp_path):
     code = "from burstcast_workflow.project import source_revision as f; print(f())"
-    said = said_by([installed / "python", "-c", code], tmp_path)
-    assert re.fullmatch("[0-9a-f]{40}\n", said)
+    revision = said_by([installed / "python", "-c", code], tmp_path)
+    assert re.fullmatch("[0-9a-f]{40}\n", revision)
 
 
 @pytest.mark.long
@@ -323,8 +319,7 @@ def test_the_tiny_campaign_runs_from_a_wheel_in_an_empty_directory(installed, tm
     study.mkdir()
     options = ["-s", root / "Snakefile", "--configfile", root / "workflow/presets/tiny.yaml"]
     snakemake = [python, "-m", "snakemake", "--cores", "2"]
-    said = said_by([*snakemake, "tables", *options], study, **environment)
-    assert "100%" in said
+    said_by([*snakemake, "tables", *options], study, **environment)
     # the same numbers as from a working copy
     for name in ("tables/horizon.csv", "tables/classification.csv", "tables/control.csv"):
         expected = (finished.results / name).read_bytes()
@@ -338,12 +333,12 @@ def test_the_tiny_campaign_runs_from_a_wheel_in_an_empty_directory(installed, tm
         for entry in claim["code"]
         if not entry.partition(" ")[0].endswith(".py")
     }
-    assert packages == {*PACKAGES}
+    assert packages == set(PACKAGES)
     edited = root.parents[1] / "burstcast" / "events.py"
     edited.write_text(edited.read_text() + "\nEDITED = True\n")
     assert "code of burstcast.base.events (Re400)" in said_by(why, study, **environment)
-    said = said_by(["burstcast", "archive", *options], study, **environment)
-    assert re.search(r"tiny.zip: \d\d files", said)
+    output = said_by(["burstcast", "archive", *options], study, **environment)
+    assert re.search(r"tiny.zip: \d\d files", output)
 
 
 @pytest.mark.long
@@ -358,5 +353,5 @@ def test_an_installed_workflow_is_taken_as_a_module(installed, tmp_path, prefix,
     )
     environment = {"PATH": f"{installed}:{os.environ['PATH']}", "PYTHONPATH": ""}
     command = [installed / "python", "-m", "snakemake", "--dry-run", "--cores", "1"]
-    said = said_by(command, tmp_path, **environment)
-    assert re.search(rf"^{'flow_' if prefix else ''}train +4$", said, re.MULTILINE)
+    plan = said_by(command, tmp_path, **environment)
+    assert re.search(rf"^{'flow_' if prefix else ''}train +4$", plan, re.MULTILINE)

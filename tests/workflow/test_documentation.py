@@ -237,8 +237,8 @@ def test_links_hold_where_their_page_lies(build):
         ("README.md", "method.md", "index.md"),
         ("nowhere.md", "method.md", "nowhere.md"),
     ):
-        found = build._relinked(f"[a]({link})", ROOT / "docs" / "method.md", page)
-        assert found == f"[a]({expected})"
+        relinked = build._relinked(f"[a]({link})", ROOT / "docs" / "method.md", page)
+        assert relinked == f"[a]({expected})"
 
 
 def test_every_figure_is_in_the_gallery_once(build):

@@ -72,8 +72,8 @@ def test_noise_comes_before_the_encoder(results):
 def errors(results, case, forecaster):
     """Errors of the largest dissipation in the first window."""
     truth = read_netcdf(results / case / "evaluation_set.nc", "largest")["largest"]
-    found = read_netcdf(results / case / f"models/{forecaster}/forecast.nc", "largest")["largest"]
-    return np.abs(found - truth)[:, 0].mean()
+    largest = read_netcdf(results / case / f"models/{forecaster}/forecast.nc", "largest")["largest"]
+    return np.abs(largest - truth)[:, 0].mean()
 
 
 def test_the_filter_sees_more_than_the_linear_estimate_and_modes_less(results):
@@ -91,17 +91,16 @@ def test_ranking_by_other_means(results):
     assert set(table["case"]) == {"turbulence", "sensors", "invariants", "sensors_pod"}
     points = read_netcdf(results / "turbulence" / "evaluation_set.nc")
     forecast = read_netcdf(results / "turbulence" / "models" / "equations_noisy" / "forecast.nc")
-    found = json.loads((results / "turbulence" / "event_threshold.json").read_text())
-    level = found["event_threshold"]
+    level = json.loads((results / "turbulence/event_threshold.json").read_text())["event_threshold"]
     here = points["washout_maximum"] < level
     for time, first in ((1, 1), (2, 3)):
         window = slice(first, first + 2)
-        true, found = (one["largest"][here][:, window].max(axis=1) for one in (points, forecast))
-        begins, foreseen = (one["first"][here][:, first] < level for one in (points, forecast))
-        ranked = np.where(foreseen, found, found[foreseen].mean())
+        true, peaks = (data["largest"][here][:, window].max(axis=1) for data in (points, forecast))
+        begins, foreseen = (data["first"][here][:, first] < level for data in (points, forecast))
+        ranked = np.where(foreseen, peaks, peaks[foreseen].mean())
         expected = {
             "onset": average_precision_score(begins & (true >= level), ranked),
-            "any": average_precision_score(true >= level, found),
+            "any": average_precision_score(true >= level, peaks),
         }
         for event, value in expected.items():
             keys = {"case": "turbulence", "alarm": "equations_noisy", "event": event}
@@ -118,10 +117,10 @@ def test_control_through_sensors_and_encoders(results):
     """Exceedance of each run, from the observables of its flows."""
     table = read_table(results / "tables" / "control_strategies.csv")
     table = table[table["metric"] == "exceedance_controlled"]
-    found = dict(zip(table["forecaster"], table["observed"].fillna(""), strict=True))
-    assert found == {"equations": "", "equations_filtered": "sensors", "precursor": "invariants"}
+    observed = dict(zip(table["forecaster"], table["observed"].fillna(""), strict=True))
+    assert observed == {"equations": "", "equations_filtered": "sensors", "precursor": "invariants"}
     uncontrolled = []
-    for forecaster in found:
+    for forecaster in observed:
         (path,) = (results / "turbulence" / "control" / forecaster).iterdir()
         flows, span = read_netcdf(path / "flows.nc"), read_attributes(path / "flows.nc")
         row, steps = table[table["forecaster"] == forecaster], span["steps"]
@@ -133,8 +132,8 @@ def test_control_through_sensors_and_encoders(results):
 
 
 def test_the_flow_is_that_of_the_case():
-    found = Campaign(load(tiny_with(OVERLAY))).cases["sensors"].source_system
-    assert KolmogorovFlow(**found["parameters"]) == dataclasses.replace(FLOW)
+    flow = Campaign(load(tiny_with(OVERLAY))).cases["sensors"].source_system
+    assert KolmogorovFlow(**flow["parameters"]) == dataclasses.replace(FLOW)
 
 
 def test_edits_of_ones_own_encoder_run_what_it_encodes(project):

@@ -119,7 +119,7 @@ def test_the_search_keeps_its_whole_trace_and_the_standard_errors_of_the_interva
         assert trace["source"].tolist() == ["grid"] * 12 + ["bayesian"] * 3
         assert set(trace["validation"]) == {validation}
         assert sorted(set(trace["tikhonov"])) == [1e-12, 1e-9, 1e-6]
-        assert trace["evaluation"].tolist() == sorted([*range(5)] * 3)
+        assert trace["evaluation"].tolist() == sorted(list(range(5)) * 3)
         excess = trace["objective"] - trace["objective"].min()
         np.testing.assert_allclose(trace["excess"], excess, rtol=0, atol=1e-12)
         chosen = json.loads((network / "hyperparameters.json").read_text())
@@ -132,12 +132,12 @@ def test_the_search_keeps_its_whole_trace_and_the_standard_errors_of_the_interva
     of_grid = errors[np.tile(np.repeat([True, False], 3), 4)]  # RV, then SSV, at each point
     assert of_grid.shape[1] > 1
     np.testing.assert_allclose(of_grid.mean(axis=1), trace["objective"][:12], rtol=1e-12)
-    own = of_grid.std(axis=1, ddof=1) / np.sqrt(of_grid.shape[1])
-    np.testing.assert_allclose(trace["standard_error"][:12], own, rtol=1e-12)
+    error = of_grid.std(axis=1, ddof=1) / np.sqrt(of_grid.shape[1])
+    np.testing.assert_allclose(trace["standard_error"][:12], error, rtol=1e-12)
 
 
 def test_files_say_what_made_them(finished):
-    found = 0
+    count = 0
     for path in finished.results.glob("[!.]*/**/*"):
         if path.suffix == ".nc":
             record = read_attributes(path)
@@ -145,14 +145,14 @@ def test_files_say_what_made_them(finished):
             record = json.loads(path.read_text())["provenance"]
         else:
             continue
-        found += 1
+        count += 1
         assert set(record) >= {"source", "rule", "settings", "numpy", "scipy", "llvmlite"}, path
         assert str(finished.directory) not in json.dumps(record)
-    assert found > 20
+    assert count > 20
 
 
 def test_all_variables_have_their_units(finished):
-    known = {value for name, value in vars(units).items() if name.isupper()}
+    defined = {value for name, value in vars(units).items() if name.isupper()}
     numbers = set()
     for path in finished.results.rglob("*.nc"):
         with netCDF4.Dataset(path) as file:
@@ -160,7 +160,7 @@ def test_all_variables_have_their_units(finished):
                 unit = getattr(variable, "units", None)
                 # a forecaster's coefficients belong to quantities of all kinds
                 assert (unit is None) == (path.name == "forecaster.nc"), (path, name)
-                assert unit in {None, *known}, (path, name)
+                assert unit in {None, *defined}, (path, name)
                 if unit is not None:
                     assert (unit == units.LYAPUNOV_TIMES) == name.endswith("_lt"), (path, name)
                     assert unit == units.NUMBER or variable.dtype.kind == "f", (path, name)
@@ -185,12 +185,11 @@ def test_nothing_is_written_outside_of_the_results(finished):
 def test_a_second_run_does_nothing_and_what_is_left_are_the_figures(finished, tmp_path):
     project = finished.copy(tmp_path / "project")
     logs = project.logs()
-    outcome = project.snakemake("forecasters", "tables")
-    assert outcome.status == 0
+    outcome = project.made("forecasters", "tables")
     assert "Nothing to be done" in outcome.text
     assert project.logs() == logs
     jobs = project.dry_run()
-    assert {*jobs} == {"examples", "flow_event", "suppressed_event", "figure", "report_page"}
+    assert set(jobs) == {"examples", "flow_event", "suppressed_event", "figure", "report_page"}
     assert jobs["figure"] > 15
 
 
@@ -230,7 +229,7 @@ def test_a_target_builds_what_it_needs_and_no_server_is_needed_for_it(finished, 
     # jobs in processes of their own, as users run them
     project = Project(finished.without_results(tmp_path / "project").directory)
     project.made("results/tiny/tables/data_generation_parameters.csv")
-    assert rules_of({*project.logs()}) == {"simulate", "data_generation_parameters"}
+    assert rules_of(set(project.logs())) == {"simulate", "data_generation_parameters"}
     alone, together = results(project), results(finished)
     # the data, its summary, the table and its LaTeX
     assert len(alone) == 4

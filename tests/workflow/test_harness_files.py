@@ -147,12 +147,12 @@ def netcdf() -> bytes:
     with netCDF4.Dataset("data.nc") as file:
         file.set_auto_maskandscale(False)
         seen = [
-            [name, str(one.dtype), one.endian(), one.dimensions, one.chunking(), one.filters()]
-            + [[key, str(one.getncattr(key))] for key in one.ncattrs()]
-            + [np.asarray(one[...]).tobytes().hex()]
-            for name, one in file.variables.items()
+            [name, str(data.dtype), data.endian(), data.dimensions, data.chunking(), data.filters()]
+            + [[key, str(data.getncattr(key))] for key in data.ncattrs()]
+            + [np.asarray(data[...]).tobytes().hex()]
+            for name, data in file.variables.items()
         ]
-        dimensions = [[name, len(one), one.isunlimited()] for name, one in file.dimensions.items()]
+        dimensions = [[key, len(axis), axis.isunlimited()] for key, axis in file.dimensions.items()]
         of_file = [[key, str(file.getncattr(key))] for key in file.ncattrs()]
         seen += [file.data_model, dimensions, of_file]
     arrays = {**read_netcdf("data.nc"), "rows": read_rows("data.nc", "state", 1, 2)}
@@ -189,7 +189,7 @@ def settings_and_origin() -> bytes:
     )
     origin = provenance(identity, {"b": [1, 2.0], "a": {"quantile": None}})
     # libraries and Python differ from machine to machine: their names count
-    libraries = sorted({*origin} - {"source", "rule", "identity", "settings"})
+    libraries = sorted(set(origin) - {"source", "rule", "identity", "settings"})
     stated = [origin[name] for name in ("rule", "identity", "settings")]
     return json.dumps([with_thresholds(given, {"a": 0.1}.get), stated, libraries]).encode()
 
@@ -200,8 +200,8 @@ WRITERS = (netcdf, json_and_text, table, settings_and_origin)
 @pytest.mark.parametrize("write", WRITERS, ids=lambda write: write.__name__)
 def test_what_is_written_belongs_to_the_version(write, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    found = hashlib.sha256(write()).hexdigest()
-    assert found == DIGESTS[HARNESS_VERSION].get(write.__name__), (
+    digest = hashlib.sha256(write()).hexdigest()
+    assert digest == DIGESTS[HARNESS_VERSION].get(write.__name__), (
         f"what the harness makes of fixed inputs ({write.__name__}) is not what its version "
         f"{HARNESS_VERSION} made of them: raise HARNESS_VERSION in harness/version.py, then write "
         f"this digest under the new version here"

@@ -59,7 +59,7 @@ GIVEN = {
 }
 
 
-def started(directory, body, said):
+def started(directory, body, channels):
     """A process that runs a job in a directory; its outputs are appended to files."""
     child = os.fork()
     if child:
@@ -67,7 +67,7 @@ def started(directory, body, said):
     status = 1
     try:
         os.chdir(directory)
-        for number, file in enumerate(said, 1):
+        for number, file in enumerate(channels, 1):
             os.dup2(file.fileno(), number)
         sys.stdout, sys.stderr = (open(n, "w", closefd=False) for n in (1, 2))  # noqa: SIM115
         warnings.resetwarnings()
@@ -88,12 +88,12 @@ def run(directory, body):
     """Run a job: how it ended, with what it said on both channels, and its log."""
     with TemporaryFile("w+") as out, TemporaryFile("w+") as error:
         _, status = os.waitpid(started(directory, body, (out, error)), 0)
-        said = []
+        texts = []
         for file in (out, error):
             file.seek(0)
-            said.append(file.read())
+            texts.append(file.read())
     result = SimpleNamespace(returncode=os.waitstatus_to_exitcode(status))
-    result.stdout, result.stderr = said
+    result.stdout, result.stderr = texts
     return result, (directory / "logs" / "train.log").read_text()
 
 
@@ -104,8 +104,8 @@ def test_success(tmp_path):
     os.write(2, b"from compiled code")
     np.log(np.zeros(1))
     assert data == "data.nc"
-    found = {{"name": settings.name, "number": settings.number}}
-    write_json(network, {{"settings": found, "provenance": settings.provenance}})
+    read = {{"name": settings.name, "number": settings.number}}
+    write_json(network, {{"settings": read, "provenance": settings.provenance}})
     """
     result, log = run(tmp_path, body)
     assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
@@ -268,7 +268,7 @@ os.utime("data.nc", (1, 1))
 def test_an_input_that_changes_while_the_job_runs_is_noticed(tmp_path):
     result, _ = run(tmp_path, f"{MAIN}    write_json(network, {{}}), Path(data).write_text('new')")
     assert "an input has changed while the job ran" in result.stderr
-    assert not [*(tmp_path / ".burstcast_cache").rglob("entry.json")]
+    assert not list((tmp_path / ".burstcast_cache").rglob("entry.json"))
 
 
 def test_leftovers_of_killed_jobs_are_removed(tmp_path):
@@ -287,8 +287,8 @@ def test_a_stopped_job_cleans_up_and_a_killed_one_leaves_nothing_finished(tmp_pa
         open("ready", "w").close()
         time.sleep(30)
     """
-    with TemporaryFile() as said:
-        job = started(tmp_path, MAIN + waiting, (said, said))
+    with TemporaryFile() as output:
+        job = started(tmp_path, MAIN + waiting, (output, output))
         deadline = time.monotonic() + 20
         while not (tmp_path / "ready").exists():
             assert time.monotonic() < deadline
@@ -343,8 +343,8 @@ def test_failure_summary_has_the_ends_of_logs_of_failed_and_killed_jobs_in_the_o
     text = failures(tmp_path, 60)
     assert text.index(str(failed)) < text.index(str(killed)) < text.index(str(of_slurm))
     # twelve lines of each in all
-    for said in ("ValueError: bad", "(empty)", "exceeded memory limit", "line 49", "line 39\n"):
-        assert said in text
+    for line in ("ValueError: bad", "(empty)", "exceeded memory limit", "line 49", "line 39\n"):
+        assert line in text
     assert "line 38\n" not in text
     assert "fine.log" not in text
 
@@ -353,6 +353,6 @@ def test_many_failures_are_listed_by_name_only(tmp_path):
     for number in range(25):
         write(tmp_path / "logs" / f"{number}.log", f"reason {number}\n", age=100 - number)
     text = failures(tmp_path, 1000)
-    for said in ("reason 0", "15 more", "24.log"):
-        assert said in text
+    for line in ("reason 0", "15 more", "24.log"):
+        assert line in text
     assert "reason 24" not in text

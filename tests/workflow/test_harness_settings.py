@@ -52,8 +52,8 @@ def test_fields_have_the_values_at_their_paths_and_wildcards_their_names(setting
     assert (settings.case, settings.rule) == ("Re400", "train")
     assert settings.forecaster == settings.value_of("forecaster") == "esn-N30-RV-seed0"
     # a class has the paths of its bases
-    own = ["search.grid", "search.tikhonov", "control.sensor"]
-    assert Search.paths() == [*own, "case.training", "case.actuation.parameters"]
+    fields = ["search.grid", "search.tikhonov", "control.sensor"]
+    assert Search.paths() == [*fields, "case.training", "case.actuation.parameters"]
 
 
 def test_messages_name_the_settings_as_the_config_does():
@@ -169,11 +169,9 @@ NOT_FINITE = [float("nan"), float("inf"), float("-inf")]
 
 @pytest.mark.parametrize(
     ("value", "error", "message"),
-    [
-        *((one, TypeError, r"settings\.case\.list\[1\] is .*type") for one in OTHER_TYPES),
-        *((one, ValueError, r"settings\.case\.list\[1\] is") for one in NOT_FINITE),
-        ({400: 1}, TypeError, r"settings\.case\.list\[1\] has the key 400"),
-    ],
+    [(value, TypeError, r"settings\.case\.list\[1\] is .*type") for value in OTHER_TYPES]
+    + [(value, ValueError, r"settings\.case\.list\[1\] is") for value in NOT_FINITE]
+    + [({400: 1}, TypeError, r"settings\.case\.list\[1\] has the key 400")],
 )
 def test_what_has_no_canonical_form_is_refused_with_its_place(value, error, message):
     with pytest.raises(error, match=message):

@@ -53,8 +53,8 @@ def problems(tmp_path, steps=20, samples=400, **changed):
     except ValueError as error:
         assert not lengths.exists()
         return str(error)
-    found = json.loads(lengths.read_text())
-    assert (found["steps_per_lyapunov_time"], found["samples"]) == (steps, samples)
+    record = json.loads(lengths.read_text())
+    assert (record["steps_per_lyapunov_time"], record["samples"]) == (steps, samples)
     return ""
 
 

@@ -50,10 +50,8 @@ CONFIG = {
     "control": {"forecasters": {"esn": None, "equations": None}},
 }
 
-TARGETS = [
-    *(f"results/plant/tables/{name}.csv" for name in ("classification", "horizon", "statistics")),
-    "results/plant/tables/probability_scores.csv",
-]
+TABLES = ("classification", "horizon", "statistics", "probability_scores")
+TARGETS = [f"results/plant/tables/{name}.csv" for name in TABLES]
 
 
 def plant():
@@ -75,9 +73,7 @@ def write_record(directory, push):
     stamps = np.datetime64("2020-01-01T00") + np.arange(SAMPLES).astype("timedelta64[h]")
     phase = np.sin(2 * np.pi * np.arange(SAMPLES) / 24)  # the record begins at midnight
     rows = zip(stamps.astype("datetime64[m]"), *states.T, push, phase, strict=True)
-    lines = [
-        ",".join([str(stamp), *(f"{one:.17g}" for one in numbers)]) for stamp, *numbers in rows
-    ]
+    lines = [f"{stamp}," + ",".join(f"{value:.17g}" for value in values) for stamp, *values in rows]
     (directory / "plant.csv").write_text("\n".join(["time,x,y,push,day_sin", *lines, ""]))
 
 
@@ -106,14 +102,14 @@ def test_points_and_events_have_what_is_known_of_their_own_steps(results):
     for number in range(0, len(points["series"]), 7):
         first = (10 + points["series"][number]) * BLOCK + points["step"][number] - washout + 1
         np.testing.assert_array_equal(points["washout"][number], states[first : first + washout])
-        told = points["parameter"][number]
-        np.testing.assert_array_equal(told[:, 0], push[first + 1 : first + 1 + reach])
-        np.testing.assert_allclose(told[:, 1], phase[first + 1 : first + 1 + reach], atol=1e-9)
+        columns = points["parameter"][number]
+        np.testing.assert_array_equal(columns[:, 0], push[first + 1 : first + 1 + reach])
+        np.testing.assert_allclose(columns[:, 1], phase[first + 1 : first + 1 + reach], atol=1e-9)
     events = read_netcdf(results / "plant/events.nc")
     assert len(events["series"]) == 10
-    for number, told in enumerate(events["parameter"]):
+    for number, columns in enumerate(events["parameter"]):
         event = events["series"][number] * BLOCK + events["step"][number]
-        np.testing.assert_array_equal(told[:, 0], push[event - len(told) + 1 : event + 1])
+        np.testing.assert_array_equal(columns[:, 0], push[event - len(columns) + 1 : event + 1])
 
 
 @pytest.mark.long
@@ -141,21 +137,21 @@ def test_forecasts_one_by_one_are_those_of_the_files(results, monkeypatch):
     """Each forecast by hand, from the record itself."""
     monkeypatch.chdir(results.parents[1])
     states, push = plant()
-    known = np.column_stack([push, np.sin(2 * np.pi * np.arange(SAMPLES) / 24)])
+    columns = np.column_stack([push, np.sin(2 * np.pi * np.arange(SAMPLES) / 24)])
     campaign = open_campaign("results/plant")
     for kind in ("esn_aware-N40-RV-seed0", "quadratic_aware"):
-        found = read_netcdf(results / f"plant/models/{kind}/forecast.nc")
+        forecasts = read_netcdf(results / f"plant/models/{kind}/forecast.nc")
         points = read_netcdf(results / "plant/evaluation_set.nc", "series", "step")
         forecaster = campaign.forecasters[f"plant/{kind}"]
         for number in range(3, len(points["series"]), 40):
             now = (10 + points["series"][number]) * BLOCK + points["step"][number]
             memory = forecaster.start(
-                states[now - 7 : now + 1, :, np.newaxis], known[now - 6 : now + 1, :, np.newaxis]
+                states[now - 7 : now + 1, :, np.newaxis], columns[now - 6 : now + 1, :, np.newaxis]
             )
-            ahead = known[now + 1 : now + 13, :, np.newaxis]
+            ahead = columns[now + 1 : now + 13, :, np.newaxis]
             outputs, _ = forecaster.advance(memory, 12, ahead)
             largest = [outputs[first - 1 : first + 2, 0, 0].max() for first in range(2, 12, 2)]
-            np.testing.assert_allclose(found["largest"][number], largest, rtol=1e-7, atol=1e-9)
+            np.testing.assert_allclose(forecasts["largest"][number], largest, rtol=1e-7, atol=1e-9)
         with pytest.raises(ValueError, match="push, day_sin: values over the whole forecast must"):
             forecaster.advance(memory, 12)
 
@@ -180,10 +176,10 @@ def test_other_values_in_advance_are_other_forecasts(project, results):
     other = copied.directory / "results/plant"
     for name, same in (("esn", True), ("esn_aware", False)):
         places = [place / f"plant/networks/{name}-N40-RV-seed0" for place in (results, other)]
-        one, two = (read_netcdf(place / "forecast.nc")["largest"] for place in places)
-        assert np.array_equal(one, two) == same
-        one, two = (read_netcdf(place / "forecaster.nc")["weights"] for place in places)
-        np.testing.assert_array_equal(one, two)
+        first, second = (read_netcdf(place / "forecast.nc")["largest"] for place in places)
+        assert np.array_equal(first, second) == same
+        first, second = (read_netcdf(place / "forecaster.nc")["weights"] for place in places)
+        np.testing.assert_array_equal(first, second)
     scores = read_table(other / "tables/classification.csv").groupby("forecaster")["f_score"].mean()
     assert scores["quadratic_aware"] < 0.5
 

@@ -101,15 +101,15 @@ def test_the_ensemble_and_all_that_learns_from_it_are_the_same(project):
     files = [f"{network}/long_term", f"{network}/lyapunov_spectrum", "ensemble"]
     for forecaster in (network, "models/quadratic_filtered", "models/linear_inverse"):
         made = ("forecaster", "forecast", "horizon", "calibration_forecast")
-        files += [f"{forecaster}/{one}" for one in made]
+        files += [f"{forecaster}/{name}" for name in made]
     for file in files:
-        one, other = (
+        simulated, measured = (
             read_netcdf(project.directory / f"results/{name}/lorenz/{file}.nc")
             for name in ("simulated", "measured")
         )
-        assert set(one) == set(other)
-        for name, array in one.items():
-            np.testing.assert_array_equal(other[name], array, err_msg=file)
+        assert set(simulated) == set(measured)
+        for name, array in simulated.items():
+            np.testing.assert_array_equal(measured[name], array, err_msg=file)
 
 
 def of_lorenz(path):
@@ -133,13 +133,13 @@ def test_tables_are_the_same(project):
     for name in compared:
         # where other rows have nothing, whole numbers are written as others are
         exactly = {"check_dtype": False, "check_exact": True, "obj": name}
-        one, other = of_lorenz(simulated / name), of_lorenz(measured / name)
+        rows, other = of_lorenz(simulated / name), of_lorenz(measured / name)
         if name == "warnings.csv":  # an estimate of the exponent is doubted, a known one is not
             other = other[other["warning"] != "exponents_differ"].reset_index(drop=True)
-        assert_frame_equal(one, other, **exactly)
-    one, other = of_lorenz(simulated / "dataset.csv"), of_lorenz(measured / "dataset.csv")
-    by_equations = [name for name in one if name.startswith("lyapunov_exponent")]
-    assert one.drop(columns=by_equations).equals(other.drop(columns=by_equations, errors="ignore"))
+        assert_frame_equal(rows, other, **exactly)
+    rows, other = of_lorenz(simulated / "dataset.csv"), of_lorenz(measured / "dataset.csv")
+    by_equations = [name for name in rows if name.startswith("lyapunov_exponent")]
+    assert rows.drop(columns=by_equations).equals(other.drop(columns=by_equations, errors="ignore"))
     exponent = read_json(project.directory / "results/measured/lorenz/lyapunov.json")["leading"]
     assert other["lyapunov_exponent"][0] == exponent["mean"]
     assert exponent["low"] < exponent["mean"] < exponent["high"]
@@ -153,8 +153,8 @@ def test_a_part_of_the_state(project):
     expected = np.stack([x, np.sqrt(x * x + y * y), z], axis=2)
     np.testing.assert_array_equal(part["state"], expected)
     np.testing.assert_array_equal(part["observable"], whole["observable"])
-    one, other = (read_netcdf(results / case / "evaluation_set.nc") for case in ("lorenz", "part"))
-    np.testing.assert_array_equal(one["largest"], other["largest"])
+    full, other = (read_netcdf(results / case / "evaluation_set.nc") for case in ("lorenz", "part"))
+    np.testing.assert_array_equal(full["largest"], other["largest"])
     dataset = read_table(results / "tables/dataset.csv").set_index("case")
     assert dataset.loc["part", "lyapunov_exponent"] == dataset.loc["lorenz", "lyapunov_exponent"]
     table = read_table(results / "tables/classification.csv")
@@ -250,5 +250,5 @@ def test_series_without_an_exponent(tmp_path, job_server):
     (project.directory / "circles.yaml").write_text(yaml.safe_dump(config))
     outcome = project.snakemake(f"{tables}/dataset.csv")
     assert outcome.status == 1
-    told = "a third of a series; give the unit of time (lyapunov.published_exponent, its inverse)"
-    assert told in outcome.text
+    remedy = "a third of a series; give the unit of time (lyapunov.published_exponent, its inverse)"
+    assert remedy in outcome.text

@@ -50,7 +50,7 @@ def test_it_has_the_shape_of_the_paper():
     paper, small = (yaml.safe_load((ROOT / name).read_text()) for name in ("config.yaml", PRESET))
     for block, miniature_block in zip(paper["campaign"], small["campaign"], strict=True):
         assert block["reynolds"] == miniature_block["reynolds"]
-        networks, small_networks = (one["forecasters"]["esn"] for one in (block, miniature_block))
+        networks, small_networks = (part["forecasters"]["esn"] for part in (block, miniature_block))
         assert networks["validation"] == small_networks["validation"]
         assert small_networks["seeds"] >= 2
         assert block["forecasters"].keys() == miniature_block["forecasters"].keys()
@@ -96,8 +96,8 @@ def test_a_table_is_what_the_files_of_the_networks_say(anew, name):
 def test_percentiles_are_quartiles_over_the_seeds(anew, name):
     table = read_table(anew.results / "tables" / f"{name}.csv")
     metrics, extra = METRICS[name]
-    found = read_table(anew.results / "tables" / f"{name}_percentiles.csv")
-    assert_same_rows(found[found["metric"].isin(metrics)], percentiles(table, metrics, extra))
+    written = read_table(anew.results / "tables" / f"{name}_percentiles.csv")
+    assert_same_rows(written[written["metric"].isin(metrics)], percentiles(table, metrics, extra))
 
 
 def test_parameters_belong_to_their_cases(anew):

@@ -47,8 +47,8 @@ def configure(project, forecasters):
 
 def test_own_data_with_five_lines_of_config(project):
     configure(project, "esn: {neurons: [30], validation: [RV], seeds: 1}")
-    own = "results/own/own"
-    network = f"{own}/networks/esn-N30-RV-seed0"
+    case = "results/own/own"
+    network = f"{case}/networks/esn-N30-RV-seed0"
     project.made(
         f"{network}/forecast.nc",
         f"{network}/search.csv",
@@ -57,11 +57,11 @@ def test_own_data_with_five_lines_of_config(project):
         "results/own/figures/validation_strategies.png",
         "results/own/figures/observable_and_density.png",
     )
-    ensemble = read_netcdf(project.directory / own / "ensemble.nc")
+    ensemble = read_netcdf(project.directory / case / "ensemble.nc")
     assert ensemble["state"].shape == (16, 801, 3)
-    points = read_netcdf(project.directory / own / "evaluation_set.nc")
+    points = read_netcdf(project.directory / case / "evaluation_set.nc")
     assert set(points["series"]) == set(range(6))  # all after those of the training
-    statistics = read_netcdf(project.directory / own / "statistics_data.nc")
+    statistics = read_netcdf(project.directory / case / "statistics_data.nc")
     assert statistics["edge"][0] == ensemble["observable"].min()
     assert statistics["edge"][-1] == ensemble["observable"].max()
     survival = read_table(project.directory / "results/own/tables/survival.csv")
@@ -104,8 +104,8 @@ def test_a_campaign_that_is_too_small_for_its_stages_ends(tmp_path, job_server):
     assert len(undefined) > 3
     assert undefined["value"].isna().all()
     warnings = read_table(results / "tables/warnings.csv")
-    told = {"few_events", "few_positives", "nothing_to_calibrate_with"}
-    assert told <= set(warnings[warnings["case"] == "Re1000"]["warning"])
+    expected = {"few_events", "few_positives", "nothing_to_calibrate_with"}
+    assert expected <= set(warnings[warnings["case"] == "Re1000"]["warning"])
     assert "nothing_to_calibrate_with" not in set(warnings[warnings["case"] == "Re400"]["warning"])
     assert "no calibration of probabilities" in outcome.text
     assert (results / "figures/forecast_skill_Re1000.png").stat().st_size > 5000
@@ -174,12 +174,12 @@ def recorded(tmp_path_factory, job_server):
 def test_series_of_a_record(recorded):
     outcome = recorded.made("results/plant/plant/ensemble.nc")
     assert "gaps leave 3 parts of the record" not in outcome.text  # each is longer than a block
-    found = read_netcdf(recorded.directory / "results/plant/plant/ensemble.nc")
+    series = read_netcdf(recorded.directory / "results/plant/plant/ensemble.nc")
     # 100, 398 and 499 hours make 4, 15 and 19 blocks of 25 samples
-    assert found["state"].shape == (4 + 15 + 19, 25, 2)
+    assert series["state"].shape == (4 + 15 + 19, 25, 2)
     begin = pd.Timestamp("2010-03-20", tz="Europe/Berlin").timestamp() / 3600
-    assert found["start"][[0, 1, 4, 19]].tolist() == [begin, begin + 25, begin + 102, begin + 501]
-    np.testing.assert_array_equal(found["state"][4], table().to_numpy()[102:127])
+    assert series["start"][[0, 1, 4, 19]].tolist() == [begin, begin + 25, begin + 102, begin + 501]
+    np.testing.assert_array_equal(series["state"][4], table().to_numpy()[102:127])
 
 
 @pytest.mark.parametrize(
@@ -262,17 +262,17 @@ class DataSet:
         generator = np.random.default_rng(1)
         start = np.array(self.start)[:, np.newaxis]
         state = start * (1 + 0.1 * generator.random((len(start), self.series)))
-        found = []
+        states = []
         transient = 500 * self.stride
         for number in range(transient + self.samples * self.stride):
             if number >= transient and (number - transient) % self.stride == 0:
-                found.append(state)
-            one = self.rates(state)
-            two = self.rates(state + self.step / 2 * one)
-            three = self.rates(state + self.step / 2 * two)
-            four = self.rates(state + self.step * three)
-            state = state + self.step / 6 * (one + 2 * two + 2 * three + four)
-        return np.stack(found).transpose(2, 0, 1)
+                states.append(state)
+            first = self.rates(state)
+            second = self.rates(state + self.step / 2 * first)
+            third = self.rates(state + self.step / 2 * second)
+            fourth = self.rates(state + self.step * third)
+            state = state + self.step / 6 * (first + 2 * second + 2 * third + fourth)
+        return np.stack(states).transpose(2, 0, 1)
 
 
 FIVE_LINES_OF_OTHERS = """\
@@ -298,7 +298,7 @@ DATA_SETS = {
 }
 
 
-def logistic_f_score(own, threshold: float, windows: tuple[int, int]) -> float:
+def logistic_f_score(case, threshold: float, windows: tuple[int, int]) -> float:
     """F-score of alarms by a logistic regression of the present components and their products.
 
     It learns from the starting points in the training series, and alarms from the probability on
@@ -306,7 +306,7 @@ def logistic_f_score(own, threshold: float, windows: tuple[int, int]) -> float:
     """
     sets = {}
     for name in ("calibration_set", "evaluation_set"):
-        points = read_netcdf(own / f"{name}.nc")
+        points = read_netcdf(case / f"{name}.nc")
         truth = WindowSummaries(points["first"], points["largest"])
         happened = crosses(truth, *windows, threshold)
         kept = points["washout_maximum"] < threshold
@@ -318,8 +318,8 @@ def logistic_f_score(own, threshold: float, windows: tuple[int, int]) -> float:
         alarms = probability >= alarm
         return 2 * (alarms & truth).sum() / (alarms.sum() + truth.sum())
 
-    known = precursor.probabilities(features)[:, 0]
-    best = max(np.unique(known), key=lambda alarm: f_score(known, happened, alarm))
+    probabilities = precursor.probabilities(features)[:, 0]
+    best = max(np.unique(probabilities), key=lambda alarm: f_score(probabilities, happened, alarm))
     features, happened = sets["evaluation_set"]
     return float(f_score(precursor.probabilities(features)[:, 0], happened, best))
 
@@ -355,7 +355,7 @@ def test_from_generation_to_summary(name, tmp_path, job_server):
 
     # networks that have learnt the system have its exponent, as far as a few runs tell
     spectrum = read_table(results / "tables/lyapunov_spectrum.csv")
-    own = spectrum[(spectrum["forecaster"] == "esn") & (spectrum["number"] == 1)]
-    assert own["lyapunov_exponent"].median() == pytest.approx(data.exponent, rel=0.25)
+    exponents = spectrum[(spectrum["forecaster"] == "esn") & (spectrum["number"] == 1)]
+    assert exponents["lyapunov_exponent"].median() == pytest.approx(data.exponent, rel=0.25)
     warnings = read_table(results / "tables/warnings.csv")
     assert "no_chaos_learnt" not in set(warnings["warning"])

@@ -96,14 +96,14 @@ def test_names_lead_from_a_class_to_paths_and_tables_and_back():
 
 def test_a_campaign_has_classes_of_ones_own_with_their_options(importable):
     campaign = Campaign(load(tiny_with(OVERLAY)))
-    names = {one.name.identifier for one in campaign.forecasters}
+    names = {forecaster.name.identifier for forecaster in campaign.forecasters}
     assert names == {
         *("my_models.NVAR", "my_models.NVAR-one", "classifiers.base_rate.BaseRate"),
         *("nvar", "persistence"),
     }
     assert campaign.options("my_models:NVAR", "Re400") == {"lags": 2}
     assert campaign.options("my_models:NVAR", "Re400", "one") == {"lags": 1}
-    assert [one.name.kind for one in campaign.classifiers] == ["classifiers.base_rate:BaseRate"]
+    assert [entry.name.kind for entry in campaign.classifiers] == ["classifiers.base_rate:BaseRate"]
     modules = campaign.modules({"case": "Re400", "forecaster": "my_models.NVAR-one"})
     assert modules["burstcast.forecasters"] == ["my_models:NVAR"]
     # what is kept with the results is read again
@@ -170,12 +170,12 @@ def test_a_campaign_runs_with_them(place):
     assert set(horizon.index) == {"NVAR", "NVAR_one", "nvar", "persistence"}
     for table in (classification, horizon, probability):
         # the page's products of matrices sum in another order than the built-in kind
-        own, built_in, other = (
+        of_page, built_in, other = (
             table.loc[[name]].reset_index(drop=True).drop(columns="alarm", errors="ignore")
             for name in ("NVAR", "nvar", "NVAR_one")
         )
-        pd.testing.assert_frame_equal(own, built_in, rtol=1e-6)
-        assert not own.equals(other)
+        pd.testing.assert_frame_equal(of_page, built_in, rtol=1e-6)
+        assert not of_page.equals(other)
     assert "BaseRate" in probability.index
     learnt = read_netcdf(place / "results/mine/Re400/models/my_models.NVAR/forecaster.nc")
     built_in = read_netcdf(place / "results/mine/Re400/models/nvar/forecaster.nc")

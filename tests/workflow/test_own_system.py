@@ -101,8 +101,8 @@ def mine(tmp_path_factory, job_server):
     files = {"__init__.py": "", "classical.py": CONSTANTS, "roessler.py": MODULE}
     for name, text in {**files, "constants/d.txt": "1\n", "unused.py": "D = 1\n"}.items():
         (directory / "my_flows" / name).write_text(text)
-    own = replace(project, directory=directory, preset=str(project.directory / TINY))
-    run = Elsewhere(own, project)
+    user = replace(project, directory=directory, preset=str(project.directory / TINY))
+    run = Elsewhere(user, project)
     outcome = run(*TABLES)
     assert outcome.status == 0, outcome.text[-3000:]
     return run
@@ -116,12 +116,12 @@ def with_case(**changed):
 class Elsewhere:
     """Runs of a project's workflow in a user's directory."""
 
-    def __init__(self, own: Project, project: Project) -> None:
-        self.own, self.project = own, project
+    def __init__(self, user: Project, project: Project) -> None:
+        self.user, self.project = user, project
 
     def __call__(self, *arguments, overlay=OVERLAY):
         """Run Snakemake there."""
-        return self.own.snakemake(
+        return self.user.snakemake(
             *("-s", str(self.project.directory / "Snakefile")),
             *arguments,
             overlay=overlay,
@@ -135,11 +135,11 @@ class Elsewhere:
         return set(outcome.jobs)
 
     def edit(self, name, old, new):
-        self.own.edit(f"my_flows/{name}", old, new)
+        self.user.edit(f"my_flows/{name}", old, new)
 
 
 def test_results_of_a_system_of_ones_own(mine):
-    results = mine.own.directory / RESULTS
+    results = mine.user.directory / RESULTS
     scores = read_table(results / "tables" / "classification.csv")
     perfect = scores[scores["forecaster"] == "equations"]
     assert (perfect["f_score"] == 1).all()
@@ -152,17 +152,17 @@ def test_results_of_a_system_of_ones_own(mine):
 
 
 def test_thresholds_as_quantiles_are_of_the_training_series(mine):
-    case = mine.own.directory / RESULTS / "roessler"
+    case = mine.user.directory / RESULTS / "roessler"
     observable = read_netcdf(case / "ensemble.nc", "observable")["observable"]
-    found = read_json(case / "event_threshold.json")["event_threshold"]
-    assert found == np.quantile(observable[:3], 0.9)
-    assert found != np.quantile(observable, 0.9)
+    threshold = read_json(case / "event_threshold.json")["event_threshold"]
+    assert threshold == np.quantile(observable[:3], 0.9)
+    assert threshold != np.quantile(observable, 0.9)
     # events begin where the observable reaches it
     events = read_netcdf(case / "events.nc", "series", "step")
     at = observable[events["series"], events["step"]]
     before = observable[events["series"], events["step"] - 1]
     assert len(at) > 0
-    assert ((at >= found) & (before < found)).all()
+    assert ((at >= threshold) & (before < threshold)).all()
 
 
 def test_edits_of_ones_own_modules_and_their_files_run_what_depends_on_them(mine):
@@ -219,9 +219,9 @@ def test_a_quantile_that_changes_runs_what_reads_the_threshold(mine):
 
 def test_jobs_of_a_cluster_find_ones_own_modules(mine):
     """As Snakemake's executors call it on a node: the config and the directories of the claim."""
-    claim = json.loads((mine.own.directory / RESULTS / ".run.json").read_text())
-    assert str(mine.own.directory) in claim["directories"]
-    outcome = mine.own.snakemake(
+    claim = json.loads((mine.user.directory / RESULTS / ".run.json").read_text())
+    assert str(mine.user.directory) in claim["directories"]
+    outcome = mine.user.snakemake(
         *("-s", str(mine.project.directory / "Snakefile")),
         *("--mode", "remote", "--nolock", "--ignore-incomplete", "--force", "--no-hooks"),
         *("--target-jobs", "simulate:case=roessler", "--allowed-rules", "simulate"),
@@ -234,12 +234,12 @@ def test_jobs_of_a_cluster_find_ones_own_modules(mine):
 
 
 def test_modules_beside_the_config_are_found_from_elsewhere(mine, tmp_path):
-    elsewhere = replace(mine.own, directory=tmp_path)
+    elsewhere = replace(mine.user, directory=tmp_path)
     outcome = elsewhere._request(
         {
             "arguments": [
                 *("-s", str(mine.project.directory / "Snakefile"), "-n", "--quiet", "rules"),
-                *("--configfile", mine.own.preset, str(mine.own.directory / "overlay.yaml")),
+                *("--configfile", mine.user.preset, str(mine.user.directory / "overlay.yaml")),
             ]
         },
         {**elsewhere.environment(), "PYTHONPATH": mine.project.environment()["PYTHONPATH"]},

@@ -94,12 +94,12 @@ def features_at(seen, points, first):
 def test_probabilities_are_those_of_a_classifier_of_the_series(results, by_hand):
     features, happened, _, seen, _ = by_hand
     points = read_netcdf(results / "Re400" / "evaluation_set.nc")
-    found = read_netcdf(results / "Re400/classifiers/precursor" / "forecast.nc")
-    assert found["prediction_time_lt"].tolist() == list(TIMES)
+    forecast = read_netcdf(results / "Re400/classifiers/precursor" / "forecast.nc")
+    assert forecast["prediction_time_lt"].tolist() == list(TIMES)
     tested = features_at(seen, points, TRAINING)
     for window in range(len(TIMES)):
         oracle = classifier(features, happened[:, window]).predict_proba(tested)[:, 1]
-        np.testing.assert_allclose(found["probability"][:, window], oracle, rtol=1e-12)
+        np.testing.assert_allclose(forecast["probability"][:, window], oracle, rtol=1e-12)
     stored = read_netcdf(results / "Re400/classifiers/precursor" / "forecaster.nc")
     np.testing.assert_allclose(stored["features"], features, rtol=1e-12)
     np.testing.assert_array_equal(stored["happened"], happened)
@@ -108,7 +108,7 @@ def test_probabilities_are_those_of_a_classifier_of_the_series(results, by_hand)
 def test_calibration_has_not_learnt_from_what_it_forecasts(results, by_hand):
     features, happened, rows, seen, _ = by_hand
     points = read_netcdf(results / "Re400" / "calibration_set.nc")
-    found = read_netcdf(results / "Re400/classifiers/precursor/calibration_forecast.nc")[
+    probability = read_netcdf(results / "Re400/classifiers/precursor/calibration_forecast.nc")[
         "probability"
     ]
     asked = features_at(seen, points, 0)
@@ -121,7 +121,7 @@ def test_calibration_has_not_learnt_from_what_it_forecasts(results, by_hand):
             else:
                 oracle = classifier(features[others], labels)
                 expected = oracle.predict_proba(asked[here])[:, 1]
-            np.testing.assert_allclose(found[here, window], expected, rtol=1e-12)
+            np.testing.assert_allclose(probability[here, window], expected, rtol=1e-12)
 
 
 def test_its_alarms_are_scored_like_those_of_others(results, by_hand):
@@ -205,8 +205,8 @@ def test_a_reservoir_is_read_out_as_the_library_does_it(results, by_hand):
     points = LabelledPoints(training["washout"][kept], happened, rows)
     fitted = make_classifier("esn_direct", options).fit(points, case)
     tested = read_netcdf(results / "Re400" / "evaluation_set.nc", "washout")["washout"]
-    found = read_netcdf(results / "Re400/classifiers/esn_direct" / "forecast.nc")["probability"]
-    np.testing.assert_allclose(found, fitted.probabilities(tested), rtol=1e-9)
+    forecast = read_netcdf(results / "Re400/classifiers/esn_direct" / "forecast.nc")["probability"]
+    np.testing.assert_allclose(forecast, fitted.probabilities(tested), rtol=1e-9)
 
 
 # -- what runs again -------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from snakemake_logger_plugin_burstcast.reasons import PlannedJob, explanation, o
 
 
 def params(before, now):
-    change = ParamsChange({repr(one) for one in before}, {repr(one) for one in now}, {"a"})
+    change = ParamsChange({repr(entry) for entry in before}, {repr(entry) for entry in now}, {"a"})
     return f"Params have changed since last execution: {change}"
 
 
@@ -22,15 +22,11 @@ def causes(reason):
 
 
 @pytest.mark.parametrize(
-    ("before", "now", "said"),
+    ("before", "now", "words"),
     [
         (["a.b = 0.2"], ["a.b = 0.25"], ["a.b 0.2 -> 0.25"]),
         (["a = 1", "b = 1"], ["b = 2", "a = 2"], ["a 1 -> 2", "b 1 -> 2"]),
-        (
-            ['a = "it\'s"'],
-            ['a = "one; now: two, \\"three\\""'],
-            ['a it\'s -> one; now: two, "three"'],
-        ),
+        (['a = "it\'s"'], ['a = "x; now: y, \\"z\\""'], ['a it\'s -> x; now: y, "z"']),
         (["a = null"], [], ["a null -> none"]),
         (
             ['a = {"b": {"c": 1, "d": [2]}}'],
@@ -48,33 +44,25 @@ def causes(reason):
             ["code of m0, m1, m2 and 6 more"],
         ),
         (["numpy ==2.1"], ["numpy ==2.2"], ["numpy 2.1 -> 2.2"]),
-        (
-            ["file:own:my rates.csv @1"],
-            ["file:own:my rates.csv @2"],
-            ["code of file:own:my rates.csv"],
-        ),
+        (["file:own:my a.csv @1"], ["file:own:my a.csv @2"], ["code of file:own:my a.csv"]),
         ([""], ["a = 1"], ["a none -> 1"]),
-        (
-            ["a = " + '"x"'],
-            ["a = " + repr("y" * 99).replace("'", '"')],
-            ["a x -> " + "y" * 57 + "..."],
-        ),
+        (['a = "x"'], [f'a = "{"y" * 99}"'], [f"a x -> {'y' * 57}..."]),
     ],
 )
-def test_changes_of_parameters_in_words(before, now, said):
-    assert causes(params(before, now)) == said
+def test_changes_of_parameters_in_words(before, now, words):
+    assert causes(params(before, now)) == words
 
 
 def test_a_setting_of_several_cases_says_whose():
     before, now = (
         f'cases = {{"Re400": {{"case.noise": {n}}}, "Re600": {{"case.noise": 1}}}}' for n in (1, 2)
     )
-    found = own_causes(job("table", params([before], [now]), case=""))
-    assert [*found] == [("case.noise 1 -> 2", "Re400")]
+    reasons = own_causes(job("table", params([before], [now]), case=""))
+    assert list(reasons) == [("case.noise 1 -> 2", "Re400")]
 
 
 @pytest.mark.parametrize(
-    ("reason", "said"),
+    ("reason", "words"),
     [
         ("Forced execution", ["asked for by an option"]),
         ("Missing output files: a/b.nc, c", ["results are missing"]),
@@ -92,8 +80,8 @@ def test_a_setting_of_several_cases_says_whose():
         ),
     ],
 )
-def test_other_reasons_in_words(reason, said):
-    assert causes(reason) == said
+def test_other_reasons_in_words(reason, words):
+    assert causes(reason) == words
 
 
 def test_a_reason_counts_what_it_sets_off_directly_or_not():
@@ -126,16 +114,11 @@ def test_without_any_job_there_is_nothing_to_be_done():
 
 def test_every_job_is_counted_by_some_reason():
     chance = random.Random(3)
-    jobs = [
-        job(
-            f"rule{n % 7}",
-            params([f"a{n % 3} = 1"], [f"a{n % 3} = 2"]) if not made else "",
-            made,
-            [f"f{n}"],
-        )
-        for n in range(200)
-        for made in [[f"f{chance.randrange(n)}" for _ in range(2)] if n > 5 else []]
-    ]
+    jobs = []
+    for n in range(200):
+        inputs = [f"f{chance.randrange(n)}" for _ in range(2)] if n > 5 else []
+        reason = "" if inputs else params([f"a{n % 3} = 1"], [f"a{n % 3} = 2"])
+        jobs.append(job(f"rule{n % 7}", reason, inputs, [f"f{n}"]))
     lines = explanation(jobs).splitlines()
     assert lines[-1].startswith("in all 200 jobs: ")
     assert len(lines) == 4

@@ -20,20 +20,20 @@ def test_the_papers_settings_are_no_others():
     here["search"]["grid"] += 1
     here["cache_gb"], here["results"] = 1, "results/elsewhere"
     here["case_defaults"]["density"]["range"] = None
-    found = other_settings(here)
-    assert ["search.grid", str(here["search"]["grid"]), str(paper["search"]["grid"])] in found
-    assert {path for path, *_ in found} == {"search.grid", "case_defaults.density.range"}
+    settings = other_settings(here)
+    assert ["search.grid", str(here["search"]["grid"]), str(paper["search"]["grid"])] in settings
+    assert {path for path, *_ in settings} == {"search.grid", "case_defaults.density.range"}
 
 
 def test_every_figure_and_table_has_its_place_once():
     paper = campaign()
-    found = report_of(paper)
-    figures = [figure for section in found["sections"] for figure in section["figures"]]
-    tables = [table for section in found["sections"] for table in section["tables"]]
+    report = report_of(paper)
+    figures = [figure for section in report["sections"] for figure in section["figures"]]
+    tables = [table for section in report["sections"] for table in section["tables"]]
     assert sorted(figure["name"] for figure in figures) == sorted(figure_names(paper))
     assert sorted(table["name"] for table in tables) == sorted(table_names(paper))
-    assert all(one["caption"] and one["title"] for one in [*figures, *tables])
-    titles = [section["title"] for section in found["sections"]]
+    assert all(item["caption"] and item["title"] for item in [*figures, *tables])
+    titles = [section["title"] for section in report["sections"]]
     assert titles == [title for title in SECTIONS.values() if title in titles]
 
 

@@ -7,9 +7,9 @@ from burstcast_workflow.stages.resources import beyond_memory, memory_mib, minut
 
 
 def asked(work, attempt=1, **wildcards):
-    found = resources_of(work)
+    resources = resources_of(work)
     names = Wildcards(fromdict=wildcards)
-    return tuple(found[name](names, attempt) for name in ("mem_mb", "runtime"))
+    return tuple(resources[name](names, attempt) for name in ("mem_mb", "runtime"))
 
 
 def test_training_asks_for_the_square_of_the_neurons_and_everything_else_for_a_constant():
@@ -30,8 +30,8 @@ def test_training_asks_for_the_square_of_the_neurons_and_everything_else_for_a_c
 def test_each_retry_asks_for_twice_as_much():
     network = {"case": "Re400", "forecaster": "esn-N1000-RV-seed3"}
     first, second, third = (asked("training", attempt, **network) for attempt in (1, 2, 3))
-    assert second == tuple(2 * one for one in first)
-    assert third == tuple(4 * one for one in first)
+    assert second == tuple(2 * amount for amount in first)
+    assert third == tuple(4 * amount for amount in first)
 
 
 def test_a_network_whose_gram_matrix_does_not_fit_is_refused():

@@ -22,13 +22,13 @@ from snakemake_logger_plugin_burstcast.terminal import (
 
 
 def test_durations_and_numbers_in_words():
-    said = {0.2: "0 s", 59.4: "59 s", 61: "1 min 01 s", 3599.6: "1 h 00 min", 7500: "2 h 05 min"}
-    assert {seconds: duration(seconds) for seconds in said} == said
+    words = {0.2: "0 s", 59.4: "59 s", 61: "1 min 01 s", 3599.6: "1 h 00 min", 7500: "2 h 05 min"}
+    assert {seconds: duration(seconds) for seconds in words} == words
     assert [counted(number) for number in (0, 1, 2)] == ["0 jobs", "1 job", "2 jobs"]
 
 
 def jobs(*seconds, rule="train"):
-    return {number: (rule, one) for number, one in enumerate(seconds, 1)}
+    return {number: (rule, time) for number, time in enumerate(seconds, 1)}
 
 
 def finished(progress, *intervals):
@@ -88,7 +88,7 @@ def test_the_time_left_advances_while_jobs_run():
 def handler(monkeypatch):
     monkeypatch.setattr(terminal, "_interruption", type(terminal._interruption)())
     rule = SimpleNamespace(name="train")
-    expected = [SimpleNamespace(jobid=one, rule=rule, output=["a"]) for one in range(1, 101)]
+    expected = [SimpleNamespace(jobid=number, rule=rule, output=["a"]) for number in range(1, 101)]
     terminal.expect(expected, {"train": 1.0})
     settings = SimpleNamespace(quiet=None, stdout=False, dryrun=False, verbose=False)
     made = TerminalHandler(settings, None)
@@ -127,20 +127,18 @@ def test_a_hundred_jobs_are_a_few_lines_and_a_failure_is_said_once(handler, fail
     lines = run_of_a_hundred_jobs(handler, failing)
     assert lines[0] == "100 jobs, about 25 s on 4 cores"
     assert len(lines) <= 27
-    said = [f"FAILED  train Re400 {number} (log: logs/train.log)" for number in failing]
-    assert [line for line in lines if "FAILED" in line] == said
+    expected = [f"FAILED  train Re400 {number} (log: logs/train.log)" for number in failing]
+    assert [line for line in lines if "FAILED" in line] == expected
     assert not any("CalledProcessError" in line for line in lines)
     if not failing:
-        assert [line for line in lines if line.startswith("100%")] == lines[-1:]
-        assert lines[-1].startswith("100%  100 of 100 jobs")
+        assert [line for line in lines if "100%" in line] == ["100%  100 of 100 jobs"] == lines[-1:]
 
 
 def test_messages_that_a_person_wants(handler):
-    said = handler._stream
     send(handler, "Building DAG of jobs...")
     send(handler, "Nothing to be done (all requested files are present and up to date).")
     send(handler, "the disk is nearly full", level=logging.WARNING)
-    assert said.getvalue().splitlines() == [
+    assert handler._stream.getvalue().splitlines() == [
         "Nothing to be done (all requested files are present and up to date).",
         "the disk is nearly full",
     ]
@@ -156,10 +154,10 @@ def test_a_dry_run_is_its_reasons_and_all_jobs_on_demand(handler, verbose):
     send(handler, "a warning", level=logging.WARNING)
     send(handler, "Job stats: ...", LogEvent.RUN_INFO, stats={"total": 1})
     send(handler, "This was a dry-run (flag -n). The order of jobs ...")
-    said = handler._stream.getvalue()
-    assert ("This was a dry-run" in said) == verbose
-    assert ("a 1 -> 2 (Re400): train (1)\nin all 1 job\n" in said) == (not verbose)
-    assert "a warning" in said
+    output = handler._stream.getvalue()
+    assert ("This was a dry-run" in output) == verbose
+    assert ("a 1 -> 2 (Re400): train (1)\nin all 1 job\n" in output) == (not verbose)
+    assert "a warning" in output
 
 
 def test_a_dry_run_that_tells_no_jobs_counts_them(handler):
@@ -168,10 +166,10 @@ def test_a_dry_run_that_tells_no_jobs_counts_them(handler):
     table = "Job stats:\njob      count\n-----  -------\ntrain        2\ntotal        2\n"
     send(handler, table, LogEvent.RUN_INFO, stats={"train": 2, "total": 2})
     send(handler, "This was a dry-run (flag -n). The order of jobs ...")
-    said = handler._stream.getvalue()
-    assert "train        2\ntotal        2\n" in said
-    assert "Nothing to be done" not in said
-    assert "in all" not in said
+    output = handler._stream.getvalue()
+    assert "train        2\ntotal        2\n" in output
+    assert "Nothing to be done" not in output
+    assert "in all" not in output
 
 
 def test_a_dry_run_of_targets_only_has_nothing_to_do(handler):
@@ -241,7 +239,7 @@ def directory(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["-n"], None),
         (["--configfile", "good.yaml", "-n"], None),
@@ -259,22 +257,22 @@ def directory(tmp_path, monkeypatch):
         (["--configfile", "empty.yaml"], "empty.yaml: holds no settings: a config is lines such"),
     ],
 )
-def test_what_is_wrong_is_said_in_one_line(directory, arguments, said):
-    found = unreadable_config(arguments)
-    if said is None:
-        assert found is None
+def test_what_is_wrong_is_said_in_one_line(directory, arguments, message):
+    problem = unreadable_config(arguments)
+    if message is None:
+        assert problem is None
     else:
-        assert found.startswith(said)
-        assert "\n" not in found
+        assert problem.startswith(message)
+        assert "\n" not in problem
 
 
 def test_the_workflows_own_config_is_looked_at_too(directory):
-    for text, said in (
+    for text, message in (
         (b"a: 1\nb: {\n", "config.yaml, line 3, column 1: no valid YAML: "),
         (b"a: \xff\n", "config.yaml: cannot be read: "),
     ):
         (directory / "config.yaml").write_bytes(text)
-        assert unreadable_config([]).startswith(said)
+        assert unreadable_config([]).startswith(message)
     (directory / "config.yaml").write_text("a: 1\n")
     assert unreadable_config([]) is None
 

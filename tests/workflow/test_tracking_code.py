@@ -27,8 +27,8 @@ def written(texts):
         path.write_text(text)
 
 
-def sources(own=("own",), **options):
-    files = own if isinstance(own, dict) else dict.fromkeys(own, ())
+def sources(modules=("own",), **options):
+    files = modules if isinstance(modules, dict) else dict.fromkeys(modules, ())
     return Sources(lambda name: Path("scripts") / name, ROOT / "src", files, **options)
 
 
@@ -56,14 +56,14 @@ OTHER = [
 ]
 
 
-@pytest.mark.parametrize(("one", "other"), SAME)
-def test_comments_formatting_and_docstrings_are_no_code(one, other):
-    assert parsed(one.encode()).hash == parsed(other.encode()).hash
+@pytest.mark.parametrize(("text", "other"), SAME)
+def test_comments_formatting_and_docstrings_are_no_code(text, other):
+    assert parsed(text.encode()).hash == parsed(other.encode()).hash
 
 
-@pytest.mark.parametrize(("one", "other"), OTHER)
-def test_everything_else_is(one, other):
-    assert parsed(one.encode()).hash != parsed(other.encode()).hash
+@pytest.mark.parametrize(("text", "other"), OTHER)
+def test_everything_else_is(text, other):
+    assert parsed(text.encode()).hash != parsed(other.encode()).hash
 
 
 WAYS = {
@@ -102,8 +102,7 @@ def test_relative_imports_are_followed(module, text):
     if "deep" in text or "deep" in module:
         written({"own/one.py": "from .deep import more", "own/deep/more.py": "from .. import part"})
     written({module: text})
-    assert "own.one" in names(sources().entries("a.py", {}))
-    assert "own.part" in names(sources().entries("a.py", {}))
+    assert names(sources().entries("a.py", {})) >= {"own.one", "own.part"}
 
 
 def test_packages_count_and_libraries_do_not():
@@ -111,7 +110,7 @@ def test_packages_count_and_libraries_do_not():
         {"scripts/a.py": "import own.part, numpy, json", "own/__init__.py": "", "own/part.py": ""}
     )
     assert names(sources().entries("a.py", {})) == {"a.py", "own", "own.part"}
-    assert names(sources(own=()).entries("a.py", {})) == {"a.py"}  # nobody has own modules
+    assert names(sources(modules=()).entries("a.py", {})) == {"a.py"}  # nobody has own modules
 
 
 def test_files_of_own_modules_are_code():
@@ -146,9 +145,9 @@ def test_modules_that_a_registry_finds_count_where_they_are_named():
 
 def test_the_harness_is_a_version():
     written({"scripts/a.py": "from burstcast_workflow.harness.job import job"})
-    found = names(sources().entries("a.py", {}))
-    assert "burstcast_workflow.harness.version" in found
-    assert not {name for name in found if name.startswith("burstcast_workflow.tracking")}
+    loaded = names(sources().entries("a.py", {}))
+    assert "burstcast_workflow.harness.version" in loaded
+    assert not {name for name in loaded if name.startswith("burstcast_workflow.tracking")}
 
 
 @pytest.mark.parametrize("edit", ["script", "module", "deleted"])
@@ -189,8 +188,8 @@ def test_versions_of_the_libraries_that_a_job_imports():
     text = "import numpy as np\nfrom sklearn.svm import SVC\nimport json, own"
     written({"scripts/a.py": text, "own.py": "def f():\n    import yaml, no_such_library"})
     seen = sources()
-    found = seen.libraries(names(seen.entries("a.py", {})))
-    assert found == {
+    libraries = seen.libraries(names(seen.entries("a.py", {})))
+    assert libraries == {
         "no_such_library": "not installed",
         "numpy": library_version("numpy"),
         "sklearn": library_version("scikit-learn"),
@@ -206,7 +205,6 @@ def test_libraries_are_entries_where_the_config_wants_it(monkeypatch):
     assert sources().entries("a.py", {}) == sources(with_libraries=True).entries("a.py", {})[:1]
     monkeypatch.setattr(code, "library_version", lambda _: "9.9")
     assert sources(with_libraries=True).entries("a.py", {})[1:] == ["numpy ==9.9"]
-    assert sources().changed(["numpy ==9.9"][1:]) == []
 
 
 def test_a_copy_of_the_project_has_the_same_code(tmp_path):
@@ -214,5 +212,5 @@ def test_a_copy_of_the_project_has_the_same_code(tmp_path):
     shutil.copytree(ROOT / "workflow" / "scripts", tmp_path / "scripts")
     here = Sources(lambda name: ROOT / "workflow" / "scripts" / name, ROOT / "src", {})
     entries = here.entries(script, {"burstcast.systems": ["mfe"]})
-    assert sources(own=()).changed(entries) == []
+    assert sources(modules=()).changed(entries) == []
     assert len(entries) > 20

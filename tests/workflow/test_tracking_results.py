@@ -80,7 +80,7 @@ def test_files_of_others_are_read_and_deleted_ones_are_no_damage(result, tmp_pat
     assert checked(str(tmp_path / "own.csv")) == digest(tmp_path / "own.csv")
     result.unlink()
     assert damaged(tmp_path) == []
-    assert not [*tmp_path.rglob(".*.sha256")]
+    assert not list(tmp_path.rglob(".*.sha256"))
     result.write_text("Events")  # of somebody else, or made again
     assert checked(str(result)) == digest(result)
 

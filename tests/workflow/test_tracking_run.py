@@ -45,9 +45,9 @@ def metadata(path=".snakemake/metadata"):
 
 def test_jobs_know_what_their_run_has_planned():
     begun()
-    found = plan()
-    assert found["config"] == {"results": "results/tiny"}
-    assert (found["code"], found["directories"], found["revision"]) == (["a @1"], ["/own"], "abc")
+    claim = plan()
+    assert claim["config"] == {"results": "results/tiny"}
+    assert (claim["code"], claim["directories"], claim["revision"]) == (["a @1"], ["/own"], "abc")
     check_ownership()
 
 

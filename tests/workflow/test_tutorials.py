@@ -45,7 +45,7 @@ def directory(tmp_path, monkeypatch):
 
 def test_the_tutorial_has_the_parts_that_are_run_here():
     assert list(CONFIGS) == ["roessler.yaml", "small.yaml"]
-    assert [command.split()[0] for command in COMMANDS] == ["burstcast", *["snakemake"] * 3]
+    assert [command.split()[0] for command in COMMANDS] == ["burstcast"] + ["snakemake"] * 3
     assert "class Roessler(DynamicalSystem)" in MODULE
 
 
@@ -55,8 +55,8 @@ def test_the_look_at_the_system(directory, capsys, monkeypatch):
     _, *arguments = command.split()
     assert arguments[0] == "check-system"
     assert main(arguments) == 0
-    said = capsys.readouterr().out
-    assert all(line in TEXT.splitlines() for line in said.splitlines())
+    output = capsys.readouterr().out
+    assert all(line in TEXT.splitlines() for line in output.splitlines())
     (session,) = (text for language, text in BLOCKS if language == "pycon")
     parsed = doctest.DocTestParser().get_doctest(session, {}, "tutorial", None, 0)
     assert doctest.DocTestRunner().run(parsed) == (0, len(parsed.examples))
@@ -65,11 +65,11 @@ def test_the_look_at_the_system(directory, capsys, monkeypatch):
 def run(command, directory, tmp_path_factory, job_server, *targets):
     """A command of the tutorial, in the user's directory."""
     project = Project.create(tmp_path_factory.mktemp("burstcast") / "project", job_server)
-    own = replace(project, directory=directory)
+    user = replace(project, directory=directory)
     arguments = command.replace("path/to/burstcast", str(project.directory)).split()[1:]
-    environment = {**own.environment(), "PYTHONPATH": project.environment()["PYTHONPATH"]}
+    environment = {**user.environment(), "PYTHONPATH": project.environment()["PYTHONPATH"]}
     # targets come before the configs, whose list has no end
-    outcome = own._request({"arguments": [*arguments[:2], *targets, *arguments[2:]]}, environment)
+    outcome = user._request({"arguments": [*arguments[:2], *targets, *arguments[2:]]}, environment)
     assert outcome.status == 0, outcome.text[-3000:]
     return outcome
 
@@ -188,14 +188,14 @@ def shell(command, records):
 
 def rows(text):
     """Scores of a table in Markdown by its first two cells, the numbers of each row in turn."""
-    found = {}
+    scores = {}
     for line in text.splitlines():
         if line.startswith("|") and NUMBER.search(line):
             source, time, *cells = [cell.strip() for cell in line.strip("| ").split("|")]
-            found[source, time] = [
+            scores[source, time] = [
                 float(number) for cell in cells for number in NUMBER.findall(cell)
             ]
-    return found
+    return scores
 
 
 def shown(name):
@@ -237,9 +237,9 @@ def records(tmp_path_factory):
 def test_the_campaigns_give_the_scores_of_the_page(records, name):
     campaign, scores = of(name)
     shell(f"{campaign} --cores 1", records)
-    found = rows(shell(scores, records))
+    computed = rows(shell(scores, records))
     expected = shown(name)
-    assert list(found) == list(expected)
+    assert list(computed) == list(expected)
     for key, numbers in expected.items():
         # other kernels of linear algebra round otherwise, and trees and optimisers follow
-        assert found[key] == pytest.approx(numbers, abs=0.05), key
+        assert computed[key] == pytest.approx(numbers, abs=0.05), key

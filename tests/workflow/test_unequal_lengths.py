@@ -59,17 +59,11 @@ CONFIG = {
 }
 
 
-def trajectories():
-    start = np.array([[1.0], [1.0], [20.0]]) + np.random.default_rng(0).normal(size=(3, 10))
-    states = integrate(Lorenz63(), start, 0.01, 2 * 1300, stride=2)[500:]
-    return [
-        series[:length] for series, length in zip(states.transpose(2, 0, 1), LENGTHS, strict=True)
-    ]
-
-
 @pytest.fixture(scope="module")
 def series():
-    return trajectories()
+    start = np.array([[1.0], [1.0], [20.0]]) + np.random.default_rng(0).normal(size=(3, 10))
+    states = integrate(Lorenz63(), start, 0.01, 2 * 1300, stride=2)[500:]
+    return [run[:length] for run, length in zip(states.transpose(2, 0, 1), LENGTHS, strict=True)]
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +72,7 @@ def lab(tmp_path_factory, job_server, series):
     project = Project.create(tmp_path_factory.mktemp("lab") / "lab", job_server, "lab.yaml")
     place = project.directory
     (place / "lab.yaml").write_text(yaml.safe_dump(CONFIG, sort_keys=False))
-    frames = [pd.DataFrame(states, columns=[*"xyz"]) for states in series]
+    frames = [pd.DataFrame(states, columns=list("xyz")) for states in series]
     for number, table in enumerate(frames):
         table.assign(time=0.02 * np.arange(len(table))).to_csv(
             place / f"lab_{number}.csv", index=False
@@ -87,7 +81,7 @@ def lab(tmp_path_factory, job_server, series):
     for row, states in enumerate(series):
         filled[row, : len(states)] = states
     axes = ("series", "time", "component")
-    array = xarray.DataArray(filled, dims=axes, coords={"component": [*"xyz"]}, name="states")
+    array = xarray.DataArray(filled, dims=axes, coords={"component": list("xyz")}, name="states")
     array.to_netcdf(place / "lab.nc")
     record = pd.concat([table.reindex(range(len(table) + 3)) for table in frames])
     record.assign(time=0.02 * np.arange(len(record))).to_csv(place / "gaps.csv", index=False)

@@ -36,11 +36,11 @@ class Outcome:
         """Jobs of each rule in a dry run, without the targets."""
         if re.search(r"^in all \d+ job", self.text, re.M):
             return self._explained_jobs()
-        found = re.search(r"^job +count\n[- ]+\n(.*?)^total ", self.text, re.M | re.S)
-        if found is None:
+        counted = re.search(r"^job +count\n[- ]+\n(.*?)^total ", self.text, re.M | re.S)
+        if counted is None:
             assert "Nothing to be done" in self.text, self.text
             return {}
-        counts = dict(line.split() for line in found[1].splitlines())
+        counts = dict(line.split() for line in counted[1].splitlines())
         return {
             rule: int(count)
             for rule, count in counts.items()
@@ -50,15 +50,15 @@ class Outcome:
     def _explained_jobs(self) -> dict[str, int]:
         """Jobs of the last line of the reasons; if there is one reason only, of this."""
         counts = r"\w+ \(\d+\)(?:, \w+ \(\d+\))*"
-        found = re.search(
-            rf"(?:: (?P<one>{counts})\n)?^in all (?P<all>\d+) jobs?(?:: (?P<several>{counts}))?$",
+        line = re.search(
+            rf"(?:: (?P<only>{counts})\n)?^in all (?P<all>\d+) jobs?(?:: (?P<several>{counts}))?$",
             self.text,
             re.M,
         )
-        assert found, self.text
-        rules = re.findall(r"(\w+) \((\d+)\)", found["several"] or found["one"])
+        assert line, self.text
+        rules = re.findall(r"(\w+) \((\d+)\)", line["several"] or line["only"])
         jobs = {rule: int(count) for rule, count in rules}
-        assert sum(jobs.values()) == int(found["all"]), self.text
+        assert sum(jobs.values()) == int(line["all"]), self.text
         return jobs
 
 
@@ -85,7 +85,7 @@ class JobServer:
 
     def snakemake(self, directory: Path, *arguments: object) -> Outcome:
         """Run Snakemake with this project's code in any directory."""
-        request = {"arguments": [*map(str, arguments)]}
+        request = {"arguments": list(map(str, arguments))}
         environment = {**Project(directory).environment(), "PYTHONPATH": str(ROOT / "src")}
         return Project(directory, self)._request(request, environment)
 
@@ -189,9 +189,9 @@ class Project:
             socket.send_fds(connection, [text], [nothing.fileno(), write, write])
             os.close(write)
             with open(read, errors="replace") as stream:
-                said = stream.read()
+                output = stream.read()
             status = connection.recv(1)
-        return Outcome(status[0] if status else 137, said)
+        return Outcome(status[0] if status else 137, output)
 
     def loaded_modules(self) -> dict[str, set[str]]:
         """Modules of the project that importing scripts and modules loads, by their names."""

@@ -170,7 +170,7 @@ def _print_loaded() -> None:
     The harness is replaced by something empty: what it loads is not what a result depends on.
     """
     scripts, library = Path("workflow/scripts").resolve(), Path("src/burstcast")
-    found = {
+    loaded = {
         str(script.relative_to(scripts)): _loaded(_import_script, str(script))
         for script in sorted(scripts.rglob("*.py"))
     }
@@ -180,8 +180,8 @@ def _print_loaded() -> None:
         for path in sorted((library / package).glob("*.py"))
         if path.name != "__init__.py"
     ]
-    found.update({name: _loaded(import_module, name) for name in modules})
-    print(json.dumps(found))
+    loaded.update({name: _loaded(import_module, name) for name in modules})
+    print(json.dumps(loaded))
 
 
 if __name__ == "__main__":

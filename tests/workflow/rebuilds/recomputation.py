@@ -60,15 +60,15 @@ class Recomputation:
 
     def keys(self, path: Path) -> dict[str, Any]:
         """Keys of the forecaster in whose directory a file lies."""
-        found = _FORECASTER.fullmatch(str(path.parent.relative_to(self.results)))
-        assert found, path
-        neurons, seed = found["neurons"], found["seed"]
+        name = _FORECASTER.fullmatch(str(path.parent.relative_to(self.results)))
+        assert name, path
+        neurons, seed = name["neurons"], name["seed"]
         return {
-            "case": found["case"],
-            "reynolds": self.records[found["case"]]["parameters"].get("reynolds"),
-            "forecaster": found["kind"],
+            "case": name["case"],
+            "reynolds": self.records[name["case"]]["parameters"].get("reynolds"),
+            "forecaster": name["kind"],
             "neurons": None if neurons is None else int(neurons),
-            "validation": found["validation"],
+            "validation": name["validation"],
             "seed": None if seed is None else int(seed),
         }
 
@@ -235,8 +235,8 @@ class Recomputation:
             ensemble = variables(self.results / case / "ensemble.nc")
             energy = 0.5 * (ensemble["state"] ** 2).sum(axis=2)
             above = energy >= record["event_threshold"]
-            found = json.loads((self.results / case / "lyapunov.json").read_text())
-            exponents, growth = found["leading"], found["leading_by_growth"]
+            lyapunov = json.loads((self.results / case / "lyapunov.json").read_text())
+            exponents, growth = lyapunov["leading"], lyapunov["leading_by_growth"]
             published = record["lyapunov"]["published_exponent"]
             interval = record["ensemble"]["time_step"] * record["ensemble"]["sampling_stride"]
             series = record["ensemble"]["series"]
@@ -270,12 +270,12 @@ class Recomputation:
         rows = []
         for keys, path in self.files("long_term.nc"):
             true = variables(self.results / keys["case"] / "statistics_data.nc")
-            found = variables(path)
-            fates = found["fate"]
+            run = variables(path)
+            fates = run["fate"]
             names = ("laminarised", "fixed_point", "diverged")
             shares = {f"{name}_fraction": (fates == n).mean() for n, name in enumerate(names, 1)}
             shares["discarded_fraction"] = (fates != 0).mean()
-            rows.append({**keys, **shares, **_distances(true, found)})
+            rows.append({**keys, **shares, **_distances(true, run)})
         for case, record in self.records.items():
             true = variables(self.results / case / "statistics_data.nc")
             training = variables(self.results / case / "statistics_training.nc")
@@ -398,10 +398,10 @@ class Recomputation:
             flows = variables(path)
             bins = self.records[keys["case"]]["controlled_density"]["bins"]
             assert len(flows["edge"]) == bins + 1
-            calm = np.maximum(*(flows[f"laminar_step_{who}"] for who in _SAMPLES)) < 0
+            calm = np.maximum(*(flows[f"laminar_step_{run}"] for run in _SAMPLES)) < 0
             with netCDF4.Dataset(path) as file:
                 steps = calm.sum() * file.steps
-            without, with_it = (flows[f"exceeding_{who}"][calm].sum() / steps for who in _SAMPLES)
+            without, with_it = (flows[f"exceeding_{run}"][calm].sum() / steps for run in _SAMPLES)
             counted = ("alarms", "false_alarms", "missed_events", "unsuppressed_events")
             rows.append(
                 {
@@ -431,14 +431,14 @@ def percentiles(table: pd.DataFrame, metrics: list[str], extra: list[str]) -> pd
     return quantiles.merge(grouped.count().rename("networks").reset_index(), on=[*keys, "metric"])
 
 
-def assert_same_rows(found: pd.DataFrame, expected: pd.DataFrame) -> None:
+def assert_same_rows(computed: pd.DataFrame, expected: pd.DataFrame) -> None:
     """The same rows, in any order, in the columns that the expected table has."""
     names = list(expected.columns)
     tables = []
-    for table in (found[names], expected):
+    for table in (computed[names], expected):
         rows = [[_cell(cell) for cell in row] for row in table.itertuples(index=False)]
-        own = ("compared", "other", "prediction_time_lt", "metric", "number")
-        count = sum(name in (*KEYS, *own) for name in names)
+        others = ("compared", "other", "prediction_time_lt", "metric", "number")
+        count = sum(name in (*KEYS, *others) for name in names)
         tables.append(sorted(rows, key=lambda row: [str(cell) for cell in row[:count]]))
     assert len(tables[0]) == len(tables[1])
     for row, other in zip(*tables, strict=True):
@@ -471,10 +471,10 @@ def _scores(
     return {name: float(score) for name, score in zip(names, scores[:3], strict=True)}
 
 
-def _distances(true: dict[str, Any], found: dict[str, Any]) -> dict[str, float]:
+def _distances(true: dict[str, Any], other: dict[str, Any]) -> dict[str, float]:
     """Both distances of two histograms, the first by quadrature on a fine grid."""
     edges, width = true["edge"], np.diff(true["edge"])
-    counts = [data["count"].astype(float) for data in (true, found)]
+    counts = [data["count"].astype(float) for data in (true, other)]
     if not all(count.sum() for count in counts):
         return {"kantorovich": np.nan, "mean_log_error": np.nan}
     shares = [count / count.sum() for count in counts]

@@ -51,13 +51,13 @@ def start(project: Project, *arguments: str, overlay: dict | None = None) -> sub
 
 def jobs_of(workflow: subprocess.Popen) -> list[int]:
     """Process numbers of the scripts that a workflow runs."""
-    found = subprocess.run(
+    processes = subprocess.run(
         ["pgrep", "-s", str(workflow.pid), "-f", r"python[^ ]* .*\.snakemake/scripts/tmp"],
         capture_output=True,
         text=True,
         check=False,
     )
-    return [int(number) for number in found.stdout.split()]
+    return [int(number) for number in processes.stdout.split()]
 
 
 def complete(project: Project, targets: list[str], *, locked: bool = False) -> dict[str, str]:
@@ -161,8 +161,8 @@ EDITS = ({}, {"random_seed": 7}, {"case_defaults": {"ensemble": {"series": 50}}}
 
 def bits(project: Project) -> dict[str, str]:
     """Digests of all that was asked for."""
-    found = digests(project.results / "Re400")
-    return {name: found[name] for name in AT_RANDOM}
+    made = digests(project.results / "Re400")
+    return {name: made[name] for name in AT_RANDOM}
 
 
 def completed(project: Project, overlay: dict) -> dict[str, str]:

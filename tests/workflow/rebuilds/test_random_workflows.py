@@ -54,8 +54,8 @@ class Settings(JobSettings):
 @job
 def compute(*, settings: Settings, made: str, too: str, **files):
     contents = [
-        [name, [Path(file).read_text() for file in ([one] if isinstance(one, str) else one)]]
-        for name, one in sorted(files.items())
+        [name, [Path(file).read_text() for file in ([given] if isinstance(given, str) else given)]]
+        for name, given in sorted(files.items())
     ]
     values = [settings.value_of(name) for name in {names}]
     text = repr([contents, values, settings.identity, [{values}]])
@@ -68,7 +68,7 @@ WAYS = (
     ("import {module}", "{module}.VALUE"),
     ("from {module} import VALUE as {last}_value", "{last}_value"),
     ("from {package} import {last}", "{last}.VALUE"),
-    ("def {last}_late():\n    import {module} as found\n    return found.VALUE", "{last}_late()"),
+    ("def {last}_late():\n    import {module} as late\n    return late.VALUE", "{last}_late()"),
 )
 MODULES = ("lib/pack/one.py", "lib/pack/two.py", "lib/pack/deep/three.py")
 
@@ -102,7 +102,7 @@ class Workflow:
 
     def some_inputs(self, place):
         """Numbers of sources, which are negative, and of earlier rules."""
-        numbers = [*range(-len(self.sources), place)]
+        numbers = list(range(-len(self.sources), place))
         return [self.random.choice(numbers) for _ in range(self.random.randint(1, 2))]
 
     def texts(self):
@@ -124,7 +124,7 @@ class Workflow:
             script = SCRIPT.format(imports=lines, names=names, values=", ".join(values))
             texts[f"scripts/s{place}.py"] = f"# {self.comment}\n{script}{rule['script'] or ''}\n"
             inputs = ", ".join(
-                f"in{number}={[self.file(one) for one in files]}"
+                f"in{number}={[self.file(place) for place in files]}"
                 for number, files in enumerate(rule["inputs"])
             )
             settings = f"**{rule['settings']}"
@@ -154,7 +154,7 @@ class Workflow:
         elif kind == "module":
             self.values[chance.choice(MODULES)] = chance.randrange(9)
         elif kind == "setting" and rule["settings"]:
-            rule["settings"][chance.choice([*rule["settings"]])] = chance.randrange(9)
+            rule["settings"][chance.choice(list(rule["settings"]))] = chance.randrange(9)
         elif kind == "more settings":
             rule["settings"][f"x.p{chance.randrange(6)}"] = chance.randrange(9)
         elif kind == "imports":
@@ -232,8 +232,8 @@ def execute_script(self, fname, edit=False):
 
 
 def run(directory, *arguments, cache=""):
-    """Run the workflow in a fork: jobs that computed, and what it said if it failed."""
-    ran, log = directory / "ran.txt", directory / "said.txt"
+    """Run the workflow in a fork: jobs that computed, and its output if it failed."""
+    ran, log = directory / "ran.txt", directory / "output.txt"
     ran.unlink(missing_ok=True)
     child = os.fork()
     if child == 0:
@@ -279,22 +279,21 @@ def trial(seed, edits, place):
             texts = workflow.random.choice(states)
         write(texts, directory)
         options = ["--forceall"] if "forget" in kinds else []
-        computed, said = run(directory, *options, cache=cache)
-        if said:
-            yield kinds, said
+        computed, failure = run(directory, *options, cache=cache)
+        if failure:
+            yield kinds, failure
             continue
         scratch = place / "scratch"
         shutil.rmtree(scratch, ignore_errors=True)
         write(texts, scratch)
-        said = run(scratch)[1]
-        problem = said
-        found = {} if said else contents(directory, texts)
-        expected = {} if said else contents(scratch, texts)
-        if wrong := [name for name in expected if found[name] != expected[name]]:
+        problem = run(scratch)[1]
+        made = {} if problem else contents(directory, texts)
+        expected = {} if problem else contents(scratch, texts)
+        if wrong := [name for name in expected if made[name] != expected[name]]:
             problem = f"unlike a run from scratch: {wrong}"
         elif back and computed and kinds == ["back"]:
             problem = f"computed on the way back: {computed}"
-        elif {*kinds} <= {"comment", "delete", "touch", "touch a source", "forget"} and computed:
+        elif set(kinds) <= {"comment", "delete", "touch", "touch a source", "forget"} and computed:
             problem = f"computed in vain: {computed}"
         elif again := run(directory, cache=cache)[0]:
             problem = f"runs twice: {again}"

@@ -40,8 +40,8 @@ def computed(project: Project, before: dict[str, int]) -> tuple[int, int]:
 
 
 def bits(project: Project) -> dict[str, str]:
-    found = digests(project.results)
-    return {name: digest for name, digest in found.items() if not name.startswith("logs/")}
+    made = digests(project.results)
+    return {name: digest for name, digest in made.items() if not name.startswith("logs/")}
 
 
 # -- what runs, and what comes from the cache ------------------------------------------------------
@@ -148,9 +148,9 @@ def test_results_that_snakemake_does_not_know_are_not_believed(project, tmp_path
 
 def test_versions_of_libraries_are_parameters_on_demand(project):
     rerun = {"rerun_libraries": True}
-    said = project.reasons(overlay=rerun)
-    assert "numpy none -> " in said
-    assert "network_hyperparameters" in said
+    reasons = project.reasons(overlay=rerun)
+    assert "numpy none -> " in reasons
+    assert "network_hyperparameters" in reasons
 
 
 # -- edits that mean nothing -----------------------------------------------------------------------
@@ -158,12 +158,10 @@ def test_versions_of_libraries_are_parameters_on_demand(project):
 
 def test_edits_that_mean_nothing_run_nothing(project, tmp_path):
     work = project.copy(tmp_path / "project")
-    for path in [
-        *(work.directory / "src").rglob("*.py"),
-        *(work.directory / "workflow/scripts").rglob("*.py"),
-    ]:
-        if path.is_file() and path.stat().st_size > 0 and "figures" not in path.parts:
-            path.write_text(_reformatted(path.read_text()))
+    for sources in ("src", "workflow/scripts"):
+        for path in (work.directory / sources).rglob("*.py"):
+            if path.stat().st_size > 0 and "figures" not in path.parts:
+                path.write_text(_reformatted(path.read_text()))
     for name in ("config.yaml", TINY):
         path = work.directory / name
         config = yaml.safe_load(path.read_text())
@@ -255,9 +253,10 @@ def edited(project: Project, *edits: Edit) -> Iterator[None]:
 
 def beyond(planned: set[str], allowed: str) -> set[str]:
     """Jobs that no pattern allows."""
-    groups = (GROUPS.get(one, one).split() for one in allowed.split())
-    patterns = ["report_page", *(pattern for group in groups for pattern in group)]
-    return {job for job in planned if not any(fnmatchcase(job, one) for one in patterns)}
+    patterns = ["report_page"]
+    for word in allowed.split():
+        patterns += GROUPS.get(word, word).split()
+    return {job for job in planned if not any(fnmatchcase(job, pattern) for pattern in patterns)}
 
 
 # -- nothing runs ----------------------------------------------------------------------------------
@@ -364,8 +363,8 @@ def test_one_more_seed_in_a_block_of_its_own(project):
 
 def unread_settings(log: Path) -> set[str]:
     """Settings that a job says it did not read."""
-    found = re.findall(r"settings not read: (.*)$", log.read_text(), re.M)
-    return {name for line in found for name in line.split(", ")}
+    lists = re.findall(r"settings not read: (.*)$", log.read_text(), re.M)
+    return {name for line in lists for name in line.split(", ")}
 
 
 def test_every_setting_is_read_by_some_job_of_its_rule(project):
@@ -373,7 +372,7 @@ def test_every_setting_is_read_by_some_job_of_its_rule(project):
     unread: dict[str, set[str]] = {}
     for log in logs.rglob("*.log"):
         rule = log.relative_to(logs).with_suffix("").parts[0]
-        found = unread_settings(log)
-        unread[rule] = unread.get(rule, found) & found
+        names = unread_settings(log)
+        unread[rule] = unread.get(rule, names) & names
     assert {"simulate", "search", "control"} <= unread.keys()
     assert {rule: names for rule, names in unread.items() if names} == {}
