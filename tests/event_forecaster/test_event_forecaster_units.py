@@ -113,8 +113,8 @@ def test_a_unit_without_rounding_changes_no_search(kind, scale):
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if not kind.startswith("quadratic")])
 def test_another_zero_changes_no_forecast(kind):
     # a sum rounds as a product does (above): no point of a Gaussian process
-    found = probabilities(kind, np.asarray, offset=1e4, bayesian_points=0)
-    assert_equal_forecasts(kind, found, bayesian_points=0)
+    shifted = probabilities(kind, np.asarray, offset=1e4, bayesian_points=0)
+    assert_equal_forecasts(kind, shifted, bayesian_points=0)
 
 
 @pytest.mark.parametrize("change", [np.asfortranarray, lambda array: array.astype(np.float32)])

@@ -193,10 +193,10 @@ def test_forecasts_under_a_schedule_are_those_of_each_point_by_itself(monkeypatc
     model = FILTER.fit(generator.normal(size=(2, 60, 3)), case)
     monkeypatch.setattr(module, "POINTS_PER_BATCH", 3)
     monkeypatch.setattr(module, "TRAJECTORIES_PER_BATCH", 5)
-    told = with_inputs(washouts, schedule)
-    result = window_forecasts(model, case.system.observable, told, BOUNDARIES)
+    informed = with_inputs(washouts, schedule)
+    result = window_forecasts(model, case.system.observable, informed, BOUNDARIES)
     for point in range(7):
-        outputs, _ = model.advance(model.start(told[point][..., np.newaxis]), BOUNDARIES[-1])
+        outputs, _ = model.advance(model.start(informed[point][..., np.newaxis]), BOUNDARIES[-1])
         expected = summarise(case.system.observable(outputs.transpose(1, 0, 2)), BOUNDARIES)
         assert np.array_equal(result.largest[point], expected.largest[0])
 

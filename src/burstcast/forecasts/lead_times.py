@@ -81,7 +81,7 @@ def lead_time_scores(
     """Scores of lead times.
 
     Means of `LeadTimes` over the events, in Lyapunov times; the fraction of missed events; and for
-    each lead time the fraction of warned events, of those that could be warned of so early.
+    each lead time the fraction of warned events, of the events that could be warned of so early.
     """
 
     def total(of_events: npt.ArrayLike) -> FloatArray:
