@@ -1,8 +1,8 @@
 """Long-term runs: long closed loops of one forecaster, reduced to statistics while they run.
 
 Trajectories run side by side, a chunk of steps at a time. Each is reduced to a histogram and
-moments, which are merged for the trajectories that count. Source: section "Statistical prediction of extreme
-events".
+moments, which are merged for the trajectories that count. Source: section "Statistical prediction
+of extreme events".
 """
 
 import bisect
