@@ -1,10 +1,9 @@
 """Claims of the paper, and what our tables say about each.
 
 A claim is a function of the tables of the paper's campaign whose docstring is the rule by which it
-agrees. Numbers agree if they are equivalent: the whole interval of ours lies within a margin of the
-paper's number, which is fixed in `MARGINS` and not fitted to what came out. An interval that is
-wider than its margin agrees with nothing. The intervals of our numbers belong to the test data, not
-to the training series.
+agrees. A number agrees if our whole interval lies within a margin of the paper's number. `MARGINS`
+fixes the margins, independently of the results. An interval that is wider than its margin cannot
+agree. Intervals are over the test data, without the scatter over training series.
 """
 
 import inspect
@@ -24,15 +23,15 @@ EVENT_THRESHOLD = 0.1
 AN_ORDER = 10.0
 """The factor that is one order of magnitude."""
 MARGINS = {
-    "a share of series": ("relative", 0.05),
+    "share of series": ("relative", 0.05),
     "Lyapunov exponent": ("relative", 0.03),
-    "how often events follow": ("relative", 0.15),
+    "share of starting points followed by an event": ("relative", 0.15),
     "precision, recall, F-score": ("absolute", 0.05),
-    "the same where they are largest": ("absolute", 0.01),
+    "largest precision, largest recall": ("absolute", 0.01),
     "PH_ee": ("LT", 0.5),
     "exceedance under control": ("relative", 0.25),
 }
-"""By how much two numbers of a kind may differ that count as the same."""
+"""Largest difference at which two numbers of a kind agree."""
 DENSITY = {"kantorovich": "Kantorovich metric", "mean_log_error": "mean logarithmic error"}
 PROFILES = {"nrmse_u": "NRMSE u", "nrmse_uu": "NRMSE u^2", "nrmse_uv": "NRMSE uv"}
 
@@ -44,12 +43,12 @@ class Finding:
     paper: str  #: the paper's numbers, as text
     ours: str  #: our numbers with their intervals
     agrees: str  #: "yes", "nearly", "undecided", "no"; of several: "3 yes, 1 nearly"
-    why: str = ""  #: why not, or what to keep in mind
+    why: str = ""  #: reason of a disagreement, or a remark
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A sentence of the paper, and how it is looked up."""
+    """A sentence of the paper, and the function that tests it."""
 
     text: str
     section: str
@@ -81,7 +80,7 @@ def claim(words: str, section: str) -> Callable[[Callable[[Tables], Finding]], C
 
 
 def margins_table() -> str:
-    """By how much numbers may differ that count as the same."""
+    """Table of the margins of each kind of number."""
     cells = [
         (kind, "margin", f"{100 * margin:g} %" if unit == "relative" else f"{margin:g} {unit}")
         for kind, (unit, margin) in MARGINS.items()
@@ -90,19 +89,19 @@ def margins_table() -> str:
 
 
 def claims_table(tables: Tables) -> str:
-    """The paper's claims, its numbers, ours, and whether they agree, with the rule."""
+    """Table of all claims: the paper's numbers, ours, whether they agree, and by which rule."""
     cells = []
     for claim in CLAIMS:
         finding = claim.find(tables)
         rule = " ".join(str(inspect.getdoc(claim.find)).split()).removeprefix("Agrees ")
         columns = {"section": claim.section, "paper": finding.paper, "ours": finding.ours}
-        columns |= {"agrees": finding.agrees, "rule": rule, "why not, or what to know": finding.why}
+        columns |= {"agrees": finding.agrees, "rule": rule, "reason or remark": finding.why}
         cells += [(claim.text, head, cell) for head, cell in columns.items()]
     return table("claim", cells)
 
 
 def verdicts_of(tables: Tables) -> dict[str, int]:
-    """How many claims agree, nearly or undecidedly, in part, or not."""
+    """Number of claims that agree, agree nearly or are undecided, agree in part, or disagree."""
     verdicts = [claim.find(tables).agrees for claim in CLAIMS]
     counts = {answer: verdicts.count(answer) for answer in ("yes", "no")}
     counts["nearly"] = sum(answer in ("nearly", "undecided") for answer in verdicts)
@@ -124,7 +123,7 @@ def verdict(kind: str, paper: float, low: float, high: float, digit: float = 0.0
 
 
 def reaches(kind: str, paper: float, ours: Any) -> str:
-    """Whether the lower end of ours, or only its median, is that large, by the margin."""
+    """Whether our lower end, or only our median (nearly), reaches the paper's less the margin."""
     least = paper - MARGINS[kind][1]
     return _graded(ours.low >= least, nearly=ours.p50 >= least)
 
@@ -156,7 +155,7 @@ def _error_of_median(row: Any) -> float:
 
 
 def all_of(holds: Iterable[bool | str]) -> str:
-    """Verdict on a claim that is looked up several times, of truth values or verdicts."""
+    """Verdict on a claim that is the sum of several comparisons (truth values or verdicts)."""
     verdicts = [hold if isinstance(hold, str) else ("yes" if hold else "no") for hold in holds]
     counts = {answer: verdicts.count(answer) for answer in ("yes", "nearly", "undecided", "no")}
     counts = {answer: count for answer, count in counts.items() if count}
@@ -195,7 +194,7 @@ def series_kept(tables: Tables) -> Finding:
     half = z / (1 + z**2 / n) * math.sqrt(share * (1 - share) / n + z**2 / (4 * n**2))
     low, high = n * (middle - half), n * (middle + half)
     ours = f"{row['series_kept']} ({low:.0f} to {high:.0f})"
-    return Finding("1436", ours, verdict("a share of series", 1436, low, high))
+    return Finding("1436", ours, verdict("share of series", 1436, low, high))
 
 
 @claim("leading Lyapunov exponents, Re = 400, 600, 800, 1000", "II A, IV C")
@@ -221,9 +220,9 @@ def exponents(tables: Tables) -> Finding:
     return Finding(paper, ours, all_of(verdicts), why if differ else "")
 
 
-@claim("extreme events that follow the starting points, Re = 400", "IV A")
+@claim("share of starting points followed by an event in the window (base rate), Re = 400", "IV A")
 def events_after_the_points(tables: Tables) -> Finding:
-    """Agrees if our 95 % interval of the share (Poisson), 5 LT ahead, lies within the margin."""
+    """Agrees if our 95 % interval (Poisson) of the share at 5 LT lies within the margin."""
     where = {"forecaster": "equations", "case": CASE, "prediction_time_lt": 5}
     (row,) = tables.rows("classification", **where).to_dict("records")
     events = row["true_positive"] + row["false_negative"]
@@ -232,9 +231,9 @@ def events_after_the_points(tables: Tables) -> Finding:
     # the authors' files score 6914 of 9000 points, outside of events
     paper, scored = 360, 6914
     return Finding(
-        f"{paper} of 9000, or of the {scored} that are scored: {paper / scored:.4f}",
-        f"{events} of {points} that are scored: {events / points:.4f} ({low:.4f} to {high:.4f})",
-        verdict("how often events follow", paper / scored, low, high),
+        f"{paper} of 9000, or of {scored} scored points: {paper / scored:.4f}",
+        f"{events} of {points} scored points: {events / points:.4f} ({low:.4f} to {high:.4f})",
+        verdict("share of starting points followed by an event", paper / scored, low, high),
     )
 
 
@@ -278,7 +277,7 @@ def tuning_beats_size(tables: Tables) -> Finding:
 
 @claim("F-score 2 LT and 3 LT ahead", "IV A")
 def two_and_three_times_ahead(tables: Tables) -> Finding:
-    """Agrees if the best size is above 0.9 less the margin (2 LT), and at 0.8 (3 LT)."""
+    """Agrees if the interval of the best size is above 0.9 - margin (2 LT), and at 0.8 (3 LT)."""
     two, three = (
         max((_f(tables, time, neurons=n, **RV) for n in tables.sizes(CASE)), key=lambda e: e.p50)
         for time in (2, 3)
@@ -308,7 +307,7 @@ def largest_scores(tables: Tables) -> Finding:
         for metric in ("precision", "recall")
     )
     ours = f"{100 * precision:.1f} % and {100 * recall:.1f} %"
-    kind = "the same where they are largest"
+    kind = "largest precision, largest recall"
     agrees = all_of(
         verdict(kind, *numbers) for numbers in ((0.98, *[precision] * 2), (0.99, *[recall] * 2))
     )
@@ -317,7 +316,7 @@ def largest_scores(tables: Tables) -> Finding:
 
 @claim("events predicted more than five Lyapunov times ahead", "abstract, VII")
 def five_times_ahead(tables: Tables) -> Finding:
-    """Agrees if the interval of the best recall, 5 LT ahead, is above a third less the margin."""
+    """Agrees if the interval of the largest recall at 5 LT lies above 1/3 minus the margin."""
     recalls = {n: _f(tables, 5, metric="recall", neurons=n, **RV) for n in tables.sizes(CASE)}
     size, recall = max(recalls.items(), key=lambda item: item[1].p50)
     right = _f(tables, 5, metric="precision", neurons=size, **RV)
@@ -330,7 +329,7 @@ def five_times_ahead(tables: Tables) -> Finding:
 
 @claim("F-score against size, 3 LT ahead, RV", "IV A")
 def size_levels_off(tables: Tables) -> Finding:
-    """Agrees if 500 to 1000 gains two margins, and medians lie within one from 1500 on."""
+    """Agrees if F rises by two margins from 500 to 1000, and varies within one from 1500 on."""
     scores = {n: _f(tables, 3, neurons=n, **RV) for n in tables.sizes(CASE)}
     large = [score for n, score in scores.items() if n >= 1500]
     gain = scores[1000].p50 - scores[500].p50
@@ -373,14 +372,14 @@ def horizon_of_large_networks(tables: Tables) -> Finding:
 
 
 def _grows(before: Any, later: Any) -> str:
-    """Whether a number is larger than another one of other test data."""
+    """Whether a number is larger than a number from independent test data."""
     half = math.hypot(*((row.high - row.low) / 2 for row in (before, later)))
     return _beyond(later.p50 - before.p50, half)
 
 
 @claim("mean PH_ee with the Reynolds number", "IV C")
 def horizon_grows(tables: Tables) -> Finding:
-    """Agrees if it grows by more than both intervals leave open (2000 neurons, RV)."""
+    """Agrees if it grows beyond the combined half-width of both intervals (2000 neurons, RV)."""
     horizons = [_horizon(tables, case, neurons=2000, **RV) for case in tables.cases()]
     higher = [_grows(before, later) for before, later in itertools.pairwise(horizons)]
     ours = ", ".join(_with_ends(horizon, 2) for horizon in horizons) + " LT"
@@ -389,7 +388,7 @@ def horizon_grows(tables: Tables) -> Finding:
 
 @claim("F-score with the Reynolds number, 3 LT ahead", "IV C")
 def score_falls(tables: Tables) -> Finding:
-    """Agrees if others are below that at 400 by their intervals, and medians within the margin."""
+    """Agrees if F is lower than at 400 beyond both intervals, and varies within the margin."""
     first, *others = (_f(tables, 3, case, neurons=2000, **RV) for case in tables.cases())
     middles = [row.p50 for row in others]
     _, margin = MARGINS["precision, recall, F-score"]
@@ -433,7 +432,7 @@ def _improves(tables: Tables, metrics: dict[str, str], digits: int) -> Finding:
         networks = published_rows("statistics", metric, reynolds=400, **RV)
         worse = networks["neurons"][networks["p50"] >= published]
         theirs += [f"the {title} of {size:g} neurons" for size in worse]
-    why = "one choice of ten series decides how good the training set is"
+    why = "the error of the training set depends on the choice of ten series"
     if theirs:
         why += f"; by the authors' own files it fails for {' and '.join(theirs)}"
     agrees = all_of(holds)
@@ -449,7 +448,7 @@ def density_improves(tables: Tables) -> Finding:
     return _improves(tables, DENSITY, 3)
 
 
-@claim("and does not improve with size", "V")
+@claim("the density of k does not improve with size", "V")
 def density_and_size(tables: Tables) -> Finding:
     """Agrees if no larger network's quartiles lie below a smaller one's."""
     sizes = tables.sizes(CASE)
@@ -533,7 +532,7 @@ def exceedances(tables: Tables) -> Finding:
     return Finding(", ".join(paper), ", ".join(ours), all_of(verdicts), why)
 
 
-@claim("less is left with the shorter prediction time", "VI")
+@claim("the shorter prediction time leaves less exceedance", "VI")
 def nearer_is_better(tables: Tables) -> Finding:
     """Agrees if the median is smaller beyond the scatter of networks; nearly if it is smaller."""
     left_of = tables.rows("control_percentiles", metric="exceedance_controlled", neurons=2000, **RV)
@@ -569,9 +568,9 @@ def rarer(tables: Tables) -> Finding:
 
 @claim("the density's tail decreases beyond k_e, 1 and 2 LT ahead", "VI, VII")
 def tail_decreases(tables: Tables) -> Finding:
-    """Agrees if times beyond levels decrease, and for both times by a factor of 10 at most Re.
+    """Agrees if time above each level falls, tenfold at the majority of Re for each PT.
 
-    Levels reach as far out as the flow without control spends a thousandth of the time.
+    The highest level is exceeded for a thousandth of the time without control.
     """
     largest: dict[Any, dict[str, float]] = {}
     smallest = math.inf

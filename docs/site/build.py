@@ -83,12 +83,12 @@ def _in_site(path: Path) -> str:
 def _relinked(text: str, source: Path, page: str) -> str:
     """Text of a file of the repository with links that hold on its page of the site."""
 
-    def link(found: re.Match[str]) -> str:
-        target = (source.parent / found["path"]).resolve()
+    def link(match: re.Match[str]) -> str:
+        target = (source.parent / match["path"]).resolve()
         if not target.is_file():
-            return found[0]  # Sphinx reports it
+            return match[0]  # Sphinx reports it
         relative = posixpath.relpath(_in_site(target), posixpath.dirname(page) or ".")
-        return f"{found['before']}{relative}{found['after']}"
+        return f"{match['before']}{relative}{match['after']}"
 
     return _LINK.sub(link, text)
 
@@ -100,7 +100,7 @@ def _pages_of_docs() -> list[Path]:
 
 def _linked_files() -> set[Path]:
     """Files outside of docs that pages link to, directly or through one another."""
-    found = {ROOT / "CONTRIBUTING.md"}
+    files = {ROOT / "CONTRIBUTING.md"}
     waiting = [*_pages_of_docs(), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
     seen = set(waiting)
     while waiting:
@@ -108,11 +108,11 @@ def _linked_files() -> set[Path]:
         for link in _LINK.finditer(_FENCE.sub("", page.read_text(encoding="utf-8"))):
             target = (page.parent / link["path"]).resolve()
             if target.is_file() and not target.is_relative_to(DOCS):
-                found.add(target)
+                files.add(target)
                 if target.suffix == ".md" and target not in seen:
                     seen.add(target)
                     waiting.append(target)
-    return found - {ROOT / "README.md"}
+    return files - {ROOT / "README.md"}
 
 
 # -- the API reference -----------------------------------------------------------------------------
@@ -134,7 +134,9 @@ def _modules() -> dict[str, dict[str, ast.Module]]:
 
 def _undocumented(name: str, node: ast.Module | ast.ClassDef | ast.FunctionDef) -> Iterator[str]:
     """Public modules, classes, functions and methods without a docstring; signatures need none."""
-    signature = any("overload" in ast.unparse(one) for one in getattr(node, "decorator_list", []))
+    signature = any(
+        "overload" in ast.unparse(decorator) for decorator in getattr(node, "decorator_list", [])
+    )
     if ast.get_docstring(node) is None and not signature:
         yield name
     if not isinstance(node, ast.FunctionDef):
@@ -183,14 +185,16 @@ def _kept(place: str | list[str], preset: str) -> Any:
     None if it is not kept, or lacks a column that the table has by now.
     """
     if not isinstance(place, str):
-        found = [_kept(one, preset) for one in place]
-        return found if found and all(one is not None for one in found) else None
+        tables = [_kept(part, preset) for part in place]
+        return tables if tables and all(table is not None for table in tables) else None
     case, _, name = place.partition("/tables/")
     path = DOCS / "results" / (preset or "paper") / name
     if not name or not path.exists():
         return None
     table, declared = read_table(path), table_of(path.stem)
-    needed = {one for one in (*declared.keys, *declared.columns) if not one.endswith(OPTIONAL)}
+    needed = {
+        column for column in (*declared.keys, *declared.columns) if not column.endswith(OPTIONAL)
+    }
     if not needed <= {*table.columns}:
         return None
     return table[table["case"] == case].reset_index(drop=True)
@@ -198,20 +202,20 @@ def _kept(place: str | list[str], preset: str) -> Any:
 
 def pictures() -> dict[str, tuple[str, bytes]]:
     """Figures that can be drawn from kept tables: the preset whose they are, and the PNG."""
-    found: dict[str, tuple[str, bytes]] = {}
+    images: dict[str, tuple[str, bytes]] = {}
     for preset in PRESETS:
         campaign = _campaign(preset)
         for name, figure in FIGURES.items():
             cases = cases_of(campaign, figure)
-            if not cases or name in found:
+            if not cases or name in images:
                 continue
             places = files_of(campaign, figure, cases[0])
             inputs = {key: _kept(place, preset) for key, place in places.items()}
             if not inputs or any(content is None for content in inputs.values()):
                 continue
             values = settings_of(campaign, figure, cases[0])
-            found[name] = preset, render(_drawn(figure, values, inputs), "png")
-    return found
+            images[name] = preset, render(_drawn(figure, values, inputs), "png")
+    return images
 
 
 def _drawn(figure: Drawn, values: Mapping[str, Any], inputs: Mapping[str, Any]) -> Figure:
@@ -256,7 +260,9 @@ def gallery(drawn: Mapping[str, str]) -> str:
         lines += [f"#### {name}\n", f"{caption(name).replace('``', '`')}\n"]
         if name in drawn or _is_kept(name):
             lines.append(f"![{name}](images/{name}.png)\n")
-        makers = (one for one in PRESETS if cases_of(campaigns[one], FIGURES[name]))
+        makers = (
+            candidate for candidate in PRESETS if cases_of(campaigns[candidate], FIGURES[name])
+        )
         preset = drawn.get(name, "quick" if _is_kept(name) else next(makers))
         option = f" --configfile {_overlay(preset)}" if preset else ""
         results = campaigns[preset].config.results
@@ -278,20 +284,20 @@ def _notebooks() -> dict[str, dict[str, Any]]:
 def _outputs(cell: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Kind ("image/png" or "text/plain") and content of each output of a cell."""
     for output in cell.get("outputs", []):
-        found = output.get("data", {"text/plain": output.get("text", "")})
-        kind = "image/png" if "image/png" in found else "text/plain"
-        yield kind, "".join(found[kind])
+        data = output.get("data", {"text/plain": output.get("text", "")})
+        kind = "image/png" if "image/png" in data else "text/plain"
+        yield kind, "".join(data[kind])
 
 
 def notebook_pictures(name: str, notebook: Mapping[str, Any]) -> dict[str, bytes]:
     """PNG of each picture that a notebook shows, by file name."""
-    found = [
+    images = [
         base64.b64decode(content)
         for cell in notebook["cells"]
         for kind, content in _outputs(cell)
         if kind == "image/png"
     ]
-    return {f"{name}_{number}.png": picture for number, picture in enumerate(found)}
+    return {f"{name}_{number}.png": picture for number, picture in enumerate(images)}
 
 
 def notebook_page(name: str, notebook: Mapping[str, Any]) -> str:
@@ -317,28 +323,30 @@ def notebook_page(name: str, notebook: Mapping[str, Any]) -> str:
 def breakable(text: str) -> str:
     """Names in the first columns of tables, which a browser may break after dots alone."""
 
-    def name(found: re.Match[str]) -> str:
-        return f"| <code>{found[1].replace('.', '.<wbr>')}</code> |"
+    def name(match: re.Match[str]) -> str:
+        return f"| <code>{match[1].replace('.', '.<wbr>')}</code> |"
 
     return re.sub(r"^\| `([^`]+)` \|", name, text, flags=re.MULTILINE)
 
 
 def pages(drawn: Mapping[str, str]) -> dict[str, str]:
     """Text of all pages by their address in the site."""
-    found = api_pages()
-    for path in [*_pages_of_docs(), *(one for one in _linked_files() if one.suffix == ".md")]:
+    texts = api_pages()
+    for path in [*_pages_of_docs(), *(file for file in _linked_files() if file.suffix == ".md")]:
         name = _in_site(path)
-        found[name] = _relinked(path.read_text(encoding="utf-8"), path, name)
-    found |= {f"{name}.md": notebook_page(name, one) for name, one in _notebooks().items()}
+        texts[name] = _relinked(path.read_text(encoding="utf-8"), path, name)
+    texts |= {
+        f"{name}.md": notebook_page(name, notebook) for name, notebook in _notebooks().items()
+    }
     readme = ROOT / "README.md"
     front = _relinked(readme.read_text(encoding="utf-8"), readme, "index.md")
     trees = [_toctree(title, names) for title, names in NAVIGATION.items()]
     trees.append(_toctree("Reference", ["api/index"]))
-    listed = found["index.md"].partition("\n")[2]
-    found["index.md"] = "\n".join([front, "## Documentation", listed, *trees])
-    found["figures.md"] += gallery(drawn)
-    found["settings.md"] = breakable(found["settings.md"])
-    return found
+    listed = texts["index.md"].partition("\n")[2]
+    texts["index.md"] = "\n".join([front, "## Documentation", listed, *trees])
+    texts["figures.md"] += gallery(drawn)
+    texts["settings.md"] = breakable(texts["settings.md"])
+    return texts
 
 
 def assemble(source: Path) -> None:

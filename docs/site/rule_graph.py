@@ -35,9 +35,9 @@ def sources(dot: str) -> dict[str, set[str]]:
             made_from[names[after]].add(names[before])
     every: dict[str, set[str]] = {}
     for name in TopologicalSorter(made_from).static_order():
-        every[name] = made_from[name].union(*(every[one] for one in made_from[name]))
+        every[name] = made_from[name].union(*(every[source] for source in made_from[name]))
     return {
-        name: {one for one in rules if not any(one in every[other] for other in rules)}
+        name: {source for source in rules if not any(source in every[other] for other in rules)}
         for name, rules in made_from.items()
     }
 
@@ -47,11 +47,13 @@ def drawn(made_from: dict[str, set[str]]) -> Figure:
     columns: dict[int, list[str]] = {}
     places: dict[str, tuple[int, float]] = {}
     for name in TopologicalSorter(made_from).static_order():
-        column = max((places[one][0] + 1 for one in made_from[name]), default=0)
+        column = max((places[source][0] + 1 for source in made_from[name]), default=0)
         places[name] = column, 0.0
         columns.setdefault(column, []).append(name)
     for column, names in sorted(columns.items()):
-        near = {name: fmean([places[one][1] for one in made_from[name]] or [0]) for name in names}
+        near = {
+            name: fmean([places[source][1] for source in made_from[name]] or [0]) for name in names
+        }
         for number, name in enumerate(sorted(names, key=lambda name: (near[name], name))):
             # columns are shifted, so that no line runs behind a box
             places[name] = column, (number + 0.5) / len(names) + 0.04 * (column % 3 - 1)
@@ -61,8 +63,8 @@ def drawn(made_from: dict[str, set[str]]) -> Figure:
     box = {"boxstyle": "round", "facecolor": "white", "edgecolor": "steelblue"}
     for name, place in places.items():
         axes.text(*place, name, ha="center", va="center", size=8, bbox=box)
-        for one in sorted(made_from[name]):
-            axes.plot(*zip(places[one], place, strict=True), color="grey", linewidth=1)
+        for source in sorted(made_from[name]):
+            axes.plot(*zip(places[source], place, strict=True), color="grey", linewidth=1)
     return figure
 
 

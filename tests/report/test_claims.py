@@ -145,7 +145,7 @@ def test_the_paper_agrees_with_its_own_claims(like_the_paper):
     assert agreement.pop(density) == "11 yes, 1 no"
     assert agreement.pop(profiles) == "15 yes, 1 nearly, 2 no"
     # their networks of 500 have clearly larger logarithmic errors than those from 2000 on
-    size = "and does not improve with size"
+    size = "the density of k does not improve with size"
     assert agreement.pop(size) == "27 yes, 3 no"
     # and their profiles improve by more than their densities at two of six sizes
     field = "the flow field improves less on the training set than the kinetic energy"

@@ -1,8 +1,8 @@
-"""The loop of control: it advances flows and asks a policy about them.
+"""The control loop: it advances flows and applies the decisions of a policy.
 
 All flows of a batch move together, each on its own clock. At each look the policy is given the last
-observed states of a flow; its alarm sets off the actuation for an interval after the look. When the
-looks are and how long that interval is, the strategy's `Timing` says.
+observed states of a flow; an alarm triggers the actuation for an interval after the look. `Timing`
+sets the times of the looks and the length of that interval.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -33,8 +33,8 @@ class Looks:
 
     flow: IntArray  #: position of the flow among the simulated flows
     step: IntArray
-    alarm: BoolArray  #: whether it set off the actuation
-    #: what the strategy says of the looks, by name
+    alarm: BoolArray  #: whether the look triggered the actuation
+    #: assessments of the looks by the strategy, by name
     judged: Mapping[str, BoolArray]
 
 
@@ -44,7 +44,7 @@ class ControlledFlows:
 
     timing: Timing
     threshold: float  #: the event threshold, k_e
-    left_out: int  #: flows that were left out, since they had an event before their steps count
+    left_out: int  #: number of flows left out, for an event before the first counted step
     rows: IntArray  #: rows of the simulated flows among the given ones, ``(flows,)``
     #: uncontrolled, controlled: observable, ``(flows, timing.length)``
     uncontrolled: FloatArray
@@ -53,19 +53,19 @@ class ControlledFlows:
     actuated: BoolArray
     #: integration steps under actuation among the counted ones, ``(flows,)``
     actuated_integration_steps: IntArray
-    #: number of times that the actuation was switched on among the integration steps that count,
-    #: ``(flows,)``; an actuation that is on at the first of them counts
+    #: number of times that the actuation was switched on within the counted integration steps,
+    #: ``(flows,)``; an actuation that is on at the first counted step counts
     switchings: IntArray
     #: uncontrolled_energy, controlled_energy: means over the steps that count, ``(flows,)``; None
     #: for a system without an energy budget
     uncontrolled_energy: EnergyBudget | None
     controlled_energy: EnergyBudget | None
     #: uncontrolled_states, controlled_states: ``(flows, timing.length, dimension)``; None unless
-    #: they were asked for
+    #: states are requested
     uncontrolled_states: FloatArray | None
     controlled_states: FloatArray | None
     looks: Looks
-    cost: ActuationCost | None  #: None unless it was asked for, and there is a right-hand side
+    cost: ActuationCost | None  #: None unless requested and the system has a right-hand side
 
     def __len__(self) -> int:
         """Return the number of flows."""
@@ -73,10 +73,10 @@ class ControlledFlows:
 
 
 class RunningFlows:
-    """Controlled flows of one batch on their way.
+    """Controlled flows of one batch while they are simulated.
 
-    A flow that stops earlier than others, since its next look is due, goes on from there: what lies
-    beyond its clock is overwritten.
+    A flow whose next look is due earlier than others' continues from there: later states are
+    overwritten.
     """
 
     def __init__(self, experiment: ControlExperiment, timing: Timing, rows: IntArray) -> None:
@@ -113,7 +113,7 @@ class RunningFlows:
                 raise (FloatingPointError(message) if message else error) from error
 
     def looks(self) -> Looks:
-        """All looks so far, with nothing said of them."""
+        """All looks so far, without assessments."""
         flow, step, alarm = (np.concatenate(parts) for parts in zip(*self._looks, strict=True))
         order = np.lexsort((step, flow))
         return Looks(flow[order], step[order], alarm[order], {})
@@ -138,7 +138,7 @@ class RunningFlows:
         return Look(self.rows[due], self._number[due], observed, acting)
 
     def _act(self, due: IntArray, decided: ByteArray) -> None:
-        """Set off the actuation that was decided on, and the time of the next look."""
+        """Trigger the chosen actuation and set the time of the next look."""
         now, alarm, (start, stop) = self.clock[due], decided != 0, self.timing.effect
         self._looks.append((due, now, alarm))
         self._number[due] += 1
@@ -157,7 +157,7 @@ class RunningFlows:
         self._leave()
 
     def _leave(self) -> None:
-        """Let flows that are looked at no longer move on to the last step that counts."""
+        """Let flows after their last look advance to the last counted step."""
         over = (self.clock == self._stop) & (self.clock > self.timing.last_look)
         self._stop[over] = np.maximum(self.clock[over], self.timing.counted_until)
 
@@ -166,8 +166,8 @@ class RunningFlows:
     ) -> FloatArray:
         """States of flows from their steps ``now`` on, ``(steps + 1, dimension, flows)``.
 
-        ``acting``: The actuation over these steps, ``(flows, integration steps)``; by default that
-        which is set off so far.
+        ``acting``: The actuation over these steps, ``(flows, integration steps)``; by default the
+        actuation triggered so far.
         """
         if acting is None:
             acting = self.acting_from(flows, now, steps)
@@ -177,7 +177,7 @@ class RunningFlows:
         )
 
     def acting_from(self, flows: IntArray, now: IntArray, steps: int) -> ByteArray:
-        """Actuation that is set off so far over the steps from ``now`` on."""
+        """Actuation triggered so far over the steps from ``now`` on."""
         ahead = now[:, np.newaxis] * self._stride + np.arange(steps * self._stride)
         return np.asarray(self.acting[flows[:, np.newaxis], ahead])
 
@@ -212,7 +212,7 @@ class RunningFlows:
 
 
 Judge = Callable[[RunningFlows, Looks], Mapping[str, BoolArray]]
-"""What a strategy says of all looks at flows that are at their ends, by name, ``(looks,)`` each."""
+"""Assessments of all looks at finished flows by a strategy, by name, ``(looks,)`` each."""
 
 
 def simulate(
@@ -230,14 +230,14 @@ def simulate(
     Parameters
     ----------
     noise
-        Observation noise, ``(flows, timing.length or more, observed components)``: what is observed
-        is the true state, or what the sensor sees of it, plus this, a fixed function of the flow
-        and the step, with and without control. None: there is none.
+        Observation noise, ``(flows, timing.length or more, observed components)``, which is added
+        to the true state or to the output of the sensor. It depends on flow and step alone, so that
+        runs with and without control share it. None: no noise.
     keep_states
         Whether to return states. Since no flow depends on the others, a second call with a few
         flows only returns their states.
     costs
-        Whether to compute what the actuation costs.
+        Whether to compute the cost of the actuation.
     """
     _check_given(experiment, timing, noise)
     systems, counted, given = experiment.systems, timing.counted, len(experiment.washouts)
@@ -307,7 +307,7 @@ def _joined(parts: Sequence[Any]) -> Any:
 def ending_at(
     series: npt.NDArray[Entry], rows: IntArray, ends: IntArray, length: int
 ) -> npt.NDArray[Entry]:
-    """Sections of series that end at each row's own step, ``(rows, length, ...)``."""
+    """Sections of series that end at a step for each row, ``(rows, length, ...)``."""
     steps = ends[:, np.newaxis] + np.arange(1 - length, 1)
     return np.asarray(series[rows[:, np.newaxis], steps])
 

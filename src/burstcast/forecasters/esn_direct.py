@@ -1,4 +1,4 @@
-"""A reservoir that is read out for the event itself, by logistic regression.
+"""A reservoir with a logistic readout that is trained on event labels.
 
 The reservoir of an echo state network is driven by the observed washout. Its state at the starting
 point gives the probability of an event in each window; there is no closed loop.
@@ -31,7 +31,7 @@ from burstcast.networks.reservoir import ReservoirSeed
 
 _SEARCHED = ("spectral_radius", "input_scaling", "leak_rate", "penalty")
 _HELD_OUT = 3
-"""Every third training series is validated on, where hyperparameters are chosen."""
+"""Every third training series validates the choice of hyperparameters."""
 _POINTS_PER_BATCH = 1024
 
 
@@ -39,25 +39,25 @@ _POINTS_PER_BATCH = 1024
 class DirectReadout(NetworkOptions, DirectReadoutOptions, EventClassifier):
     """Probabilities from the state of a reservoir after the washout."""
 
-    # squares of neurons help closed loops, and no classifier of measured records
+    # squares of neurons improve closed loops, but not classifiers of measured records
     readout: Literal["linear", "quadratic"] = "linear"
 
     dynamics: Dynamics = fitted()  #: reservoir with its hyperparameters
-    seed: ReservoirSeed = fitted()  #: what the reservoir is made from
+    seed: ReservoirSeed = fitted()  #: seed and settings that determine the reservoir
     #: range of each observed component in training, by which inputs are divided
     input_scale: FloatArray = fitted()
-    #: mean of each observed component in training, which is subtracted before; None: nothing is
+    #: mean of each observed component in training, subtracted from inputs; None: no mean is
     input_mean: FloatArray | None = fitted()
-    #: weights of the state's neurons, of what is known in advance, and last the bias, for each
+    #: weights of the neurons, of features known in advance, and of the bias (last), for each
     #: window, ``(neurons + known features + 1, windows)``
     weights: FloatArray = fitted()
-    chosen_penalty: float = fitted()  #: one of ``penalty``
+    chosen_penalty: float = fitted()  #: chosen entry of ``penalty``
 
     def fit(self, points: LabelledPoints, case: ForecastingCase) -> Self:
         """Choose hyperparameters where several are given, and fit the readout to all points.
 
-        The choice has the largest average precision on every third training series, averaged over
-        windows, by readouts that have learnt from the others.
+        The choice maximises the average precision on every third training series, averaged over
+        windows, of readouts fitted to the other series.
         """
         drawn = case.random_seed, self.neurons, 0, self.connectivity, self.input_bias
         seed = ReservoirSeed(*drawn)
@@ -131,7 +131,7 @@ class DirectReadout(NetworkOptions, DirectReadoutOptions, EventClassifier):
         )
 
     def restore(self, record: ForecasterRecord, case: ForecastingCase) -> Self:
-        """Make the reservoir anew, and put the readout to it."""
+        """Regenerate the reservoir from its seed, and attach the recorded readout."""
         attributes, input_scale = record.attributes, record.arrays["input_range"]
         seed, dynamics = restored_dynamics(attributes, len(input_scale), self.backend)
         return self.with_fitted(
@@ -162,10 +162,10 @@ def _states(dynamics: Dynamics, washouts: FloatArray) -> FloatArray:
 
 
 def _validation_score(states: FloatArray, points: LabelledPoints, penalty: float) -> float:
-    """Average precision on every third series, by what knows the others; mean over windows.
+    """Average precision on every third series, fitted to the others; mean over windows.
 
-    It depends on the order of the probabilities alone, which calibration leaves as it is. Windows
-    without an event on either side are left out.
+    It depends only on the order of the probabilities, which calibration preserves. Windows without
+    an event in either part are left out.
     """
     held_out = np.isin(points.series, np.unique(points.series)[::_HELD_OUT])
     learnt, happened = points.happened[~held_out], points.happened[held_out]
