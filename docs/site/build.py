@@ -53,8 +53,14 @@ NAVIGATION = {
         *("results", "related_work", "references", "method", "performance"),
     ],
     "Campaigns": [
-        *("results/paper", "results/beyond_the_paper", "results/readout", "results/authors"),
-        *("results/noise_sweep", "results/aware", "results/learnt_precursor", "results/kolmogorov"),
+        *(
+            "results/paper",
+            "results/beyond_the_paper",
+            "results/other_libraries",
+            "results/readout",
+        ),
+        *("results/authors", "results/noise_sweep", "results/aware", "results/learnt_precursor"),
+        "results/kolmogorov",
     ],
     "How it is built": [
         *("architecture", "extending", "selective_rebuilds", "decisions"),
