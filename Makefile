@@ -24,9 +24,10 @@ demo: $(VENV)/installed ## networks, learnt equations, control: three minutes
 paper: $(VENV)/installed ## the paper's whole campaign: hours
 	$(SNAKEMAKE) $(ARGS)
 
-# Two processes, each of which takes a file of tests at a time: what they share is made once.
+# Two processes, each of which takes a file of tests at a time, those that run campaigns first: what
+# they share is made once.
 test: $(VENV)/developed check docs ## linters, types, the site, tests
-	$(BIN)/pytest -n 2 --dist loadfile $(ARGS)
+	$(BIN)/pytest -n 2 --dist loadfile --no-loadscope-reorder $(ARGS)
 
 test-long: $(VENV)/developed ## tests that take long
 	$(BIN)/pytest -m long $(ARGS)

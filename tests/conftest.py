@@ -14,6 +14,11 @@ settings.register_profile("any machine", deadline=None)
 settings.load_profile("any machine")
 
 
+def pytest_collection_modifyitems(items):
+    """Files that run campaigns come first: with several processes, none waits for another's."""
+    items.sort(key=lambda item: not item.nodeid.startswith("tests/workflow"))
+
+
 @pytest.fixture(scope="session")
 def signal():
     """Noisy data of several frequencies: five series of 900 steps, (steps, dimension, batch)."""
