@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS := 1
 unexport PYTHONDONTWRITEBYTECODE
 
 # What `make` and `make help` say: the words after ##.
-.PHONY: help demo test test-long test-slurm paper why archive pages results bench slurm docs check clean
+.PHONY: help demo test tests test-long test-slurm paper why archive pages results bench slurm docs check clean
 
 help:
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -24,9 +24,13 @@ demo: $(VENV)/installed ## networks, learnt equations, control: three minutes
 paper: $(VENV)/installed ## the paper's whole campaign: hours
 	$(SNAKEMAKE) $(ARGS)
 
+# Side by side, since the site and the linters keep one core busy each.
+test: $(VENV)/documented ## linters, types, the site, tests
+	$(MAKE) --jobs 3 check docs tests
+
 # Two processes, each of which takes a file of tests at a time, those that run campaigns first: what
 # they share is made once.
-test: $(VENV)/developed check docs ## linters, types, the site, tests
+tests: $(VENV)/developed
 	$(BIN)/pytest -n 2 --dist loadfile --no-loadscope-reorder $(ARGS)
 
 test-long: $(VENV)/developed ## tests that take long
