@@ -24,6 +24,9 @@ from burstcast.data.tables import RECIPES
 from burstcast.data.times import TIME, time_step_of
 from burstcast.systems.measured import MeasuredSeries
 
+_ROUNDED = (
+    f"where times are rounded, write each as the number of its row times the time step ({RECIPES})"
+)
 _MANY = 10  # rows, of which gaps alone hardly leave each by itself
 _SHARED = 0.1  # of the rows, with the time of the row before: that is no row written twice
 _NO_GAP = 1.5  # time steps between two rows without another between them, at most
@@ -184,8 +187,7 @@ def _drift(run: Run, parts: Sequence[Run], step: float) -> Iterator[str]:
         yield (
             f"{run.name}: {drifted} of {len(parts)} parts begin without a gap, where times are off "
             f"by more than a tenth of the time step, {step:g}. The mean step is {mean:.10g}: write "
-            f"that (data.time_step); where times are rounded, write each as the number of its row "
-            f"times the time step ({RECIPES})"
+            f"that (data.time_step); {_ROUNDED}"
         )
 
 
@@ -272,8 +274,7 @@ def check_regular(run: Run, step: float) -> None:
         else:
             advice = (
                 f"it has no gap, but steps of {steps.min() * mean:g} to {steps.max() * mean:g}: "
-                f"where times are rounded, write each as the number of its row times the time step "
-                f"({RECIPES})"
+                f"{_ROUNDED}"
             )
         raise ValueError(
             f"{run.name}, row {row + 1}: column {TIME!r} goes on by {time[row] - time[row - 1]:g} "

@@ -1,13 +1,12 @@
 """Exceedance of the event threshold that control leaves, as a share of that without control: by
 rules and strategies that react to a forecast, and by strategies that compare forecasts with and
 without actuation, of each at most the four with most runs. Against the share of the time under
-actuation, small markers are the runs with all settings, such as horizons or
-levels; lines join the runs that no other run of the same strategy and forecaster betters in both.
-Against
-conditions, curves have the setting that was tried at most values, and of several
-the one that leaves least. The vertical axes are linear in the shaded strip: a marker on 0 has left
-nothing, and its bar ends at the bound of the rule of three. Bars: confidence intervals over flows.
-One network is shown, and the committee of all networks of its size.
+actuation, small markers are the runs with all settings, such as horizons or levels; lines join the
+runs that no other run of the same strategy and forecaster betters in both. Against conditions,
+curves have the setting that was tried at most values, and of several the one that leaves least. The
+vertical axes are linear in the shaded strip: a marker on 0 has left nothing, and its bar ends at
+the bound of the rule of three. Bars: confidence intervals over flows. One network is shown, and the
+committee of all networks of its size.
 """
 
 import math
@@ -58,10 +57,7 @@ def draw(
     rows = math.ceil(len(contents) / 4)
     columns = math.ceil(len(contents) / rows)
     figure = style.new_figure(style.DOUBLE_COLUMN, 0.7 + 2.1 * rows)
-    grid = figure.subplots(rows, columns, sharey=True, squeeze=False)
-    panels = list(grid.flat)[: len(contents)]
-    for unused in list(grid.flat)[len(contents) :]:
-        unused.remove()
+    panels = style.grid_of(figure, len(contents), columns, sharey=True)
     frontiers: list[Axes] = []
     for axes, (condition, shown, curves) in zip(panels, contents, strict=True):
         if condition is None:

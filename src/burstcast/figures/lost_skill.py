@@ -46,10 +46,7 @@ def draw(*, tables: Sequence[pd.DataFrame] = read("encoded_cases/tables/ranking.
         *_panels("other forecasters", learnt.merge(best)),
     ]
     figure = style.new_figure(style.DOUBLE_COLUMN, 0.3 + 2.1 * ((len(contents) + 1) // 2))
-    grid = figure.subplots((len(contents) + 1) // 2, 2, sharex=True, sharey=True, squeeze=False)
-    panels = list(grid.flat)[: len(contents)]
-    for unused in list(grid.flat)[len(contents) :]:
-        unused.remove()
+    panels = style.grid_of(figure, len(contents), 2, sharex=True, sharey=True)
     for axes, (title, curves) in zip(panels, contents, strict=True):
         for curve, look in zip(curves, looks.categories(len(curves)), strict=True):
             axes.errorbar(
@@ -77,10 +74,7 @@ def draw(*, tables: Sequence[pd.DataFrame] = read("encoded_cases/tables/ranking.
 def _panels(title: str, rows: pd.DataFrame) -> list[tuple[str, list[pd.DataFrame]]]:
     """Title and curves of each panel, as many at a time as a panel has."""
     curves = [curve for _, curve in rows.groupby(["case", "alarm"], sort=False)]
-    return [
-        (title, curves[first : first + looks.MOST_CURVES])
-        for first in range(0, len(curves), looks.MOST_CURVES)
-    ]
+    return [(title, some) for some in looks.by_panel(curves)]
 
 
 def _label(row: pd.Series) -> str:

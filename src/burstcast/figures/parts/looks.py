@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import cycle
-from typing import Any, TypedDict
+from typing import Any, TypedDict, TypeVar
 
 import matplotlib
 import numpy as np
@@ -12,6 +12,7 @@ from burstcast.figures.parts.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURP
 from burstcast.forecasters._labels import forecaster_label
 
 Dashes = str | tuple[float, tuple[float, ...]]
+Curve = TypeVar("Curve")
 
 _DOTS, _DASHES, _LONG = (0.0, (1.0, 1.2)), (0.0, (4.0, 1.5)), (0.0, (8.0, 2.0))
 _CHAIN, _DASH_DOT = (0.0, (9.0, 2.0, 1.5, 2.0)), (0.0, (6.0, 1.5, 1.0, 1.5))
@@ -97,6 +98,11 @@ def forecaster_lines(kinds: Iterable[str]) -> dict[str, dict[str, Any]]:
     return lines
 
 
+def by_panel(curves: list[Curve]) -> list[list[Curve]]:
+    """Curves, as many at a time as a panel has."""
+    return [curves[first : first + MOST_CURVES] for first in range(0, len(curves), MOST_CURVES)]
+
+
 def families(kinds: Iterable[str]) -> list[tuple[str, list[str]]]:
     """Kinds of forecasters by family, with its name: as many at a time as a panel has curves."""
     members: dict[str, list[str]] = {
@@ -117,11 +123,7 @@ def families(kinds: Iterable[str]) -> list[tuple[str, list[str]]]:
             members["networks"].append(kind)
         else:
             members["other forecasters"].append(kind)
-    return [
-        (family, of_family[first : first + MOST_CURVES])
-        for family, of_family in members.items()
-        for first in range(0, len(of_family), MOST_CURVES)
-    ]
+    return [(family, some) for family, kinds in members.items() for some in by_panel(kinds)]
 
 
 _CONTROLLERS = {

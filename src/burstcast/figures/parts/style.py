@@ -115,6 +115,14 @@ def new_figure(
     return figure
 
 
+def grid_of(figure: Figure, count: int, columns: int, **shared: Any) -> list[Axes]:
+    """Panels row by row, in rows of so many; the last row may have fewer."""
+    panels = list(figure.subplots(-(-count // columns), columns, squeeze=False, **shared).flat)
+    for unused in panels[count:]:
+        unused.remove()
+    return panels[:count]
+
+
 def render(figure: Figure, file_format: Literal["pdf", "png", "svg"]) -> bytes:
     """Content of the figure's file: equal figures give equal bytes on any day.
 
