@@ -29,8 +29,10 @@ campaign = Campaign(config)
 stages = Stages(campaign, sources)
 # Parameters of rules: each setting that a script declares, and a hash of the script and of every
 # module that it imports, directly or not (of kinds, only the ones in the wildcards). A job runs
-# again where one has changed: docs/selective_rebuilds.md. Memory and time: stages/resources.py.
+# again where one has changed: docs/selective_rebuilds.md.
 of_script = stages.of_script
+# Resources of rules: `resources_of("short")` is 500 MiB and 2 minutes, "usual" 500 MiB and 10,
+# "training" grows with the square of the neurons; all are doubled at each retry.
 # Inputs: thresholds and units of time that jobs compute; files of all cases or forecasters.
 computed_settings_files = stages.computed_settings_files
 case_files, forecaster_files = stages.case_files, stages.forecaster_files

@@ -1,4 +1,4 @@
-"""Time-accurate prediction: forecasts of the evaluation set, prediction horizons of events."""
+"""What forecasters are judged by: forecasts, prediction horizons, long runs, their exponents."""
 
 
 rule forecast:

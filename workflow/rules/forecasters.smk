@@ -1,10 +1,5 @@
 """Forecasters: the search for a network's hyperparameters, training, fitting, and all results."""
 
-# In all rules: `of_script` gives a job each setting that the class of the script declares, and each
-# module of its code, as parameters; `resources_of`, memory and time; `computed_settings_files`,
-# files of thresholds and units of time where jobs compute them. A name that a rule repeats is its
-# own, which `module` may change.
-
 
 rule scan:
     # one job for all strategies that share their sums over the training data
