@@ -256,7 +256,7 @@ def gallery(drawn: Mapping[str, str]) -> str:
     """Each figure with its caption, picture and command, by the sections of the report.
 
     ``drawn`` has the presets of figures that were drawn from kept tables; kept pictures are of the
-    demo.
+    demo if that makes the figure.
     """
     campaigns = {preset: _campaign(preset) for preset in PRESETS}
     lines, section = ["\n## Gallery\n"], ""
@@ -266,10 +266,11 @@ def gallery(drawn: Mapping[str, str]) -> str:
         lines += [f"#### {name}\n", f"{caption(name).replace('``', '`')}\n"]
         if name in drawn or _is_kept(name):
             lines.append(f"![{name}](images/{name}.png)\n")
-        makers = (
+        makers = [
             candidate for candidate in PRESETS if cases_of(campaigns[candidate], FIGURES[name])
-        )
-        preset = drawn.get(name, "quick" if _is_kept(name) else next(makers))
+        ]
+        of_demo = _is_kept(name) and "quick" in makers
+        preset = drawn.get(name, "quick" if of_demo else makers[0])
         option = f" --configfile {_overlay(preset)}" if preset else ""
         results = campaigns[preset].config.results
         target = f"{results}/figures/{name}.png"
