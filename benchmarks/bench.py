@@ -31,10 +31,10 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from burstcast.base import durations
 from burstcast.data.dataset import (
     SERIES_PER_BATCH,
+    add_observation_noise,
     component_scales,
     generate_ensemble,
     initial_states,
-    observe,
 )
 from burstcast.data.starting_points import (
     crossing_points,
@@ -231,7 +231,7 @@ class Data:
         self.truth = self.system.observable(np.moveaxis(self.states, -1, 0))
         training = self.states[: self.case["training"]["series"]]
         scales = component_scales(training)
-        self.observed = observe(
+        self.observed = add_observation_noise(
             self.states, 0, self.case["training"]["noise"], scales, 1, "benchmark"
         )
         self.training = TrainingSeries(self.observed[: len(training)], scales.range)

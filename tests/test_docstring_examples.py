@@ -16,7 +16,7 @@ MODULES = [
 FIRST = [
     "burstcast.control.actuation.actuated_system",
     "burstcast.data.dataset.component_scales",
-    "burstcast.data.dataset.observe",
+    "burstcast.data.dataset.add_observation_noise",
     "burstcast.data.delay_coordinates.delay_coordinates",
     "burstcast.base.durations.steps",
     "burstcast.base.durations.steps_per_lyapunov_time",
@@ -28,7 +28,7 @@ FIRST = [
     "burstcast.event_forecaster.forecaster.EventForecaster",
     "burstcast.base.events.upward_crossings",
     "burstcast.forecasters._square_root_filter.symmetric_members",
-    "burstcast.forecasts.classification.Counts",
+    "burstcast.forecasts.classification.ContingencyTable",
     "burstcast.forecasters.registry.make_kind",
     "burstcast.base.laminarisation.is_laminar",
     "burstcast.data.observation.velocity_sensors.VelocitySensors",

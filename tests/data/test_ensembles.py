@@ -150,7 +150,7 @@ def test_each_series_has_the_noise_of_its_own_stream(first, noise, root_seed, na
         expected = states[row] + noise * np.array([1.0, 10.0]) * stream.standard_normal((20, 2))
         np.testing.assert_allclose(noisy[row], expected, rtol=0, atol=1e-14)
     scales = dataset.Scales(np.array([1.0, 10.0]), np.ones(2))
-    again = dataset.observe(states, first, noise, scales, root_seed, "noise", name)
+    again = dataset.add_observation_noise(states, first, noise, scales, root_seed, "noise", name)
     np.testing.assert_array_equal(noisy, again)
 
 

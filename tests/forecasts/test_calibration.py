@@ -28,7 +28,7 @@ from burstcast.forecasts.calibration import (
 from burstcast.forecasts.out_of_sample import out_of_sample_forecasts
 from burstcast.forecasts.out_of_sample_classifiers import out_of_sample_probabilities
 from burstcast.forecasts.outcomes import Outcomes
-from burstcast.forecasts.scores import resampled_scores
+from burstcast.forecasts.probability_scores import resampled_scores
 from burstcast.forecasts.window_forecasts import window_forecasts
 from burstcast.systems.lorenz63 import Lorenz63
 from helpers_library import count_by_series, samples

@@ -19,8 +19,8 @@ from burstcast.forecasts.brier import (
 )
 from burstcast.forecasts.intervals import ratio_with_interval
 from burstcast.forecasts.outcomes import outcomes_by_series
+from burstcast.forecasts.probability_scores import probability_scores, resampled_scores
 from burstcast.forecasts.reliability import reliability_diagram
-from burstcast.forecasts.scores import probability_scores, resampled_scores
 from burstcast.forecasts.votes import share_of_votes
 from burstcast.forecasts.windows import WindowSummaries, crosses
 from helpers_library import SERIES, count_by_series, informative_sample, samples

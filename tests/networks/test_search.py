@@ -11,9 +11,9 @@ from scipy import stats
 from skopt.learning import GaussianProcessRegressor
 
 from burstcast.networks import network_search
+from burstcast.networks.bayesian_search import bayesian_search
 from burstcast.networks.hyperparameters import HyperparameterPoint, SearchSpace, SurrogateSettings
 from burstcast.networks.scan import Evaluation, scan
-from burstcast.networks.search import bayesian_search
 from burstcast.networks.uncertainty import objective_uncertainty
 from burstcast.networks.validation import Validation
 from burstcast.networks.validation_strategies.registry import make_strategy
@@ -180,7 +180,7 @@ def test_the_surrogate_has_the_settings_that_it_is_given(monkeypatch):
         made.append(arguments)
         return GaussianProcessRegressor(**arguments)
 
-    monkeypatch.setattr("burstcast.networks.search.GaussianProcessRegressor", recorded)
+    monkeypatch.setattr("burstcast.networks.bayesian_search.GaussianProcessRegressor", recorded)
     grid = [(point, bowl(point)) for point in PAPER.grid(4)]
     authors = SurrogateSettings((0.1, 3.0), (0.01, 10.0), 0.2, 10)
     paths = []

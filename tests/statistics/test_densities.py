@@ -23,7 +23,7 @@ from burstcast.statistics.densities import (
     mean_logarithmic_error,
 )
 from burstcast.statistics.intervals import resampled_measures
-from burstcast.statistics.measures import Measures, compare, nearest, sampling_floor
+from burstcast.statistics.measures import StatisticsErrors, compare, nearest, sampling_floor
 from burstcast.statistics.profiles import (
     equally_spaced_profiles,
     midplane_mean_square,
@@ -250,7 +250,7 @@ def test_a_system_without_velocities_has_no_modes_and_a_grid_is_the_whole_domain
 # -- measures of statistics ------------------------------------------------------------------------
 
 MATRICES = flow_modes(MoehlisFaisstEckhardt(400.0)).profile_matrices(np.linspace(-1, 1, 21))
-NAMES = [field.name for field in dataclasses.fields(Measures)]
+NAMES = [field.name for field in dataclasses.fields(StatisticsErrors)]
 # bins that are all filled: an empty one counts in the mean logarithmic error
 FULL = np.linspace(2.0, 7.0, 11)
 
@@ -274,7 +274,9 @@ def test_compare_measures_each_thing_against_the_reference():
 
 def test_comparison_with_itself_finds_nothing_and_without_series_nothing_defined():
     whole = reduced(random_series(), FULL)
-    assert compare(whole.merged(ALL), whole.merged(ALL), MATRICES) == Measures(0, 0, 0, 0, 0)
+    assert compare(whole.merged(ALL), whole.merged(ALL), MATRICES) == StatisticsErrors(
+        0, 0, 0, 0, 0
+    )
     none = compare(whole.merged(ALL), whole.merged(np.array([], dtype=int)), MATRICES)
     assert np.isnan(list(vars(none).values())).all()
     without = compare(whole.merged(ALL), whole.merged(np.arange(2)), None)

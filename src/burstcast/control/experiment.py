@@ -11,7 +11,7 @@ from burstcast.base import random_streams
 from burstcast.base.arrays import FloatArray
 from burstcast.control.actuation import ActuationValues
 from burstcast.control.timing import Schedule
-from burstcast.data.dataset import Scales, observe
+from burstcast.data.dataset import Scales, add_observation_noise
 from burstcast.data.encoders.channels import EncodedFlow
 from burstcast.data.observation.part import ObservedPart
 from burstcast.systems.base import DynamicalSystem
@@ -81,4 +81,6 @@ def noise_of_flows(
     control differ from observations of the same series without control.
     """
     silence = np.zeros((len(series), steps, len(scales.standard_deviation)))
-    return observe(silence, series.start, noise, scales, root_seed, "control noise", case)
+    return add_observation_noise(
+        silence, series.start, noise, scales, root_seed, "control noise", case
+    )

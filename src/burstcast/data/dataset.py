@@ -150,7 +150,7 @@ def network_input_offset(
     return mean
 
 
-def observe(
+def add_observation_noise(
     states: FloatArray,
     first_series: int,
     noise: float,
@@ -167,9 +167,9 @@ def observe(
     Examples
     --------
     >>> import numpy as np
-    >>> from burstcast.data.dataset import component_scales, observe
+    >>> from burstcast.data.dataset import component_scales, add_observation_noise
     >>> states = np.random.default_rng(0).normal(size=(4, 500, 3))
-    >>> observed = observe(states, 0, 0.1, component_scales(states), 0, "noise")
+    >>> observed = add_observation_noise(states, 0, 0.1, component_scales(states), 0, "noise")
     >>> round(float((observed - states).std()), 2)
     0.1
     """
@@ -184,8 +184,8 @@ def observe(
 def observed_series(
     states: FloatArray, first_series: int, noise: float, scales: Scales, root_seed: int, case: str
 ) -> FloatArray:
-    """Series of a case as all forecasters see them, in training and in the test (see `observe`).
+    """Series of a case as all forecasters see them (see `add_observation_noise`).
 
     ``case``: Name of the case; the random stream is called after it.
     """
-    return observe(states, first_series, noise, scales, root_seed, "noise", case)
+    return add_observation_noise(states, first_series, noise, scales, root_seed, "noise", case)

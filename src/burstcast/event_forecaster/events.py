@@ -13,7 +13,7 @@ from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasts.alarm_rule import AlarmRule
 from burstcast.forecasts.alarms import counts_at, useless_votes
 from burstcast.forecasts.calibration import isotonic, logistic
-from burstcast.forecasts.classification import Counts
+from burstcast.forecasts.classification import ContingencyTable
 from burstcast.forecasts.observed_points import ObservedPoints
 from burstcast.forecasts.outcomes import Outcomes, outcomes_by_series
 from burstcast.forecasts.votes import share_of_votes
@@ -184,7 +184,9 @@ class Events:
             left_out = Outcomes(outcomes.levels, outcomes.points[fold], outcomes.events[fold])
             raised = left_out.at(rule.calibration(outcomes.levels))
             counts += list(vars(counts_at(raised, rule.threshold)).values())
-        return float(np.nan_to_num(Counts(*counts).f_score)), permanent_f_score(outcomes.total())
+        return float(np.nan_to_num(ContingencyTable(*counts).f_score)), permanent_f_score(
+            outcomes.total()
+        )
 
     def outcomes(
         self,

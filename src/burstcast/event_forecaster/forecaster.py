@@ -48,7 +48,7 @@ from burstcast.forecasts.calibration import UNCALIBRATED
 from burstcast.forecasts.observed_points import ObservedPoints, observed_points
 from burstcast.forecasts.out_of_sample import out_of_sample_forecasts
 from burstcast.forecasts.out_of_sample_classifiers import out_of_sample_probabilities
-from burstcast.forecasts.scores import probability_scores
+from burstcast.forecasts.probability_scores import probability_scores
 from burstcast.forecasts.window_forecasts import member_forecasts, window_forecasts
 from burstcast.forecasts.windows import WindowSummaries
 from burstcast.systems.base import DynamicalSystem
@@ -394,9 +394,9 @@ class EventForecaster(Estimator):
         """All scores of the probabilities, and of the alarms that they raise, in series, by name.
 
         They are "f_score", "precision", "recall", "brier_skill", "roc_area", ...
-        (`burstcast.forecasts.scores`), the "permanent_f_score" of an alarm at every starting
-        point, and the numbers of "forecasts" and "events". NaN where a score is not defined, such
-        as a recall without events. Starting points are those of `outcomes`.
+        (`burstcast.forecasts.probability_scores`), the "permanent_f_score" of an alarm at every
+        starting point, and the numbers of "forecasts" and "events". NaN where a score is not
+        defined, such as a recall without events. Starting points are those of `outcomes`.
 
         ``interval``: Whether scores have confidence intervals of 95 %, as tuples ``(value, low,
         high)``. They resample series, or blocks of time where there are fewer than ten series.

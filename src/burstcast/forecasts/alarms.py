@@ -3,16 +3,16 @@
 import numpy as np
 
 from burstcast.base.arrays import FloatArray, IntArray
-from burstcast.forecasts.classification import Counts, ratio
+from burstcast.forecasts.classification import ContingencyTable, ratio
 from burstcast.forecasts.outcomes import Outcomes
 
 
-def counts_at(outcomes: Outcomes, threshold: float) -> Counts:
+def counts_at(outcomes: Outcomes, threshold: float) -> ContingencyTable:
     """Counts of alarms, raised where the forecast is at or above the threshold."""
     alarm = outcomes.levels >= threshold
     points, events = outcomes.points, outcomes.events
     quiet = points - events
-    return Counts(
+    return ContingencyTable(
         true_positive=events[..., alarm].sum(axis=-1),
         false_positive=quiet[..., alarm].sum(axis=-1),
         false_negative=events[..., ~alarm].sum(axis=-1),
@@ -20,11 +20,11 @@ def counts_at(outcomes: Outcomes, threshold: float) -> Counts:
     )
 
 
-def counts_at_all_levels(outcomes: Outcomes) -> Counts:
+def counts_at_all_levels(outcomes: Outcomes) -> ContingencyTable:
     """Counts of alarms with each level as the threshold, from the highest, ``(..., levels)``."""
     events = np.cumsum(outcomes.events[..., ::-1], axis=-1)
     quiet = np.cumsum((outcomes.points - outcomes.events)[..., ::-1], axis=-1)
-    return Counts(
+    return ContingencyTable(
         true_positive=events,
         false_positive=quiet,
         false_negative=outcomes.events.sum(axis=-1, keepdims=True) - events,

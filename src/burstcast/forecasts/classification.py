@@ -11,11 +11,11 @@ import numpy.typing as npt
 from burstcast.base.arrays import FloatArray, IntArray
 
 SCORES = ("precision", "recall", "f_score")
-"""Names of the scores: properties of `Counts`."""
+"""Names of the scores: properties of `ContingencyTable`."""
 
 
 @dataclass(frozen=True)
-class Counts:
+class ContingencyTable:
     """Outcomes of forecasts; integers, or arrays of one shape.
 
     Attributes
@@ -25,8 +25,8 @@ class Counts:
 
     Examples
     --------
-    >>> from burstcast.forecasts.classification import Counts
-    >>> counts = Counts(true_positive=8, false_positive=2, false_negative=4, true_negative=86)
+    >>> from burstcast.forecasts.classification import ContingencyTable
+    >>> counts = ContingencyTable(8, false_positive=2, false_negative=4, true_negative=86)
     >>> float(counts.precision), round(float(counts.recall), 3), round(float(counts.f_score), 3)
     (0.8, 0.667, 0.727)
     """

@@ -48,7 +48,7 @@ def search(
 
     if points:
         # loaded here only: it takes longer than all the rest of the library
-        from burstcast.networks.search import bayesian_search
+        from burstcast.networks.bayesian_search import bayesian_search
 
         bayesian_search(space, list(on_grid.items()), points, objective, seed, surrogate)
     return trace

@@ -3,7 +3,7 @@
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
-from burstcast.statistics.measures import Measures, compare
+from burstcast.statistics.measures import StatisticsErrors, compare
 from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions
 from burstcast.systems.mfe_modes import ProfileMatrices
 
@@ -28,5 +28,5 @@ def resampled_measures(
     ]
     return {
         name: np.array([getattr(measures, name) for measures in resampled])
-        for name in Measures.__dataclass_fields__
+        for name in StatisticsErrors.__dataclass_fields__
     }

@@ -17,7 +17,7 @@ from burstcast.systems.mfe_modes import ProfileMatrices
 
 
 @dataclass(frozen=True)
-class Measures:
+class StatisticsErrors:
     """Distances between two long-term statistics; NaN where one is not defined."""
 
     #: kantorovich metric of the observable's densities, in units of the observable
@@ -34,7 +34,7 @@ def compare(
     reference: LongTermStatistics,
     candidate: LongTermStatistics,
     matrices: ProfileMatrices | None,
-) -> Measures:
+) -> StatisticsErrors:
     """Distances of a candidate from the reference, on the same bins; NaN without any states.
 
     ``matrices``: Of the flow's modes at equally spaced heights; None for a system without modes.
@@ -47,7 +47,7 @@ def compare(
             normalised_root_mean_square_error(getattr(true, name), getattr(profiles, name))
             for name in ("u", "uu", "uv")
         ]
-    return Measures(
+    return StatisticsErrors(
         kantorovich=kantorovich_metric(reference.histogram, candidate.histogram),
         mean_log_error=mean_logarithmic_error(reference.histogram, candidate.histogram),
         nrmse_u=errors[0],
@@ -62,7 +62,7 @@ def sampling_floor(
     splits: int,
     generator: np.random.Generator,
     sample: int | None = None,
-) -> list[Measures]:
+) -> list[StatisticsErrors]:
     """Measures between two independent parts of the true data: the scale of the sampling error.
 
     Whole series are drawn without replacement into a ``sample``, by default a half, which is
@@ -85,7 +85,7 @@ def sampling_floor(
     return measures
 
 
-def floor_variables(splits: Sequence[Measures]) -> dict[str, Variable]:
+def floor_variables(splits: Sequence[StatisticsErrors]) -> dict[str, Variable]:
     """Variables of the file of a `sampling_floor`: each measure of each split."""
     numbers = Variable(("split",), np.arange(len(splits)), NUMBER, "random split of the data")
     return {
@@ -97,7 +97,7 @@ def floor_variables(splits: Sequence[Measures]) -> dict[str, Variable]:
                 OBSERVABLE if field.name == "kantorovich" else NUMBER,
                 f"{field.name} between the parts of the split",
             )
-            for field in fields(Measures)
+            for field in fields(StatisticsErrors)
         },
     }
 

@@ -9,14 +9,14 @@ from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.state_space import StateSpace
 
 
-class Moments(NamedTuple):
+class StateMoments(NamedTuple):
     """First and second moments of states."""
 
     mean: FloatArray
     covariance: FloatArray  #: ``(dimension, dimension)``
 
 
-def state_moments(states: FloatArray, space: StateSpace | None = None) -> Moments:
+def state_moments(states: FloatArray, space: StateSpace | None = None) -> StateMoments:
     """Moments of snapshots, and of their images under all symmetries of their system.
 
     The images themselves are never computed: moments are averaged over the powers of one symmetry
@@ -34,4 +34,4 @@ def state_moments(states: FloatArray, space: StateSpace | None = None) -> Moment
             means.append(matrix @ means[-1])
             seconds.append(matrix @ seconds[-1] @ matrix.T)
         mean, second = np.mean(means, axis=0), np.mean(seconds, axis=0)
-    return Moments(mean, second - np.outer(mean, mean))
+    return StateMoments(mean, second - np.outer(mean, mean))

@@ -12,7 +12,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
-from burstcast.data.encoders._moments import Moments, state_moments
+from burstcast.data.encoders._moments import StateMoments, state_moments
 from burstcast.data.encoders.base import Encoder, EncodingCase
 from burstcast.data.observation.base import Observation
 from burstcast.systems.state_space import component_names
@@ -41,7 +41,7 @@ class StateEstimateEncoder(Encoder):
         return cls(_observation(case), np.asfortranarray(arrays["gain"]), arrays["constant"])
 
     @classmethod
-    def of(cls, moments: Moments, case: EncodingCase) -> Self:
+    def of(cls, moments: StateMoments, case: EncodingCase) -> Self:
         """Estimate from moments of the states.
 
         With mean m and covariance C of the states, observation matrix H and covariance R of its
