@@ -37,7 +37,7 @@ def campaign(reynolds_numbers: int, sizes: int, seeds: int) -> dict[str, object]
             }
         ],
         # without published exponents the Lyapunov time would be computed, which is also planned
-        "case_defaults": {"lyapunov": {"published_exponent": 0.0135}},
+        "case_defaults": {"lyapunov": {"given_exponent": 0.0135}},
         "statistics": {"forecasters": {"esn": None}},
         "control": {"forecasters": {"esn": None, "equations": None}},
         "figures": {

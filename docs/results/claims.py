@@ -203,12 +203,12 @@ def exponents(tables: Tables) -> Finding:
     rows = tables.rows("dataset").to_dict("records")
     name, verdicts = "lyapunov_exponent", []
     for row in rows:
-        ends = row[f"{name}_paper"], row[f"{name}_low"], row[f"{name}_high"]
+        ends = row[f"{name}_given"], row[f"{name}_low"], row[f"{name}_high"]
         verdicts.append(verdict("Lyapunov exponent", *ends, digit=1e-4))
     cell = f"{{{name}:.4f}} ({{{name}_low:.4f}} to {{{name}_high:.4f}})"
     paper, ours = (
         ", ".join(text(template, row) for row in rows)
-        for template in (f"{{{name}_paper:.4f}}", cell)
+        for template in (f"{{{name}_given:.4f}}", cell)
     )
     differ = [
         f"{row['reynolds']:g}" for row, answer in zip(rows, verdicts, strict=True) if answer == "no"

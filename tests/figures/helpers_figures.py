@@ -133,7 +133,7 @@ SERIES: dict[str, Any] = {
     "threshold": THRESHOLD,
     "symbol": "k",
     # 50 samples in a Lyapunov time
-    **{"exponents": None, "published_exponent": 0.02, "time_step": 0.5, "sampling_stride": 2},
+    **{"exponents": None, "given_exponent": 0.02, "time_step": 0.5, "sampling_stride": 2},
 }
 NAMED = {"symbol": "k", "observable_name": "kinetic energy"}
 FLOW: dict[str, Any] = {
@@ -649,7 +649,7 @@ ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
     },
     "burst_vorticity": lambda: {
         **{**SERIES, **PLANE_FLOW, **plane_states()},
-        **{"published_exponent": 0.1, "symbol": "D", "observable_name": "dissipation"},
+        **{"given_exponent": 0.1, "symbol": "D", "observable_name": "dissipation"},
     },
     "encoder_loss": lambda: {**PLANE_FLOW, "states": plane_states()["states"], "symbol": "D"},
 }

@@ -91,7 +91,7 @@ def like_the_paper(tmp_path):
                 for way in ("", "_by_growth")
                 for end, factor in (("", 1.0), ("_low", 0.99), ("_high", 1.01))
             },
-            "lyapunov_exponent_paper": exponents,
+            "lyapunov_exponent_given": exponents,
         }
     )
     dataset.to_csv(tmp_path / "dataset.csv", index=False)

@@ -73,7 +73,7 @@ SIGNS = {
         (
             (ESTIMATED, [0.7, 0.5, NAN, 0.6]),
             r"estimated from the series 1 \(0.95 to 1.05\), of forecasters' own flows 0.6 \(0.5 to "
-            "0.7 of 3.*: lyapunov: {published_exponent: 0.6}",
+            "0.7 of 3.*: lyapunov: {given_exponent: 0.6}",
         ),
     ],
     signs.no_chaos_learnt: [

@@ -46,7 +46,7 @@ def test_a_shifted_solution_is_a_solution():
     )
 
 
-def test_the_published_exponent():
+def test_the_given_exponent():
     """About 1.67 at F = 8 and 40 variables, whose errors double in 0.42 time units."""
     system, generator = Lorenz96(), np.random.default_rng(0)
     start = system.sample_initial_states(16, generator)

@@ -69,7 +69,7 @@ def miniature_with_other_names() -> dict[str, Any]:
     """
     config = read(ROOT / "workflow" / "presets" / "miniature.yaml")
     equations: dict[str, Any] = {"equations": {}, "equations_noisy": {}}
-    lyapunov = {"published_exponent": 0.0145}
+    lyapunov = {"given_exponent": 0.0145}
     rare, often = {"event_threshold": 0.35}, {"event_threshold": 0.06}
     cases = {
         "alpha": {"parameters": {"reynolds": 500}, "lyapunov": lyapunov, "test_series": 9, **rare},

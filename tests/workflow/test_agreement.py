@@ -35,7 +35,7 @@ def settings_of(config, neurons, validation):
         "event_threshold": of_case["event_threshold"],
         "prediction_times": config["classification"]["prediction_times_lt"],
         "window": config["classification"]["window_lt"],
-        "lyapunov_time": 1 / config["cases"][CASE]["lyapunov"]["published_exponent"],
+        "lyapunov_time": 1 / config["cases"][CASE]["lyapunov"]["given_exponent"],
         "sampling_interval": 1.0,
         "sampling_stride": of_case["ensemble"]["sampling_stride"],
         "washout": config["washout_lt"],

@@ -177,7 +177,7 @@ def test_time_units():
     assert PAPER.cases["Re400"].ensemble.sampling_interval == 1
     computed = campaign({"case_defaults": {"lyapunov": {"time_unit": "computed"}}})
     assert computed.cases["Re400"].steps_per_lyapunov_time is None
-    unknown = campaign({"cases": {"Re600": {"lyapunov": {"published_exponent": None}}}})
+    unknown = campaign({"cases": {"Re600": {"lyapunov": {"given_exponent": None}}}})
     assert unknown.cases["Re600"].steps_per_lyapunov_time is None
     assert unknown.cases["Re400"].steps_per_lyapunov_time == 61
 

@@ -79,7 +79,7 @@ def test_case_of_the_shear_flow_is_case_defaults_and_its_entry(name):
         name = name.partition("-training")[0]
         unsaid = {
             **dict.fromkeys(("files", "data", "sensors", "encoder")),
-            "lyapunov": {"published_exponent": None},
+            "lyapunov": {"given_exponent": None},
             "actuation": {"force": None},
             "training": FREE,
         }
@@ -189,7 +189,7 @@ def test_a_case_of_another_system_starts_from_what_its_class_says(config):
         "event_threshold": 40,
         "ensemble": {"series": 2000, **ENSEMBLE},
         "lyapunov": {
-            **{"time_unit": "published", "published_exponent": None, "series": 400},
+            **{"time_unit": "given", "given_exponent": None, "series": 400},
             **{"orthonormalisation_interval": 0.2, "perturbation": 1e-8, "saturation": 0.01},
         },
         "training": {**FREE, "series": 7, "noise": 0.01},
@@ -222,7 +222,7 @@ def test_what_follows_from_other_settings_need_not_be_said(config, monkeypatch):
         parameters={"rho": 28},
         event_threshold=40,
         ensemble={**ENSEMBLE, "perturbed_component": 1, "perturbation": 0.5},
-        lyapunov={"published_exponent": 0.9},
+        lyapunov={"given_exponent": 0.9},
         density={"range": [-20, 30]},
         recycle_validation={"intervals_per_series": 10},
     )
@@ -325,7 +325,7 @@ def test_too_few_starting_points_are_told_of_cases_that_the_campaign_uses(config
     put(config, "probability.start_spacing_lt", 10)
     put(config, "cases.Re400.ensemble", {"duration": 1400})
     assert "Re400 has 17 to score and 20 to calibrate with; raise test_series" in caveat()
-    put(config, "cases.Re400.lyapunov.published_exponent", None)
+    put(config, "cases.Re400.lyapunov.given_exponent", None)
     assert caveat() == ""
 
 
@@ -349,7 +349,7 @@ def test_records_of_measured_cases(measured):
     assert lab["laminarisation_threshold"] is lab["actuation"] is None
     assert lab["training"] == {"series": 2, "noise": 0, **FREE}
     assert lab["ensemble"] == {"time_step": 0.125, "sampling_stride": 4, "duration": None}
-    unsaid = {"time_unit": "published", "published_exponent": None}
+    unsaid = {"time_unit": "given", "given_exponent": None}
     assert lab["lyapunov"] == {**unsaid, "orthonormalisation_interval": 2.5}
     assert lab["fixed_point"] == {"variation": 0.04, "above": -4}
     assert lab["parameters"]["components"] == ["u", "v"]
@@ -392,7 +392,7 @@ def test_whose_unit_of_time_is_an_estimate(measured):
     loaded = Campaign(load(measured))
     estimates = {name: case.estimates_time_unit for name, case in loaded.cases.items()}
     assert estimates == {"Re400": False, "lab": True, "part": False}
-    put(measured, "cases.lab.lyapunov.published_exponent", 0.01)
+    put(measured, "cases.lab.lyapunov.given_exponent", 0.01)
     assert not Campaign(load(measured)).cases["lab"].estimates_time_unit
 
 

@@ -180,7 +180,7 @@ control.forecasters.esn.neurons: [2000, 7] | control.forecasters.esn.neurons: mu
 statistics.forecasters.esn.validation: [SV] | statistics.forecasters.esn.validation | RV, SSV
 control.sweep.cases: [Re40] | control.sweep.cases | did you mean Re400
 cases.Re400.parameters: {reynolds: 300} | Re400 | contradicts the name
-cases.Re400.lyapunov.published_exponent: 2 | Re400 | published_exponent | step
+cases.Re400.lyapunov.given_exponent: 2 | Re400 | given_exponent | step
 cases.Re400.recycle_validation.intervals_per_series: 33 | 33 validation | only 32
 cases.Re1000.recycle_validation: {intervals_per_series: 1000000} |
   case Re1000: recycle_validation.intervals_per_series
@@ -275,13 +275,13 @@ cases.lab.data.observable: u(t-2) | u(t - 2) is not understood
 cases.lab.data.blocks: {gap: 1} | case lab: data.blocks needs a duration, or the length of
 cases.lab.data.blocks: {duration: 20, shortest: 30} | data.blocks.shortest is longer than
 cases.lab.data.delays: [2, 2] | cases.lab.data.delays: has 2 twice
-cases.lab.data.blocks: {duration: 20}, cases.lab.lyapunov.published_exponent: 0.5,
+cases.lab.data.blocks: {duration: 20}, cases.lab.lyapunov.given_exponent: 0.5,
   campaign.1.forecasters: {persistence: {}} |
   case lab: horizon.longest_lead_time_lt, washout_lt or data.blocks.duration: series of 41 samples
-& cases.lab.data.blocks: {duration: 5}, cases.lab.lyapunov.published_exponent: 0.5,
+& cases.lab.data.blocks: {duration: 5}, cases.lab.lyapunov.given_exponent: 0.5,
   campaign.1.forecasters: {persistence: {}} | case lab: classification.longest_prediction_time_lt, |
   washout_lt or data.blocks.duration: series of 11 samples leave no room for a washout of 2 steps
-cases.lab.lyapunov.published_exponent: 0.5, probability.start_spacing_lt: 0.1,
+cases.lab.lyapunov.given_exponent: 0.5, probability.start_spacing_lt: 0.1,
   campaign.1.forecasters: {persistence: {}} |
   case lab: probability.start_spacing_lt is 0.1 Lyapunov times, which is shorter than one step
 cases.part.data.delays: [4000] | case part: data.delays reach back by 4000 steps
@@ -435,7 +435,7 @@ probability.calibration_series: 20, case_defaults.training.series: 1,
 """
 SOUND["lorenz"] = """
 cases.lorenz.parameters: {rho: 28}
-cases.lorenz.lyapunov.published_exponent: null,
+cases.lorenz.lyapunov.given_exponent: null,
   cases.lorenz.recycle_validation.intervals_per_series: 1000000
 campaign: [{cases: [lorenz], forecasters: {persistence: {}}}], control.forecasters: {}
 """

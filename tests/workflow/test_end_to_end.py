@@ -249,7 +249,7 @@ def test_a_bad_config_stops_before_any_job(finished, tmp_path):
     assert not (project.directory / "results").exists()
 
 
-COMPUTED = {"lyapunov": {"published_exponent": None}}
+COMPUTED = {"lyapunov": {"given_exponent": None}}
 FEW = {"laminarisation_threshold": 0.25}
 SCAN = "scan", "scan/esn-N30-seed0/RV+SSV.csv"
 
@@ -344,7 +344,7 @@ def lorenz(finished, tmp_path_factory):
 def test_another_system_is_one_case_in_the_config(lorenz):
     (dataset,) = read_table(lorenz / "tables" / "dataset.csv").to_dict("records")
     assert dataset["case"] == "lorenz63"
-    assert not {"reynolds", "lyapunov_exponent_paper"} & set(dataset)  # of the shear flow alone
+    assert not {"reynolds", "lyapunov_exponent_given"} & set(dataset)  # of the shear flow alone
     assert dataset["series_kept"] == 40
     assert dataset["lyapunov_exponent"] == pytest.approx(0.906, rel=0.15)
     assert dataset["mean_observable"] == pytest.approx(23.5, rel=0.03)

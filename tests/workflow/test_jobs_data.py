@@ -17,7 +17,7 @@ FITTING = {
     "case.ensemble.time_step": 0.1,
     "case.ensemble.sampling_stride": 1,
     "case.lyapunov.time_unit": "computed",
-    "case.lyapunov.published_exponent": None,
+    "case.lyapunov.given_exponent": None,
     "case.training.series": 3,
     "case.recycle_validation.series": 2,
     "case.recycle_validation.intervals_per_series": 2,
@@ -94,12 +94,12 @@ def test_lengths_of_case_names_each_and_no_other_and_only_what_the_case_has(
 # -- units of time ---------------------------------------------------------------------------------
 
 
-def clock(published, time_unit="published", time_step=0.25, stride=4, file=""):
+def clock(published, time_unit="given", time_step=0.25, stride=4, file=""):
     declared = {
         "case.ensemble.time_step": time_step,
         "case.ensemble.sampling_stride": stride,
         "case.lyapunov.time_unit": time_unit,
-        "case.lyapunov.published_exponent": published,
+        "case.lyapunov.given_exponent": published,
     }
     return Clock(declared, {}, computed_exponent=exponent_in(file))
 
@@ -134,7 +134,7 @@ def test_the_computed_exponent(tmp_path, exponent, time_step, stride, steps):
     ("exponent", "reason"), [(-0.01, "must be positive"), (0, "positive"), (2, "shorter than one")]
 )
 def test_an_exponent_without_a_time_unit_names_the_settings(tmp_path, exponent, reason):
-    with pytest.raises(ValueError, match=rf"lyapunov\.published_exponent.*: .*{reason}"):
+    with pytest.raises(ValueError, match=rf"lyapunov\.given_exponent.*: .*{reason}"):
         _ = clock(None, file=computed(tmp_path, exponent)).lyapunov_time
 
 

@@ -35,8 +35,8 @@ SETTINGS = {
     "case.parameters": {"rho": 30},
     "case.ensemble.time_step": 0.01,
     "case.ensemble.sampling_stride": 4,
-    "case.lyapunov.time_unit": "published",
-    "case.lyapunov.published_exponent": 0.9,
+    "case.lyapunov.time_unit": "given",
+    "case.lyapunov.given_exponent": 0.9,
     "case.training.series": 3,
     "case.training.noise": 0.01,
     "random_seed": 2022,
@@ -228,7 +228,7 @@ RESERVOIR = "esn-N40-seed0"  # the reservoir of a scan
 OF_SEARCH = {
     **SETTINGS,
     "case.parameters": {},
-    "case.lyapunov.published_exponent": 1.0,  # a Lyapunov time of 25 steps
+    "case.lyapunov.given_exponent": 1.0,  # a Lyapunov time of 25 steps
     "case.recycle_validation": {"series": 2, "intervals_per_series": 4},
     "forecasters.esn.readout": "linear",
     "forecasters.esn.leak_rate": [1],

@@ -21,7 +21,7 @@ PLANT = {
         **{"observable": "x", "known": ["push", "day_sin"], "blocks": {"duration": BLOCK - 1}},
     },
     **{"training": {"series": 10}, "recycle_validation": {"series": 3}},
-    **{"event_threshold": 0.6, "lyapunov": {"published_exponent": 0.25}},
+    **{"event_threshold": 0.6, "lyapunov": {"given_exponent": 0.25}},
 }
 CONFIG = {
     "results": "results/plant",

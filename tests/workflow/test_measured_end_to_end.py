@@ -27,7 +27,7 @@ SETTINGS = {
     "test_series": 5,
     "training": {"series": 3, "noise": 0.01},
     "recycle_validation": {"series": 2, "intervals_per_series": 2},
-    "lyapunov": {"published_exponent": 0.906, "orthonormalisation_interval": 0.1},
+    "lyapunov": {"given_exponent": 0.906, "orthonormalisation_interval": 0.1},
 }
 SIMULATED = {
     "system": "lorenz63",
@@ -227,7 +227,7 @@ def test_series_without_an_exponent(tmp_path, job_server):
         write_table(project.directory / f"circle_{number}.csv", "x,y", 0.05, circle)
     case = {
         **{"event_threshold": 0.9, "test_series": 5, "training": {"series": 3}},
-        **{"recycle_validation": {"series": 2}, "lyapunov": {"published_exponent": 1.0}},
+        **{"recycle_validation": {"series": 2}, "lyapunov": {"given_exponent": 1.0}},
         "data": {"files": ["circle_*.csv"], "observable": "x", "time_step": 0.05},
     }
     config = campaign("circles", {"circles": case}, {"circles": {"persistence": {}}})
@@ -250,5 +250,5 @@ def test_series_without_an_exponent(tmp_path, job_server):
     (project.directory / "circles.yaml").write_text(yaml.safe_dump(config))
     outcome = project.snakemake(f"{tables}/dataset.csv")
     assert outcome.status == 1
-    remedy = "a third of a series; give the unit of time (lyapunov.published_exponent, its inverse)"
+    remedy = "a third of a series; give the unit of time (lyapunov.given_exponent, its inverse)"
     assert remedy in outcome.text

@@ -142,7 +142,7 @@ HOURLY = {  # a Lyapunov time is one step
 }
 CASE = {
     **{"data": DATA, "event_threshold": 2, "training": {"series": 4}},
-    "lyapunov": {"published_exponent": 1},
+    "lyapunov": {"given_exponent": 1},
 }
 LOST = (100, 101, 500)
 

@@ -80,7 +80,7 @@ OVERLAY = yaml.safe_load("""
       roessler:
         system: "my_flows.roessler:Roessler"
         files: ["constants/d.txt"]
-        lyapunov: {published_exponent: 0.0714}    # Sprott, Chaos and Time-Series Analysis (2003)
+        lyapunov: {given_exponent: 0.0714}    # Sprott, Chaos and Time-Series Analysis (2003)
         test_series: 10
         recycle_validation: {series: 2, intervals_per_series: 5}
     search: {interval_lt: 1}

@@ -163,9 +163,9 @@ def test_seeds_tell_networks_apart_also_after_a_case_without_networks():
 
 def test_what_no_case_has_is_no_column():
     layout = LAYOUTS["dataset"]
-    names = [name for name in layout["metrics"] if name != "lyapunov_exponent_paper"]
+    names = [name for name in layout["metrics"] if name != "lyapunov_exponent_given"]
     table = pd.DataFrame({"case": ["lab"], **{name: [1.5] for name in names}})
-    for given, more in ((table, 1), (table.assign(lyapunov_exponent_paper=0.9), 2)):
+    for given, more in ((table, 1), (table.assign(lyapunov_exponent_given=0.9), 2)):
         ((_, texts, _),) = wide_tables(given, layout, KEYS)
         assert len(texts.columns) == len(names) + more
 

@@ -38,7 +38,7 @@ CONFIG = {
         name: {
             "data": {"files": files, "observable": "z", "time_step": 0.02, **data},
             **{"event_threshold": {"quantile": 0.9}, "training": {"series": TRAINING}},
-            "lyapunov": {"published_exponent": 0.9},
+            "lyapunov": {"given_exponent": 0.9},
         }
         for name, files, data in (
             ("lab", ["lab_*.csv"], {}),

@@ -28,9 +28,9 @@ def steps_per_lyapunov_time(exponent: float, sampling_interval: float) -> int:
     return count
 
 
-def known_exponent(time_unit: str, published: float | None) -> float | None:
-    """Published Lyapunov exponent that sets the unit of time; None where it is computed."""
-    return published if time_unit == "published" else None
+def known_exponent(time_unit: str, given: float | None) -> float | None:
+    """Given Lyapunov exponent that sets the unit of time; None where it is computed."""
+    return given if time_unit == "given" else None
 
 
 def steps(duration_lt: float, steps_per_lyapunov_time: int) -> int:

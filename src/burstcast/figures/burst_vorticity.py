@@ -30,7 +30,7 @@ def draw(
     training_series: int = at("case.training.series"),
     time_step: float = at("case.ensemble.time_step"),
     sampling_stride: int = at("case.ensemble.sampling_stride"),
-    published_exponent: float = at("case.lyapunov.published_exponent"),
+    given_exponent: float = at("case.lyapunov.given_exponent"),
     threshold: float = at("case.event_threshold"),
     symbol: str = at("case.space.observable_symbol"),
     observable_name: str = at("case.space.observable_name"),
@@ -39,9 +39,7 @@ def draw(
 
     ``states``, ``observable``: ``(series, time, dimension)`` and ``(series, time)``.
     """
-    unit = frame.samples_per_lyapunov_time(
-        exponents, published_exponent, time_step, sampling_stride
-    )
+    unit = frame.samples_per_lyapunov_time(exponents, given_exponent, time_step, sampling_stride)
     margin = min(round(_SHOWN_LT * unit), (observable.shape[1] - 1) // 2)
     tested = observable[training_series:, margin : observable.shape[1] - margin]
     row, step = np.unravel_index(np.argmax(tested), tested.shape)

@@ -23,7 +23,7 @@ def draw(
     exponents: Mapping[str, Any] | None = read("time_unit"),
     time_step: float = at("case.ensemble.time_step"),
     sampling_stride: int = at("case.ensemble.sampling_stride"),
-    published_exponent: float = at("case.lyapunov.published_exponent"),
+    given_exponent: float = at("case.lyapunov.given_exponent"),
     threshold: float = at("case.event_threshold"),
     density: Mapping[str, Any] = at("case.density"),
     symbol: str = at("case.space.observable_symbol"),
@@ -36,9 +36,7 @@ def draw(
     """
     # the first if none has any
     shown = numbers_of(observable[np.argmax((observable >= threshold).any(axis=1))])
-    unit = frame.samples_per_lyapunov_time(
-        exponents, published_exponent, time_step, sampling_stride
-    )
+    unit = frame.samples_per_lyapunov_time(exponents, given_exponent, time_step, sampling_stride)
     time_lt = np.arange(len(shown)) / unit
     figure = style.new_figure(style.DOUBLE_COLUMN, 2.1)
     evolution, panel = figure.subplots(1, 2, width_ratios=[2.1, 1.0])

@@ -25,7 +25,7 @@ def draw(
     exponents: Mapping[str, Any] | None = read("time_unit"),
     time_step: float = at("case.ensemble.time_step"),
     sampling_stride: int = at("case.ensemble.sampling_stride"),
-    published_exponent: float = at("case.lyapunov.published_exponent"),
+    given_exponent: float = at("case.lyapunov.given_exponent"),
     threshold: float = at("case.event_threshold"),
     strategies: Sequence[str] = at("shown.strategies"),
     recycle: Mapping[str, Any] = at("case.recycle_validation"),
@@ -40,9 +40,7 @@ def draw(
     ``observable``: Of all series, ``(series, time)``. ``recycle``: Number of ``series`` and of
     ``intervals_per_series`` of recycle validation.
     """
-    unit = frame.samples_per_lyapunov_time(
-        exponents, published_exponent, time_step, sampling_stride
-    )
+    unit = frame.samples_per_lyapunov_time(exponents, given_exponent, time_step, sampling_stride)
     plan = ValidationPlan(
         washout=steps(washout_lt, unit),
         interval=steps(interval_lt, unit),

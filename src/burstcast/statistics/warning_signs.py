@@ -34,7 +34,7 @@ DIVERGED_RUNS = 0.01
 """Of long runs: a flow of bounded energy has none that diverge."""
 
 EXPONENT_DIFFERENCE = 0.1
-"""Relative, from the published exponent: all times in Lyapunov times change by as much."""
+"""Relative, from the given exponent: all times in Lyapunov times change by as much."""
 
 OWN_EXPONENT_DIFFERENCE = 0.1
 """Relative, from an exponent that was estimated from series: the standard error of a neighbour
@@ -175,7 +175,7 @@ def ill_conditioned_readout(solvers: Sequence[str]) -> Iterator[str]:
 def exponents_differ(
     leading: tuple[float, float, float],
     growth: tuple[float, float, float],
-    published: float | None,
+    given: float | None,
 ) -> Iterator[str]:
     """Leading exponents by QR and by growth, with their intervals, that contradict one another."""
     # of measured series there is none by growth
@@ -184,8 +184,8 @@ def exponents_differ(
             f"by QR factorisation {leading[0]:.4g} ({leading[1]:.4g} to {leading[2]:.4g}), by the "
             f"growth of perturbations {growth[0]:.4g} ({growth[1]:.4g} to {growth[2]:.4g})"
         )
-    if published is not None and abs(leading[0] - published) > EXPONENT_DIFFERENCE * published:
-        yield f"computed {leading[0]:.4g}, published {published:.4g}"
+    if given is not None and abs(leading[0] - given) > EXPONENT_DIFFERENCE * given:
+        yield f"computed {leading[0]:.4g}, given {given:.4g}"
 
 
 @_sign
@@ -194,7 +194,7 @@ def no_exponent(estimated: float) -> Iterator[str]:
     if np.isnan(estimated):
         yield (
             "the training series show no Lyapunov exponent: neighbouring states do not part, or "
-            "none are found; scores count in the published Lyapunov time"
+            "none are found; scores count in the given Lyapunov time"
         )
 
 
@@ -213,7 +213,7 @@ def own_exponents_differ(
         f"estimated from the series {estimated[0]:.4g} ({estimated[1]:.4g} to {estimated[2]:.4g}), "
         f"of forecasters' own flows {median:.4g} ({exponents.min():.4g} to {exponents.max():.4g} "
         f"of {exponents.size}). To count in the forecasters' exponent: "
-        f"lyapunov: {{published_exponent: {median:.4g}}}"
+        f"lyapunov: {{given_exponent: {median:.4g}}}"
     )
 
 

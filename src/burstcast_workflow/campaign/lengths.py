@@ -32,7 +32,7 @@ def _misfits(campaign: Campaign, case: Case) -> list[str]:
     """Durations that do not fit into the series of a case."""
     problems: list[str] = []
     steps: int | None = None
-    with listing(problems, "lyapunov.published_exponent"):
+    with listing(problems, "lyapunov.given_exponent"):
         steps = case.steps_per_lyapunov_time
     if problems:
         return problems

@@ -88,11 +88,9 @@ class Ensemble(Steps):
 class TimeUnit(Section):
     """The Lyapunov exponents."""
 
-    time_unit: Literal["published", "computed"] = setting(
-        "the exponent that sets the Lyapunov time"
-    )
-    published_exponent: Number | None = optional(
-        "published leading exponent; null if there is none", "inverse time units", gt=0
+    time_unit: Literal["given", "computed"] = setting("the exponent that sets the Lyapunov time")
+    given_exponent: Number | None = optional(
+        "leading exponent, if it is known: published, or from elsewhere", "inverse time units", gt=0
     )
     orthonormalisation_interval: Positive = setting(
         "time between two QR factorisations", TIME, multiple_of="ensemble.time_step"
@@ -101,7 +99,7 @@ class TimeUnit(Section):
     @property
     def known_exponent(self) -> float | None:
         """Exponent that the unit of time follows from; None where it is computed."""
-        return durations.known_exponent(self.time_unit, self.published_exponent)
+        return durations.known_exponent(self.time_unit, self.given_exponent)
 
 
 class Lyapunov(TimeUnit):

@@ -151,7 +151,7 @@ def _of_source(source: Mapping[str, Any], data: Config) -> Config:
     if data["observable"] == OBSERVABLE:
         keys += ["event_threshold", "laminarisation_threshold", "density", "fixed_point"]
     record = {key: source[key] for key in keys if key in source}
-    of_time = ("time_unit", "published_exponent", "orthonormalisation_interval")
+    of_time = ("time_unit", "given_exponent", "orthonormalisation_interval")
     lyapunov = source["lyapunov"]
     return {**record, "lyapunov": {key: lyapunov[key] for key in of_time if key in lyapunov}}
 

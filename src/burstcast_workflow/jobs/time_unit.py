@@ -22,17 +22,17 @@ class Clock(Sampling):
     """Steps of a forecast, and the Lyapunov time in which durations are given."""
 
     time_unit: str = at("case.lyapunov.time_unit")
-    published_exponent: float | None = at("case.lyapunov.published_exponent")
+    given_exponent: float | None = at("case.lyapunov.given_exponent")
 
     @property
     def lyapunov_time(self) -> int:
         """Network steps in a Lyapunov time."""
         interval = self.sampling_interval
-        exponent = durations.known_exponent(self.time_unit, self.published_exponent)
+        exponent = durations.known_exponent(self.time_unit, self.given_exponent)
         if exponent is not None:
             return durations.steps_per_lyapunov_time(exponent, interval)
         assert self.computed_exponent is not None
-        fields = f"{Clock.published_exponent}, {Clock.time_unit}"
+        fields = f"{Clock.given_exponent}, {Clock.time_unit}"
         with concerning(f"the computed exponent ({fields})"):
             return durations.steps_per_lyapunov_time(self.computed_exponent, interval)
 

@@ -237,7 +237,7 @@ class Recomputation:
             above = energy >= record["event_threshold"]
             lyapunov = json.loads((self.results / case / "lyapunov.json").read_text())
             exponents, growth = lyapunov["leading"], lyapunov["leading_by_growth"]
-            published = record["lyapunov"]["published_exponent"]
+            published = record["lyapunov"]["given_exponent"]
             interval = record["ensemble"]["time_step"] * record["ensemble"]["sampling_stride"]
             series = record["ensemble"]["series"]
             rows.append(
@@ -257,7 +257,7 @@ class Recomputation:
                     "lyapunov_exponent_by_growth": growth["mean"],
                     "lyapunov_exponent_by_growth_low": growth["low"],
                     "lyapunov_exponent_by_growth_high": growth["high"],
-                    "lyapunov_exponent_paper": published,
+                    "lyapunov_exponent_given": published,
                     "steps_per_lyapunov_time": int(
                         1 / ((published or exponents["mean"]) * interval)
                     ),

@@ -32,7 +32,7 @@ def estimated_exponent(*, ensemble: str, exponents: str, settings: Divergence) -
         ).record()
     except NoExponentError as error:
         if settings.sets_time_unit:
-            advice = "give the unit of time (lyapunov.published_exponent, its inverse)"
+            advice = "give the unit of time (lyapunov.given_exponent, its inverse)"
             raise ValueError(f"{error}; {advice}") from error
         tell(f"no Lyapunov exponent is estimated: {error}")
         record = error.record()

@@ -39,7 +39,7 @@ def axis_limits(threshold: float, *curves: FloatArray) -> tuple[float, float]:
 
 def samples_per_lyapunov_time(
     exponents: Mapping[str, Any] | None,
-    published_exponent: float,
+    given_exponent: float,
     time_step: float,
     sampling_stride: int,
 ) -> int:
@@ -48,7 +48,7 @@ def samples_per_lyapunov_time(
     ``exponents``: Computed Lyapunov exponents, if they are the unit of time; None: the published
     one is, in inverse time units.
     """
-    exponent = exponents["leading"]["mean"] if exponents else published_exponent
+    exponent = exponents["leading"]["mean"] if exponents else given_exponent
     return steps_per_lyapunov_time(exponent, time_step * sampling_stride)
 
 

@@ -22,11 +22,11 @@ def make(
     time_step: float = at("case.ensemble.time_step"),
     sampling_stride: int = at("case.ensemble.sampling_stride"),
     time_unit: str = at("case.lyapunov.time_unit"),
-    published_exponent: float | None = at("case.lyapunov.published_exponent"),
+    given_exponent: float | None = at("case.lyapunov.given_exponent"),
 ) -> dict[str, Rows]:
     """One row."""
     leading, growth = exponents["leading"], exponents.get("leading_by_growth", {})
-    exponent = durations.known_exponent(time_unit, published_exponent)
+    exponent = durations.known_exponent(time_unit, given_exponent)
     steps = durations.steps_per_lyapunov_time(
         leading["mean"] if exponent is None else exponent, float(time_step * sampling_stride)
     )
@@ -35,7 +35,7 @@ def make(
         **{name: events_summary[name] for name in OF_EVENTS},
         **with_ends("lyapunov_exponent", *map(leading.get, ENDS)),
         **with_ends("lyapunov_exponent_by_growth", *map(growth.get, ENDS)),
-        "lyapunov_exponent_paper": published_exponent,
+        "lyapunov_exponent_given": given_exponent,
         "steps_per_lyapunov_time": steps,
     }
     return {"dataset": [row]}

@@ -32,11 +32,11 @@ ADVICE = {
     "lost_long_runs": "more noise (training.noise); read the statistics beside survival.csv",
     "ill_conditioned_readout": "leave out the smallest values of search.tikhonov",
     "exponents_differ": "raise lyapunov.series, check lyapunov.saturation and perturbation; set "
-    "lyapunov.time_unit to computed where the published exponent is of something else",
+    "lyapunov.time_unit to computed where the given exponent is of something else",
     "own_exponents_differ": "if these forecasters reproduce the statistics of the data "
-    "(statistics.csv), count in their Lyapunov time: their exponent as lyapunov.published_exponent",
+    "(statistics.csv), count in their Lyapunov time: their exponent as lyapunov.given_exponent",
     "no_exponent": "read no_estimate in lyapunov.json; longer series, or more components of the "
-    "state; check lyapunov.published_exponent by other means",
+    "state; check lyapunov.given_exponent by other means",
     "no_chaos_learnt": "longer series, or another sampling of them; their exponent is no unit of "
     "time",
     "outside_bins": "widen density.range",
@@ -153,12 +153,12 @@ def _of_trend(ensemble: str, space: StateSpace, training: int) -> list[Finding]:
 def _of_numbers(dataset: pd.DataFrame, classification: pd.DataFrame) -> Iterator[Finding]:
     # left out of tables without any value
     (row,) = dataset.to_dict("records")
-    published = row.get("lyapunov_exponent_paper")
+    given = row.get("lyapunov_exponent_given")
     yield from warning_signs.no_exponent(_leading(dataset, "lyapunov_exponent")[0])
     yield from warning_signs.exponents_differ(
         _leading(dataset, "lyapunov_exponent"),
         _leading(dataset, "lyapunov_exponent_by_growth"),
-        None if pd.isna(published) else published,
+        None if pd.isna(given) else given,
     )
     # what follows the starting points is the same for all forecasters
     scores = classification.drop_duplicates("prediction_time_lt")
