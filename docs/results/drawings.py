@@ -4,71 +4,35 @@ from typing import Any
 
 import numpy as np
 from comparisons import HORIZON, f_score, over_sets
+from kept_tables import PUBLISHED as PUBLISHED_PERCENTILES
 from kept_tables import Tables, published_rows
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from burstcast.base.files.tables import read_table
+from burstcast.figures import published_scores
 from burstcast.figures.parts import looks, style
 
 RV = {"forecaster": "esn", "validation": "RV"}
 SQUARES = {"forecaster": "esn_quadratic", "validation": "RV"}
-SIZES = (500, 1000, 2000)
 PUBLISHED: Any = {"marker": "o", "linestyle": "none", "color": "black", "markerfacecolor": "white"}
 
 
-@style.styled
 def draw_published_scores(tables: Tables) -> Figure:
-    """Draw published medians over ours with the interval of one network, Re = 400, RV."""
-    figure = style.new_figure(style.DOUBLE_COLUMN, 4.2)
-    panels = figure.subplots(2, 2).ravel()
-    scores = {"precision": "precision", "recall": "recall", "f_score": "F-score"}
-    for axes, (metric, title) in zip(panels, scores.items(), strict=False):
-        for size, look in zip(SIZES, looks.sequence(len(SIZES)), strict=True):
-            of = {"neurons": size, **RV}
-            ours = tables.medians("classification", metric, case="Re400", **of)
-            theirs = published_rows("classification", metric, reynolds=400, **of)
-            _both(axes, "prediction_time_lt", ours, theirs, look)
-            last = ours.sort_values("prediction_time_lt").iloc[-1]
-            beside = (4, {1000: -5, 2000: 5}.get(size, 0))
-            axes.annotate(
-                f"{size}",
-                (last["prediction_time_lt"], last["p50"]),
-                beside,
-                textcoords="offset points",
-                va="center",
-                color=look["color"],
-            )
-        axes.set_xlabel("prediction time [LT]")
-        axes.set_ylabel(title)
-        axes.set_ylim(0, 1.03)
-        axes.set_xlim(right=5.6)
-    (look,) = looks.sequence(1)
-    ours = tables.medians("horizon", "mean_horizon_lt", case="Re400", **RV)
-    theirs = published_rows("horizon", "mean_horizon_lt", reynolds=400, **RV)
-    _both(panels[3], "neurons", ours, theirs, look)
-    panels[3].set_xlabel("neurons")
-    panels[3].set_ylabel("mean PH_ee [LT]")
-    panels[3].legend(loc="lower right")
-    style.letter_panels(panels)
+    """Draw published medians over ours, Re = 400, RV."""
+    rows = {
+        argument: tables.rows(name, case="Re400")
+        for argument, name in {
+            "scores": "classification_percentiles",
+            "score_intervals": "classification_intervals",
+            "horizons": "horizon_percentiles",
+            "horizon_intervals": "horizon_intervals",
+        }.items()
+    }
+    figure: Figure = published_scores.draw(
+        **rows, validation="RV", published=read_table(PUBLISHED_PERCENTILES)
+    )
     return figure
-
-
-def _both(axes: Axes, x: str, ours: Any, theirs: Any, look: Any) -> None:
-    ours, theirs = ours.sort_values(x), theirs.sort_values(x)
-    axes.fill_between(
-        ours[x].to_numpy(float), ours["low"], ours["high"], alpha=0.25, lw=0, color=look["color"]
-    )
-    axes.plot(ours[x], ours["p50"], color=look["color"], label="burstcast")
-    axes.plot(
-        theirs[x],
-        theirs["p50"],
-        color=look["color"],
-        marker="o",
-        linestyle="none",
-        markerfacecolor="white",
-        label="published",
-    )
 
 
 @style.styled

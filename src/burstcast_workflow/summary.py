@@ -18,7 +18,7 @@ MOST_ROWS = 16
 
 MOST_WARNINGS = 8
 
-LOOK_FIRST_AT = ("classification_scores", "forecast_skill")
+LOOK_FIRST_AT = ("published_scores", "forecast_skill")
 """Figures that the summary names first, if they exist."""
 
 _WARNINGS = "warnings"

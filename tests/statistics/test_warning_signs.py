@@ -89,7 +89,7 @@ SIGNS = {
         ((ONE, (1.05, 0.95, 1.15), 1.05),),
         ((ONE, (1.05, 0.95, 1.15), None),),
         ((ONE, (1.3, 1.2, 1.4), 1.0), r"by QR factorisation 1 \(0.9 to 1.1\), by the growth.*"),
-        ((ONE, ONE, 2.0), "computed 1, published 2"),
+        ((ONE, ONE, 2.0), "computed 1, given 2"),
     ],
     signs.outside_bins: [
         ((0, 1, 999),),

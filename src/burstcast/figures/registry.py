@@ -55,6 +55,12 @@ class Drawn:
         """
         return "published" in inspect.signature(self.draw).parameters
 
+    @property
+    def always_published(self) -> bool:
+        """Whether it has no meaning without the paper's values."""
+        parameters = inspect.signature(self.draw).parameters
+        return self.published and parameters["published"].default is inspect.Parameter.empty
+
 
 def figure(
     *, section: str, position: int, cases: str = "example_case", only_flows: bool = False

@@ -39,7 +39,8 @@ class FigureJobs:
         }
         if self._stages.has_quantiles:
             inputs[THRESHOLDS] = self._stages.thresholds_of(self.settings(wildcards))
-        if figure.published and self._campaign.config.figures.published_overlay:
+        overlay = figure.published and self._campaign.config.figures.published_overlay
+        if overlay or figure.always_published:
             inputs["published"] = local(self._published)
         return inputs
 

@@ -44,6 +44,17 @@ def select(table: pd.DataFrame, **values: object) -> pd.DataFrame:
     return table[matching]
 
 
+def with_intervals(percentiles: pd.DataFrame, intervals: pd.DataFrame) -> pd.DataFrame:
+    """Rows of a percentile table with the interval of a single network in place of quartiles.
+
+    Its ends are medians over the networks.
+    """
+    keys = [column for column in percentiles if column in intervals]
+    ends = intervals.groupby(keys, dropna=False)[["low", "high"]].median().reset_index()
+    rows = percentiles.drop(columns=["p25", "p75"]).merge(ends, on=keys, how="left")
+    return rows.rename(columns={"low": "p25", "high": "p75"})
+
+
 def validations(networks: pd.DataFrame, **values: object) -> Iterator[tuple[str, Any, Any]]:
     """Name, look and rows of each validation strategy of the networks."""
     for name in looks.ordered_validations(networks["validation"].dropna()):
@@ -138,14 +149,14 @@ def draw_references(
 def draw_published(
     axes: Axes, rows: pd.DataFrame, x: str, look: looks.MarkerStyle, *, shift: float = 0.0
 ) -> None:
-    """Draw published percentiles as open markers with error bars; nothing for no rows."""
+    """Draw published percentiles as open markers, with error bars if there are quartiles."""
     if rows.empty:
         return
-    low, median, high = (rows[name].to_numpy(dtype=np.float64) for name in ("p25", "p50", "p75"))
+    bars = lengths(rows, "p50", "p25", "p75") if "p25" in rows else None
     axes.errorbar(
         rows[x].to_numpy(dtype=np.float64) + shift,
-        median,
-        yerr=np.nan_to_num([median - low, high - median]),
+        rows["p50"].to_numpy(dtype=np.float64),
+        yerr=bars,
         gid=_PUBLISHED,
         linestyle="none",
         marker=look["marker"],
