@@ -81,8 +81,8 @@ SIGNS = {
         ((1.0, [NAN]),),
         (
             (1.0, [-0.1, -0.3, NAN]),
-            r"the forecasters have learnt no chaos: ((?!published_exp).)*-0.3 to -0.1 \(of 2\)"
-            "((?!published_exp).)*",
+            r"the forecasters have learnt no chaos: ((?!given_exp).)*-0.3 to -0.1 \(of 2\)"
+            "((?!given_exp).)*",
         ),
     ],
     signs.exponents_differ: [
