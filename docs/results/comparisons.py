@@ -289,6 +289,33 @@ def over_sets(tables: Tables, score: Score, **where: Any) -> pd.DataFrame:
     return renamed(means.sort_values(["order", "reynolds", "neurons"], kind="stable"))
 
 
+def hierarchical(tables: Tables, score: Score, **where: Any) -> pd.DataFrame:
+    """Means over training sets with the interval over all that is random.
+
+    ``low``, ``high``: What other training sets, with other seeds, and other test series would give,
+    which all networks of a campaign share. Degrees of freedom are Welch and Satterthwaite's.
+    """
+    means = over_sets(tables, score, **where)
+    kinds = means[["forecaster", "neurons"]].to_dict("records")
+    of_test = np.square([score.error(tables, **{str(k): v for k, v in of.items()}) for of in kinds])
+    of_sets = means["std"] ** 2 / means["count"]
+    degrees = (of_sets + of_test) ** 2 * (means["count"] - 1) / of_sets**2
+    half = student.ppf((1 + CONFIDENCE) / 2, degrees) * np.sqrt(of_sets + of_test)
+    return means.assign(low=means["mean"] - half, high=means["mean"] + half)
+
+
+def paired(
+    tables: Tables, score: Score, first: dict[str, Any], second: dict[str, Any]
+) -> dict[str, float]:
+    """Mean difference of two kinds of networks on the same training sets and test series.
+
+    ``low``, ``high``: 95 % interval of Student's t over the differences of the sets.
+    """
+    both = [score.networks(tables, False, **kind).mean(axis=1) for kind in (first, second)]
+    mean, margin = mean_and_margin((both[0] - both[1]).dropna().tolist(), CONFIDENCE)
+    return {"mean": mean, "low": mean - margin, "high": mean + margin}
+
+
 def extremes(rows: pd.DataFrame, column: str) -> pd.DataFrame:
     """Least and largest value of the networks of each kind."""
     of_kind = rows.groupby("forecaster", sort=False)[column]
