@@ -166,7 +166,7 @@ def row(record: Record, kind: str) -> str:
     forecaster.fit(record.series[: record.training])
     seconds = time.process_time() - start
     scores = [forecaster.scores(record.series[record.training :], at) for at in TIMES]
-    cells = [f"{score[name]:.2f}" for name in ("f_score", "brier_skill") for score in scores]
+    cells = [f"{score[name]:.2f}" for name in ("alarm_f_score", "brier_skill") for score in scores]
     permanent = " ".join(f"{score['permanent_f_score']:.2f}" for score in scores)
     signs = len(forecaster.warnings_)
     print(f"# {kind}: permanent alarm {permanent}, {scores[0]['events']} events, {signs} warnings")

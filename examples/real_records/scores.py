@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pandas as pd
 
-COLUMNS = ["brier_skill", "roc_area", "f_score"]
+COLUMNS = ["brier_skill", "roc_area", "alarm_f_score"]
 
 results, *times = sys.argv[1:]
 scores = pd.read_csv(Path(results) / "tables" / "probability_scores.csv")

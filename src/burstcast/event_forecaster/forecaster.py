@@ -393,7 +393,7 @@ class EventForecaster(Estimator):
     ) -> dict[str, float] | dict[str, ScoreInterval]:
         """All scores of the probabilities, and of the alarms that they raise, in series, by name.
 
-        They are "f_score", "precision", "recall", "brier_skill", "roc_area", ...
+        They are "alarm_f_score", "alarm_precision", "alarm_recall", "brier_skill", "roc_area", ...
         (`burstcast.forecasts.probability_scores`), the "permanent_f_score" of an alarm at every
         starting point, and the numbers of "forecasts" and "events". NaN where a score is not
         defined, such as a recall without events. Starting points are those of `outcomes`.
@@ -436,7 +436,7 @@ class EventForecaster(Estimator):
 
     def score(self, series: Any, y: Any = None) -> float:
         """F-score of the alarms at the first prediction time (see `scores`)."""
-        return self.scores(series)["f_score"]
+        return self.scores(series)["alarm_f_score"]
 
     def save(self, path: str | Path) -> None:
         """Write the fitted state to a NetCDF file, without pickling.

@@ -18,8 +18,8 @@ from burstcast.figures.parts import alarm_scores, looks, medians, style
 from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
 
-_LABELS = {"f_score": medians.LABELS["f_score"], "brier_skill": "Brier skill score"}
-_LIMITS = {"f_score": (0.0, 1.04), "brier_skill": (-0.1, 1.04)}
+_LABELS = {"alarm_f_score": "F-score of alarms", "brier_skill": "Brier skill score"}
+_LIMITS = {"alarm_f_score": (0.0, 1.04), "brier_skill": (-0.1, 1.04)}
 _TIME = "prediction_time_lt"
 _COMMITTEE = "esn_committee"
 
@@ -31,7 +31,7 @@ def draw(
     neurons: float = at("figures.fixed_neurons"),
     validation: str = at("shown.example.name.validation"),
 ) -> Figure:
-    """Draw F-score and Brier skill of calibrated probabilities against prediction time."""
+    """Draw the F-score of alarms and the Brier skill against the prediction time."""
     scores = alarm_scores.alarms_shown(alarm_scores.calibrated(scores), neurons, validation)
     rows = looks.families(scores["forecaster"])
     figure = style.new_figure(style.DOUBLE_COLUMN, 0.9 + 1.25 * len(rows))

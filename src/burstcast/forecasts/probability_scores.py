@@ -30,9 +30,9 @@ def probability_scores(outcomes: Outcomes, threshold: float, bins: int) -> dict[
         "calibration_error": calibration_error(outcomes, bins),
         "roc_area": roc_area(outcomes),
         "average_precision": average_precision(outcomes),
-        "precision": counts.precision,
-        "recall": counts.recall,
-        "f_score": counts.f_score,
+        "alarm_precision": counts.precision,
+        "alarm_recall": counts.recall,
+        "alarm_f_score": counts.f_score,
     }
 
 

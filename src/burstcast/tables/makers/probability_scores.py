@@ -11,7 +11,7 @@ from burstcast.tables.cells import Scores, with_interval
 from burstcast.tables.makers._probabilities import CaseProbabilities, case_probabilities
 from burstcast.tables.makers.registry import Rows
 
-COMPARED_METRICS = ("brier_skill", "average_precision", "f_score")
+COMPARED_METRICS = ("brier_skill", "average_precision", "alarm_f_score")
 
 
 @declaring
