@@ -57,6 +57,7 @@ NAVIGATION = {
             "results/paper",
             "results/beyond_the_paper",
             "results/other_libraries",
+            "results/wrong_model",
             "results/readout",
         ),
         *("results/authors", "results/noise_sweep", "results/aware", "results/learnt_precursor"),
