@@ -309,10 +309,12 @@ def paired(
 ) -> dict[str, float]:
     """Mean difference of two kinds of networks on the same training sets and test series.
 
-    ``low``, ``high``: 95 % interval of Student's t over the differences of the sets.
+    ``low``, ``high``: 95 % interval of Student's t over pairs of networks of a set, which leaves out
+    what other test series would give.
     """
-    both = [score.networks(tables, False, **kind).mean(axis=1) for kind in (first, second)]
-    mean, margin = mean_and_margin((both[0] - both[1]).dropna().tolist(), CONFIDENCE)
+    both = [score.networks(tables, False, **kind) for kind in (first, second)]
+    pairs = (both[0] - both[1]).to_numpy().ravel()
+    mean, margin = mean_and_margin(pairs[~np.isnan(pairs)].tolist(), CONFIDENCE)
     return {"mean": mean, "low": mean - margin, "high": mean + margin}
 
 
