@@ -309,7 +309,7 @@ def paired(
 ) -> dict[str, float]:
     """Mean difference of two kinds of networks on the same training sets and test series.
 
-    ``low``, ``high``: 95 % interval of Student's t over pairs of networks of a set, which leaves out
+    ``low``, ``high``: 95 % interval of Student's t over pairs of networks of a set, which leaves
     what other test series would give.
     """
     both = [score.networks(tables, False, **kind) for kind in (first, second)]
