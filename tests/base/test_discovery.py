@@ -113,9 +113,6 @@ def test_a_forecaster_of_ones_own_is_made_with_its_options(own_models):
             {"rate": 1},
             r"'own_models:Damped' has no option 'rate' \(did you me",
         ),
-        ("own_models:Damped", {"spare": 1}, "has no option 'spare' .*; its options are .*, depth$"),
-        ("own_models:Damped", {"shape": "flt"}, "'shape' of .* must be round or flat, not 'flt'"),
-        ("own_models:Damped", {"depth": 0.5}, "'depth' of .* must be a whole number, not 0.5"),
         ("nvr", {}, r"mean 'nvar'\?\); .*; a class in a module of yours is named <module>:<class>"),
     ],
 )

@@ -1,20 +1,17 @@
 """What an actuation changes, which way a force pushes, and what that costs."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
-from helpers_control import FLOW, RAISED, Rotor, experiment, plain_flow, run
+from helpers_control import FLOW, RAISED, experiment, plain_flow, run
 
-from burstcast.base.arrays import FloatArray
+from burstcast.control import loop as loop_module
 from burstcast.control.actuation import actuated_system, reversed_actuation
 from burstcast.control.energy import actuation_cost
 from burstcast.control.strategies.reactive import Reactive, quantity
-from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.flow_map import FlowMap
 from burstcast.systems.forced import ForcedSystem
-from burstcast.systems.integration import integrate
 from kolmogorov_flow import KolmogorovFlow
 
 STATES = np.random.default_rng(0).normal(scale=0.1, size=(9, 5))
@@ -23,9 +20,7 @@ STATES = np.random.default_rng(0).normal(scale=0.1, size=(9, 5))
 @pytest.mark.parametrize(
     ("strength", "reynolds"), [(1.0, 2000.0), (0.5, 1200.0), (0.25, 800.0), (0.125, 600.0)]
 )
-def test_actuated_system_changes_parameters_and_adds_a_force_by_its_strength(
-    strength: float, reynolds: float
-) -> None:
+def test_actuated_system_changes_parameters_and_adds_a_force_by_its_strength(strength, reynolds):
     changed = replace(FLOW, reynolds=reynolds)
     assert actuated_system(FLOW, {"reynolds": 2000.0}, None, strength) == changed
     force = np.arange(9.0)
@@ -38,18 +33,9 @@ def test_actuated_system_changes_parameters_and_adds_a_force_by_its_strength(
     assert FLOW.reynolds == 400.0
 
 
-def test_jacobian_does_not_know_the_force() -> None:
+def test_jacobian_does_not_know_the_force():
     forced = ForcedSystem(FLOW, [1.0] * 9)
     np.testing.assert_array_equal(forced.jacobian(STATES), FLOW.jacobian(STATES))
-
-
-def test_forced_batches_of_more_than_one_are_integrated_like_single_flows() -> None:
-    forced: DynamicalSystem = ForcedSystem(Rotor(1.0), [0.3, -0.1])
-    states = np.random.default_rng(1).normal(size=(2, 4))
-    together = integrate(forced, states, 0.1, 20)
-    for flow in range(4):
-        alone = integrate(forced, states[:, flow : flow + 1], 0.1, 20)
-        np.testing.assert_array_equal(together[:, :, flow : flow + 1], alone)
 
 
 @pytest.mark.parametrize(
@@ -63,9 +49,7 @@ def test_forced_batches_of_more_than_one_are_integrated_like_single_flows() -> N
         *((FLOW, {"reynolds": 2000.0}, None, none, "strength") for none in (0.0, -1.0, np.nan)),
     ],
 )
-def test_an_actuation_that_cannot_be_is_refused(
-    system: Any, parameters: Any, force: Any, strength: float, message: str
-) -> None:
+def test_an_actuation_that_cannot_be_is_refused(system, parameters, force, strength, message):
     with pytest.raises(ValueError, match=message):
         actuated_system(system, parameters, force, strength)
 
@@ -77,10 +61,11 @@ FORWARD, BACKWARD = actuated_system(FLOW, {}, PUSH), reversed_actuation(FLOW, PU
 STRATEGY = Reactive(decision_interval_lt=0.25, level=0.25, watch="a1", push="-a2")
 
 
-def test_energies_and_costs_of_flows_pushed_against_a_mode_are_those_of_a_plain_loop() -> None:
+def test_energies_and_costs_of_flows_pushed_against_a_mode_are_those_of_a_plain_loop(monkeypatch):
+    monkeypatch.setattr(loop_module, "FLOWS_PER_BATCH", 4)
     given = experiment(10, actuated_system=FORWARD, reversed_system=BACKWARD)
 
-    def decide(_: int, state: FloatArray) -> int:
+    def decide(_, state):
         a1, a2 = state[:2, 0]
         return (2 if a2 > 0 else 1) if a1 >= 0.25 else 0
 

@@ -36,11 +36,6 @@ def training():
     return lorenz(6, 900, 1)
 
 
-@pytest.fixture(scope="module")
-def tested():
-    return lorenz(5, 800, 2)
-
-
 @pytest.fixture(scope="module", params=sorted(OPTIONS))
 def fitted(request, training):
     return burstcast.EventForecaster(**settings(request.param)).fit(training)
@@ -90,16 +85,15 @@ def test_probabilities_are_calibrated_by_what_has_not_seen_the_series(fitted, tr
 def test_what_a_classifier_cannot_do_is_said(fitted, training, tested):
     with pytest.raises(ValueError, match="probabilities of events without a trajectory"):
         fitted.forecast(tested)
-    with pytest.raises(ValueError, match="do not know the parameters"):
+    with pytest.raises(ValueError, match=f"kind {fitted.kind} do not know the parameters"):
         fitted.predict_proba(tested, parameters=3.0)
-    wrong = settings(fitted.kind) | {"options": {"fold": 3}}
-    with pytest.raises(ValueError, match=r"no option 'fold' \(did you mean 'folds'\?\)"):
-        burstcast.EventForecaster(**wrong).fit(training)
-    rare = settings(fitted.kind) | {
-        "event_threshold": float(Lorenz63().observable(training.T).max())
-    }
-    with pytest.raises(ValueError, match="a classifier needs both kinds of points"):
-        burstcast.EventForecaster(**rare).fit(training)
+    rare = {"event_threshold": float(Lorenz63().observable(training.T).max())}
+    for changes, message in (
+        ({"options": {"fold": 3}}, r"no option 'fold' \(did you mean 'folds'\?\)"),
+        (rare, "a classifier needs both kinds of points"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            burstcast.EventForecaster(**settings(fitted.kind) | changes).fit(training)
 
 
 # -- scores ----------------------------------------------------------------------------------------

@@ -5,7 +5,6 @@ import math
 import pickle
 import time
 from importlib.metadata import version
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,13 +13,11 @@ from sklearn.utils.validation import check_is_fitted
 from test_event_forecaster import SMALL, fit, lorenz
 
 import burstcast
-from burstcast.base.exogenous import carry
 from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.event_forecaster.schedules import as_schedules
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
-DOCS = Path(__file__).parents[2] / "docs"
 TINY = {**SMALL, "members": 2, "neurons": 30}
 # networks of 30 neurons of a few hundred samples are as bad as they are told to be
 pytestmark = pytest.mark.filterwarnings("ignore:signs of a weak forecaster")
@@ -291,19 +288,6 @@ def test_networks_know_the_parameter(network):
     np.testing.assert_array_equal(
         asked["none"], network.predict_proba(observed, parameters=500.0, planned=500.0)[:, 1]
     )
-
-
-def test_a_network_forecasts_as_one_of_the_library_with_the_same_search(network):
-    member, case = network.members_[0], network._case(network._components, [500.0])
-    observed = flows(500.0, 3)
-    washouts = np.ascontiguousarray(observed[:, -20:].transpose(1, 2, 0))
-    steps = network._timing.boundaries[-1]
-    schedule = np.full((steps, 1, 3), 500.0)
-    outputs, _ = member.advance(carry(member.start(washouts), schedule), steps)
-    restored = type(member)(**member.options).restore(member.record(), case)
-    again, _ = restored.advance(restored.start(washouts), steps)  # the case's own value
-    np.testing.assert_array_equal(outputs, again)
-    assert np.isfinite(outputs).all()
 
 
 def test_series_under_different_parameters_take_turns():

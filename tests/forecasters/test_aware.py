@@ -9,7 +9,7 @@ from burstcast.base.exogenous import carry, of_memory, of_washout, with_inputs
 from burstcast.control.actuation import ActuatorShare
 from burstcast.data.records import recorded_series
 from burstcast.forecasters._event_classifier import LabelledPoints
-from burstcast.forecasters._parameter_factors import ParameterFactors, factored_training
+from burstcast.forecasters._parameter_factors import factored_training
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.equations_filtered import FilteredEquations
@@ -17,12 +17,7 @@ from burstcast.forecasters.equations_noisy import EquationsFromObservation
 from burstcast.forecasters.esn_aware import AwareNetworkForecaster
 from burstcast.forecasters.quadratic_aware import AwareQuadraticModel
 from burstcast.forecasters.quadratic_aware_filtered import FilteredAwareQuadraticModel
-from burstcast.forecasters.registry import (
-    all_kinds,
-    available_kinds,
-    kind_class,
-    make_classifier,
-)
+from burstcast.forecasters.registry import make_classifier
 from burstcast.forecasts.horizon import HorizonSearch, prediction_horizons
 from burstcast.forecasts.window_forecasts import window_forecasts
 from burstcast.networks.dynamics import Dynamics
@@ -95,24 +90,14 @@ def forecast(model, washout, schedule=None, steps=AHEAD):
     return model.advance(model.start(washout), steps)[0]
 
 
-def test_kinds_that_need_schedules_are_found_by_name_but_not_offered():
-    kinds = {kind for kind in all_kinds() if kind_class(kind).learns_parameters}
-    assert kinds == {"esn_aware", "quadratic_aware", "quadratic_aware_filtered"}
-    assert not kinds & {*available_kinds()}
-    assert kind_class("quadratic_aware") is AwareQuadraticModel
-
-
 def test_the_term_with_the_parameter_is_found_and_told(models):
     model = models[AwareQuadraticModel]
     basis = monomials(3, 2)
     assert np.argwhere(model.coefficients[1]).tolist() == [[basis.index((0,)), 1]]
     assert model.coefficients[1, basis.index((0,)), 1] == pytest.approx(3.5, rel=0.01)
-    model = models[AwareQuadraticModel]
     state = np.random.default_rng(1).normal(size=(4, 5))
     assert np.array_equal(model.system.observable(state), CASE.system.observable(state[:3]))
-    assert repr(models[AwareQuadraticModel]) == (
-        "AwareQuadraticModel(7 + 1 terms of 3 components, by rho)"
-    )
+    assert repr(model) == "AwareQuadraticModel(7 + 1 terms of 3 components, by rho)"
 
 
 @pytest.mark.parametrize("kind", [AwareQuadraticModel, FilteredAwareQuadraticModel])
@@ -209,11 +194,8 @@ def test_training_that_does_not_tell_the_parameter_is_refused(kind, training):
 
 
 def test_values_beyond_training_are_extrapolated_with_a_warning(models, switched):
-    _, _, observed = switched
-    model = models[AwareQuadraticModel]
-    assert isinstance(model.factors, ParameterFactors)
     with pytest.warns(UserWarning, match="rho = 40 lies outside of the values in training, 25 to"):
-        model.advance(carry(observed[0], RHO.constant(3, 20, [40.0])), 3)
+        models[AwareQuadraticModel].advance(carry(switched[2][0], RHO.constant(3, 20, [40.0])), 3)
 
 
 @pytest.fixture(scope="module")
@@ -324,14 +306,13 @@ def test_the_share_of_a_force_is_a_parameter_like_any_other():
 
 
 # -- columns of a record that are known in advance -------------------------------------------------
-SIMULATED = CASE
 SPACE = MeasuredSeries(("x", "y", "z"), "z")
 DATA = {
     **{"components": ["x", "y", "z"], "known": ["rho"], "time_step": 0.02},
     **{"blocks": None, "gaps": None},
 }
 # what is known of rho in a record: its column, and no value of the case's own
-MEASURED = replace(SIMULATED, system=SPACE, parameters=Parameters(("rho",), ()))
+MEASURED = replace(CASE, system=SPACE, parameters=Parameters(("rho",), ()))
 
 
 @pytest.fixture(scope="module")
@@ -378,7 +359,7 @@ def test_a_record_of_a_simulated_flow_is_that_flow_with_its_schedule(simulated, 
 @pytest.mark.parametrize("kind", ["quadratic_aware", "esn_aware"])
 def test_forecasts_from_the_record_are_those_of_the_simulated_case(simulated, record, kind):
     states, schedules = simulated
-    simulated_model = trained(kind, SIMULATED, states[:4], schedules[:4])
+    simulated_model = trained(kind, CASE, states[:4], schedules[:4])
     measured_model = trained(kind, MEASURED, record.states[:4], record.covariates[:4, 1:])
     for name, array in simulated_model.record().arrays.items():
         np.testing.assert_array_equal(measured_model.record().arrays[name], array, err_msg=name)
@@ -442,7 +423,7 @@ def test_classifiers_learn_from_what_is_known():
     washouts, exogenous = generator.normal(size=(1500, 3, 2)), generator.normal(size=(1500, 2))
     happened = (exogenous[:, 1] + washouts[:, -1, 0] > 1.5)[:, np.newaxis]
     series = np.arange(1500) // 150
-    case = replace(SIMULATED, random_seed=1)
+    case = replace(CASE, random_seed=1)
     for kind, options in (
         ("precursor", {"lags_lt": [], "classifier": "logistic"}),
         ("esn_direct", {"penalty": [1], "neurons": 40, "connectivity": 3}),

@@ -39,15 +39,6 @@ def test_features_are_the_present_and_the_lags():
         precursor_features(washouts, (4,))
 
 
-def test_a_precursor_is_restored_to_the_same_bits():
-    features, _, happened = points(500, 3)
-    for classifier in ("boosting", "logistic"):
-        options = replace(OPTIONS, classifier=classifier)
-        precursor = Precursor.fit(features, happened, options)
-        again = Precursor.restore(precursor.record(), options)
-        assert np.array_equal(again.probabilities(features), precursor.probabilities(features))
-
-
 def test_nothing_to_tell_apart_is_refused():
     features, _, happened = points(100, 5)
     happened[:, 1] = False

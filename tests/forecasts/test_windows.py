@@ -80,13 +80,6 @@ def test_a_window_crosses_if_the_observable_itself_does(
     assert result.tolist() == expected
 
 
-def test_windows_share_their_common_step_and_hold_both_of_their_ends():
-    falling = summarise(np.array([[9.0], [5.0], [4.0], [3.0]]), (2, 4))
-    assert (falling.first.tolist(), falling.largest.tolist()) == ([[5.0]], [[5.0]])
-    rising = summarise(np.array([[0.0], [0.0], [0.2], [0.0], [0.3]]), (1, 3, 5))
-    assert (rising.first.tolist(), rising.largest.tolist()) == ([[0.0, 0.2]], [[0.2, 0.3]])
-
-
 @pytest.mark.parametrize(("first", "length"), [(-1, 1), (1, 2), (2, 1)])
 def test_windows_beyond_the_forecast_are_refused(first, length):
     summaries = summarise(np.zeros((5, 1)), (1, 3, 5))

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.networks.dynamics import Dynamics
-from burstcast.networks.readout import Moments, MomentsAccumulator, _symmetric_norm, solve_ridge
+from burstcast.networks.readout import Moments, MomentsAccumulator, solve_ridge
 from burstcast.networks.reservoir import make_reservoir
 from burstcast.networks.training import TrainingSeries, collect, train, train_leaving_one_out
 from helpers_library import textbook_step
@@ -92,21 +92,17 @@ def test_moments_of_parts_merge_to_those_of_the_whole(first, second, seed):
 
 
 def test_nothing_that_is_given_is_changed(training):
-    states, targets = training
-    kept, kept_targets = states.copy(), targets.copy()
-    accumulate(states, targets, [500])
-    np.testing.assert_array_equal(states, kept)
-    np.testing.assert_array_equal(targets, kept_targets)
-    moments = accumulate(*training)
-    kept = moments.gram.copy()
-    once = solve_ridge(moments, 1e-9)
+    states, targets = (values.copy() for values in training)
+    moments = accumulate(states, targets, [500])
+    kept, once = moments.gram.copy(), solve_ridge(moments, 1e-9)
     solve_ridge(moments, 1e-2)
-    again = solve_ridge(moments, 1e-9)
-    np.testing.assert_array_equal(once.weights, again.weights)
-    np.testing.assert_array_equal(moments.gram, kept)
     observed = OBSERVED[:1].copy()
     collect(DYNAMICS, TrainingSeries(observed, RANGE), washout=WASHOUT)
-    np.testing.assert_array_equal(observed, OBSERVED[:1])
+    for now, before in (
+        *((states, training[0]), (targets, training[1]), (observed, OBSERVED[:1])),
+        *((moments.gram, kept), (solve_ridge(moments, 1e-9).weights, once.weights)),
+    ):
+        np.testing.assert_array_equal(now, before)
 
 
 @pytest.mark.parametrize("tikhonov", [1e-6, 1.0, 1e3])
@@ -164,15 +160,6 @@ def test_reciprocal_condition_is_known_and_has_no_digits_that_depend_on_where_me
     moments = Moments(40, np.zeros(30), np.zeros(1), gram, np.ones((30, 1)))
     result = solve_ridge(moments, 1e-6).reciprocal_condition
     assert result == float(f"{result:.3g}")
-
-
-@pytest.mark.parametrize("neurons", [1, 5, 300, 700])
-def test_symmetric_norm(neurons):
-    matrix = np.random.default_rng(0).normal(size=(neurons, neurons))
-    symmetric = np.tril(matrix) + np.tril(matrix, -1).T
-    expected = np.linalg.norm(symmetric, 1)
-    # The upper triangle must not matter.
-    assert _symmetric_norm(np.asfortranarray(matrix)) == pytest.approx(expected, rel=1e-13)
 
 
 def test_bad_training_data_raise(training):
@@ -319,7 +306,7 @@ def test_training_is_the_papers_ridge_regression():
     np.testing.assert_array_equal(readout.weights, same.weights)
 
 
-def test_leaving_one_out_is_training_on_the_others_and_does_not_see_the_one():
+def test_leaving_one_out_is_training_on_the_others():
     readouts = train_leaving_one_out(DYNAMICS, TRAINING, washout=WASHOUT, tikhonov=1e-4)
     for row, readout in enumerate(readouts):
         others = TrainingSeries(np.delete(OBSERVED, row, axis=0), RANGE)
@@ -331,12 +318,3 @@ def test_leaving_one_out_is_training_on_the_others_and_does_not_see_the_one():
     single = TrainingSeries(OBSERVED[:1], RANGE)
     with pytest.raises(ValueError, match="two training series"):
         next(train_leaving_one_out(DYNAMICS, single, washout=WASHOUT, tikhonov=1e-4))
-    other = OBSERVED.copy()
-    other[2] = np.random.default_rng(1).normal(size=OBSERVED[2].shape)
-    how = {"washout": WASHOUT, "tikhonov": 1e-4}
-    first, second = (
-        list(train_leaving_one_out(DYNAMICS, TrainingSeries(observed, RANGE), **how))
-        for observed in (OBSERVED, other)
-    )
-    np.testing.assert_array_equal(first[2].weights, second[2].weights)
-    assert not np.array_equal(first[1].weights, second[1].weights)

@@ -216,30 +216,25 @@ def test_lost_forecasts_count_as_a_large_error_and_stay_finite(monkeypatch):
     assert result.objective == pytest.approx(logs.mean(), rel=1e-12)
 
 
-@pytest.mark.parametrize("scale", [1.0, 1e8])
-def test_errors_of_networks_with_an_offset_have_no_unit(scale, monkeypatch):
+def test_errors_of_networks_with_an_offset_have_no_unit(monkeypatch):
     """A bound in units of the observable would take all forecasts for diverged ones."""
-    offset = scale * OBSERVED.mean(axis=(0, 1))
-    observed = scale * OBSERVED
-    training = TrainingSeries(observed, np.ptp(observed, axis=(0, 1)), input_offset=offset)
-    plain = TrainingSeries(OBSERVED - OBSERVED.mean(axis=(0, 1)), np.ptp(OBSERVED, axis=(0, 1)))
-    strategy = [make_strategy("RV")]
-    variance = OBSERVED[..., 0].var()
 
-    def first(states):
-        return states[0]
+    def validation(observed, offset):
+        training = TrainingSeries(observed, np.ptp(observed, axis=(0, 1)), input_offset=offset)
+        strategies = [make_strategy("RV")]
+        return validate(DYNAMICS, training, lambda states: states[0], PLAN, [1e-3], strategies)[0]
 
-    (result,) = validate(DYNAMICS, training, first, PLAN, [1e-3], strategy)
-    (expected,) = validate(DYNAMICS, plain, first, PLAN, [1e-3], strategy)
-    logs = np.array(expected.log_errors) - np.log10(variance)
-    np.testing.assert_allclose(result.log_errors, logs, rtol=0, atol=1e-6)
+    moved, mean = 1e8 * OBSERVED, OBSERVED.mean(axis=(0, 1))
+    expected = np.array(validation(OBSERVED - mean, None).log_errors)
+    expected -= np.log10(OBSERVED[..., 0].var())
+    result = validation(moved, 1e8 * mean)
+    np.testing.assert_allclose(result.log_errors, expected, rtol=0, atol=1e-6)
 
     def lost(self, weights, input_range, states, steps):
         return np.full((steps, DIMENSION, states.shape[1]), 1e99), states
 
     monkeypatch.setattr(Dynamics, "closed_loop", lost)
-    (diverged,) = validate(DYNAMICS, training, first, PLAN, [1e-3], strategy)
-    assert diverged.objective == np.log10(DIVERGED_ERROR)
+    assert validation(moved, 1e8 * mean).objective == np.log10(DIVERGED_ERROR)
 
 
 def test_the_best_is_the_first_of_the_smallest():

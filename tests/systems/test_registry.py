@@ -37,25 +37,17 @@ def test_systems_are_made_by_name_with_defaults_and_integers():
     assert system == MoehlisFaisstEckhardt(600.0, length_x=5.0)
 
 
-FINITE = "'reynolds' of system 'mfe' must be a finite number"
-
-
 @pytest.mark.parametrize(
     ("name", "parameters", "message"),
     [
         *(
             (name, {}, "available systems are fitzhugh_nagumo, lor")
-            for name in ("base", "registry")
-        ),
-        *(
-            (name, {}, "available systems are fitzhugh")
-            for name in ("integration", "mfe.x", "", "os")
+            for name in ("base", "registry", "mfe.x", "", "os")
         ),
         ("lorentz63", {}, "did you mean 'lorenz63'"),
         ("mfe", {"reynold": 400.0}, r"no parameter 'reynold' \(did you mean 'reynolds'\?\)"),
         ("mfe", {"length_x": 5.0}, "needs the parameter 'reynolds'"),
-        *(("mfe", {"reynolds": bad}, FINITE) for bad in (math.nan, math.inf, "400", True, None)),
-        ("mfe", {"reynolds": [400.0]}, FINITE),
+        ("mfe", {"reynolds": "400"}, "'reynolds' of system 'mfe' must be a finite number"),
         ("mfe", {"reynolds": -400.0}, "reynolds must be positive"),
     ],
 )
@@ -292,6 +284,14 @@ def mixing(self, state):
             {"sample_initial_states": lambda self, n, g: g.random((n, 3))},
             r"must return the shape \(3, 16\), not \(16, 3\)",
         ),
+        (
+            {"observable": lambda self, x: x[0] * np.nan},
+            "observable is not finite for 16 of 16 states",
+        ),
+        (
+            {"right_hand_side": lambda self, x: x * x, "jacobian": DynamicalSystem.jacobian},
+            "do not stay finite",
+        ),
     ],
 )
 def test_mistakes_are_told(methods, message):
@@ -309,18 +309,6 @@ def test_trajectories_begin_as_the_ensemble_of_the_system_does(component, pertur
     raised = (component or 1) - 1, perturbation or 0.01
     expected = initial_states(np.array([1.0, -2.0, 20.0]), *raised, 16, generator())
     np.testing.assert_array_equal(result, expected)
-
-
-def test_an_observable_without_values_is_refused():
-    lost = mistaken(observable=lambda self, x: x[0] * np.nan)
-    with pytest.raises(UnsoundError, match="observable is not finite for 16 of 16 states"):
-        check_system(lost, generator())
-
-
-def test_a_system_that_explodes_is_refused():
-    growing = mistaken(right_hand_side=lambda self, x: x * x, jacobian=DynamicalSystem.jacobian)
-    with pytest.raises(UnsoundError, match="do not stay finite"):
-        check_system(growing, generator())
 
 
 def test_the_command_line(capsys):
