@@ -17,7 +17,6 @@ from burstcast.forecasters.registry import (
     kind_class,
     kind_module,
     kind_name,
-    make_forecaster,
     make_kind,
 )
 from burstcast.systems.base import DynamicalSystem
@@ -88,7 +87,7 @@ def test_a_forecaster_of_ones_own_is_made_with_its_options(own_models):
     with pytest.raises(ValueError, match="has no class Damed; its systems are none"):
         own_class("own_models:Damed", DynamicalSystem, "system")
     options = {"lags": 3.0, "rates": [1, 2], "shape": "flat", "depth": 4}
-    made = make_forecaster("own_models:Damped", options)
+    made = make_kind("own_models:Damped", options)
     assert made == own_models.Damped(lags=3, rates=(1.0, 2.0), shape="flat", depth=4)
     assert made.options == {**options, "ridge": 1e-6, "rates": (1.0, 2.0)}
 

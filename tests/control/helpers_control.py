@@ -115,34 +115,20 @@ def washouts_of(system, first_states, schedule):
 
 def experiment(flows=6, schedule=SCHEDULE, **changes):
     """Turbulent flows, of which a change of the Reynolds number is the actuation."""
-    given = ControlExperiment(
-        system=FLOW,
-        actuated_system=RAISED,
-        threshold=0.07,
-        series=range(10, 10 + flows),
-        washouts=np.empty(0),
-        quiet_starts=True,
-        schedule=schedule,
-        root_seed=7,
-        case="Re400",
-        values=ActuationValues((FLOW.reynolds,), (RAISED.reynolds,)),
-    )
     if "washouts" not in changes:
         changes["washouts"] = turbulent_washouts(FLOW, flows, schedule)
-    return replace(given, **changes)
+    usual = {"system": FLOW, "actuated_system": RAISED, "threshold": 0.07, "quiet_starts": True}
+    usual |= {"series": range(10, 10 + flows), "root_seed": 7, "case": "Re400"}
+    values = ActuationValues((FLOW.reynolds,), (RAISED.reynolds,))
+    return ControlExperiment(**{**usual, "schedule": schedule, "values": values, **changes})
 
 
 def rotors(first_states, schedule, actuated, frequency=0.3):
     """Points on circles, which the actuation makes faster or slower."""
     system = Rotor(frequency)
-    return experiment(
-        first_states.shape[1],
-        schedule,
-        system=system,
-        actuated_system=Rotor(actuated),
-        threshold=0.9,
-        washouts=washouts_of(system, first_states, schedule),
-    )
+    changes = {"system": system, "actuated_system": Rotor(actuated), "threshold": 0.9}
+    washouts = washouts_of(system, first_states, schedule)
+    return experiment(first_states.shape[1], schedule, washouts=washouts, **changes)
 
 
 def run(strategy, given, forecaster=EQUATIONS, **options):
@@ -159,14 +145,12 @@ def alarms_of(flows):
 def simulation_of(timing, controlled, **values):
     """A simulation with these values, and nothing else."""
     controlled = np.array(controlled, dtype=np.float64)
-    usual = {
-        **dict.fromkeys(field.name for field in fields(ControlledFlows)),
-        **{"threshold": 1.0, "left_out": 0},
-        "looks": Looks(*np.zeros((3, 0), dtype=np.int64), {}),
-        "actuated": np.zeros(controlled.shape, dtype=bool),
-        "actuated_integration_steps": np.zeros(len(controlled), dtype=np.int64),
-        "switchings": np.zeros(len(controlled), dtype=np.int64),
-    }
+    usual = dict.fromkeys(field.name for field in fields(ControlledFlows))
+    usual |= {"threshold": 1.0, "left_out": 0}
+    usual |= {"looks": Looks(*np.zeros((3, 0), dtype=np.int64), {})}
+    usual |= {"actuated": np.zeros(controlled.shape, dtype=bool)}
+    names = ("actuated_integration_steps", "switchings")
+    usual |= dict.fromkeys(names, np.zeros(len(controlled), dtype=np.int64))
     return ControlledFlows(**{**usual, "timing": timing, "controlled": controlled, **values})
 
 
@@ -213,12 +197,11 @@ def plain_flow(given, row, timing, decide):
         sampled = []
         for number, system in enumerate(flags, start=1):
             state = step(given.systems[system], state, timing.schedule.time_step)
-            if number % stride == 0:
-                sampled.append(state)
+            sampled += [state] * (number % stride == 0)
         return sampled
 
-    def height(state):
-        return float(given.system.observable(state)[0])
+    def heights(states):
+        return [float(given.system.observable(state)[0]) for state in states]
 
     looks = []
     due = now = len(states) - 1
@@ -227,21 +210,13 @@ def plain_flow(given, row, timing, decide):
             decided, otherwise = decide(len(looks), states[now]), []
             if decided:
                 flags = acting[now * stride : (now + longer) * stride]
-                otherwise = [height(state) for state in [states[now], *after(states[now], flags)]]
+                otherwise = heights([states[now], *after(states[now], flags)])
                 acting[now * stride + begin : now * stride + stop] = [decided] * (stop - begin)
             looks.append(PlainLook(now, bool(decided), otherwise))
             due = now + (longer if decided else pause)
         states += after(states[now], acting[now * stride : (now + 1) * stride])
         now += 1
-    start = states[timing.first_look]
-    free = [
-        *states[: timing.first_look + 1],
-        *after(start, [0] * (end - timing.first_look) * stride),
-    ]
-    return PlainFlow(
-        np.stack(free)[:, :, 0],
-        np.stack(states)[: end + 1, :, 0],
-        [height(state) for state in states],
-        acting,
-        looks,
-    )
+    first = timing.first_look
+    free = states[: first + 1] + after(states[first], [0] * (end - first) * stride)
+    controlled = np.stack(states)[: end + 1, :, 0]
+    return PlainFlow(np.stack(free)[:, :, 0], controlled, heights(states), acting, looks)

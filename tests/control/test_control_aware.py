@@ -218,15 +218,6 @@ def test_members_and_committees_vote_under_the_actuation(strategy):
     assert 0 < np.sum(alone) < 18 * 12
 
 
-def test_plans_may_last_one_step_and_fill_the_horizon():
-    steps = 3 * PER_LT
-    strategy = replace(PLANNED, durations_lt=(1 / PER_LT, 3.0))
-    plans = strategy.plans(schedule(0.0))
-    assert plans.shape == (6 - 2 + 2, steps)  # later starts are cut, each to a plan of its own
-    assert plans.sum(axis=1).min() == 1
-    assert plans.sum(axis=1).max() == steps
-
-
 @pytest.mark.parametrize("strategy", [RECEDING, PLANNED])
 def test_a_policy_without_what_it_must_be_told_is_refused(strategy):
     given, late = experiment(2), experiment(2, delay_lt=0.5)

@@ -25,7 +25,7 @@ from hypothesis.extra import numpy as npst
 from burstcast.base import random_streams
 from burstcast.control import policy as policy_module
 from burstcast.control.controllers import controlling_policy, votes
-from burstcast.control.policy import Look, Members, at_random, by_vote
+from burstcast.control.policy import Members, at_random, by_vote
 from burstcast.control.setting_names import as_columns, options_in
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast.control.strategies.reactive import Reactive
@@ -52,7 +52,12 @@ SETTINGS = {
 def test_strategies_are_found_by_name():
     assert available_strategies() == sorted(SETTINGS)
     for name, settings in SETTINGS.items():
-        assert vars(make_strategy(name, settings)).items() >= settings.items()
+        strategy = make_strategy(name, settings)
+        assert vars(strategy).items() >= settings.items()
+        # half of a committee decides
+        assert vars(strategy).get("vote_share") == (0.5 if votes(type(strategy)) else None)
+    voting = [name for name in SETTINGS if votes(strategy_class(name))]
+    assert voting == ["planned", *VOTING[::-1]]
 
 
 @pytest.mark.parametrize(
@@ -123,11 +128,6 @@ def test_quiet_flows_of_all_strategies_are_the_same():
     assert rows.count(rows[0]) == len(SETTINGS)
     for other in uncontrolled[1:]:
         np.testing.assert_array_equal(other, uncontrolled[0])
-
-
-def test_half_of_a_committee_decides_where_nothing_is_said():
-    for name in ("prediction_triggered", "receding_horizon", "planned"):
-        assert make_strategy(name, SETTINGS[name]).vote_share == 0.5
 
 
 # -- timing ----------------------------------------------------------------------------------------
@@ -216,13 +216,6 @@ def test_reactive_control_looks_at_the_last_observed_state():
     assert asked(policy, washout) == [False, True, True, False]
 
 
-def test_random_alarms_take_each_flow_s_own_numbers():
-    policy = at_random(0.3, np.array([[0.1, 0.9], [0.3, 0.2]]))
-    nothing = np.zeros((1, 1, 3))
-    look = Look(np.array([1, 0, 1]), np.array([1, 1, 0]), nothing, np.zeros((0, 3), np.uint8))
-    assert np.asarray(policy(look)).tolist() == [True, False, False]
-
-
 def test_random_alarms_have_a_stream_for_each_flow():
     given, strategy = experiment(4), PredictionTriggered(1.0, 1.0)
     policy = controlling_policy("random", strategy, given, [], alarm_rate=0.4, seed=3)
@@ -292,15 +285,10 @@ def washouts(flows, noise=0.0):
     return np.ascontiguousarray(states + errors)
 
 
-def test_the_strategies_that_let_vote():
-    assert tuple(n for n in available_strategies() if votes(strategy_class(n))) == (
-        "planned",
-        *VOTING[::-1],
-    )
-    given = experiment(2)
+def test_a_strategy_without_votes_takes_no_committee():
     reactive = make_strategy("reactive", SETTINGS["reactive"])
     with pytest.raises(TypeError, match="Reactive has no vote_share"):
-        committee(reactive, given, [EQUATIONS, EQUATIONS])
+        committee(reactive, experiment(2), [EQUATIONS, EQUATIONS])
 
 
 @pytest.mark.parametrize("name", VOTING)

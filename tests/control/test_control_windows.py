@@ -90,14 +90,12 @@ def random_flows(seed, share):
             entries.append((flow, step, bool(outcome), *OUTCOMES[outcome]))
             step += 6 if outcome else 3
     flow, step, alarm, *judged = map(np.array, zip(*entries, strict=True))
+    controlled = generator.choice([0.0, 0.6, 1.0, 2.0], size, p=odds)
     return simulation_of(
-        timing,
-        generator.choice([0.0, 0.6, 1.0, 2.0], size, p=odds),
+        *(timing, controlled),
         uncontrolled=generator.choice([0.0, 0.6, 1.0, 2.0, 3.0], size),
         looks=Looks(flow, step, alarm, dict(zip(JUDGED, judged, strict=True))),
-        rows=10 + np.arange(flows),
-        left_out=2,
-        actuated=generator.random(size) < 0.3,
+        **{"rows": 10 + np.arange(flows), "left_out": 2, "actuated": generator.random(size) < 0.3},
         actuated_integration_steps=generator.integers(0, 18, flows),
     )
 
@@ -311,7 +309,6 @@ def test_an_event_is_followed_again_as_it_was_found():
     given = experiment(30)
     followed = run(STRATEGY, given, keep_states=True)
     chosen = largest_suppressed_event(followed, None)
-    assert chosen is not None
     event = simulate_event(chosen, STRATEGY, given, EQUATIONS, None)
     steps = np.rint(event.time_lt * 20).astype(int)
     shown = chosen.alarm_step + steps
@@ -324,7 +321,6 @@ def test_an_event_is_followed_again_as_it_was_found():
     np.testing.assert_array_equal(np.isfinite(event.forecast), ahead)
     np.testing.assert_allclose(event.forecast[ahead], event.uncontrolled[ahead], rtol=1e-6)
     np.testing.assert_allclose(event.actuation_lt, [0.0, 1.5])
-    assert followed.uncontrolled_states is not None
     states = followed.uncontrolled_states[chosen.flow, shown[event.mark]]
     np.testing.assert_allclose(event.uncontrolled_state, states)
     assert event.uncontrolled[event.mark[2]] == event.uncontrolled[event.mark[1] :].max()
@@ -333,7 +329,6 @@ def test_an_event_is_followed_again_as_it_was_found():
     noise = np.random.default_rng(3).normal(0.0, 1e-7, (30, followed.timing.length, 9))
     noisy = simulate_event(chosen, STRATEGY, given, EQUATIONS, noise)
     washout = slice(chosen.alarm_step + 1 - SCHEDULE.washout, chosen.alarm_step + 1)
-    assert followed.controlled_states is not None
     observed = followed.controlled_states[chosen.flow, washout] + noise[chosen.row, washout]
     expected = forecast_observable(EQUATIONS, FLOW.observable, observed[np.newaxis], 40)
     forecast = noisy.forecast[np.isfinite(noisy.forecast)]
@@ -344,7 +339,6 @@ def test_an_event_is_shown_from_the_start_of_the_actuation():
     """Half a Lyapunov time after the alarm, which is ten steps."""
     strategy, given = PredictionTriggered(1.5, 1.0), experiment(40)
     chosen = largest_suppressed_event(run(strategy, given), None)
-    assert chosen is not None
     event = simulate_event(chosen, strategy, given, EQUATIONS, None)
     np.testing.assert_allclose(event.time_lt[event.mark[0]], 0.5)
     np.testing.assert_allclose(event.actuation_lt, [0.5, 2.0])

@@ -47,26 +47,22 @@ def listed(runs, name="u"):
 
 
 def test_missing_rows_and_empty_cells_cut():
-    parts = runs_without_gaps(
-        record([0, 5, 10, 20, 25, 30, 35], u=[1, 2, 3, 4, 5, NAN, 7], v=[1] * 7), STEP
-    )
+    time, u = [0, 5, 10, 20, 25, 30, 35], [1, 2, 3, 4, 5, NAN, 7]
+    parts = runs_without_gaps(record(time, u=u, v=[1] * 7), STEP)
     assert listed(parts) == [[1, 2, 3], [4, 5], [7]]
-    names = ["a.csv, rows 1 to 3", "a.csv, rows 4 to 5", "a.csv, rows 7 to 7"]
-    assert [run.name for run in parts] == names
+    rows = ["1 to 3", "4 to 5", "7 to 7"]
+    assert [run.name for run in parts] == [f"a.csv, rows {ends}" for ends in rows]
     # the same of a column without times, where no row is missing
-    assert listed(runs_without_gaps(Run("a.nc", {"u": np.array([1, 2, NAN, 4])}), STEP)) == [
-        [1, 2],
-        [4],
-    ]
+    run = Run("a.nc", {"u": np.array([1, 2, NAN, 4])})
+    assert listed(runs_without_gaps(run, STEP)) == [[1, 2], [4]]
 
 
 def test_times_off_the_grid_begin_another_run():
-    # a sensor that was started again two minutes later, two rows at one place, a clock that drifts
     for time, expected in (
-        ([0, 5, 12, 17], [[1, 2], [3, 4]]),
+        ([0, 5, 12, 17], [[1, 2], [3, 4]]),  # a sensor that was started again two minutes later
         ([0, 5.4, 9.6, 15.3], [[1, 2, 3, 4]]),
-        ([0, 5, 5.2, 10], [[1, 2], [3, 4]]),
-        (np.cumsum(np.full(7, 5.2)), [[1, 2, 3], [4, 5, 6], [7]]),
+        ([0, 5, 5.2, 10], [[1, 2], [3, 4]]),  # two rows at one place
+        (np.cumsum(np.full(7, 5.2)), [[1, 2, 3], [4, 5, 6], [7]]),  # a clock that drifts
     ):
         assert listed(runs_without_gaps(record(time, u=np.arange(len(time)) + 1), STEP)) == expected
     drift = np.cumsum(np.full(2000, 5.002))
@@ -182,41 +178,33 @@ def test_known_columns_are_cut_with_the_record(tmp_path):
         recorded_series([path], {**DATA, "gaps": None}, SPACE)
 
 
-def test_series_of_unequal_lengths(tmp_path):
+@pytest.mark.parametrize(
+    ("blocks", "lengths", "starts", "messages"),
+    [
+        (
+            *((None, 0, 3), [7, 18], [4, 12]),
+            ["gaps leave 3 parts of the record; 1 of them, with 3 of 28 rows,", "2 series have 7"],
+        ),
+        ((7, 1, 1), [3, 7, 8, 8, 2], [0, 4, 12, 20, 28], ["5 series have 2 to 8 samples"]),
+        ((7, 3, 3), [7, 8, 8], [4, 12, 22], ["gaps leave", "3 series have 7 to 8 samples"]),
+    ],
+)
+def test_series_of_unequal_lengths(tmp_path, blocks, lengths, starts, messages):
     """Whole runs between gaps, or blocks and what is left of a run; all rows are accounted for."""
     path = write(tmp_path / "a.csv", lost=[3, 11])  # runs of 3, 7 and 18 days
-    for blocks, lengths, starts, messages in (
-        (
-            {"duration": None, "gap": 0, "shortest": 3},
-            [7, 18],
-            [4, 12],
-            ("gaps leave 3 parts of the record; 1 of them, with 3 of 28 rows,", "2 series have 7"),
-        ),
-        (
-            {"duration": 7, "gap": 1, "shortest": 1},
-            [3, 7, 8, 8, 2],
-            [0, 4, 12, 20, 28],
-            ("5 series have 2 to 8 samples",),
-        ),
-        (
-            {"duration": 7, "gap": 3, "shortest": 3},
-            [7, 8, 8],
-            [4, 12, 22],
-            ("gaps leave", "3 series have 7 to 8 samples"),
-        ),
-    ):
-        recorded = recorded_series([path], {**DATA, "blocks": blocks}, SPACE)
-        assert (~np.isnan(recorded.states[..., 0])).sum(axis=1).tolist() == lengths
-        assert recorded.states[:, 0, 0].tolist() == starts
-        assert recorded.start.tolist() == [18262 + start for start in starts]
-        for row, (first, length) in enumerate(zip(starts, lengths, strict=True)):
-            values = recorded.states[row, :length, 0]
-            np.testing.assert_array_equal(values, np.arange(first, first + length))
-            np.testing.assert_array_equal(recorded.covariates[row, :length, 0], 2 * (values % 4))
-        for message, beginning in zip(recorded.messages, messages, strict=True):
-            assert message.startswith(beginning)
-    cut = measured_series(path, "1 day", ["u"], shortest=3, cut_gaps=True)
-    assert [series[:, 0].tolist() for series in cut] == [[*range(4, 11)], [*range(12, 30)]]
+    blocks = dict(zip(("duration", "gap", "shortest"), blocks, strict=True))
+    recorded = recorded_series([path], {**DATA, "blocks": blocks}, SPACE)
+    assert (~np.isnan(recorded.states[..., 0])).sum(axis=1).tolist() == lengths
+    assert recorded.start.tolist() == [18262 + start for start in starts]
+    for row, (first, length) in enumerate(zip(starts, lengths, strict=True)):
+        values = recorded.states[row, :length, 0]
+        np.testing.assert_array_equal(values, np.arange(first, first + length))
+        np.testing.assert_array_equal(recorded.covariates[row, :length, 0], 2 * (values % 4))
+    for message, beginning in zip(recorded.messages, messages, strict=True):
+        assert message.startswith(beginning)
+    if blocks["duration"] is None:
+        cut = measured_series(path, "1 day", ["u"], shortest=3, cut_gaps=True)
+        assert [series[:, 0].tolist() for series in cut] == [[*range(4, 11)], [*range(12, 30)]]
 
 
 def test_an_array_of_several_series_may_end_with_nan():

@@ -133,6 +133,7 @@ def test_what_can_be_fitted_can_be_loaded(parameters, tmp_path):
     forecaster.save(tmp_path / "saved.nc")
     loaded = burstcast.EventForecaster.load(tmp_path / "saved.nc")
     seen = lorenz(5, 200, 2)
+    assert {type(time) for time in forecaster.alarms_} == {float}
     for time in forecaster.alarms_:
         expected = forecaster.predict_proba(seen, time)
         np.testing.assert_array_equal(loaded.predict_proba(seen, time), expected)

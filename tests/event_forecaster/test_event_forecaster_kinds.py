@@ -14,7 +14,6 @@ from burstcast import EventForecaster
 from burstcast.event_forecaster.components import Components
 from burstcast.event_forecaster.scoring import EventScorer
 from burstcast.forecasters.nvar import NVAR
-from burstcast.forecasters.precursor import LearntPrecursor
 
 # what extrapolates or persists forecasts events no better than chance
 pytestmark = pytest.mark.filterwarnings("ignore:signs of a weak forecaster")
@@ -94,14 +93,6 @@ def test_a_name_a_class_and_an_object_are_the_same_forecaster(training, tested, 
         assert_array_equal(loaded.predict_proba(tested[:, :300]), expected)
     default = EventForecaster(**PLAIN, kind=NVAR).fit(training)
     assert not np.array_equal(default.forecast(tested), fitted[0].forecast(tested))
-
-
-def test_a_classifier_may_be_an_object(training, tested):
-    settings = {**PLAIN, "event_threshold": {"quantile": 0.9}}
-    options = {"classifier": "logistic", "lags_lt": (0.1,), "folds": 2}
-    forecaster = EventForecaster(**settings, kind=LearntPrecursor(**options)).fit(training)
-    other = EventForecaster(**{**settings, "kind": "precursor", "options": options}).fit(training)
-    assert_array_equal(forecaster.predict_proba(tested), other.predict_proba(tested))
 
 
 def test_scikit_learn_clones_scores_and_searches_objects(training):

@@ -115,16 +115,6 @@ def test_symmetries_are_those_of_the_plane(states):
     np.testing.assert_allclose(rotated, np.roll(w[::-1, ::-1], (1, 1), axis=(0, 1)), atol=1e-11)
 
 
-def test_step_is_of_fourth_order(states):
-    def error(steps):
-        end = integrate(FLOW, states, 0.4 / steps, steps, steps)[-1]
-        return np.abs(end - fine).max()
-
-    fine = integrate(FLOW, states, 0.4 / 256, 256, 256)[-1]
-    assert error(8) < 1e-4
-    assert 10.0 < error(8) / error(16) < 22.0
-
-
 def test_components_are_named_by_their_wave_vectors():
     assert FLOW.dimension == 440 == len(FLOW.component_names) == 2 * len(FLOW.wave_vectors)
     assert KolmogorovFlow(largest_wavenumber=7).dimension == 224

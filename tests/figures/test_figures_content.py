@@ -45,7 +45,7 @@ from burstcast.figures.control_tradeoff import over_flows
 from burstcast.figures.encoder_loss import kept
 from burstcast.figures.parts import medians
 from burstcast.figures.parts.alarm_scores import alarms_shown, median_networks, times_shown
-from burstcast.figures.parts.frame import axis_floor, axis_limits, observable_label, true_runs
+from burstcast.figures.parts.frame import axis_floor, axis_limits, observable_label
 from burstcast.figures.parts.looks import (
     controller_lines,
     families,
@@ -505,16 +505,14 @@ def test_control_that_could_prevent_nothing_says_so(name):
 
 
 def test_events_are_shaded_where_the_signal_exceeds_the_threshold():
-    panel = drawn("observable_and_density").axes[0]
-    (span,) = (patch.get_extents() for patch in panel.patches)
-    above = TIME[SERIES["observable"][0] >= SERIES["threshold"]]
-    inside = panel.transData.inverted().transform(span)
-    assert inside[:, 0] == pytest.approx([above[0], above[-1]], abs=1e-6)
-
-
-def test_true_runs():
-    assert true_runs(np.array([True, True, False, True])) == [(0, 1), (3, 3)]
-    assert true_runs(np.array([False, False])) == []
+    peaks = (2.0, 6.0)
+    observable = np.maximum(*(burst(TIME, peak) for peak in peaks))
+    panel = drawn("observable_and_density", observable=observable[np.newaxis]).axes[0]
+    above = TIME[observable >= SERIES["threshold"]]
+    for patch, (low, high) in zip(panel.patches, ((0, 4), (4, 8)), strict=True):
+        inside = panel.transData.inverted().transform(patch.get_extents())
+        event = above[(low < above) & (above < high)]
+        assert inside[:, 0] == pytest.approx([event[0], event[-1]], abs=1e-6)
 
 
 SUNK = burst(TIME, 4.0) - 0.3

@@ -54,20 +54,6 @@ def noisy(series, noise, seed=7):
     return series + noise * series.std(axis=(0, 1)) * deviation
 
 
-def test_the_equations_of_lorenz_are_found_in_clean_series():
-    model = QuadraticModel().fit(lorenz_series(), LORENZ)
-    sigma, rho, beta = 10.0, 28.0, 8.0 / 3.0
-    basis = monomials(3, 2)
-    expected = np.zeros((len(basis), 3))
-    expected[basis.index((0,))] = [-sigma, rho, 0]
-    expected[basis.index((1,))] = [sigma, -1, 0]
-    expected[basis.index((2,))] = [0, 0, -beta]
-    expected[basis.index((0, 2)), 1] = -1
-    expected[basis.index((0, 1)), 2] = 1
-    np.testing.assert_allclose(model.coefficients, expected, atol=2e-3)
-    np.testing.assert_array_equal(model.coefficients[expected != 0] != 0, True)
-
-
 @pytest.mark.parametrize(("noise", "error"), [(0, 5e-6), (0.001, 2e-4), (0.01, 2e-3), (0.05, 1e-2)])
 def test_the_error_of_the_field_is_a_fraction_of_the_noise(noise, error, flow_series):
     model = QuadraticModel().fit(noisy(flow_series, noise), FLOW)

@@ -9,6 +9,8 @@ from sklearn.metrics import (
     confusion_matrix,
     f1_score,
     precision_recall_curve,
+    precision_score,
+    recall_score,
     roc_auc_score,
 )
 
@@ -23,6 +25,7 @@ from burstcast.forecasts.alarms import (
     useless_votes,
 )
 from burstcast.forecasts.calibration import isotonic
+from burstcast.forecasts.classification import SCORES, ratio
 from burstcast.forecasts.event_probabilities import EventProbabilities
 from burstcast.forecasts.lead_times import lead_time_scores, lead_times
 from burstcast.forecasts.outcomes import Outcomes
@@ -31,12 +34,21 @@ from helpers_library import count_by_series, samples
 
 
 @given(samples(), st.floats(0, 1))
-def test_alarms_are_those_of_the_points(sample, threshold):
+def test_alarms_and_their_scores_are_those_of_the_points(sample, threshold):
     probability, happened, _ = sample
-    counts = counts_at(count_by_series(*sample).total(), threshold)
-    matrix = confusion_matrix(happened, probability >= threshold, labels=[False, True])
+    counts, alarm = counts_at(count_by_series(*sample).total(), threshold), probability >= threshold
+    matrix = confusion_matrix(happened, alarm, labels=[False, True])
     assert [counts.true_negative, counts.false_positive] == matrix[0].tolist()
     assert [counts.false_negative, counts.true_positive] == matrix[1].tolist()
+    for score, reference in zip(SCORES, (precision_score, recall_score, f1_score), strict=True):
+        expected = reference(happened, alarm, zero_division=np.nan)
+        np.testing.assert_allclose(getattr(counts, score), expected, rtol=1e-14)
+
+
+def test_ratios_of_arrays_and_numbers():
+    np.testing.assert_array_equal(ratio([1, 0, 3], [2, 0, 0]), [0.5, np.nan, np.nan])
+    assert ratio(1, 4) == 0.25
+    assert np.isnan(ratio(1, 0))
 
 
 @given(samples())

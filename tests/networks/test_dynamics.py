@@ -30,19 +30,6 @@ def random_readout(reservoir, generator):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_without_an_input_bias_the_reservoir_is_an_odd_function_of_its_inputs(backend):
-    """Even terms of the readout's map, such as products, come from the bias alone."""
-    generator = np.random.default_rng(5)
-    inputs = generator.normal(size=(12, 3, 2))
-    odd, biased = (
-        Dynamics(make_reservoir(61, 3, 5, bias, np.random.default_rng(0)), 0.7, 1.3, backend)
-        for bias in (0.0, 0.1)
-    )
-    np.testing.assert_allclose(odd.open_loop(-inputs), -odd.open_loop(inputs), rtol=0, atol=1e-14)
-    assert np.abs(biased.open_loop(-inputs) + biased.open_loop(inputs)).max() > 0.01
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(("leak_rate", "readout"), [KINDS[0], (0.7, "quadratic")])
 def test_trajectories_depend_on_nothing_else(reservoir, backend, leak_rate, readout):
     """Not on their batch, on pauses, nor on how arrays lie in memory; and they change none."""

@@ -196,14 +196,6 @@ def test_midplane_velocity_and_its_mean_square(grid, modes):
     np.testing.assert_allclose(square, np.mean(plane**2, axis=0), rtol=0, atol=1e-14)
 
 
-def test_profiles_from_moments_are_averages_of_the_fields(grid, modes):
-    a = amplitudes(25)
-    u, v, _ = modes.velocity(a, *grid)
-    profiles = modes.profile_matrices(grid[1].ravel()).profiles(a.mean(axis=1), a @ a.T / 25)
-    for actual, field in zip(profiles, (u, u * u, u * v), strict=True):
-        np.testing.assert_allclose(actual, field.mean(axis=(0, 1, 3)), rtol=0, atol=1e-13)
-
-
 def test_the_box_is_that_of_the_equations_unless_it_is_said():
     equations, modes = MoehlisFaisstEckhardt(400.0), MoehlisFaisstEckhardtModes()
     lengths = [(flow.length_x, flow.length_z) for flow in (equations, modes)]
