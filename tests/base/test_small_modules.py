@@ -1,6 +1,5 @@
 """Modules that stand alone: durations, events, laminarisation, random streams, names."""
 
-import itertools
 import math
 from fractions import Fraction
 
@@ -144,13 +143,6 @@ def test_streams_stay_what_they_are_by_root_seed_and_name():
 
 
 STORED = [810069763, 687754866, 766571384]
-
-
-def test_streams_are_uncorrelated():
-    draws = np.array([random_streams.stream(1, "noise", row).normal(size=4000) for row in range(8)])
-    correlation = np.corrcoef(draws)
-    for values, other in itertools.combinations(range(8), 2):
-        assert abs(correlation[values, other]) < 5 / np.sqrt(4000)
 
 
 def test_what_is_no_name_is_refused():

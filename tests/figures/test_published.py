@@ -29,15 +29,6 @@ def published():
     return read_table(RESOURCE)
 
 
-def test_horizon_of_the_paper(published):
-    table = published_percentiles(published, "horizon")
-    row = table[(table["neurons"] == 1000) & (table["validation"] == "RV")]
-    assert row[["reynolds", "forecaster", "metric"]].values.tolist() == [
-        [400, "esn", "mean_horizon_lt"]
-    ]
-    assert row[["p25", "p50", "p75"]].values.tolist() == [[4.1621, 4.2328, 4.2873]]
-
-
 def test_training_rows_are_a_forecaster_of_their_own(published):
     table = published_percentiles(published, "statistics")
     training = table[table["forecaster"] == "training"]

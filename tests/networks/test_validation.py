@@ -168,20 +168,6 @@ def test_single_shot_validation_does_not_see_what_it_is_validated_on():
     assert other.reciprocal_condition == original.reciprocal_condition
 
 
-def test_the_papers_intervals():
-    at_400 = ValidationPlan(washout=30, interval=122, series=3, intervals=30)
-    (recycle,) = RecycleValidation().folds(at_400, 10, 4001)
-    assert len(recycle.starts) * len(recycle.series) == 90
-    assert np.diff(recycle.starts).tolist() == [122] * 29
-    assert recycle.starts[0] == 30
-    (single_shot,) = SingleShotValidation().folds(at_400, 10, 4001)
-    assert (single_shot.series, single_shot.starts) == (range(1), (4001 - 122,))
-    for steps in (74, 79, 82):
-        plan = ValidationPlan(steps // 2, 2 * steps, series=4, intervals=22)
-        (recycle,) = RecycleValidation().folds(plan, 10, 4001)
-        assert len(recycle.starts) * len(recycle.series) == 88
-
-
 @pytest.mark.parametrize(
     ("strategy", "plan", "message"),
     [
