@@ -19,6 +19,7 @@ from burstcast.forecasters.registry import (
     make_kind,
     trajectory_kinds,
 )
+from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.reservoir import ReservoirSeed
 from burstcast.systems.lorenz63 import Lorenz63
 
@@ -68,28 +69,19 @@ def test_a_reservoir_is_read_out_by_the_logistic_regression_of_scikit_learn(offs
     points = labelled()
     fitted = direct(penalty=[2.0], input_offset=offset).fit(points, CASE)
     fresh = np.random.default_rng(2).normal(size=(50, 5, 3))
-    # states by the plainest means: a dense matrix, step by step
-    reservoir = ReservoirSeed(7, 40, 0, 6, 1.0).reservoir(3)
-    recurrent, bias = 0.8 * reservoir.recurrent.toarray(), reservoir.input_bias
-    ranges = np.ptp(points.washouts, axis=(0, 1))
+    dynamics = Dynamics(ReservoirSeed(7, 40, 0, 6, 1.0).reservoir(3), 0.8, 5.0, "scipy")
     centre = points.washouts.mean(axis=(0, 1)) if offset == "mean" else 0.0
 
     def states(washouts):
-        state = np.zeros((len(washouts), 40))
-        for step in range(washouts.shape[1]):
-            normalised = (washouts[:, step] - centre) / ranges
-            inputs = np.hstack([normalised, np.full((len(washouts), 1), bias)])
-            driven = inputs[:, reservoir.input_column] * reservoir.input_weight
-            state = np.tanh(5.0 * driven + state @ recurrent.T)
-        return state
+        normalised = (washouts - centre) / np.ptp(points.washouts, axis=(0, 1))
+        return dynamics.open_loop(np.ascontiguousarray(normalised.transpose(1, 2, 0))).T
 
-    learnt_states = states(points.washouts)
-    mean, deviation = learnt_states.mean(axis=0), learnt_states.std(axis=0)
+    learnt = states(points.washouts)
+    mean, deviation = learnt.mean(axis=0), learnt.std(axis=0)
     probabilities = fitted.probabilities(fresh)
     for window in range(2):
-        oracle = LogisticRegression(C=0.5, tol=1e-10, max_iter=10_000).fit(
-            (learnt_states - mean) / deviation, points.happened[:, window]
-        )
+        oracle = LogisticRegression(C=0.5, tol=1e-10, max_iter=10_000)
+        oracle.fit((learnt - mean) / deviation, points.happened[:, window])
         expected = oracle.predict_proba((states(fresh) - mean) / deviation)[:, 1]
         np.testing.assert_allclose(probabilities[:, window], expected, atol=1e-5)
 

@@ -8,7 +8,6 @@ from sklearn.metrics import (
     average_precision_score,
     confusion_matrix,
     f1_score,
-    precision_recall_curve,
     precision_score,
     recall_score,
     roc_auc_score,
@@ -20,7 +19,6 @@ from burstcast.forecasts.alarms import (
     average_precision,
     best_threshold,
     counts_at,
-    counts_at_all_levels,
     roc_area,
     useless_votes,
 )
@@ -65,18 +63,6 @@ def test_areas_are_those_of_scikit_learn(sample):
         np.testing.assert_allclose(roc_area(whole), expected, rtol=1e-12)
     else:
         assert np.isnan(roc_area(whole))
-
-
-def test_counts_at_all_levels_give_the_curve_of_scikit_learn():
-    generator = np.random.default_rng(4)
-    probability = np.round(generator.random(300), 1)
-    happened = generator.random(300) < probability
-    counts = counts_at_all_levels(
-        count_by_series(probability, happened, np.zeros(300, int)).total()
-    )
-    precision, recall, _ = precision_recall_curve(happened, probability)
-    np.testing.assert_allclose(counts.precision, precision[:-1][::-1], rtol=1e-13)
-    np.testing.assert_allclose(counts.recall, recall[:-1][::-1], rtol=1e-13)
 
 
 @given(samples(values=st.integers(0, 10).map(lambda votes: votes / 10)))

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 from sklearn.calibration import _SigmoidCalibration
 from sklearn.ensemble import HistGradientBoostingClassifier
-from sklearn.isotonic import IsotonicRegression, isotonic_regression
+from sklearn.isotonic import IsotonicRegression
 
 from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasters._logistic_readout import event_probability, fit_logistic
@@ -18,12 +18,7 @@ from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.precursor import LearntPrecursor
 from burstcast.forecasts.alarm_rule import AlarmRule
-from burstcast.forecasts.calibration import (
-    UNCALIBRATED,
-    isotonic,
-    logistic,
-    pool_adjacent_violators,
-)
+from burstcast.forecasts.calibration import UNCALIBRATED, isotonic, logistic
 from burstcast.forecasts.out_of_sample import out_of_sample_forecasts
 from burstcast.forecasts.out_of_sample_classifiers import out_of_sample_probabilities
 from burstcast.forecasts.outcomes import Outcomes
@@ -31,13 +26,6 @@ from burstcast.forecasts.scores import resampled_scores
 from burstcast.forecasts.window_forecasts import window_forecasts
 from burstcast.systems.lorenz63 import Lorenz63
 from helpers_library import count_by_series, samples
-
-
-@given(st.lists(st.tuples(st.floats(-5, 5), st.floats(0.1, 10)), min_size=1, max_size=40))
-def test_pooling_is_that_of_scikit_learn(pairs):
-    values, weights = np.array(pairs).T
-    expected = isotonic_regression(values, sample_weight=weights)
-    np.testing.assert_allclose(pool_adjacent_violators(values, weights), expected, atol=1e-10)
 
 
 @given(

@@ -59,23 +59,6 @@ def training(reservoir, signal):
     return panel.columns, targets
 
 
-@given(
-    neurons=st.integers(1, 6),
-    dimension=st.integers(1, 3),
-    columns=st.integers(1, 40),
-    cuts=st.lists(st.integers(0, 40), max_size=4),
-    offset=st.floats(-1, 1),
-    seed=st.integers(0, 1000),
-)
-@settings(max_examples=60)
-def test_panels_of_any_size_give_the_same_moments(neurons, dimension, columns, cuts, offset, seed):
-    generator = np.random.default_rng(seed)
-    states = offset + generator.uniform(-1, 1, size=(neurons, columns))
-    targets = generator.normal(size=(dimension, columns))
-    edges = sorted(min(cut, columns) for cut in cuts)
-    assert_moments(accumulate(states, targets, edges), states, targets)
-
-
 @given(first=st.integers(1, 30), second=st.integers(1, 30), seed=st.integers(0, 1000))
 @settings(max_examples=60)
 def test_moments_of_parts_merge_to_those_of_the_whole(first, second, seed):
