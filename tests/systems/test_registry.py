@@ -4,7 +4,6 @@ import math
 import re
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -239,9 +238,6 @@ def test_textbook_values_and_fixed_points():
 
 
 # -- the check of a system -------------------------------------------------------------------------
-
-ROOT = Path(__file__).parents[2]
-STATES = np.random.default_rng(1).normal(0.0, 5.0, (3, 16))
 
 
 def mistaken(**methods):
