@@ -73,3 +73,26 @@ def informative_sample():
     probability = np.round(generator.beta(0.4, 1.5, 1000), 2)
     happened = generator.random(1000) < 0.7 * probability + 0.05
     return probability, happened, generator.integers(0, 40, 1000)
+
+
+def assert_depends_on_its_washout_alone(forecaster, washout, steps, case):
+    """Not on pauses, nor on its batch at any step, nor on having been in a file; the forecast."""
+    start = forecaster.start(washout)
+    whole, _ = forecaster.advance(start, steps)
+    parts, memory = [], start
+    for count in (5, 1, steps - 6):
+        part, memory = forecaster.advance(memory, count)
+        parts.append(part)
+    np.testing.assert_array_equal(np.concatenate(parts), whole)
+    _, memory = forecaster.advance(start, 4)
+    for part in ([3, 1], [0], [4, 3, 2, 1, 0]):
+        some, _ = forecaster.advance(np.ascontiguousarray(memory[..., part]), steps - 4)
+        np.testing.assert_array_equal(some, whole[4:, :, part])
+        alone = forecaster.start(np.ascontiguousarray(washout[..., part]))
+        np.testing.assert_array_equal(alone, start[..., part])
+    restored = type(forecaster)(**forecaster.options).restore(forecaster.record(), case)
+    assert restored.options == forecaster.options
+    np.testing.assert_array_equal(restored.advance(restored.start(washout), steps)[0], whole)
+    outputs = np.full((1, whole.shape[1], 1), 11.0)
+    assert restored.diverged(outputs).tolist() == forecaster.diverged(outputs).tolist()
+    return whole

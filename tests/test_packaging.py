@@ -44,16 +44,12 @@ def read_yaml(*parts):
 
 
 def test_the_conda_environment_has_what_jobs_import_in_the_versions_of_the_lock_file():
-    environment = read_yaml("workflow", "envs", "burstcast.yaml")
-    python, *others = environment["dependencies"]
+    python, *others = read_yaml("workflow", "envs", "burstcast.yaml")["dependencies"]
     assert python == "python =3.11"
     packages = dict(entry.split(" =") for entry in others)
-    versions = locked()
     # conda-forge has no post-releases of these names
-    expected = {
-        name: re.sub(r"\.post\d+$", "", versions[CONDA.get(name, name)]) for name in packages
-    }
-    assert packages == expected
+    versions = {name: re.sub(r"\.post\d+$", "", text) for name, text in locked().items()}
+    assert packages == {name: versions[CONDA.get(name, name)] for name in packages}
     wanted = set(re.findall(r'^    "([A-Za-z0-9-]+)>=', PROJECT, re.MULTILINE))
     jobs = {"numpy", "scipy", "pandas", "llvmlite", "netCDF4", "xarray", "pyyaml", "pydantic"}
     jobs |= {"scikit-optimize", "scikit-image", "matplotlib"}
@@ -74,10 +70,7 @@ def test_jobs_of_a_conda_environment_find_burstcast_where_snakemake_does():
         "import snakemake.api; from snakemake.common import get_snakemake_searchpaths as f; "
         "print(*f(), sep='\\n')"
     )
-    output = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert str(ROOT / "src") in output.stdout.splitlines()
+    assert str(ROOT / "src") in run(sys.executable, "-c", code)[0].splitlines()
 
 
 def instructions():
@@ -89,31 +82,26 @@ def instructions():
 
 
 def test_the_container_is_built_from_the_lock_file_and_runs_what_is_installed():
-    steps = instructions()
-    assert [name for name, _ in steps if name == "FROM"] == ["FROM"]
-    base = dict(steps)["FROM"]
+    steps = {}
+    for name, argument in instructions():
+        steps.setdefault(name, []).append(argument)
+    (base,), (command,), runs = steps["FROM"], steps["CMD"], steps["RUN"]
     (version,) = re.findall(r":3\.(\d+)-", base)
     assert int(version) >= 11  # requires-python
-    runs = [argument for name, argument in steps if name == "RUN"]
     assert runs[0] == "pip install -r requirements.lock"
     assert shlex.split(runs[1])[1:] == ["pip", "install", "--no-deps", "."]
     # the lock file is there before it is used, and so is all that a wheel is built from
-    order = [(name, argument) for name, argument in steps if name in ("COPY", "RUN")]
-    assert order[0] == ("COPY", "requirements.lock ./")
-    copied = [
-        source for name, argument in steps if name == "COPY" for source in argument.split()[:-1]
-    ]
+    (first, *_) = [step for step in instructions() if step[0] in ("COPY", "RUN")]
+    assert first == ("COPY", "requirements.lock ./")
+    copied = [source for argument in steps["COPY"] for source in argument.split()[:-1]]
     assert all((ROOT / source).exists() for source in copied)
     code = (ROOT / "setup.py").read_text(encoding="utf-8")
     (files,) = re.findall(r"^FILES = \((.*?)^\)", code, re.MULTILINE | re.DOTALL)
     assert set(re.findall(r'"([^"]+)"', files)) <= set(copied)
     assert {"pyproject.toml", "setup.py", "src", "LICENSE", "README.md"} <= set(copied)
-    (command,) = [argument for name, argument in steps if name == "CMD"]
     assert command == '["burstcast", "--help"]'
-    assert (
-        '[project.scripts]\nburstcast = "burstcast_workflow.commands.command_line:main"\n'
-        in PROJECT
-    )
+    scripts = tomllib.loads(PROJECT)["project"]["scripts"]
+    assert scripts == {"burstcast": "burstcast_workflow.commands.command_line:main"}
 
 
 def test_every_place_names_the_newest_release_or_what_is_becoming_the_next_one():
@@ -148,8 +136,8 @@ def test_the_catalog_finds_what_it_asks_for():
 
 @pytest.mark.parametrize("job", ["tests", "campaign", "wheel"])
 def test_continuous_integration_runs_what_is_there(job):
-    workflow = read_yaml(".github", "workflows", "tests.yml")
-    commands = [step["run"] for step in workflow["jobs"][job]["steps"] if "run" in step]
+    steps = read_yaml(".github", "workflows", "tests.yml")["jobs"][job]["steps"]
+    commands = [step["run"] for step in steps if "run" in step]
     assert commands
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8").replace("$(VENV)", ".venv")
     for command in commands:
@@ -241,37 +229,35 @@ def environment(tmp_path_factory):
     return {**os.environ, "PYTHONPATH": str(directory)}
 
 
-def run_alone(environment, directory, *arguments):
-    command = [sys.executable, "-S", "-c", *arguments]
-    result = subprocess.run(
-        command, capture_output=True, text=True, env=environment, cwd=directory, check=False
-    )
+def run(*command, **settings):
+    """What a command prints, and what it says on the other stream."""
+    result = subprocess.run(command, capture_output=True, text=True, check=False, **settings)
     assert result.returncode == 0, result.stderr
+    return result.stdout, result.stderr
 
 
 def test_the_library_stands_alone_saves_and_loads(environment, tmp_path):
     packages = pkgutil.walk_packages(burstcast.__path__, "burstcast.")
     names = [module.name for module in packages if not module.name.startswith("burstcast.figures")]
     assert len(names) > 50
-    run_alone(environment, tmp_path, IMPORT_ALL, json.dumps([names, OTHERS]))
-    run_alone(environment, tmp_path, SAVE_AND_LOAD)
+    for code in ([IMPORT_ALL, json.dumps([names, OTHERS])], [SAVE_AND_LOAD]):
+        run(sys.executable, "-S", "-c", *code, env=environment, cwd=tmp_path)
 
 
 @pytest.mark.long
 def test_a_plain_installation_saves_and_loads(tmp_path):
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
-    for name in listed.stdout.splitlines():  # building writes into the sources
+    for name in run("git", "ls-files", cwd=ROOT)[
+        0
+    ].splitlines():  # building writes into the sources
         if (ROOT / name).exists():
             (tmp_path / "source" / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, tmp_path / "source" / name)
     python = tmp_path / "venv" / "bin" / "python"
-    subprocess.run([sys.executable, "-m", "venv", tmp_path / "venv"], check=True)
+    run(sys.executable, "-m", "venv", tmp_path / "venv")
     install = [python, "-m", "pip", "install", "-q", "--disable-pip-version-check"]
-    subprocess.run(
-        [*install, "-c", ROOT / "requirements.lock", "./source"], cwd=tmp_path, check=True
-    )
+    run(*install, "-c", ROOT / "requirements.lock", "./source", cwd=tmp_path)
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    subprocess.run([python, "-c", SAVE_AND_LOAD], check=True, env=environment, cwd=tmp_path)
+    run(python, "-c", SAVE_AND_LOAD, env=environment, cwd=tmp_path)
 
 
 # -- without a compiler ----------------------------------------------------------------------------
@@ -316,17 +302,10 @@ def test_with_a_compiler_nothing_is_said():
     ids=["the workflow", "the library"],
 )
 def test_without_a_compiler_scipy_takes_over(code, output):
-    result = subprocess.run(
-        [sys.executable, "-c", f"{WITHOUT}\n{code}"],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT / "src")},
-    )
-    assert result.returncode == 0, result.stderr
-    assert output in result.stdout
-    assert "reservoirs are computed by scipy, which is several times slower" in result.stderr
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
+    printed, said = run(sys.executable, "-c", f"{WITHOUT}\n{code}", cwd=ROOT, env=environment)
+    assert output in printed
+    assert "reservoirs are computed by scipy, which is several times slower" in said
 
 
 # -- the benchmark ---------------------------------------------------------------------------------
@@ -334,8 +313,7 @@ def test_without_a_compiler_scipy_takes_over(code, output):
 
 @pytest.mark.long  # a minute
 def test_a_short_benchmark_measures_and_predicts():
-    command = [sys.executable, str(ROOT / "benchmarks" / "bench.py"), "--quick"]
-    text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    text, _ = run(sys.executable, ROOT / "benchmarks" / "bench.py", "--quick")
     rows = re.findall(
         r"^\| ([a-z -]+) \|.*\| 1000 \| ([\d.]+) \|", text, re.MULTILINE | re.IGNORECASE
     )

@@ -310,7 +310,7 @@ def paired(
     """Mean difference of two kinds of networks on the same training sets and test series.
 
     ``low``, ``high``: 95 % interval of Student's t over pairs of networks of a set, which leaves
-    what other test series would give.
+    out what other test series would give.
     """
     both = [score.networks(tables, False, **kind) for kind in (first, second)]
     pairs = (both[0] - both[1]).to_numpy().ravel()

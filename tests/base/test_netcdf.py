@@ -25,15 +25,15 @@ from burstcast.base.files.netcdf import (
 
 def example():
     states = np.random.default_rng(3).normal(size=(7, 11, 3))
-    states[2, 3, 1] = math.nan  # a diverged forecast is data
-    states[0, 0, 0] = math.inf
+    states[2, 3, 1], states[0, 0, 0] = math.nan, math.inf  # a diverged forecast is data
+    column, none = np.array([1, 2, 3], dtype=np.int32), np.zeros((0, 3))
     return {
         "states": Variable(("series", "time", "component"), states, "1", "states", (2, 4, 3)),
         "series": Variable(("series",), np.arange(7), "1", "number of the series"),
         "kept": Variable(("series",), np.arange(7) % 2 == 0, "1", "whether it is kept"),
-        "column": Variable(("component",), np.array([1, 2, 3], dtype=np.int32), "1", "column"),
+        "column": Variable(("component",), column, "1", "column"),
         "interval": Variable((), 0.25, "s", "sampling interval"),
-        "none": Variable(("events", "component"), np.zeros((0, 3)), "1", "nothing", (5, 3)),
+        "none": Variable(("events", "component"), none, "1", "nothing", (5, 3)),
     }
 
 
@@ -54,15 +54,13 @@ def test_netcdf_round_trip_is_exact(tmp_path):
 def test_netcdf_describes_itself(tmp_path):
     write_netcdf(tmp_path / "data.nc", example(), {})
     with netCDF4.Dataset(tmp_path / "data.nc") as file:
-        assert file.data_model == "NETCDF4"
-        states = file["states"]
-        assert states.dimensions == ("series", "time", "component")
+        states, series = file["states"], file["series"]
+        assert (file.data_model, states.dimensions) == ("NETCDF4", ("series", "time", "component"))
         assert (states.units, states.long_name) == ("1", "states")
-        assert states.chunking() == [2, 4, 3]
-        assert file["series"].chunking() == "contiguous"
+        assert (states.chunking(), series.chunking()) == ([2, 4, 3], "contiguous")
         # the margins of chunks hold no memory; data in one piece leave nothing to fill
-        assert file["states"].get_fill_value() is not None
-        assert file["series"].get_fill_value() is None
+        assert states.get_fill_value() is not None
+        assert series.get_fill_value() is None
 
 
 def test_selected_variables_and_rows(tmp_path):
@@ -180,9 +178,9 @@ def test_a_dataclass_of_arrays_is_written_with_what_it_says_of_them(tmp_path):
     seen = Seen(np.arange(3.0), np.ones((3, 2)), 0.25)
     write_netcdf(tmp_path / "seen.nc", variables_of(seen), {})
     with netCDF4.Dataset(tmp_path / "seen.nc") as file:
-        assert file["state"].dimensions == ("time", "component")
-        assert (file["state"].long_name, file["state"].units) == ("states", "1")
-        assert file["time"].units == "time units"
+        state = file["state"]
+        assert (state.dimensions, state.long_name) == (("time", "component"), "states")
+        assert (state.units, file["time"].units) == ("1", "time units")
     record = read_record(tmp_path / "seen.nc", Seen)
     np.testing.assert_array_equal(record.state, seen.state)
     assert record.error == 0.25

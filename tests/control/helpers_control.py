@@ -1,18 +1,16 @@
 """A toy flow, policies without a forecast, and control written as one plain loop per flow."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.control.actuation import ActuationValues, actuated_system
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.loop import ControlledFlows, Looks
-from burstcast.control.policy import Look, Policy
-from burstcast.control.strategies.base import ControlStrategy
-from burstcast.control.timing import Schedule, Timing
+from burstcast.control.policy import Look
+from burstcast.control.timing import Schedule
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate
@@ -51,25 +49,25 @@ class Rotor(DynamicalSystem):
     observable_name: ClassVar[str] = "height"
     observable_symbol: ClassVar[str] = "x"
 
-    def right_hand_side(self, state: FloatArray) -> FloatArray:
+    def right_hand_side(self, state):
         return np.stack([-self.frequency * state[1], self.frequency * state[0]])
 
-    def jacobian(self, state: FloatArray) -> FloatArray:
+    def jacobian(self, state):
         raise NotImplementedError
 
-    def observable(self, state: FloatArray) -> FloatArray:
+    def observable(self, state):
         return np.asarray(state[0])
 
 
 class TablePolicy:
     """Alarms as listed, and a record of what it was shown."""
 
-    def __init__(self, table: BoolArray) -> None:
+    def __init__(self, table):
         self.table = table
-        self.seen: dict[tuple[int, int], FloatArray] = {}
-        self.acting: dict[tuple[int, int], list[int]] = {}
+        self.seen = {}
+        self.acting = {}
 
-    def __call__(self, look: Look) -> BoolArray:
+    def __call__(self, look):
         for position, key in enumerate(zip(look.rows, look.number, strict=True)):
             row, number = map(int, key)
             self.seen[row, number] = look.washout[:, :, position].copy()
@@ -77,12 +75,12 @@ class TablePolicy:
         return self.table[look.rows, look.number]
 
 
-def random_alarms(share: float, flows: int, timing: Timing, seed: int = 3) -> TablePolicy:
+def random_alarms(share, flows, timing, seed=3):
     draws = np.random.default_rng(seed).random((flows, timing.most_looks))
     return TablePolicy(draws < share)
 
 
-def look_at(washout: FloatArray, acting: Any = None) -> Look:
+def look_at(washout, acting=None):
     """The first look at flows, with a washout ``(steps, observed, batch)``."""
     steps, _, batch = washout.shape
     rows = np.arange(batch)
@@ -91,13 +89,11 @@ def look_at(washout: FloatArray, acting: Any = None) -> Look:
     return Look(rows, np.zeros_like(rows), washout, np.asarray(acting).astype(np.uint8))
 
 
-def asked(policy: Policy, washout: FloatArray, acting: Any = None) -> list[bool]:
+def asked(policy, washout, acting=None):
     return np.asarray(policy(look_at(washout, acting)) != 0).tolist()
 
 
-def turbulent_washouts(
-    flow: DynamicalSystem, flows: int, schedule: Schedule, seed: int = 5, steps: int = 1200
-) -> FloatArray:
+def turbulent_washouts(flow, flows, schedule, seed=5, steps=1200):
     """Washouts (flows, washout, 9) in the chaotic phase."""
     state = np.zeros((9, flows))
     state[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
@@ -106,9 +102,7 @@ def turbulent_washouts(
     return washouts_of(flow, developed, schedule)
 
 
-def washouts_of(
-    system: DynamicalSystem, first_states: FloatArray, schedule: Schedule
-) -> FloatArray:
+def washouts_of(system, first_states, schedule):
     """Washouts (flows, washout, dimension) that begin with these states (dimension, flows)."""
     samples = [first_states]
     for _ in range(schedule.washout - 1):
@@ -119,64 +113,44 @@ def washouts_of(
     return np.stack(samples).transpose(2, 0, 1)
 
 
-def experiment(flows: int = 6, schedule: Schedule = SCHEDULE, **changes: Any) -> ControlExperiment:
+def experiment(flows=6, schedule=SCHEDULE, **changes):
     """Turbulent flows, of which a change of the Reynolds number is the actuation."""
-    given = ControlExperiment(
-        system=FLOW,
-        actuated_system=RAISED,
-        threshold=0.07,
-        series=range(10, 10 + flows),
-        washouts=np.empty(0),
-        quiet_starts=True,
-        schedule=schedule,
-        root_seed=7,
-        case="Re400",
-        values=ActuationValues((FLOW.reynolds,), (RAISED.reynolds,)),  # type: ignore[attr-defined]
-    )
     if "washouts" not in changes:
         changes["washouts"] = turbulent_washouts(FLOW, flows, schedule)
-    return replace(given, **changes)
+    usual = {"system": FLOW, "actuated_system": RAISED, "threshold": 0.07, "quiet_starts": True}
+    usual |= {"series": range(10, 10 + flows), "root_seed": 7, "case": "Re400"}
+    values = ActuationValues((FLOW.reynolds,), (RAISED.reynolds,))
+    return ControlExperiment(**{**usual, "schedule": schedule, "values": values, **changes})
 
 
-def rotors(
-    first_states: FloatArray, schedule: Schedule, actuated: float, frequency: float = 0.3
-) -> ControlExperiment:
+def rotors(first_states, schedule, actuated, frequency=0.3):
     """Points on circles, which the actuation makes faster or slower."""
     system = Rotor(frequency)
-    return experiment(
-        first_states.shape[1],
-        schedule,
-        system=system,
-        actuated_system=Rotor(actuated),
-        threshold=0.9,
-        washouts=washouts_of(system, first_states, schedule),
-    )
+    changes = {"system": system, "actuated_system": Rotor(actuated), "threshold": 0.9}
+    washouts = washouts_of(system, first_states, schedule)
+    return experiment(first_states.shape[1], schedule, washouts=washouts, **changes)
 
 
-def run(
-    strategy: ControlStrategy, given: ControlExperiment, forecaster: Any = EQUATIONS, **options: Any
-) -> ControlledFlows:
+def run(strategy, given, forecaster=EQUATIONS, **options):
     """Flows under a strategy's own policy."""
     policy = strategy.policy(given, forecaster)
     return strategy.simulate(given, policy, **{"noise": None, **options})
 
 
-def alarms_of(flows: ControlledFlows) -> list[list[bool]]:
+def alarms_of(flows):
     """Alarms of each flow of a strategy that looks at equal intervals."""
     return flows.looks.alarm.reshape(len(flows), -1).tolist()
 
 
-def simulation_of(timing: Timing, controlled: Any, **values: Any) -> ControlledFlows:
+def simulation_of(timing, controlled, **values):
     """A simulation with these values, and nothing else."""
     controlled = np.array(controlled, dtype=np.float64)
-    usual = {
-        **dict.fromkeys(field.name for field in fields(ControlledFlows)),
-        **{"threshold": 1.0, "left_out": 0},
-        "looks": Looks(*np.zeros((3, 0), dtype=np.int64), {}),
-        "actuated": np.zeros(controlled.shape, dtype=bool),
-        "actuated_integration_steps": np.zeros(len(controlled), dtype=np.int64),
-        "switchings": np.zeros(len(controlled), dtype=np.int64),
-    }
+    usual = dict.fromkeys(field.name for field in fields(ControlledFlows))
+    usual |= {"threshold": 1.0, "left_out": 0}
+    usual |= {"looks": Looks(*np.zeros((3, 0), dtype=np.int64), {})}
+    usual |= {"actuated": np.zeros(controlled.shape, dtype=bool)}
+    names = ("actuated_integration_steps", "switchings")
+    usual |= dict.fromkeys(names, np.zeros(len(controlled), dtype=np.int64))
     return ControlledFlows(**{**usual, "timing": timing, "controlled": controlled, **values})
 
 
@@ -186,10 +160,10 @@ class Script(MadeUpForecaster):
 
     script: FloatArray  # (steps, batch)
 
-    def start(self, washout: FloatArray) -> FloatArray:
+    def start(self, washout):
         return washout[-1]
 
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
+    def advance(self, memory, steps):
         return self.script[:steps, np.newaxis], memory
 
 
@@ -209,12 +183,7 @@ class PlainFlow:
     looks: list[PlainLook]
 
 
-def plain_flow(
-    given: ControlExperiment,
-    row: int,
-    timing: Timing,
-    decide: Callable[[int, FloatArray], int],
-) -> PlainFlow:
+def plain_flow(given, row, timing, decide):
     """One flow, one integration step after the other.
 
     ``decide`` is given the number of a look and the true state, (dimension, 1).
@@ -224,39 +193,30 @@ def plain_flow(
     acting = [0] * ((end + longer) * stride + stop)
     states = [state[:, np.newaxis] for state in given.washouts[row]]
 
-    def after(state: FloatArray, flags: list[int]) -> list[FloatArray]:
+    def after(state, flags):
         sampled = []
         for number, system in enumerate(flags, start=1):
             state = step(given.systems[system], state, timing.schedule.time_step)
-            if number % stride == 0:
-                sampled.append(state)
+            sampled += [state] * (number % stride == 0)
         return sampled
 
-    def height(state: FloatArray) -> float:
-        return float(given.system.observable(state)[0])
+    def heights(states):
+        return [float(given.system.observable(state)[0]) for state in states]
 
-    looks: list[PlainLook] = []
+    looks = []
     due = now = len(states) - 1
     while now < end or now < due:
         if now == due and now * stride + begin < end * stride:
             decided, otherwise = decide(len(looks), states[now]), []
             if decided:
                 flags = acting[now * stride : (now + longer) * stride]
-                otherwise = [height(state) for state in [states[now], *after(states[now], flags)]]
+                otherwise = heights([states[now], *after(states[now], flags)])
                 acting[now * stride + begin : now * stride + stop] = [decided] * (stop - begin)
             looks.append(PlainLook(now, bool(decided), otherwise))
             due = now + (longer if decided else pause)
         states += after(states[now], acting[now * stride : (now + 1) * stride])
         now += 1
-    start = states[timing.first_look]
-    free = [
-        *states[: timing.first_look + 1],
-        *after(start, [0] * (end - timing.first_look) * stride),
-    ]
-    return PlainFlow(
-        np.stack(free)[:, :, 0],
-        np.stack(states)[: end + 1, :, 0],
-        [height(state) for state in states],
-        acting,
-        looks,
-    )
+    first = timing.first_look
+    free = states[: first + 1] + after(states[first], [0] * (end - first) * stride)
+    controlled = np.stack(states)[: end + 1, :, 0]
+    return PlainFlow(np.stack(free)[:, :, 0], controlled, heights(states), acting, looks)

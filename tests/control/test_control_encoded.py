@@ -144,18 +144,6 @@ def test_a_rule_acts_on_what_is_observed_alone():
         by_all.policy(seen, None)
 
 
-def test_noise_is_that_of_what_is_observed():
-    given = dataclasses.replace(experiment(), sensor=PART)
-    rule = Reactive(decision_interval_lt=0.2, level=0.3, watch="a1")
-    length = rule.timing(given.schedule).length
-    silence = np.zeros((len(given.series), length, 3))
-    np.testing.assert_array_equal(
-        run(rule, given, None, noise=silence).actuated, run(rule, given, None).actuated
-    )
-    with pytest.raises(ValueError, match=r"the shape \(\d+, \d+ or more, 3\)"):
-        run(rule, given, None, noise=np.zeros((len(given.series), length, 9)))
-
-
 # -- encoders are fitted once ----------------------------------------------------------------------
 
 

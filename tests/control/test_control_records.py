@@ -1,15 +1,12 @@
 """What control costs and gains: records, scores, and what is chosen by them."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 from helpers_control import FLOW, RAISED, simulation_of
 
 from burstcast.base.names import ForecasterName
-from burstcast.base.resampled_score import ResampledScore
 from burstcast.base.resampling import bootstrap_weights
 from burstcast.control.actuation import actuated_system
 from burstcast.control.choice import choose, values_of
@@ -37,7 +34,7 @@ WHO = ("uncontrolled", "controlled")
 
 
 @pytest.mark.parametrize("laminar", [None, 1.0, 2.0])
-def test_record_flows_counts_what_counts(laminar: float | None) -> None:
+def test_record_flows_counts_what_counts(laminar):
     """The first forecast at step 1, steps 4 to 9 count; two steps in a Lyapunov time."""
     timing = Reactive(0.5, 0.5).timing(Schedule(2, 1.0, 3.0, 0.0, 0.0, 1.0, 2, 2, 0.1))
     assert Span.of(timing) == SPAN
@@ -68,13 +65,13 @@ def test_record_flows_counts_what_counts(laminar: float | None) -> None:
 # -- scores ----------------------------------------------------------------------------------------
 
 
-def random_records(flows: int, seed: int, controlled: float = 0.2, laminar: int = 0) -> FlowRecords:
+def random_records(flows, seed, controlled=0.2, laminar=0):
     """Flows of which the first ``laminar`` laminarise, alternately without and with control.
 
     Of flows that laminarise, control may leave an energy that is no number.
     """
     generator = np.random.default_rng(seed)
-    values: dict[str, Any] = {"row": np.arange(flows)}
+    values = {"row": np.arange(flows)}
     values["actuated_integration_steps"] = generator.binomial(12, 0.1, flows)
     values["switchings"] = generator.binomial(2, 0.1, flows)
     for parity, (run, share) in enumerate(zip(WHO, (0.3, controlled), strict=True)):
@@ -90,9 +87,7 @@ def random_records(flows: int, seed: int, controlled: float = 0.2, laminar: int 
     return FlowRecords(**values)
 
 
-def plain_scores(
-    records: FlowRecords, span: Span, drawn: Sequence[int], costs: Mapping[str, Any]
-) -> dict[str, float]:
+def plain_scores(records, span, drawn, costs):
     """Scores of flows that are drawn, some of them more than once, flow by flow."""
     kept = [
         flow
@@ -100,10 +95,10 @@ def plain_scores(
         if max(records.laminar_step_uncontrolled[flow], records.laminar_step_controlled[flow]) < 0
     ]
 
-    def quotient(numerator: float, denominator: float) -> float:
+    def quotient(numerator, denominator):
         return numerator / denominator if denominator else np.nan
 
-    def mean(values: Any) -> float:
+    def mean(values):
         return quotient(sum(float(values[flow]) for flow in kept), len(kept))
 
     lyapunov_times = span.steps / span.steps_per_lyapunov_time
@@ -127,7 +122,7 @@ def plain_scores(
 
 
 @pytest.mark.parametrize("flows", [0, 1, 6, 40])
-def test_score_flows_is_a_plain_sum_over_the_flows_of_each_resample(flows: int) -> None:
+def test_score_flows_is_a_plain_sum_over_the_flows_of_each_resample(flows):
     """Flows that laminarise count in hazards alone; their energies and costs are not defined."""
     records, generator = random_records(flows, 1, laminar=3), np.random.default_rng(2)
     laminar = np.maximum(records.laminar_step_uncontrolled, records.laminar_step_controlled) >= 0
@@ -152,7 +147,7 @@ def test_score_flows_is_a_plain_sum_over_the_flows_of_each_resample(flows: int) 
             np.testing.assert_allclose([intervals[name].low, intervals[name].high], ends)
 
 
-def test_flow_intervals_bound_nothing_by_the_rule_of_three() -> None:
+def test_flow_intervals_bound_nothing_by_the_rule_of_three():
     records = random_records(1000, 3, controlled=0.0)
     sample = FlowSample(records, SPAN)
     scores = flow_intervals(score_flows(sample, 400, np.random.default_rng(0)), sample, 0.95)
@@ -181,7 +176,7 @@ FORCE = [0.001, 0, -0.002, 0, 0, 0, 0, 0, 0.0]
 @pytest.mark.parametrize(
     "system", [FLOW, RAISED, actuated_system(FLOW, {"reynolds": 800.0}, FORCE)]
 )
-def test_energy_budget_is_the_change_along_the_right_hand_side(system: Any) -> None:
+def test_energy_budget_is_the_change_along_the_right_hand_side(system):
     """The quadratic terms exchange energy only, and a force adds its work to the input."""
     state = np.random.default_rng(0).normal(size=(9, 500))
     budget = system.energy_budget(state)
@@ -190,14 +185,14 @@ def test_energy_budget_is_the_change_along_the_right_hand_side(system: Any) -> N
 
 
 @pytest.mark.parametrize("reynolds", [400.0, 2000.0])
-def test_energy_budget_at_the_laminar_state_is_one_of_viscosity(reynolds: float) -> None:
+def test_energy_budget_at_the_laminar_state_is_one_of_viscosity(reynolds):
     """There k = 0.5, and input equals dissipation, beta^2 / Re."""
     laminar = replace(FLOW, reynolds=reynolds).energy_budget(np.eye(9)[:, :1])
     assert laminar.input == pytest.approx(np.pi**2 / 4 / reynolds)
     assert laminar.dissipation == laminar.input
 
 
-def test_a_system_without_a_budget_has_no_energy_means() -> None:
+def test_a_system_without_a_budget_has_no_energy_means():
     lorenz = Lorenz63()
     assert lorenz.energy_budget(np.ones((3, 2))) is None
     assert actuated_system(lorenz, {}, [1.0, 0, 0]).energy_budget(np.ones((3, 2))) is None
@@ -207,11 +202,11 @@ def test_a_system_without_a_budget_has_no_energy_means() -> None:
 # -- medians over networks -------------------------------------------------------------------------
 
 
-def scored(records: FlowRecords) -> dict[str, ResampledScore]:
+def scored(records):
     return score_flows(FlowSample(records, SPAN), 200, np.random.default_rng(11))
 
 
-def test_medians_over_seeds_are_those_of_networks_that_differ_by_their_seeds() -> None:
+def test_medians_over_seeds_are_those_of_networks_that_differ_by_their_seeds():
     members = [
         (ForecasterName("esn", 500, "RV", seed), scored(random_records(30, seed)))
         for seed in range(3)
@@ -231,7 +226,7 @@ def test_medians_over_seeds_are_those_of_networks_that_differ_by_their_seeds() -
 # -- settings chosen on half of the flows ----------------------------------------------------------
 
 
-def test_halves_are_flows_of_series_with_even_and_odd_numbers() -> None:
+def test_halves_are_flows_of_series_with_even_and_odd_numbers():
     """Each with the scores of its flows."""
     rows = np.array([7, 10, 12, 13, 14])
     records = replace(random_records(5, 1, laminar=1), row=rows)
@@ -243,7 +238,7 @@ def test_halves_are_flows_of_series_with_even_and_odd_numbers() -> None:
         assert values_of(half) == pytest.approx(expected, nan_ok=True)
 
 
-def flows_with(left: list[int], acting: list[int], effort: list[float] | None = None) -> FlowSample:
+def flows_with(left, acting, effort=None):
     """Flows with 20 exceeding steps each without control; ``left`` steps and acting steps given."""
     nothing = np.zeros(len(left), dtype=np.int64)
     values = dict.fromkeys(RECORDS, nothing)
@@ -274,12 +269,10 @@ LONGER, HARDER = flows_with([0], [9], [0.1]), flows_with([0], [1], [0.2])
         ([flows_with([], []), flows_with([20], [50])], 0.01, 1),
     ],
 )
-def test_choose_takes_the_cheapest_that_leaves_little(
-    candidates: list[FlowSample], tolerance: float, chosen: int
-) -> None:
+def test_choose_takes_the_cheapest_that_leaves_little(candidates, tolerance, chosen):
     assert choose(candidates, tolerance) == chosen
 
 
-def test_choose_needs_candidates() -> None:
+def test_choose_needs_candidates():
     with pytest.raises(ValueError, match="nothing to choose from"):
         choose([], 0.01)

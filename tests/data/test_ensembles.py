@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
 from burstcast.base import random_streams
+from burstcast.base.events import upward_crossings
 from burstcast.data import dataset
 from burstcast.data.delay_coordinates import delay_coordinates, delayed_name
 from burstcast.data.ensemble_files import ensemble_variables
@@ -32,20 +33,11 @@ SYSTEM = Lorenz63()
 STARTS = np.array([[1.0, 1.0, 20.0]] * 12).T + 5 * np.random.default_rng(3).random((3, 12))
 
 
-def textbook_step(state):
-    """One Runge-Kutta step of one trajectory."""
-    k1 = SYSTEM.right_hand_side(state)
-    k2 = SYSTEM.right_hand_side(state + STEP / 2 * k1)
-    k3 = SYSTEM.right_hand_side(state + STEP / 2 * k2)
-    k4 = SYSTEM.right_hand_side(state + STEP * k3)
-    return state + STEP / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-
-
-def ensemble(starts=STARTS, **changes):
+def ensemble(starts=STARTS, system=SYSTEM, **changes):
     """Kept series of a small ensemble, by batches."""
     lengths = {"sampling_stride": 6, "transient_steps": 100, "kept_steps": 300}
     arguments = {"time_step": STEP, **lengths, "laminarisation_threshold": 41.0, **changes}
-    return list(dataset.generate_ensemble(SYSTEM, starts, **arguments))
+    return list(dataset.generate_ensemble(system, starts, **arguments))
 
 
 def test_initial_states_are_the_papers_and_more_of_them_begin_with_the_same():
@@ -61,30 +53,10 @@ def test_initial_states_are_the_papers_and_more_of_them_begin_with_the_same():
     np.testing.assert_array_equal(fewer, states[:, :7])
 
 
-def test_what_has_no_ensemble_and_no_scale():
-    class Undefined(type(SYSTEM)):
-        def observable(self, state):
-            return state[0] * np.nan
-
-    arguments = {"time_step": STEP, "sampling_stride": 6, "transient_steps": 0, "kept_steps": 6}
-    made = dataset.generate_ensemble(Undefined(), STARTS, **arguments, laminarisation_threshold=1.0)
-    with pytest.raises(FloatingPointError, match=r"observable of 12 series is not a number"):
-        list(made)
-    with pytest.raises(FloatingPointError, match="time step"):
-        ensemble(time_step=1.0)
-    states = np.random.default_rng(1).normal(size=(3, 50, 4))
-    states[:, :, 2] = 0.5
-    with pytest.raises(ValueError, match="component 2 is constant"):
-        dataset.component_scales(states)
-
-
 @pytest.mark.parametrize("raised", [0.0, 40.0])  # a burst in the transient is not seen
 def test_generate_ensemble_keeps_single_trajectories_that_do_not_laminarise(raised):
     starts = STARTS + np.array([[0.0], [0.0], [raised]])
-    course = [starts]
-    for _ in range(100 + 300):
-        course.append(textbook_step(course[-1]))
-    course = np.array(course)[100:]  # after the transient
+    course = integrate(SYSTEM, starts, STEP, 100 + 300)[100:]  # after the transient
     largest, sampled = course[:, 2].max(axis=0), course[::6, 2]
     between = (largest + sampled.max(axis=0)) / 2
     hidden = (between > largest.min()) & (between < largest - 1e-6)
@@ -123,12 +95,6 @@ def test_batches_change_nothing(monkeypatch):
 
 
 # -- scales and noise ------------------------------------------------------------------------------
-def test_scales_are_componentwise_over_all_series():
-    states = np.random.default_rng(1).normal(size=(3, 50, 4)) * [1, 2, 3, 4] + 7
-    scales = dataset.component_scales(states)
-    flat = states.reshape(-1, 4)
-    np.testing.assert_array_equal(scales.range, np.ptp(flat, axis=0))
-    np.testing.assert_allclose(scales.standard_deviation, np.std(flat, axis=0))
 
 
 def observed(states, first, noise=0.01, root_seed=2022, name="Re400"):
@@ -164,18 +130,12 @@ def test_inputs_are_divided_by_the_range_of_all_series_or_of_the_first():
 
 def test_times_and_shares_of_an_ensemble():
     states = np.random.default_rng(1).normal(size=(3, 5, 2))
-    lifetimes = np.array([4, 2, 4, 4])
-    variables, summary = ensemble_variables(
-        states, states[:, :, 0], "u", np.array([0, 2, 3]), lifetimes, 0.5
-    )
+    kept, lifetimes = np.array([0, 2, 3]), np.array([4, 2, 4, 4])
+    variables, summary = ensemble_variables(states, states[..., 0], "u", kept, lifetimes, 0.5)
     np.testing.assert_array_equal(variables["time"].data, [0.0, 0.5, 1.0, 1.5, 2.0])
     assert variables["state"].data is states
-    assert summary == {
-        "series_generated": 4,
-        "series_kept": 3,
-        "laminarised_fraction": 0.25,
-        "mean_observable": states[:, :, 0].mean(),
-    }
+    expected = {"series_generated": 4, "series_kept": 3, "laminarised_fraction": 0.25}
+    assert summary == expected | {"mean_observable": states[..., 0].mean()}
 
 
 # -- estimated noise -------------------------------------------------------------------------------
@@ -194,14 +154,12 @@ def test_the_noise_of_a_chaotic_system_is_found(noise, series):
     np.testing.assert_allclose(estimate_noise(observed), added, rtol=0.05)
 
 
-def test_what_needs_no_estimate_of_noise_and_what_has_none(series):
+def test_what_needs_no_estimate_of_noise(series):
     time = np.linspace(-1, 1, 60)[:, np.newaxis]
     smooth = np.concatenate([time**7 - time, 2 - time**4], axis=1)[np.newaxis]
     assert (estimate_noise(smooth) < 1e-14).all()
     np.testing.assert_allclose(observation_noise(series, 0.25), 0.25 * series.std(axis=(0, 1)))
     np.testing.assert_array_equal(observation_noise(series, None), estimate_noise(series))
-    with pytest.raises(ValueError, match="series of 8 samples"):
-        estimate_noise(np.zeros((3, 8, 2)))
 
 
 # -- starting points -------------------------------------------------------------------------------
@@ -226,22 +184,11 @@ def test_starting_points_are_as_many_as_leave_room(series, length, spacing, wash
     assert len(points) == len(pairs)
 
 
-def test_steps_before_events_leave_room_for_the_washout():
-    assert steps_before_events(45, 40, 5) == 44
-    with pytest.raises(ValueError, match="44 samples leave no room for a washout of 5 steps and a"):
-        steps_before_events(44, 40, 5)
-
-
 @given(npst.arrays(np.float64, (3, 12), elements=st.sampled_from([0.0, 0.09, 0.1, 0.2])))
-def test_crossings_are_rises_to_the_threshold(observable):
-    expected = [
-        (row, step)
-        for row in range(3)
-        for step in range(1, 12)
-        if observable[row, step - 1] < 0.1 <= observable[row, step]
-    ]
+def test_crossings_are_those_of_each_series(observable):
     crossings = crossing_points(observable, 0.1)
-    assert list(zip(crossings.series.tolist(), crossings.step.tolist(), strict=True)) == expected
+    pairs = np.argwhere(upward_crossings(observable, 0.1))
+    np.testing.assert_array_equal(np.stack([crossings.series, crossings.step], axis=1), pairs)
 
 
 def test_horizon_events_are_the_first_that_leave_room():
@@ -249,6 +196,7 @@ def test_horizon_events_are_the_first_that_leave_room():
     events = horizon_events(crossings, 0, 10, 4)
     assert events.series.tolist() == [0, 1, 1, 2]
     assert events.step.tolist() == [50, 10, 90, 11]
+    assert steps_before_events(45, 40, 5) == 44
     assert len(horizon_events(crossings, 0, 91, 4)) == 0
     assert len(horizon_events(crossings, 0, 0, 500)) == 6
     unseen = horizon_events(crossings, 1, 10, 2)
@@ -269,14 +217,6 @@ def test_segments_are_cut_out(data, before, after):
     np.testing.assert_array_equal(two_dimensional, cut[..., 0])
 
 
-@pytest.mark.parametrize(("step", "before", "after"), [(2, 3, 0), (9, 0, 1)])
-def test_segments_beyond_the_series_are_refused(step, before, after):
-    # a negative index would silently take the end of the series
-    points = SeriesPoints(np.array([0, 0]), np.array([5, step]))
-    with pytest.raises(IndexError, match="beyond its series"):
-        segments(np.zeros((1, 10)), points, before, after)
-
-
 # -- thresholds as quantiles -----------------------------------------------------------------------
 
 
@@ -289,18 +229,50 @@ def test_threshold_at_a_quantile_lies_in_proportion_between_two_samples(values, 
     assert threshold_found == pytest.approx(expected, abs=1e-9)
 
 
+CONSTANT = np.array([[[0.0, 1.0, 0.5], [1.0, 0.0, 0.5]]])
+
+
+class Undefined(Lorenz63):
+    def observable(self, state):
+        return state[0] * np.nan
+
+
+def cut_out(step, before, after):
+    # a negative index would silently take the end of the series
+    points = SeriesPoints(np.array([0, 0]), np.array([5, step]))
+    return segments(np.zeros((1, 10)), points, before, after)
+
+
 @pytest.mark.parametrize(
-    ("quantile", "observable", "message"),
+    ("made", "error", "message"),
     [
-        (1.0, np.arange(3.0), "between 0 and 1"),
-        (0.5, np.array([]), "finite samples"),
-        (0.5, np.array([1.0, np.nan]), "finite samples"),
-        (0.5, np.array([0.0, 1.0, 1.0, 1.0]), r"no sample is above the quantile 0\.5"),
+        (lambda: ensemble(system=Undefined()), FloatingPointError, "observable of 12 series is no"),
+        (lambda: ensemble(time_step=1.0), FloatingPointError, "time step"),
+        (lambda: dataset.component_scales(CONSTANT), ValueError, "component 2 is constant"),
+        (lambda: estimate_noise(np.zeros((3, 8, 2))), ValueError, "series of 8 samples"),
+        (lambda: steps_before_events(44, 40, 5), ValueError, "44 samples leave no room for a was"),
+        (lambda: cut_out(2, 3, 0), IndexError, "beyond its series"),
+        (lambda: cut_out(9, 0, 1), IndexError, "beyond its series"),
+        (lambda: threshold_at(1.0, np.arange(3.0)), ValueError, "between 0 and 1"),
+        (lambda: threshold_at(0.5, np.array([])), ValueError, "finite samples"),
+        (lambda: threshold_at(0.5, np.array([1.0, np.nan])), ValueError, "finite samples"),
+        (
+            lambda: threshold_at(0.5, np.array([0.0, 1.0, 1.0, 1.0])),
+            *(ValueError, r"no sample is above the quantile 0\.5"),
+        ),
+        (
+            lambda: delay_coordinates(np.zeros((2, 5, 1)), [2, 0]),
+            *(ValueError, r"whole numbers above 0, not \[2, 0\]"),
+        ),
+        (
+            lambda: delay_coordinates(np.zeros((2, 5, 1)), [5]),
+            *(ValueError, "reach back by 5 steps, but a series has 5 samples"),
+        ),
     ],
 )
-def test_what_has_no_threshold(quantile, observable, message):
-    with pytest.raises(ValueError, match=message):
-        threshold_at(quantile, observable)
+def test_what_makes_no_sense_is_refused(made, error, message):
+    with pytest.raises(error, match=message):
+        made()
 
 
 def test_values_replace_quantiles_wherever_they_are():
@@ -328,6 +300,7 @@ def test_values_replace_quantiles_wherever_they_are():
     seed=st.integers(0, 99),
 )
 def test_delay_coordinates_value_by_value(samples, delays, seed):
+    assert delayed_name("x", 5) == "x(t-5)"
     series = np.random.default_rng(seed).normal(size=(3, samples, 2))
     delayed = delay_coordinates(series, delays)
     longest = max(delays, default=0)
@@ -337,13 +310,3 @@ def test_delay_coordinates_value_by_value(samples, delays, seed):
             now = step + longest
             expected = [series[row, now - back, i] for back in [0, *delays] for i in range(2)]
             assert delayed[row, step].tolist() == expected
-
-
-def test_names_and_mistakes_of_delays():
-    series = np.zeros((2, 5, 1))
-    with pytest.raises(ValueError, match=r"whole numbers above 0, not \[2, 0\]"):
-        delay_coordinates(series, [2, 0])
-    with pytest.raises(ValueError, match="reach back by 5 steps, but a series has 5 samples"):
-        delay_coordinates(series, [5])
-    assert delay_coordinates(series, [4]).shape == (2, 1, 2)
-    assert delayed_name("x", 5) == "x(t-5)"

@@ -46,36 +46,23 @@ def listed(runs, name="u"):
     return [run.columns[name].tolist() for run in runs]
 
 
-def test_a_regular_record_stays_as_it_is():
-    values = np.random.default_rng(1).normal(size=500)
-    time = 1000.3 + 5 * np.arange(500)
-    (run,) = runs_without_gaps(record(time, u=values), STEP)
-    assert np.array_equal(run.columns["u"], values)
-    np.testing.assert_allclose(run.columns["time"], time, rtol=1e-15)
-    assert run.name == "a.csv, rows 1 to 500"
-
-
 def test_missing_rows_and_empty_cells_cut():
-    parts = runs_without_gaps(
-        record([0, 5, 10, 20, 25, 30, 35], u=[1, 2, 3, 4, 5, NAN, 7], v=[1] * 7), STEP
-    )
+    time, u = [0, 5, 10, 20, 25, 30, 35], [1, 2, 3, 4, 5, NAN, 7]
+    parts = runs_without_gaps(record(time, u=u, v=[1] * 7), STEP)
     assert listed(parts) == [[1, 2, 3], [4, 5], [7]]
-    names = ["a.csv, rows 1 to 3", "a.csv, rows 4 to 5", "a.csv, rows 7 to 7"]
-    assert [run.name for run in parts] == names
+    rows = ["1 to 3", "4 to 5", "7 to 7"]
+    assert [run.name for run in parts] == [f"a.csv, rows {ends}" for ends in rows]
     # the same of a column without times, where no row is missing
-    assert listed(runs_without_gaps(Run("a.nc", {"u": np.array([1, 2, NAN, 4])}), STEP)) == [
-        [1, 2],
-        [4],
-    ]
+    run = Run("a.nc", {"u": np.array([1, 2, NAN, 4])})
+    assert listed(runs_without_gaps(run, STEP)) == [[1, 2], [4]]
 
 
 def test_times_off_the_grid_begin_another_run():
-    # a sensor that was started again two minutes later, two rows at one place, a clock that drifts
     for time, expected in (
-        ([0, 5, 12, 17], [[1, 2], [3, 4]]),
+        ([0, 5, 12, 17], [[1, 2], [3, 4]]),  # a sensor that was started again two minutes later
         ([0, 5.4, 9.6, 15.3], [[1, 2, 3, 4]]),
-        ([0, 5, 5.2, 10], [[1, 2], [3, 4]]),
-        (np.cumsum(np.full(7, 5.2)), [[1, 2, 3], [4, 5, 6], [7]]),
+        ([0, 5, 5.2, 10], [[1, 2], [3, 4]]),  # two rows at one place
+        (np.cumsum(np.full(7, 5.2)), [[1, 2, 3], [4, 5, 6], [7]]),  # a clock that drifts
     ):
         assert listed(runs_without_gaps(record(time, u=np.arange(len(time)) + 1), STEP)) == expected
     drift = np.cumsum(np.full(2000, 5.002))
@@ -126,16 +113,17 @@ def test_clocks_that_jump_are_refused(time, values, message):
 
 def test_regular_times():
     time = 1e4 + 0.02 * np.arange(1000)
-    check_regular(record(time), 0.02)
-    check_regular(record([f"{value:.4f}" for value in time]), 0.02)
-    check_regular(record(1.7e9 + 0.02 * np.arange(1000)), 0.02)  # seconds since 1970
-    check_regular(record(time + 0.0015 * np.sin(np.arange(1000))), 0.02)
-    with pytest.raises(ValueError, match=r"row 2: .* goes on by 0.02 .* step is 0.01, and the me"):
-        check_regular(record(time), 0.01)
-    with pytest.raises(ValueError, match=r"row 401: column 'time' goes on by 0\.04 from row 400"):
-        check_regular(record(np.delete(time, 400 - 0)[:999]), 0.02)
-    with pytest.raises(ValueError, match=r"it has no gap; write data.time_step: 0.0201"):
-        check_regular(record(np.arange(1000) * 0.0201), 0.02)  # it would drift by five rows
+    rounded, since_1970 = [f"{value:.4f}" for value in time], 1.7e9 + 0.02 * np.arange(1000)
+    for times in (time, rounded, since_1970, time + 0.0015 * np.sin(np.arange(1000))):
+        check_regular(record(times), 0.02)
+    for times, step, message in (
+        (time, 0.01, r"row 2: .* goes on by 0.02 .* step is 0.01, and the me"),
+        (np.delete(time, 400), 0.02, r"row 401: column 'time' goes on by 0\.04 from row 400"),
+        # it would drift by five rows
+        (np.arange(1000) * 0.0201, 0.02, r"it has no gap; write data.time_step: 0.0201"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            check_regular(record(times), step)
 
 
 def test_short_parts_are_left_out():
@@ -190,41 +178,33 @@ def test_known_columns_are_cut_with_the_record(tmp_path):
         recorded_series([path], {**DATA, "gaps": None}, SPACE)
 
 
-def test_series_of_unequal_lengths(tmp_path):
+@pytest.mark.parametrize(
+    ("blocks", "lengths", "starts", "messages"),
+    [
+        (
+            *((None, 0, 3), [7, 18], [4, 12]),
+            ["gaps leave 3 parts of the record; 1 of them, with 3 of 28 rows,", "2 series have 7"],
+        ),
+        ((7, 1, 1), [3, 7, 8, 8, 2], [0, 4, 12, 20, 28], ["5 series have 2 to 8 samples"]),
+        ((7, 3, 3), [7, 8, 8], [4, 12, 22], ["gaps leave", "3 series have 7 to 8 samples"]),
+    ],
+)
+def test_series_of_unequal_lengths(tmp_path, blocks, lengths, starts, messages):
     """Whole runs between gaps, or blocks and what is left of a run; all rows are accounted for."""
     path = write(tmp_path / "a.csv", lost=[3, 11])  # runs of 3, 7 and 18 days
-    for blocks, lengths, starts, messages in (
-        (
-            {"duration": None, "gap": 0, "shortest": 3},
-            [7, 18],
-            [4, 12],
-            ("gaps leave 3 parts of the record; 1 of them, with 3 of 28 rows,", "2 series have 7"),
-        ),
-        (
-            {"duration": 7, "gap": 1, "shortest": 1},
-            [3, 7, 8, 8, 2],
-            [0, 4, 12, 20, 28],
-            ("5 series have 2 to 8 samples",),
-        ),
-        (
-            {"duration": 7, "gap": 3, "shortest": 3},
-            [7, 8, 8],
-            [4, 12, 22],
-            ("gaps leave", "3 series have 7 to 8 samples"),
-        ),
-    ):
-        recorded = recorded_series([path], {**DATA, "blocks": blocks}, SPACE)
-        assert (~np.isnan(recorded.states[..., 0])).sum(axis=1).tolist() == lengths
-        assert recorded.states[:, 0, 0].tolist() == starts
-        assert recorded.start.tolist() == [18262 + start for start in starts]
-        for row, (first, length) in enumerate(zip(starts, lengths, strict=True)):
-            values = recorded.states[row, :length, 0]
-            np.testing.assert_array_equal(values, np.arange(first, first + length))
-            np.testing.assert_array_equal(recorded.covariates[row, :length, 0], 2 * (values % 4))
-        for message, beginning in zip(recorded.messages, messages, strict=True):
-            assert message.startswith(beginning)
-    cut = measured_series(path, "1 day", ["u"], shortest=3, cut_gaps=True)
-    assert [series[:, 0].tolist() for series in cut] == [[*range(4, 11)], [*range(12, 30)]]
+    blocks = dict(zip(("duration", "gap", "shortest"), blocks, strict=True))
+    recorded = recorded_series([path], {**DATA, "blocks": blocks}, SPACE)
+    assert (~np.isnan(recorded.states[..., 0])).sum(axis=1).tolist() == lengths
+    assert recorded.start.tolist() == [18262 + start for start in starts]
+    for row, (first, length) in enumerate(zip(starts, lengths, strict=True)):
+        values = recorded.states[row, :length, 0]
+        np.testing.assert_array_equal(values, np.arange(first, first + length))
+        np.testing.assert_array_equal(recorded.covariates[row, :length, 0], 2 * (values % 4))
+    for message, beginning in zip(recorded.messages, messages, strict=True):
+        assert message.startswith(beginning)
+    if blocks["duration"] is None:
+        cut = measured_series(path, "1 day", ["u"], shortest=3, cut_gaps=True)
+        assert [series[:, 0].tolist() for series in cut] == [[*range(4, 11)], [*range(12, 30)]]
 
 
 def test_an_array_of_several_series_may_end_with_nan():
@@ -257,39 +237,30 @@ def test_records_with_mistakes(tmp_path, columns, lost, changes, message):
         recorded_series([path], {**DATA, **changes}, SPACE)
 
 
-def test_a_table_without_times(tmp_path):
-    (tmp_path / "a.csv").write_text("date,u,rain\n2020-01-01,1,2\n")
-    with pytest.raises(ValueError, match=r"a\.csv has no column 'time'; its columns are date, u,"):
-        recorded_series([str(tmp_path / "a.csv")], DATA, SPACE)
-
-
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("known", "messages"),
     [
-        ({"known": ["rhoo"]}, "known: there is no column 'rhoo' (did you mean 'rho'?)"),
-        ({"known": ["x"]}, "known has x, which forecasters see and forecast as a component"),
-        ({"known": ["mine = z"]}, "known has mine = z, which forecasters see"),
-        ({"known": ["x = rho"]}, "known has x = rho, which forecasters see"),
-        ({"known": ["r = rho", "r = 2 * rho"]}, "known has r twice"),
-        ({"known": ["rho", "x + rho"]}, None),
+        (["mine = z"], ["known has mine = z, which forecasters see and forecast as a component"]),
+        (["x = rho"], ["known has x = rho, which forecasters see"]),
+        (["r = rho", "r = 2 * rho"], ["known has r twice"]),
+        (["rho", "x + rho"], []),
+        (
+            ["rhoo", "x", "rho", "rho", "sigma"],  # all mistakes are told
+            [
+                "known: there is no column 'rhoo' (did you mean 'rho'?)",
+                "known has x, which",
+                "known has rho twice",
+                "known: there is no column 'sigma'",
+            ],
+        ),
     ],
 )
-def test_mistakes_in_known_columns(changes, message):
-    data = {"components": ["x", "y"], "observable": "z", **changes}
+def test_mistakes_in_known_columns(known, messages):
+    data = {"components": ["x", "y"], "observable": "z", "known": known}
     problems = list(problems_of_columns(data, ["x", "y", "z", "rho"]))
-    assert len(problems) == (message is not None)
-    assert message is None or problems[0].startswith(message), problems
-
-
-def test_all_mistakes_are_told():
-    data = {"components": ["x"], "observable": "z", "known": ["rhoo", "x", "rho", "rho", "sigma"]}
-    problems = list(problems_of_columns(data, ["x", "y", "z", "rho"]))
-    assert [re.split(r" \(|,|;", problem)[0] for problem in problems] == [
-        "known: there is no column 'rhoo'",
-        "known has x",
-        "known has rho twice",
-        "known: there is no column 'sigma'",
-    ]
+    assert len(problems) == len(messages)
+    for problem, message in zip(problems, messages, strict=True):
+        assert problem.startswith(message)
 
 
 def test_tables_and_arrays_are_what_their_files_are(tmp_path):
@@ -306,22 +277,25 @@ def test_tables_and_arrays_are_what_their_files_are(tmp_path):
             measured_series(source, "1 day", ["u"])
     both = measured_series([table, array], "1 day", ["u"], block=4, cut_gaps=True)
     assert np.array_equal(both, np.concatenate([expected, expected]))
-    with pytest.raises(ValueError, match="the table: there is no column 'x'; the columns are u, r"):
-        measured_series(table, "1 day", ["x"])
-    with pytest.raises(ValueError, match=r"cut_gaps needs block.* or shortest"):
-        measured_series(table, "1 day", ["u"], cut_gaps=True)
+    empty = {"components": ["u", "w"], "block": 4, "cut_gaps": True}
     for error, message, arguments in (
+        (
+            ValueError,
+            "the table: there is no column 'x'; the columns are u, r",
+            {"components": ["x"]},
+        ),
+        (ValueError, r"cut_gaps needs block.* or shortest", {"cut_gaps": True}),
         (TypeError, r"components must be a list: \['u'\]", {"components": "u"}),
         (TypeError, "block must be a number, in time units .* not '4 days'", {"block": "4 days"}),
         (ValueError, "block and shortest must be above 0", {"block": -5}),
         (TypeError, "shortest must be a number", {"shortest": "4 days"}),
         (ValueError, "the time step must be finite and above 0, not nan", {"time_step": math.nan}),
+        (ValueError, "column 'w' has no number at all: leave it out", empty),
     ):
         with pytest.raises(error, match=message):
-            measured_series(table, **{"time_step": "1 day", **arguments})
-    empty = table.assign(w=math.nan)
-    with pytest.raises(ValueError, match="column 'w' has no number at all: leave it out"):
-        measured_series(empty, "1 day", ["u", "w"], block=4, cut_gaps=True)
+            measured_series(
+                table.assign(w=NAN), **{"time_step": "1 day", "components": ["u"], **arguments}
+            )
 
 
 # -- from columns to series ------------------------------------------------------------------------
@@ -441,12 +415,8 @@ def test_micro_signs():
             series([run(**{micro: np.arange(20.0)})], [text], text)
 
 
-def test_constant_components():
-    series = np.stack([np.zeros((5, 2)), np.ones((5, 2))])
-    check_varying(series, ["u", "v"], "the series")  # constant in each of them, not in all
-    series[..., 1] = 3.5
-    with pytest.raises(ValueError, match=r"component 'v' is 3\.5 in all of the training series"):
-        check_varying(series, ["u", "v"], "the training series")
+def test_components_that_are_constant_in_each_series_and_not_in_all_vary():
+    check_varying(np.stack([np.zeros((5, 2)), np.ones((5, 2))]), ["u", "v"], "the series")
 
 
 @pytest.mark.parametrize(
@@ -464,11 +434,8 @@ def test_constant_components():
 def test_codes_for_missing_numbers(code, times, is_code):
     values = np.append(1.5 + 0.8 * np.sin(np.arange(500) / 40), np.full(times, code))
     assert code_of_gaps(values) == (code if is_code else None)
-
-
-def test_no_codes_among_few_values():
-    assert code_of_gaps(np.array([0.0, 99, 0, 99])) is None  # two states of a switch
-    assert code_of_gaps(np.full(3, np.nan)) is None
+    for few in (np.array([0.0, 99, 0, 99]), np.full(3, np.nan)):  # two states of a switch
+        assert code_of_gaps(few) is None
 
 
 def test_series_beyond_the_laminarisation_threshold():

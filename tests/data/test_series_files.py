@@ -99,22 +99,16 @@ def test_dialects_of_csv(tmp_path, text):
         ("time,u,v,\n0,1,2,\n", "line 1: column 4 has no name"),
         ("time,u,v,u\n0,1,2,3\n", "has 2 columns that are called 'u'"),
         ("time;u;v\n0;1;2\n", "fields are separated by commas"),
-        ("time\tu\tv\n0\t1\t2\n", "fields are separated by commas"),
-        ("flow rate v\n1 2\n", "fields are separated by commas"),
         # more fields or fewer: decimal commas, thousands, a trailing comma, blank lines, comments
         ("# x\ntime,u,v\n0,1,2\n1,3,4,5\n", "line 4 has 4 fields, but the header has 3"),
         ("time,u,v\n0,1,5,2\n", "line 2 has 4 fields, but the header has 3"),
-        ("time,u,v\n0,1,2\n1,1,000,2\n", "line 3 has 4 fields, but the header has 3"),
         ("time,u,v\n0,1,2\n1,3\n", "line 3 has 2 fields, but the header has 3"),
         ("time,u,v\n0,1,2\n\n1,3,4\n", "line 3 has no fields"),
         ("time,u,v\n0,1,2\n# run 2\n1,3,4\n", "line 3 has 1 fields"),
         ('time,u,v\n0,"1","2"\n', "line 2 has a quotation mark: leave columns of text out"),
         # fields
         ("time,u,v\n0,1,2\n1,3,error\n", "line 3: column 'v' has 'error', which is no number"),
-        ("time,u,v\n0,1,10#15\n", "line 2: column 'v' has '10#15', which is no number"),
         ("time,u,v\n0,1,1_0\n", "line 2: column 'v' has '1_0', which is no number"),
-        ("time,u,v\n0,########,2\n", "line 2: column 'u' has '########'"),
-        ("time,u,v\n0,1,2\n1,#WERT!,4\n", "line 3: column 'u' has '#WERT!'"),
         ("time,u,v\n0,TRUE,2\n", "line 2: column 'u' has 'TRUE'"),
         ("time,u,v\n0,1\f2,2\n", r"line 2: column 'u' has '1\x0c2'"),
         ("time,u,v\n0,1,2\ntime,u,v\n1,2,3\n", "line 3: column"),
@@ -151,32 +145,28 @@ def test_dates_with_mistakes(tmp_path, second, message):
     assert message in str(caught.value)
 
 
-def test_dates(tmp_path):
-    path = tmp_path / "a.csv"
-    for stamps, expected in (
-        (["1970-01-01", "1970-01-01T12:30", "1970-01-02 00:00:00"], [0, 12.5, 24]),
-        (["1970-01-01T00:00+01:00", "1970-01-01T01:00Z", "1970-01-01 03:30-0030"], [-1, 1, 4]),
-        (["1970-01-01T01", "19700101T0200", "19700101T033000.000000000"], [1, 2, 3.5]),
-        (["1970-01-01 00:00:00+00", "19700101T01Z", "1970-01-01T03+01"], [0, 1, 2]),
-        (["0", "1.5", "3"], [0, 1.5, 3]),
-    ):
-        path.write_text("time,u,v\n" + "".join(f"{stamp},1,2\n" for stamp in stamps))
-        (run,) = runs(path, unit="hour")
-        assert run.columns["time"].tolist() == expected
+MOMENTS = st.datetimes(datetime.datetime(1000, 1, 2), datetime.datetime(9999, 12, 30))
+FORMS = ["%Y-%m-%d", "%Y-%m-%dT%H", "%Y%m%dT%H%M", "%Y-%m-%d %H:%M:%S.%f", "%Y%m%dT%H%M%S"]
 
 
 @given(
-    moment=st.datetimes(datetime.datetime(1000, 1, 2), datetime.datetime(9999, 12, 30)),
-    form=st.sampled_from(["%Y-%m-%d", "%Y-%m-%dT%H", "%Y%m%dT%H%M", "%Y-%m-%d %H:%M:%S.%f"]),
-    zone=st.sampled_from(["", "Z", "+01", "-0330", "+05:45"]),
+    moments=st.lists(st.tuples(MOMENTS, st.sampled_from(FORMS)), min_size=1, max_size=4),
+    zone=st.sampled_from(["", "Z", "+00", "+01", "-0330", "+05:45"]),
+    unit=st.sampled_from([("second", 1), ("hour", 3600)]),
 )
-def test_dates_are_what_python_reads(moment, form, zone):
-    text = moment.strftime(form) + (zone if "H" in form else "")
-    expected = datetime.datetime.fromisoformat(text)
-    expected = expected if expected.tzinfo else expected.replace(tzinfo=datetime.UTC)
-    since = expected - datetime.datetime(1970, 1, 1, tzinfo=datetime.UTC)
-    microseconds = since // datetime.timedelta(microseconds=1)
-    assert times_in([text], "second").tolist() == [microseconds / 1e6]
+def test_dates_are_what_python_reads(moments, zone, unit):
+    # those with a zone are clock times, all of them
+    texts = [
+        moment.strftime(form if "H" in form or not zone else FORMS[1]) for moment, form in moments
+    ]
+    texts = [text + zone for text in texts]
+    expected = []
+    for text in texts:
+        read = datetime.datetime.fromisoformat(text)
+        read = read if read.tzinfo else read.replace(tzinfo=datetime.UTC)
+        since = read - datetime.datetime(1970, 1, 1, tzinfo=datetime.UTC)
+        expected.append(since // datetime.timedelta(microseconds=1) / 1e6 / unit[1])
+    np.testing.assert_allclose(times_in(texts, unit[0]), expected, rtol=1e-15)
 
 
 STAMPS = pd.to_datetime(["1970-01-01 00:00", "1970-01-01 12:30"])
@@ -264,8 +254,6 @@ def test_components_by_their_labels(tmp_path):
         for source in both(turned.assign_coords(component=labels), tmp_path / "a.nc"):
             assert content_of(source).names == names
             assert np.array_equal(states(runs(source, *names), *names), STATES)
-    for source in both(turned, tmp_path / "a.nc"):
-        assert np.array_equal(states(runs(source, "c1", "c2"), "c1", "c2"), STATES)
     twice = turned.to_dataset().assign(other=turned[..., 0])
     for source in both(twice, tmp_path / "a.nc"):
         with pytest.raises(ValueError, match="has 'c1' in state and in other: keep one of them"):
@@ -444,6 +432,7 @@ CELLS = (
     lambda text: text + '"',
     lambda text: "\N{MINUS SIGN}" + text,
     lambda text: "#DIV/0!",
+    lambda text: "########",
     lambda text: "NA",
     lambda text: "",
 )

@@ -41,13 +41,6 @@ def test_choices_share_no_series_and_leave_the_others_where_they_are(training, c
         np.testing.assert_array_equal(rows[middle], np.arange(kept)[middle])
 
 
-def test_too_few_series_are_refused():
-    with pytest.raises(ValueError, match="29 series are too few for 3 choices of 10"):
-        rows_of_realisation(29, 10, 2)
-    with pytest.raises(ValueError, match="29 series are too few for 3 choices of 10"):
-        drawn(np.zeros(29), np.arange(29), 10, [0.1] * 3)
-
-
 @given(st.data())
 def test_chosen_series_come_first_and_the_others_stay(data):
     kept = data.draw(st.integers(4, 30))
@@ -201,12 +194,27 @@ def test_series_are_those_of_integration_and_the_first_that_do_not_laminarise():
         simulated_series(REYNOLDS, MFE, perturbed, schedules, 12, **settings)
 
 
-def test_what_does_not_fit_is_refused():
-    long, short = (part(0, 2, length) for length in (10, 9))
-    with pytest.raises(ValueError, match="the same length, components and parameters"):
-        TrainingSet.of_parts([long, short], part_of_case=0)
-    with pytest.raises(ValueError, match=r"mean_on must be 1 at least, not 0\.5"):
-        RandomActuation(5, 0.5, 3.0)
+@pytest.mark.parametrize(
+    ("made", "message"),
+    [
+        (lambda: rows_of_realisation(29, 10, 2), "29 series are too few for 3 choices of 10"),
+        (
+            lambda: drawn(np.zeros(29), np.arange(29), 10, [0.1] * 3),
+            "29 series are too few for 3 choices of 10",
+        ),
+        (
+            lambda: TrainingSet.of_parts([part(0, 2, 10), part(0, 2, 9)], part_of_case=0),
+            "the same length, components and parameters",
+        ),
+        (lambda: RandomActuation(5, 0.5, 3.0), r"mean_on must be 1 at least, not 0\.5"),
+        (lambda: factors_of(VALUES, "logarithm", 1), "unknown transform"),
+        (lambda: factors_of(VALUES, "inverse", 0), "must be 1 at least"),
+        (lambda: factors_of(VALUES - 600.0, "inverse", 1), "have no inverse in between"),
+    ],
+)
+def test_what_does_not_fit_is_refused(made, message):
+    with pytest.raises(ValueError, match=message):
+        made()
 
 
 def part(case, count, length=4):
@@ -249,8 +257,12 @@ def test_parameter_factors_are_monomials_of_scaled_values_or_inverses(names, tra
     assert factors.count == expected.shape[1]
 
 
+def factors_of(values, transform, degree):
+    return ParameterFactors.of(["reynolds"], values, transform, degree)
+
+
 def test_a_schedule_has_factors_in_its_own_layout():
-    factors = ParameterFactors.of(["reynolds"], VALUES, "inverse", 2)
+    factors = factors_of(VALUES, "inverse", 2)
     schedule = np.random.default_rng(2).uniform(400, 1000, (5, 1, 3))
     of_schedule = factors.of_schedule(schedule)
     assert of_schedule.shape == (5, 2, 3)
@@ -258,42 +270,21 @@ def test_a_schedule_has_factors_in_its_own_layout():
 
 
 def test_a_parameter_that_is_constant_in_training_has_no_factor():
-    none = ParameterFactors.of(["reynolds"], np.full((7, 1), 400.0), "inverse", 2)
+    none = factors_of(np.full((7, 1), 400.0), "inverse", 2)
     assert none.count == 0
     assert none(np.full((3, 1), 400.0)).shape == (3, 0)
     values = np.column_stack([np.full(4, 5.0), np.arange(4.0)])
     factors = ParameterFactors.of(["a", "b"], values, "identity", 1)
-    assert factors(values).tolist() == [
-        [-1.0],
-        [pytest.approx(-1 / 3)],
-        [pytest.approx(1 / 3)],
-        [1.0],
-    ]
+    np.testing.assert_allclose(factors(values), [[-1], [-1 / 3], [1 / 3], [1]], rtol=1e-15)
 
 
 def test_extrapolation_is_told_with_the_range():
-    factors = ParameterFactors.of(["reynolds"], VALUES, "inverse", 1)
-    message = r"reynolds = 2000 lies outside .* 400 to 1000"
-    with pytest.warns(UserWarning, match=message) as caught:
+    factors = factors_of(VALUES, "inverse", 1)
+    with pytest.warns(UserWarning, match="reynolds = 2000 lies outside .* 400 to 1000") as caught:
         extrapolated = factors(np.array([[2000.0]]))
-    assert extrapolated[0, 0] == pytest.approx(
-        -1.0 - 2 * (1 / 1000 - 1 / 2000) / (1 / 400 - 1 / 1000)
-    )
+    expected = -1.0 - 2 * (1 / 1000 - 1 / 2000) / (1 / 400 - 1 / 1000)
+    assert extrapolated[0, 0] == pytest.approx(expected)
     assert factors.outside(VALUES) is None
     assert caught[0].filename == __file__  # of the caller
-
-
-@pytest.mark.parametrize(
-    ("values", "transform", "degree", "message"),
-    [
-        (VALUES, "logarithm", 1, "unknown transform"),
-        (VALUES, "inverse", 0, "must be 1 at least"),
-        (VALUES - 600.0, "inverse", 1, "have no inverse in between"),
-    ],
-)
-def test_what_cannot_be_scaled_is_refused(values, transform, degree, message):
-    with pytest.raises(ValueError, match=message):
-        ParameterFactors.of(["reynolds"], values, transform, degree)
-    factors = ParameterFactors.of(["reynolds"], VALUES, "inverse", 1)
     with pytest.warns(UserWarning, match="outside"), pytest.raises(ValueError, match="no inverse"):
         factors(np.zeros((1, 1)))

@@ -31,24 +31,16 @@ def series():
 
 @functools.cache
 def fitted(kind="nvar", **changes):
-    settings = {
-        "kind": kind,
-        "prediction_times": (0.2,),
-        "window": 0.4,
-        "washout": 0.5,
-        "lyapunov_time": 1.0,
-        "sampling_interval": 0.02,
-        "sampling_stride": 2,
-        "calibrate": False,
-        **changes,
+    times = {"prediction_times": (0.2,), "window": 0.4, "washout": 0.5, "lyapunov_time": 1.0}
+    times |= {"sampling_interval": 0.02, "sampling_stride": 2, "calibrate": False}
+    options = {
+        "precursor": {"start_spacing_lt": 0.4, "folds": 2},
+        "quadratic_aware": {"parameters": ["rho"], "transform": "identity"},
     }
-    if kind == "precursor":
-        settings["options"] = {"start_spacing_lt": 0.4, "folds": 2}
-    forecaster = burstcast.EventForecaster(FREE, THRESHOLD, **settings)
-    if kind == "quadratic_aware":
-        forecaster.set_params(options={"parameters": ["rho"], "transform": "identity"})
-        return forecaster.fit(series()[:8], parameters=np.linspace(24, 30, 8))
-    return forecaster.fit(series()[:8])
+    settings = {**times, "options": options.get(kind), **changes}
+    forecaster = burstcast.EventForecaster(FREE, THRESHOLD, kind=kind, **settings)
+    parameters = np.linspace(24, 30, 8) if kind == "quadratic_aware" else None
+    return forecaster.fit(series()[:8], parameters=parameters)
 
 
 def controlled(strategy=LOOKS, forecaster=None, observed=None, system=FREE, **changes):
@@ -100,17 +92,13 @@ def test_the_loop_is_a_plain_one(delay):
 
 
 def test_durations_are_those_of_the_forecaster():
-    in_samples = fitted(
-        **{"lyapunov_time": None, "washout": 25.0, "prediction_times": (10.0,), "window": 20.0},
-        calibration_spacing=5.0,
-    )
+    samples = {"washout": 25.0, "prediction_times": (10.0,), "window": 20.0}
+    in_samples = fitted(lyapunov_time=None, calibration_spacing=5.0, **samples)
     counted_in_samples = controlled(RecedingHorizon(5, 30), in_samples, duration=SAMPLES)
-    expected = controlled()
+    expected, name = controlled(), "switchings_per_lyapunov_time"
     np.testing.assert_array_equal(counted_in_samples.states, expected.states)
-    rates = [
-        run.scores["switchings_per_lyapunov_time"].value for run in (counted_in_samples, expected)
-    ]
-    assert rates[1] == pytest.approx(50 * rates[0])
+    rate = counted_in_samples.scores[name].value
+    assert expected.scores[name].value == pytest.approx(50 * rate)
 
 
 @dataclass(frozen=True)
@@ -163,8 +151,6 @@ def test_a_force_pushes_either_way():
     assert run.scores["effort"].value == pytest.approx(
         8 * run.scores["control_fraction"].value, rel=1e-12
     )
-    with pytest.raises(ValueError, match="only a force can be reversed"):
-        controlled(pushing)
 
 
 @dataclass(frozen=True)
@@ -189,7 +175,6 @@ class OtherObservable(Lorenz63):
         ({"forecaster": "precursor"}, "classifiers do not have"),
         ({"actuation": None}, "changes a parameter of the equations or adds a force"),
         ({"actuation": {"r": 1.0}}, "its parameters are sigma, rho, beta"),
-        ({"duration": 0}, "the span of control must last a step"),
         ({"observed": np.ones((2, 7, 3))}, "the washout takes 25 samples, the series have 7"),
     ],
 )

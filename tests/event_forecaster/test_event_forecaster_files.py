@@ -71,18 +71,17 @@ def refused(path, most=50e6):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_saved_forecaster_forecasts_the_same_bits(kind, saved, tmp_path):
+def test_a_saved_forecaster_forecasts_the_same_bits(kind, saved, tested, tmp_path):
     forecaster, path = saved[kind]
     loaded = burstcast.EventForecaster.load(path)
     copied = burstcast.EventForecaster.load(tampered(path, tmp_path / "copy", lambda *_: None))
     assert loaded.get_params() == copied.get_params() == forecaster.get_params()
-    series = lorenz(5, 800, 2)
-    seen = series[:, :200]
+    seen = tested[:, :200]
     for time in (0.5, 1.0):
         expected = forecaster.predict_proba(seen, time)
         for forecaster_again in (loaded, copied):
             np.testing.assert_array_equal(forecaster_again.predict_proba(seen, time), expected)
-    assert loaded.scores(series) == pytest.approx(forecaster.scores(series), nan_ok=True)
+    assert loaded.scores(tested) == pytest.approx(forecaster.scores(tested), nan_ok=True)
     if kind not in OPTIONS:  # classifiers have no trajectories
         np.testing.assert_array_equal(loaded.forecast(seen), forecaster.forecast(seen))
         loaded.save(tmp_path / "again.nc")
@@ -134,6 +133,7 @@ def test_what_can_be_fitted_can_be_loaded(parameters, tmp_path):
     forecaster.save(tmp_path / "saved.nc")
     loaded = burstcast.EventForecaster.load(tmp_path / "saved.nc")
     seen = lorenz(5, 200, 2)
+    assert {type(time) for time in forecaster.alarms_} == {float}
     for time in forecaster.alarms_:
         expected = forecaster.predict_proba(seen, time)
         np.testing.assert_array_equal(loaded.predict_proba(seen, time), expected)
@@ -145,14 +145,10 @@ def test_what_can_be_fitted_can_be_loaded(parameters, tmp_path):
 
 # -- observables that are no component -------------------------------------------------------------
 @pytest.mark.parametrize("observable", [0, lambda states: states[..., 0], Lorenz63()])
-def test_an_observable_that_is_given_is_that_of_the_fit(observable, tmp_path):
+def test_an_observable_that_is_given_is_that_of_the_fit(observable, training, tested, tmp_path):
     """A function is not saved but given again; a system of the package is found."""
-    path, series, load = (
-        tmp_path / "forecaster.nc",
-        lorenz(5, 800, 2),
-        burstcast.EventForecaster.load,
-    )
-    forecaster = fit(lorenz(4, 900, 1), kind="persistence", observable=observable, **QUANTILE)
+    path, load = tmp_path / "forecaster.nc", burstcast.EventForecaster.load
+    forecaster = fit(training, kind="persistence", observable=observable, **QUANTILE)
     forecaster.save(path)
     same = [observable]
     if callable(observable):
@@ -164,8 +160,8 @@ def test_an_observable_that_is_given_is_that_of_the_fit(observable, tmp_path):
     if observable != Lorenz63():
         same += [0, lambda states: states.sum(axis=-1) - states[..., 1:].sum(axis=-1)]
     for given in same:
-        scores = load(path, given).scores(series)
-        assert scores == pytest.approx(forecaster.scores(series), nan_ok=True)
+        scores = load(path, given).scores(tested)
+        assert scores == pytest.approx(forecaster.scores(tested), nan_ok=True)
     for other in (1, lambda states: states[..., 0] + 1e-6, lambda states: -states[..., 0]):
         with pytest.raises(ValueError, match=r"load was given differs from .*forecaster\.nc"):
             load(path, other)
@@ -320,20 +316,18 @@ def test_what_nobody_has_saved_is_refused(place, name, value, saved, tmp_path):
     refused(tampered(path, tmp_path / "bad.nc", change))
 
 
-@pytest.mark.parametrize("degree", [50, 10**6, 10**18])
-def test_polynomials_that_the_arrays_do_not_hold(degree, saved, tmp_path):
+@pytest.mark.parametrize(
+    ("kind", "options"),
+    [
+        *(("quadratic", {"degree": degree}) for degree in (50, 10**6, 10**18)),
+        *(("nvar", {"lags": lags}) for lags in (6, 10**4, 10**18)),
+    ],
+)
+def test_polynomials_that_the_arrays_do_not_hold(kind, options, saved, tmp_path):
     def change(parameters, fitted, arrays):
-        parameters["options"] = {"degree": degree}
+        parameters["options"] = options
 
-    refused(tampered(saved["quadratic"][1], tmp_path / "bad.nc", change))
-
-
-@pytest.mark.parametrize("lags", [6, 10**4, 10**18])
-def test_lags_whose_products_the_arrays_do_not_hold(lags, saved, tmp_path):
-    def change(parameters, fitted, arrays):
-        parameters["options"] = {"lags": lags}
-
-    refused(tampered(saved["nvar"][1], tmp_path / "bad.nc", change))
+    refused(tampered(saved[kind][1], tmp_path / "bad.nc", change))
 
 
 @pytest.mark.parametrize(

@@ -121,6 +121,7 @@ def test_every_kind_takes_series_of_unequal_lengths(kind, training, tmp_path):
     assert any(
         "1 of 6 series have no starting point" in warning for warning in forecaster.warnings_
     )
+    assert len(repr(forecaster.members_[0])) < 300  # a notebook shows it
     lengths = (700, 800, 300, 45)
     tested = cut(lorenz(4, 800, 2), lengths)
     expected = [forecaster.predict_proba(states[np.newaxis])[0] for states in tested]

@@ -23,7 +23,6 @@ OPTIONS = {
 }
 # equations are equations in their own units
 KINDS = [kind for kind in all_kinds() if not kind_class(kind).needs_equations]
-SEARCHED = [kind for kind in KINDS if kind_class(kind).has_search]
 
 
 @functools.cache
@@ -40,20 +39,20 @@ def record():
     return np.split(series.astype(np.float32).astype(float), [8])
 
 
-def unfitted(kind, scale=1.0, offset=0.0, observable=0, bayesian_points=1, **more):
-    """A small forecaster of the record in a unit."""
-    return EventForecaster(
+def fit(kind, series, rho=RHO, scale=1.0, offset=0.0, observable=0, bayesian_points=1, **more):
+    """A small forecaster of the record in a unit, told of rho where the kind learns it."""
+    forecaster = EventForecaster(
         observable=observable,
         event_threshold=THRESHOLD * scale + offset,
         kind=kind,
-        prediction_times=(0.5,),
-        lyapunov_time=LYAPUNOV_TIME,
-        sampling_interval=0.02,
+        **{"prediction_times": (0.5,), "lyapunov_time": LYAPUNOV_TIME, "sampling_interval": 0.02},
         **{"members": 2, "neurons": 80, "grid": 2, "input_scaling": (1, 5)},
         bayesian_points=bayesian_points,
         tikhonov=1e-4,  # well-conditioned: rounding stays rounding
         options={**OPTIONS.get(kind, {}), **more} or None,
     )
+    learns = kind_class(kind).learns_parameters
+    return forecaster.fit(series, parameters=rho if learns else None)
 
 
 def after(forecaster, test, form=np.asarray):
@@ -62,17 +61,16 @@ def after(forecaster, test, form=np.asarray):
     return np.stack([forecaster.predict_proba(form(test[:, :end]))[:, 1] for end in ends])
 
 
-def probabilities(kind, change, scale=1.0, offset=0.0, bayesian_points=1, **more):
-    """Probabilities of test series by a small forecaster of changed series."""
-    training, test = (change(series * scale + offset) for series in record())
-    learns = kind_class(kind).learns_parameters
-    forecaster = unfitted(kind, scale, offset, bayesian_points=bayesian_points, **more)
-    return after(forecaster.fit(training, parameters=RHO if learns else None), test)
-
-
 @functools.cache
+def in_unit(kind, scale=1.0, offset=0.0, **settings):
+    """Hyperparameters of the networks, and probabilities of test series."""
+    training, test = (series * scale + offset for series in record())
+    forecaster = fit(kind, training, scale=scale, offset=offset, **settings)
+    return forecaster.hyperparameters_, after(forecaster, test)
+
+
 def expected(kind, bayesian_points=1):
-    return probabilities(kind, np.asarray, bayesian_points=bayesian_points)
+    return in_unit(kind, bayesian_points=bayesian_points)[1]
 
 
 def assert_equal_forecasts(kind, probability, bayesian_points=1):
@@ -84,43 +82,28 @@ def assert_equal_forecasts(kind, probability, bayesian_points=1):
     np.testing.assert_allclose(probability, plain, rtol=0, atol=tolerance)
 
 
-@pytest.mark.parametrize("scale", [1e7, 1e-6])
+# powers of two: others round the series themselves, and a search makes more of that
+@pytest.mark.parametrize("scale", [2.0**23, 2.0**-20])
 @pytest.mark.parametrize("kind", KINDS)
 def test_another_unit_changes_no_forecast(kind, scale):
-    # a power of ten rounds the series themselves: objectives of a search differ by 1e-9, and what a
-    # Gaussian process makes of that by 1e-3, enough for another vote; the test below has its points
-    probability = probabilities(kind, np.asarray, scale, bayesian_points=0)
-    assert_equal_forecasts(kind, probability, bayesian_points=0)
-
-
-@functools.cache
-def found_by_search(kind, scale=1.0):
-    """Hyperparameters of the networks, and probabilities of test series."""
-    training, test = (series * scale for series in record())
-    learns = kind_class(kind).learns_parameters
-    forecaster = unfitted(kind, scale).fit(training, parameters=RHO if learns else None)
-    return forecaster.hyperparameters_, after(forecaster, test)
-
-
-@pytest.mark.parametrize("scale", [2.0**23, 2.0**-20])
-@pytest.mark.parametrize("kind", SEARCHED)
-def test_a_unit_without_rounding_changes_no_search(kind, scale):
-    hyperparameters, probability = found_by_search(kind, scale)
-    assert hyperparameters == found_by_search(kind)[0]
+    plain, _ = in_unit(kind, bayesian_points=1)
+    hyperparameters, probability = in_unit(kind, scale)
+    assert hyperparameters == plain
     assert_equal_forecasts(kind, probability)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if not kind.startswith("quadratic")])
 def test_another_zero_changes_no_forecast(kind):
-    # a sum rounds as a product does (above): no point of a Gaussian process
-    shifted = probabilities(kind, np.asarray, offset=1e4, bayesian_points=0)
+    # a sum is rounded: no point of a Gaussian process
+    shifted = in_unit(kind, offset=1e4, bayesian_points=0)[1]
     assert_equal_forecasts(kind, shifted, bayesian_points=0)
 
 
 @pytest.mark.parametrize("change", [np.asfortranarray, lambda array: array.astype(np.float32)])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_layout_of_numbers_changes_no_forecast(kind, change):
-    np.testing.assert_array_equal(probabilities(kind, change), expected(kind))
+    training, test = map(change, record())
+    np.testing.assert_array_equal(after(fit(kind, training), test), expected(kind))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -130,9 +113,7 @@ def test_nothing_of_the_caller_is_kept_or_changed(kind):
         return -states[..., 0]
 
     (training, test), rho = (array.copy() for array in record()), RHO.copy()
-    forecaster = unfitted(kind, observable=in_place)
-    learns = kind_class(kind).learns_parameters
-    forecaster.fit(training, parameters=rho if learns else None)
+    forecaster = fit(kind, training, rho, observable=in_place)
     np.testing.assert_array_equal(training, record()[0])
     training[:] = rho[:] = np.nan
     np.testing.assert_array_equal(after(forecaster, test), expected(kind))
@@ -141,8 +122,7 @@ def test_nothing_of_the_caller_is_kept_or_changed(kind):
 
 @pytest.mark.parametrize("kind", ["esn", "esn_direct"])
 def test_networks_without_an_offset_depend_on_the_zero(kind):
-    plain = probabilities(kind, np.asarray, input_offset="none")
-    moved = probabilities(kind, np.asarray, offset=1e4, input_offset="none")
+    plain, moved = (in_unit(kind, offset=zero, input_offset="none")[1] for zero in (0.0, 1e4))
     assert np.abs(moved - plain).max() > 0.1
 
 
@@ -168,14 +148,11 @@ def named_array(series, dims=("component", "time", "series"), order=(1, 2, 0)):
 @pytest.mark.parametrize("kind", KINDS)
 def test_components_go_by_their_labels(kind):
     training, test = record()
-    forecaster = unfitted(kind, observable="x")
-    learns = kind_class(kind).learns_parameters
-    forecaster.fit(tables("zxy")(training), parameters=RHO if learns else None)
+    forecaster = fit(kind, tables("zxy")(training), observable="x")
     assert_equal_forecasts(kind, after(forecaster, test, tables("yzx")))
     assert_equal_forecasts(kind, after(forecaster, test, named_array))
     if kind_class(kind).has_trajectories:  # forecasts have the order of the training series
-        plain = unfitted(kind).fit(training, parameters=RHO if learns else None)
-        expected = plain.forecast(test)[..., [2, 0, 1]]
+        expected = fit(kind, training).forecast(test)[..., [2, 0, 1]]
         np.testing.assert_array_equal(forecaster.forecast(tables("xyz")(test)), expected)
         # arrays without labels have that order, too
         np.testing.assert_array_equal(forecaster.forecast(test[..., [2, 0, 1]]), expected)
@@ -185,29 +162,26 @@ def test_components_go_by_their_labels(kind):
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if not kind_class(kind).has_search])
 def test_another_order_of_series_changes_no_forecast(kind):
     training, test = record()
-    learns = kind_class(kind).learns_parameters
-    forecaster = unfitted(kind).fit(training[::-1], parameters=RHO[::-1] if learns else None)
+    forecaster = fit(kind, training[::-1], RHO[::-1])
     np.testing.assert_allclose(after(forecaster, test), expected(kind), rtol=0, atol=1e-6)
 
 
 @pytest.fixture(scope="module")
 def labelled():
     """Analogues of labelled series, whose observable is a function of the given components."""
-    forecaster = unfitted("analogues", observable=lambda states: states[..., 1])
-    return forecaster.fit(tables("zxy")(record()[0]))
+    return fit("analogues", tables("zxy")(record()[0]), observable=lambda states: states[..., 1])
 
 
 def test_functions_have_the_components_in_the_order_of_the_training_series(labelled, tmp_path):
-    probability = after(labelled, record()[1], tables("xyz"))
-    np.testing.assert_array_equal(probability, expected("analogues"))
-    labelled.save(tmp_path / "labelled.nc")
-    loaded = EventForecaster.load(tmp_path / "labelled.nc", labelled.observable)
-    np.testing.assert_array_equal(after(loaded, record()[1], tables("xyz")), probability)
-    by_label = unfitted("analogues", observable="x").fit(tables("yzx")(record()[0]))
-    by_label.save(tmp_path / "by_label.nc")
-    loaded = EventForecaster.load(tmp_path / "by_label.nc")
-    assert loaded.observable == "x"
-    np.testing.assert_array_equal(after(loaded, record()[1], named_array), probability)
+    by_label = fit("analogues", tables("yzx")(record()[0]), observable="x")
+    for forecaster, form in ((labelled, tables("xyz")), (by_label, named_array)):
+        forecaster.save(tmp_path / "saved.nc")
+        own = forecaster.observable if callable(forecaster.observable) else None
+        loaded = EventForecaster.load(tmp_path / "saved.nc", own)
+        assert loaded.observable == forecaster.observable
+        for each in (forecaster, loaded):
+            probability = after(each, record()[1], form)
+            np.testing.assert_array_equal(probability, expected("analogues"))
 
 
 def test_observations_of_a_stream_go_by_their_labels(labelled):
@@ -277,10 +251,9 @@ def test_other_components_and_clocks_are_refused(form, message, labelled):
 
 def test_dates_are_compared_with_those_of_the_training_series():
     training, test = record()
-    forecaster = unfitted("analogues", observable="x").fit(dated(0.5)(training))
-    np.testing.assert_array_equal(
-        after(forecaster, test, dated(0.5)), after(forecaster, test, tables("zxy"))
-    )
+    forecaster = fit("analogues", dated(0.5)(training), observable="x")
+    for form in (dated(0.5), tables("zxy")):
+        np.testing.assert_array_equal(after(forecaster, test, form), expected("analogues"))
     with pytest.raises(ValueError, match="2 seconds apart, but the interval of the training"):
         forecaster.predict(dated(2.0)(test))
 
@@ -288,6 +261,4 @@ def test_dates_are_compared_with_those_of_the_training_series():
 def test_a_jittering_clock_is_none_of_another_step(labelled):
     jitter = 0.004 * np.random.default_rng(0).uniform(-1, 1, 2000)
     form = changed_clock(lambda times: np.round(times + jitter[: len(times)], 3))
-    np.testing.assert_array_equal(
-        after(labelled, record()[1], form), after(labelled, record()[1], tables("zxy"))
-    )
+    np.testing.assert_array_equal(after(labelled, record()[1], form), expected("analogues"))

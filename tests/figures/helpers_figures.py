@@ -1,19 +1,14 @@
 """Inputs that resemble a campaign's, the figures drawn from them, and what a reader sees."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations, product
-from typing import Any
 from unittest import mock
 
 import numpy as np
 import pandas as pd
-from matplotlib.backend_bases import RendererBase
-from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from burstcast.base.arrays import FloatArray
 from burstcast.figures.parts.style import nothing_to_show
 from burstcast.figures.registry import figure_of
 from burstcast.statistics.densities import bin_edges, histogram
@@ -23,44 +18,27 @@ THRESHOLD = 0.1
 NUMBER_KEYS = {"case": "Re400", "reynolds": 400.0}
 
 
-def burst(time_lt: FloatArray, peak_at: float, height: float = 0.2) -> FloatArray:
+def burst(time_lt, peak_at, height=0.2):
     """A quiet signal with one slow rise and quick collapse."""
     rise = np.exp(-np.square((time_lt - peak_at) / np.where(time_lt < peak_at, 1.5, 0.4)))
     return 0.03 + 0.01 * np.sin(3 * time_lt) + height * rise
 
 
 def percentile_rows(
-    metrics: dict[str, float],
-    sizes: tuple[float, ...] = (500.0, 1000.0, 1500.0),
-    validations: tuple[str, ...] = ("SSV", "RV"),
-    prediction_times: tuple[float, ...] | None = None,
-    **keys: object,
-) -> pd.DataFrame:
+    metrics,
+    sizes=(500.0, 1000.0, 1500.0),
+    validations=("SSV", "RV"),
+    prediction_times=(np.nan,),
+    **keys,
+):
     """A percentile table; medians fall with the prediction time and grow with the size."""
-    rows = []
-    times = prediction_times or (np.nan,)
-    for size, validation, time, (metric, scale) in product(
-        sizes, validations, times, metrics.items()
-    ):
-        median = scale * (1 - 100 / size - (0.05 if validation == "SSV" else 0.0))
-        if prediction_times:
-            median *= 1 - 0.12 * time
-        rows.append(
-            {
-                **NUMBER_KEYS,
-                "forecaster": "esn",
-                "neurons": size,
-                "validation": validation,
-                "prediction_time_lt": time,
-                "metric": metric,
-                "p25": 0.95 * median,
-                "p50": median,
-                "p75": 1.04 * median,
-                "networks": 10,
-                **keys,
-            }
-        )
-    return pd.DataFrame(rows)
+    rows = product(sizes, validations, prediction_times, metrics)
+    names = ["neurons", "validation", "prediction_time_lt", "metric"]
+    table = pd.DataFrame(rows, columns=names).assign(**NUMBER_KEYS, forecaster="esn", networks=10)
+    size = 1 - 100 / table["neurons"] - 0.05 * (table["validation"] == "SSV")
+    time = 1 - 0.12 * table["prediction_time_lt"].fillna(0.0)
+    median = table["metric"].map(metrics) * size * time
+    return table.assign(p25=0.95 * median, p50=median, p75=1.04 * median, **keys)
 
 
 @dataclass(frozen=True)
@@ -72,12 +50,12 @@ class DrawnText:
     size: float
 
 
-def drawn_texts(figure: Figure) -> list[DrawnText]:
+def drawn_texts(figure):
     """Texts that a reader sees: those that are drawn, so no tick labels out of range."""
-    drawn: list[DrawnText] = []
+    drawn = []
     draw = Text.draw
 
-    def record(text: Text, renderer: RendererBase) -> None:
+    def record(text, renderer):
         if text.get_visible() and text.get_text().strip():
             # The words alone: an annotation's own extent includes its arrow and its point.
             frame = Text.get_window_extent(text, renderer)
@@ -89,7 +67,7 @@ def drawn_texts(figure: Figure) -> list[DrawnText]:
     return drawn
 
 
-def overlapping_texts(texts: Sequence[DrawnText]) -> list[tuple[str, str]]:
+def overlapping_texts(texts):
     """Pairs of texts that lie on each other by more than a hair."""
     pairs = []
     for first, second in combinations(texts, 2):
@@ -101,7 +79,7 @@ def overlapping_texts(texts: Sequence[DrawnText]) -> list[tuple[str, str]]:
     return pairs
 
 
-def texts_outside(figure: Figure, texts: Sequence[DrawnText]) -> list[str]:
+def texts_outside(figure, texts):
     """Texts that the edge of the figure cuts."""
     return [
         text.words
@@ -110,7 +88,7 @@ def texts_outside(figure: Figure, texts: Sequence[DrawnText]) -> list[str]:
     ]
 
 
-def as_published(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
+def as_published(rows, kind):
     """Percentiles in the form of the published ones."""
     training = rows["forecaster"] == "training"
     names = {"mean_horizon_lt": "mean_prediction_horizon", "mean_log_error": "mle"}
@@ -128,7 +106,7 @@ def as_published(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
 # -- arguments of every figure, and the figures drawn from them ------------------------------------
 
 TIME = np.linspace(0.0, 8.0, 401)
-SERIES: dict[str, Any] = {
+SERIES = {
     "observable": burst(TIME, 4.0)[np.newaxis],
     "threshold": THRESHOLD,
     "symbol": "k",
@@ -136,12 +114,12 @@ SERIES: dict[str, Any] = {
     **{"exponents": None, "given_exponent": 0.02, "time_step": 0.5, "sampling_stride": 2},
 }
 NAMED = {"symbol": "k", "observable_name": "kinetic energy"}
-FLOW: dict[str, Any] = {
+FLOW = {
     "system": "mfe",
     "parameters": {"reynolds": 400.0, "length_x": 4 * np.pi, "length_z": 2 * np.pi},
     "flow_points": [17, 9, 13],
 }
-PLANE_FLOW: dict[str, Any] = {
+PLANE_FLOW = {
     "system": "kolmogorov_flow:KolmogorovFlow",
     "parameters": {"largest_wavenumber": 3, "forcing_wavenumber": 2},
     "training_series": 1,
@@ -150,7 +128,7 @@ SCORES = {"precision": 0.97, "recall": 1.0, "f_score": 0.98}
 PREDICTION_TIMES = (1.0, 2.0, 3.0)
 STATES = np.random.default_rng(5).normal(0.0, 0.1, (4, 9)) + np.eye(9)[0]
 MARKS = np.array([50, 125, 200, 275])
-EXAMPLES: dict[str, Any] = {
+EXAMPLES = {
     "outcome": np.array([0, 1, 2]),
     "example_time_lt": TIME - 1.5,
     "example_truth": np.stack([burst(TIME, peak) for peak in (4.5, 7.5, 4.5)]),
@@ -165,7 +143,7 @@ EXAMPLES: dict[str, Any] = {
     "evaluation_horizon_lt": np.array([6.5, 6.0, 5.5, 6.0]),
     "allowed_error": 0.008,
 }
-EVENT: dict[str, Any] = {
+EVENT = {
     "time_lt": TIME,
     "true": burst(TIME, 4.0),
     "forecast": burst(TIME, 4.1),
@@ -173,7 +151,7 @@ EVENT: dict[str, Any] = {
     "true_state": STATES,
     "forecast_state": 1.02 * STATES,
 }
-SUPPRESSED: dict[str, Any] = {
+SUPPRESSED = {
     "time_lt": TIME - 1.0,
     "uncontrolled": burst(TIME - 1.0, 5.0),
     "controlled": 0.3 * burst(TIME - 1.0, 5.0),
@@ -185,7 +163,7 @@ SUPPRESSED: dict[str, Any] = {
 }
 
 
-def long_term_file(scale: float, **more: Any) -> dict[str, Any]:
+def long_term_file(scale, **more):
     """Content of a file of long-term statistics."""
     counts = histogram(scale * burst(TIME, 4.0), bin_edges(0.0, 0.3, 30))
     moments = scale * (np.outer(STATES[0], STATES[0]) + 0.1 * np.eye(9))
@@ -195,7 +173,7 @@ def long_term_file(scale: float, **more: Any) -> dict[str, Any]:
     }
 
 
-LONG_TERM: dict[str, Any] = {
+LONG_TERM = {
     "data": long_term_file(1.0),
     "training": long_term_file(0.8),
     "long_term": [
@@ -205,38 +183,33 @@ LONG_TERM: dict[str, Any] = {
 }
 
 
-def search_rows() -> pd.DataFrame:
+def search_rows():
     """A search whose objective is least near (0.3, 2), with two Tikhonov parameters a point."""
-    grid = [("grid", *point) for point in product((0.1, 0.3, 1.0), (0.1, 1.0, 10.0))]
-    rows = []
-    for source, radius, scaling in [*grid, ("bayesian", 0.3, 2.0), ("bayesian", 0.5, 3.0)]:
-        distance = np.log10(radius / 0.3) ** 2 + np.log10(scaling / 2.0) ** 2
-        for tikhonov, worse in ((1e-6, 0.5), (1e-9, 0.0)):
-            rows.append((source, radius, scaling, tikhonov, distance - 4.0 + worse))
-    columns = ["source", "spectral_radius", "input_scaling", "tikhonov", "objective"]
-    return pd.DataFrame(rows, columns=columns)
+    points = [("grid", *point) for point in product((0.1, 0.3, 1.0), (0.1, 1.0, 10.0))]
+    points += [("bayesian", 0.3, 2.0), ("bayesian", 0.5, 3.0)]
+    table = pd.DataFrame(points, columns=["source", "spectral_radius", "input_scaling"])
+    table = table.merge(pd.DataFrame({"tikhonov": [1e-6, 1e-9], "worse": [0.5, 0.0]}), "cross")
+    radius, scaling = table["spectral_radius"] / 0.3, table["input_scaling"] / 2.0
+    distance = np.log10(radius) ** 2 + np.log10(scaling) ** 2
+    return table.assign(objective=distance - 4.0 + table["worse"])
 
 
-def growing_errors() -> dict[str, Any]:
+def growing_errors():
     """Forecasts whose errors grow by e in a Lyapunov time, from less for larger networks."""
     generator = np.random.default_rng(1)
     truth, signs = generator.normal(0.0, 1.0, (200, 8)), generator.choice([-1.0, 1.0], (200, 8))
-    time_lt = 0.5 * np.arange(1, 9)
-    forecasts = []
+    growth = signs * np.exp(0.5 * np.arange(1, 9))
+    forecasts = [{"forecaster": "esn-N500-SSV-seed0", "first": truth}]
     for size, seed in product((500, 1000, 1500, 2000, 4000), range(3)):
-        errors = (1.0 + 0.1 * seed) * 10 / size * np.exp(time_lt)
-        name = f"esn-N{size}-RV-seed{seed}"
-        forecasts.append({"forecaster": name, "first": truth + signs * errors})
-    others = [{"forecaster": "esn-N500-SSV-seed0", "first": truth}]
+        first = truth + (1.0 + 0.1 * seed) * 10 / size * growth
+        forecasts.append({"forecaster": f"esn-N{size}-RV-seed{seed}", "first": first})
     return {
-        "truth": truth,
-        "forecasts": forecasts + others,
-        "summary": {"mean_observable": 0.0},
+        **{"truth": truth, "forecasts": forecasts, "summary": {"mean_observable": 0.0}},
         **{"threshold": 1.0, "tolerance": 0.2, "resolution_lt": 0.5, "validation": "RV"},
     }
 
 
-def ranking_rows() -> pd.DataFrame:
+def ranking_rows():
     """Rows of the table ranking: made up, each forecaster a little worse than the one before."""
     sources = [
         ("flow", "equations", "equations", None, None),
@@ -263,42 +236,38 @@ def ranking_rows() -> pd.DataFrame:
 ENDS = ["value", "low", "high"]
 
 
-def around(value: float, below: float = 0.03, above: float = 0.02) -> tuple[float, float, float]:
+def around(value, below=0.03, above=0.02):
     """A value and the ends of its interval."""
     return value, value - below, value + above
 
 
-def statistics_rows() -> pd.DataFrame:
-    metrics = {
-        "nrmse_u": 0.02,
-        "nrmse_uu": 0.06,
-        "nrmse_uv": 0.005,
-        "kantorovich": 0.006,
-        "mean_log_error": 0.15,
-    }
-    table = percentile_rows(metrics, validations=("RV",))
+def statistics_rows():
+    """Errors of networks, of the training set, and the floor of sampling."""
+    metrics = {"nrmse_u": 0.02, "nrmse_uu": 0.06, "nrmse_uv": 0.005}
+    metrics |= {"kantorovich": 0.006, "mean_log_error": 0.15}
+    networks = percentile_rows(metrics, validations=("RV",))
+    alone = percentile_rows(metrics, (np.inf,), ("RV",), **NO_SIZE)
     references = [
-        percentile_rows(
-            {metric: factor * scale for metric, scale in metrics.items()},
-            sizes=(np.inf,),
-            validations=("RV",),
-            forecaster=name,
-            neurons=np.nan,
-            validation=np.nan,
-        )
+        alone.assign(forecaster=name, **{end: factor * alone[end] for end in ("p25", "p50", "p75")})
         for name, factor in (("training", 2.0), ("floor", 0.2))
     ]
-    return pd.concat([table, *references], ignore_index=True)
+    return pd.concat([networks, *references], ignore_index=True)
 
 
-def own_flow(rate: float = 1e-4, spectrum: bool = True) -> dict[str, Any]:
+def of_data(name, values, width, **keys):
+    """Rows of the data with the ends of their intervals."""
+    ends = {f"{name}_low": values - width, f"{name}_high": values + width}
+    return pd.DataFrame({"forecaster": "data", **keys, name: values, **ends})
+
+
+def own_flow(rate=1e-4, spectrum=True):
     """Tables of survival and of spectra."""
     time = np.linspace(0, 4000, 101)
     share = np.exp(-rate * time)
     curves = pd.concat(
-        percentile_rows({"survival": value}, forecaster=name, time=now)
+        percentile_rows({"survival": factor * value}, forecaster=name, time=now)
         for name, factor in (("esn", 1.0), ("equations", 0.98))
-        for now, value in zip(time, factor * share, strict=True)
+        for now, value in zip(time, share, strict=True)
     )
     ends = {"survival_low": 0.97 * share, "survival_high": np.minimum(1, 1.03 * share)}
     flow = np.array([0.0155, 0.0045, 0.0, -0.006, -0.013, -0.02, -0.031, -0.036, -0.041])
@@ -307,14 +276,12 @@ def own_flow(rate: float = 1e-4, spectrum: bool = True) -> dict[str, Any]:
         for number, value in enumerate([*flow, -0.27], 1)
     )
     exponents[["p25", "p75"]] = np.sort(exponents[["p25", "p75"]], axis=1)
-    number = {"number": np.arange(1, 10)}
+    dimension = "kaplan_yorke_dimension"
     tables = {
-        "exponents": of_data("lyapunov_exponent", flow, 0.0005, **number),
+        "exponents": of_data("lyapunov_exponent", flow, 0.0005, number=np.arange(1, 10)),
         "exponent_percentiles": exponents,
-        "dimensions": of_data("kaplan_yorke_dimension", np.array([5.1]), 0.05),
-        "dimension_percentiles": percentile_rows(
-            {"kaplan_yorke_dimension": 5.5}, validations=("RV",)
-        ),
+        "dimensions": of_data(dimension, np.array([5.1]), 0.05),
+        "dimension_percentiles": percentile_rows({dimension: 5.5}, validations=("RV",)),
     }
     return {
         "curves": pd.DataFrame({"forecaster": "data", "time": time, "survival": share, **ends}),
@@ -326,32 +293,21 @@ def own_flow(rate: float = 1e-4, spectrum: bool = True) -> dict[str, Any]:
     }
 
 
-def of_data(name: str, values: np.ndarray, width: float, **keys: Any) -> pd.DataFrame:
-    """Rows of the data with the ends of their intervals."""
-    ends = {f"{name}_low": values - width, f"{name}_high": values + width}
-    return pd.DataFrame({"forecaster": "data", **keys, name: values, **ends})
-
-
-def control_tables() -> dict[str, pd.DataFrame]:
+def control_tables():
     """Percentiles of the paper's control, and costs and gains of its runs over flows."""
-    keys = {"sizes": (2000.0,), "validations": ("RV",), "prediction_times": PREDICTION_TIMES}
+    shares = {"esn": 0.9, "equations": 0.8, "random": 0.3}
     percentiles = pd.concat(
         percentile_rows(
-            {"reduction": value, "control_fraction": 0.2 + 0.05 * index, **more},
-            **keys,  # type: ignore[arg-type]
+            {"reduction": share, "control_fraction": 0.2 + 0.05 * number}
+            | ({"exceedance_uncontrolled": 0.1} if name == "esn" else {}),
+            *((2000.0,), ("RV",), PREDICTION_TIMES),
             forecaster=name,
         )
-        for index, (name, value, more) in enumerate(
-            (
-                ("esn", 0.9, {"exceedance_uncontrolled": 0.1}),
-                ("equations", 0.8, {}),
-                ("random", 0.3, {}),
-            )
-        )
+        for number, (name, share) in enumerate(shares.items())
     )
     papers = {"strategy": "prediction_triggered", "starts": "quiet"}
-    papers |= {"delay_lt": 0.0, "quiet_lt": 0.0, "strength": 1.0}  # type: ignore[dict-item]
-    strategies = percentiles[percentiles["metric"].isin(["reduction", "control_fraction"])]
+    papers |= {"delay_lt": 0.0, "quiet_lt": 0.0, "strength": 1.0}
+    strategies = percentiles[percentiles["metric"] != "exceedance_uncontrolled"]
     left = strategies["metric"] == "reduction"
     strategies = strategies.assign(
         **papers,
@@ -362,23 +318,23 @@ def control_tables() -> dict[str, pd.DataFrame]:
     return {"percentiles": percentiles, "strategies": strategies}
 
 
-def density_rows() -> pd.DataFrame:
+def density_rows():
     """Densities with and without control at four Reynolds numbers and two prediction times."""
     edges = np.linspace(0.015, 0.47, 41)
     without, rows = 40 * np.exp(-25 * edges[:-1]), []
     for reynolds, (time, factor) in product((400, 600, 800, 1000), ((1.0, 0.5), (2.0, 0.7))):
         keys = {"case": f"Re{reynolds}", "reynolds": float(reynolds), "forecaster": "esn", **SIZE}
         table = {**keys, "prediction_time_lt": time, "low": edges[:-1], "high": edges[1:]}
-        for name, density in (("uncontrolled", without), ("controlled", factor * without)):
-            for end, share in (("", 1.0), ("_low", 0.9), ("_high", 1.1)):
-                table[f"density_{name}{end}"] = share * density
+        for name, share in (("uncontrolled", 1.0), ("controlled", factor)):
+            for end, of_end in (("", 1.0), ("_low", 0.9), ("_high", 1.1)):
+                table[f"density_{name}{end}"] = of_end * share * without
         rows.append(pd.DataFrame(table))
     return pd.concat(rows, ignore_index=True)
 
 
 USUAL = {"span_lt": 20.0, "noise": 0.01}
-SIZE: dict[str, Any] = {"neurons": 2000.0, "validation": "RV"}
-NO_SIZE: dict[str, Any] = {"neurons": np.nan, "validation": np.nan}
+SIZE = {"neurons": 2000.0, "validation": "RV"}
+NO_SIZE = {"neurons": np.nan, "validation": np.nan}
 
 
 PARAMETER = {
@@ -389,7 +345,7 @@ PARAMETER = {
 }
 
 
-def parameter_rows() -> dict[str, list[pd.DataFrame]]:
+def parameter_rows():
     """Scores, their intervals and escape rates of three kinds at four Reynolds numbers."""
     best = {"esn": 0.7, "esn_aware": 0.72, "quadratic_aware_filtered": 0.9}
     scores, rates = [], []
@@ -411,14 +367,14 @@ def parameter_rows() -> dict[str, list[pd.DataFrame]]:
     return {name: [rows.assign(neurons=np.nan)] for name, rows in tables.items()}
 
 
-def frontier_rows() -> pd.DataFrame:
+def frontier_rows():
     """Scores of control: the more a strategy acts, the less is left; nothing in one run."""
     rows = []
     settings = ("horizon_lt", "decision_interval_lt", "prediction_time_lt", "level", "vote_share")
     conditions = {"starts": "quiet", **USUAL, "quiet_lt": 3.0, "delay_lt": 0.0, "strength": 1.0}
     usual = {**dict.fromkeys(settings, np.nan), **conditions}
 
-    def run(forecaster: str, strategy: str, left: float, acting: float, **changes: float) -> None:
+    def run(forecaster, strategy, left, acting, **changes):
         size = SIZE if forecaster.startswith("esn") else NO_SIZE
         keys = {"case": "Re400", "forecaster": forecaster, "strategy": strategy, **size}
         for metric, value in (("relative_exceedance", left), ("control_fraction", acting)):
@@ -445,18 +401,13 @@ def frontier_rows() -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def reynolds_rows(metric: str, times: tuple[float, ...] | None) -> pd.DataFrame:
+def reynolds_rows(metric, times=(np.nan,)):
     return pd.concat(
-        [
-            percentile_rows(
-                {metric: 0.9 - re / 5000},
-                sizes=(2000.0,),
-                prediction_times=times,
-                case=f"Re{re}",
-                reynolds=float(re),
-            )
-            for re in (400, 600, 800, 1000)
-        ]
+        percentile_rows(
+            *({metric: 0.9 - re / 5000}, (2000.0,), ("SSV", "RV"), times),
+            **{"case": f"Re{re}", "reynolds": float(re)},
+        )
+        for re in (400, 600, 800, 1000)
     )
 
 
@@ -476,9 +427,9 @@ ALARMS = {  # how good, between 0 and 1
 }
 
 
-def alarm_rows(x: str, positions: tuple[float, ...], **keys: object) -> pd.DataFrame:
+def alarm_rows(x, positions, **keys):
     """Scores that fall with x, of three networks, their committee and everybody else."""
-    rows: list[dict[str, object]] = []
+    rows = []
     for kind, good in ALARMS.items():
         seeds = range(3) if kind == "esn" else (np.nan,)
         size = SIZE if kind.startswith("esn") else NO_SIZE
@@ -490,11 +441,11 @@ def alarm_rows(x: str, positions: tuple[float, ...], **keys: object) -> pd.DataF
     return pd.DataFrame(rows)
 
 
-def score_rows(*metrics: str, x: str = "prediction_time_lt") -> pd.DataFrame:
+def score_rows(*metrics, x="prediction_time_lt"):
     return pd.concat([alarm_rows(x, (1.0, 2.0, 3.0, 4.0), metric=metric) for metric in metrics])
 
 
-def reliability_rows() -> pd.DataFrame:
+def reliability_rows():
     """Committees tell many probabilities, who forecasts once tells two, climatology one."""
     rows = []
     for (kind, good), probability in product(ALARMS.items(), ("calibrated", "votes")):
@@ -503,20 +454,24 @@ def reliability_rows() -> pd.DataFrame:
         size = SIZE if kind == "esn_committee" else NO_SIZE
         keys = {"case": "Re400", "forecaster": kind, "probability": probability, **size}
         for number, mean in enumerate(np.linspace(0, 1, 11)):
-            count = (7000 if number == 0 else 40) if number in bins_used else 0
-            shown = {
-                "mean_probability": mean,
-                "observed_frequency": mean * (good if probability == "votes" else 0.95),
-                "consistency_low": max(0.0, mean - 0.1),
-                "consistency_high": min(1.0, mean + 0.1),
-            }
-            shown = shown if count else dict.fromkeys(shown, np.nan)
-            where = {"prediction_time_lt": 3.0, "bin": number, "forecasts": count}
-            rows.append({**keys, **where, **shown})
+            frequency = mean * (good if probability == "votes" else 0.95)
+            shown = (mean, frequency, max(0.0, mean - 0.1), min(1.0, mean + 0.1))
+            used = number in bins_used
+            names = (
+                "mean_probability",
+                "observed_frequency",
+                "consistency_low",
+                "consistency_high",
+            )
+            values = dict(zip(names, shown, strict=True)) if used else dict.fromkeys(names, np.nan)
+            count = (7000 if number == 0 else 40) if used else 0
+            rows.append(
+                {**keys, "prediction_time_lt": 3.0, "bin": number, "forecasts": count, **values}
+            )
     return pd.DataFrame(rows)
 
 
-def plane_states() -> dict[str, Any]:
+def plane_states():
     """Two series of a plane flow whose modes decay at rates of their own, but for one burst."""
     flow = KolmogorovFlow(**PLANE_FLOW["parameters"])
     generator = np.random.default_rng(3)
@@ -528,7 +483,7 @@ def plane_states() -> dict[str, Any]:
     return {"states": states, "observable": observable}
 
 
-def plane_event() -> dict[str, Any]:
+def plane_event():
     """An event whose channels are its states: the forecast has three quarters of them."""
     states = plane_states()["states"]
     marks = np.array([4, 8, 12, 16])
@@ -544,7 +499,7 @@ def plane_event() -> dict[str, Any]:
     return {"event": event, "states": states, "gain": np.eye(size), "constant": np.zeros(size)}
 
 
-ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
+ARGUMENTS = {
     "observable_and_density": lambda: {
         **SERIES,
         **NAMED,
@@ -585,7 +540,7 @@ ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
         "percentiles": percentile_rows({"mean_horizon_lt": 4.5}),
     },
     "by_reynolds": lambda: {
-        "horizons": [reynolds_rows("mean_horizon_lt", None)],
+        "horizons": [reynolds_rows("mean_horizon_lt")],
         "scores": [reynolds_rows("f_score", PREDICTION_TIMES)],
         **{"neurons": 2000, "prediction_times_lt": [2.0, 3.0]},
     },
@@ -655,13 +610,12 @@ ARGUMENTS: dict[str, Callable[[], dict[str, Any]]] = {
 }
 
 
-def drawn(name: str, **changes: Any) -> Figure:
+def drawn(name, **changes):
     """Draw a figure from its arguments, some of them replaced."""
-    figure: Figure = figure_of(name)(**{**ARGUMENTS[name](), **changes})
-    return figure
+    return figure_of(name)(**{**ARGUMENTS[name](), **changes})
 
 
-GALLERY: dict[str, Callable[[], Figure]] = {
-    **{name: lambda name=name: drawn(name) for name in ARGUMENTS},  # type: ignore[misc]
+GALLERY = {
+    **{name: lambda name=name: drawn(name) for name in ARGUMENTS},
     "nothing_to_show": lambda: nothing_to_show("No event was predicted from any start."),
 }

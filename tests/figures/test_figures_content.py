@@ -1,15 +1,16 @@
 """What the figures show is what they were given."""
 
 from itertools import product
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 from helpers_figures import (
     ARGUMENTS,
+    ENDS,
     EVENT,
     EXAMPLES,
+    NO_SIZE,
     PREDICTION_TIMES,
     SCORES,
     SERIES,
@@ -34,7 +35,6 @@ from helpers_figures import (
     search_rows,
     statistics_rows,
 )
-from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
 from sklearn.decomposition import PCA
@@ -45,7 +45,7 @@ from burstcast.figures.control_tradeoff import over_flows
 from burstcast.figures.encoder_loss import kept
 from burstcast.figures.parts import medians
 from burstcast.figures.parts.alarm_scores import alarms_shown, median_networks, times_shown
-from burstcast.figures.parts.frame import axis_floor, axis_limits, observable_label, true_runs
+from burstcast.figures.parts.frame import axis_floor, axis_limits, observable_label
 from burstcast.figures.parts.looks import (
     controller_lines,
     families,
@@ -59,7 +59,7 @@ from burstcast.forecasters._labels import forecaster_label
 from kolmogorov_flow import KolmogorovFlow
 
 
-def lines_with(axes: Axes, y: list[float]) -> int:
+def lines_with(axes, y):
     """How many lines of a panel have these heights."""
     return sum(
         len(line.get_ydata()) == len(y) and np.allclose(line.get_ydata(), y)
@@ -67,15 +67,15 @@ def lines_with(axes: Axes, y: list[float]) -> int:
     )
 
 
-def texts(figure: Figure) -> list[str]:
+def texts(figure):
     return [text.words for text in drawn_texts(figure)]
 
 
-def scores_of(table: pd.DataFrame, **changes: Any) -> Figure:
+def scores_of(table, **changes):
     return drawn("classification_scores", percentiles=table, fixed_neurons=500, **changes)
 
 
-def horizons_of(table: pd.DataFrame, **changes: Any) -> Figure:
+def horizons_of(table, **changes):
     return drawn("horizon_by_size", percentiles=table, **changes)
 
 
@@ -90,9 +90,7 @@ def horizons_of(table: pd.DataFrame, **changes: Any) -> Figure:
         (tuple(500.0 * n for n in range(1, 7)), ("SSV", "RV")),
     ],
 )
-def test_scores_adapt_to_the_campaign(
-    sizes: tuple[float, ...], validations: tuple[str, ...]
-) -> None:
+def test_scores_adapt_to_the_campaign(sizes, validations):
     table = percentile_rows(SCORES, sizes, validations, PREDICTION_TIMES)
     figure = scores_of(table)
     assert len(figure.axes) == 3 * min(len(sizes), 3)
@@ -105,43 +103,40 @@ def test_scores_adapt_to_the_campaign(
     assert overlapping_texts(drawn_texts(figure)) == []
 
 
-def test_scores_say_which_size_they_show_in_place_of_a_missing_one() -> None:
+def test_scores_say_which_size_they_show_in_place_of_a_missing_one():
     assert "1500 neurons" in texts(drawn("classification_scores", fixed_neurons=2000))
     with pytest.raises(ValueError, match="no value in column neurons"):
         medians.nearest_value(pd.DataFrame({"neurons": [np.nan]}), "neurons", 1)
 
 
-def test_undefined_medians_leave_a_gap_and_no_zero() -> None:
+def test_undefined_medians_leave_a_gap_and_no_zero():
     table = percentile_rows(SCORES, (500.0,), ("RV",), PREDICTION_TIMES)
     table.loc[table["prediction_time_lt"] == 3.0, ["p25", "p50", "p75"]] = np.nan
     assert all(len(line.get_xdata()) == 2 for line in scores_of(table).axes[0].get_lines())
 
 
-def test_reference_forecasters_are_drawn_beside_the_networks() -> None:
+def test_reference_forecasters_are_drawn_beside_the_networks():
     table = percentile_rows(SCORES, (500.0,), prediction_times=PREDICTION_TIMES)
-    none = {"neurons": np.nan, "validation": np.nan}
-    equations = table[table["validation"] == "RV"].assign(forecaster="equations", p50=0.5, **none)
+    equations = table[table["validation"] == "RV"].assign(
+        forecaster="equations", p50=0.5, **NO_SIZE
+    )
     figure = scores_of(pd.concat([table, equations]))
     assert lines_with(figure.axes[0], [0.5, 0.5, 0.5]) == 1
     assert "equations, true state" in texts(figure)
     horizons = percentile_rows({"mean_horizon_lt": 4.5}, (500.0, 1000.0))
-    others = horizons.iloc[:1].assign(forecaster="linear_inverse", p50=1.25, **none)
+    others = horizons.iloc[:1].assign(forecaster="linear_inverse", p50=1.25, **NO_SIZE)
     figure = horizons_of(pd.concat([horizons, others]))
     assert lines_with(figure.axes[0], [1.25, 1.25]) == 1
     assert "linear inverse model" in texts(figure)
 
 
-def test_other_networks_are_drawn_at_their_sizes() -> None:
+def test_other_networks_are_drawn_at_their_sizes():
     """As of networks with true washouts: no size stands for the others."""
     networks = percentile_rows({"mean_horizon_lt": 4.5}, (500.0, 1000.0))
     others = networks[networks["validation"] == "RV"].assign(forecaster="esn_true_washout")
-    others["p50"] = [1.25, 1.75]
-    both = pd.concat([networks, others])
-    figure = horizons_of(both)
-    (line,) = [
-        line for line in figure.axes[0].get_lines() if line.get_label() == "network, true washout"
-    ]
-    assert line.get_xydata().tolist() == [[500.0, 1.25], [1000.0, 1.75]]
+    figure = horizons_of(pd.concat([networks, others.assign(p50=[1.25, 1.75])]))
+    lines = {line.get_label(): line.get_xydata().tolist() for line in figure.axes[0].get_lines()}
+    assert lines["network, true washout"] == [[500.0, 1.25], [1000.0, 1.75]]
     scores = percentile_rows(SCORES, prediction_times=PREDICTION_TIMES)
     figure = scores_of(pd.concat([scores, scores.assign(forecaster="esn_true_washout", p50=0.25)]))
     assert lines_with(figure.axes[0], [0.25] * len(PREDICTION_TIMES)) == 2
@@ -150,7 +145,7 @@ def test_other_networks_are_drawn_at_their_sizes() -> None:
 # -- published values ------------------------------------------------------------------------------
 
 
-def test_published_values_are_shown_only_at_our_sizes() -> None:
+def test_published_values_are_shown_only_at_our_sizes():
     table = percentile_rows({"mean_horizon_lt": 4.5}, (500.0, 1000.0))
     theirs = percentile_rows({"mean_horizon_lt": 4.0}, (500.0, 3000.0))
     figure = horizons_of(table, published=as_published(theirs, "horizon"))
@@ -162,7 +157,7 @@ def test_published_values_are_shown_only_at_our_sizes() -> None:
     assert "published" not in texts(horizons_of(table, published=elsewhere))
 
 
-def test_published_scores_are_shown_in_every_column() -> None:
+def test_published_scores_are_shown_in_every_column():
     table = percentile_rows(SCORES, prediction_times=PREDICTION_TIMES)
     theirs = table.assign(**{name: 0.9 * table[name] for name in ("p25", "p50", "p75")})
     figure = scores_of(table, published=as_published(theirs, "classification"))
@@ -177,7 +172,7 @@ def test_published_scores_are_shown_in_every_column() -> None:
 
 
 @pytest.mark.parametrize("name", ["long_term_density", "profile_errors"])
-def test_published_errors_of_the_training_set_are_on_the_right_edge(name: str) -> None:
+def test_published_errors_of_the_training_set_are_on_the_right_edge(name):
     table = statistics_rows()
     theirs = table[table["forecaster"] != "floor"].assign(p25=0.011, p50=0.0123, p75=0.02)
     published = as_published(theirs, "statistics")
@@ -193,7 +188,7 @@ def test_published_errors_of_the_training_set_are_on_the_right_edge(name: str) -
     assert "published" not in texts(drawn(name, published=None))
 
 
-def test_published_reductions_are_those_of_networks() -> None:
+def test_published_reductions_are_those_of_networks():
     percentiles = control_tables()["percentiles"]
     without = percentiles[percentiles["metric"] == "exceedance_uncontrolled"]
     shares = {"p25": 0.2, "p50": 0.3, "p75": 0.4}
@@ -208,7 +203,7 @@ def test_published_reductions_are_those_of_networks() -> None:
 # -- the search, and the growth of errors ----------------------------------------------------------
 
 
-def test_the_search_shows_the_best_objective_of_each_point_and_marks_the_least() -> None:
+def test_the_search_shows_the_best_objective_of_each_point_and_marks_the_least():
     axes = drawn("hyperparameter_search").axes[0]
     grid, bayesian = [shown for shown in axes.collections if isinstance(shown, PathCollection)]
     assert len(grid.get_offsets()) == 9
@@ -219,7 +214,7 @@ def test_the_search_shows_the_best_objective_of_each_point_and_marks_the_least()
     assert drawn("hyperparameter_search", trace=line).axes  # of one spectral radius: no shades
 
 
-def test_errors_grow_as_they_do_and_forecasts_are_valid_until_they_are_too_large() -> None:
+def test_errors_grow_as_they_do_and_forecasts_are_valid_until_they_are_too_large():
     figure = drawn("error_growth")
     error, valid = figure.axes
     assert [text.get_text() for text in valid.texts] == [
@@ -237,34 +232,31 @@ def test_errors_grow_as_they_do_and_forecasts_are_valid_until_they_are_too_large
 # -- Reynolds numbers ------------------------------------------------------------------------------
 
 
-def by_reynolds(horizons: pd.DataFrame, scores: pd.DataFrame, **changes: Any) -> Figure:
+def by_reynolds(horizons, scores, **changes):
     changes = {"prediction_times_lt": [2.0], **changes}
     return drawn("by_reynolds", horizons=[horizons], scores=[scores], **changes)
 
 
-HORIZONS = reynolds_rows("mean_horizon_lt", None)
+HORIZONS = reynolds_rows("mean_horizon_lt")
 F_SCORES = reynolds_rows("f_score", PREDICTION_TIMES)
 
 
-def test_by_reynolds_shows_medians_and_needs_the_size() -> None:
+def test_by_reynolds_shows_medians_and_needs_the_size():
     chosen = medians.select(F_SCORES, validation="RV", prediction_time_lt=2.0)
     assert lines_with(by_reynolds(HORIZONS, F_SCORES).axes[1], list(chosen["p50"])) == 1
     with pytest.raises(ValueError, match="no network of 500 neurons"):
         drawn("by_reynolds", neurons=500)
 
 
-def test_by_reynolds_draws_a_single_reynolds_number() -> None:
+def test_by_reynolds_draws_a_single_reynolds_number():
     for strategies in (["RV"], ["SSV", "RV"]):
-        shown = [
-            table[table["validation"].isin(strategies) & (table["reynolds"] == 400)]
-            for table in (HORIZONS, F_SCORES)
-        ]
-        figure = by_reynolds(*shown)
+        one = f"validation in {strategies} and reynolds == 400"
+        figure = by_reynolds(*(table.query(one) for table in (HORIZONS, F_SCORES)))
         assert len(figure.axes) == 2 + len(strategies)
         assert overlapping_texts(drawn_texts(figure)) == []
 
 
-def test_f_scores_at_each_reynolds_number_in_its_order() -> None:
+def test_f_scores_at_each_reynolds_number_in_its_order():
     # names that sort otherwise, and one case that was not asked so far ahead
     names = {"Re400": "zeta", "Re600": "Alpha", "Re1000": "Re1000", "Re800": "Re0800"}
     scores = F_SCORES.assign(case=F_SCORES["case"].map(names)).sort_values("case", kind="stable")
@@ -281,7 +273,7 @@ def test_f_scores_at_each_reynolds_number_in_its_order() -> None:
     assert "published" not in texts(figure)
 
 
-def test_published_values_by_reynolds_are_those_that_we_have_as_well() -> None:
+def test_published_values_by_reynolds_are_those_that_we_have_as_well():
     ours = [table.query("reynolds != 600") for table in (HORIZONS, F_SCORES)]
     theirs = F_SCORES.query("reynolds <= 600")
     theirs = theirs.assign(**{name: 0.9 * theirs[name] for name in ("p25", "p50", "p75")})
@@ -303,15 +295,16 @@ def test_published_values_by_reynolds_are_those_that_we_have_as_well() -> None:
 
 def test_networks_that_differ_by_seeds_are_medians_of_scores_and_ends():
     rows = alarm_rows("prediction_time_lt", (1.0, 2.0))
-    medians_of = median_networks(rows, "prediction_time_lt").set_index(["forecaster"])
+    shown = median_networks(rows, "prediction_time_lt")
     for kind in ("esn", "equations"):
-        at_two = rows[(rows["forecaster"] == kind) & (rows["prediction_time_lt"] == 2.0)]
-        expected = at_two[["value", "low", "high"]].median().to_numpy()
-        shown = medians_of.loc[kind].query("prediction_time_lt == 2")[["value", "low", "high"]]
-        np.testing.assert_allclose(shown.to_numpy()[0], expected)
+        expected, found = (
+            table.query(f"forecaster == '{kind}' and prediction_time_lt == 2")[ENDS]
+            for table in (rows, shown)
+        )
+        np.testing.assert_allclose(found.to_numpy(), [expected.median().to_numpy()])
 
 
-def test_alarms_of_one_size_and_strategy_and_of_everybody_else_are_shown() -> None:
+def test_alarms_of_one_size_and_strategy_and_of_everybody_else_are_shown():
     rows = alarm_rows("prediction_time_lt", (1.0,))
     networks = rows["neurons"].notna()
     small, other = rows[networks].assign(neurons=500.0), rows[networks].assign(validation="SSV")
@@ -321,13 +314,13 @@ def test_alarms_of_one_size_and_strategy_and_of_everybody_else_are_shown() -> No
     pd.testing.assert_frame_equal(alarms_shown(rows[~networks], 2000, "RV"), rows[~networks])
 
 
-def test_prediction_times_that_are_not_in_the_table_are_not_shown() -> None:
+def test_prediction_times_that_are_not_in_the_table_are_not_shown():
     table = pd.DataFrame({"prediction_time_lt": [1.0, 2.0]})
     assert times_shown(table, [2.0, 3.0]) == [2.0]
     assert times_shown(table, [3.0]) == [2.0]
 
 
-def test_every_forecaster_has_a_curve_of_skill_beside_three_others_at_most() -> None:
+def test_every_forecaster_has_a_curve_of_skill_beside_three_others_at_most():
     scores = score_rows("f_score", "brier_skill")
     votes = scores.assign(probability="votes", value=scores["value"] / 2)
     new = scores[scores["forecaster"] == "analogues"].assign(forecaster="lstm", value=0.42)
@@ -336,17 +329,14 @@ def test_every_forecaster_has_a_curve_of_skill_beside_three_others_at_most() -> 
     curves = [len(axes.get_lines()) for axes in figure.axes]
     assert max(curves) <= 4
     assert sum(curves) == 2 * everything["forecaster"].nunique()
+    calibrated = everything.query("metric == 'f_score' and probability == 'calibrated'")
     for kind in ("equations_filtered", "lstm"):
-        values = everything[
-            (everything["forecaster"] == kind)
-            & (everything["metric"] == "f_score")
-            & (everything["probability"] == "calibrated")
-        ]["value"]
-        assert sum(lines_with(axes, list(values)) for axes in figure.axes[::2]) == 1
+        values = list(calibrated[calibrated["forecaster"] == kind]["value"])
+        assert sum(lines_with(axes, values) for axes in figure.axes[::2]) == 1
     assert {forecaster_label(kind) for kind in everything["forecaster"]} <= set(texts(figure))
 
 
-def test_a_new_kind_of_forecaster_looks_like_no_other() -> None:
+def test_a_new_kind_of_forecaster_looks_like_no_other():
     kinds = ["equations_noisy", "persistence", "lstm", "transformer"]
     lines = forecaster_lines(kinds)
     assert list(lines) == kinds
@@ -360,7 +350,7 @@ def test_a_new_kind_of_forecaster_looks_like_no_other() -> None:
     ]
 
 
-def test_reliability_is_drawn_of_those_who_tell_probabilities() -> None:
+def test_reliability_is_drawn_of_those_who_tell_probabilities():
     rows = reliability_rows()
     diagram, _ = drawn("reliability").axes
     mean = np.linspace(0, 1, 11)
@@ -373,28 +363,28 @@ def test_reliability_is_drawn_of_those_who_tell_probabilities() -> None:
 
 def test_bins_of_few_forecasts_are_not_joined():
     keys = {"case": "Re400", "forecaster": "quadratic", "neurons": np.nan, "validation": None}
+    keys |= {"probability": "calibrated", "prediction_time_lt": 3.0}
     bins = pd.DataFrame(
         {
-            **{**keys, "probability": "calibrated", "prediction_time_lt": 3.0, "bin": range(4)},
+            **{**keys, "bin": range(4), "consistency_low": 0.0, "consistency_high": 1.0},
             "forecasts": [100, FEW_FORECASTS - 1, FEW_FORECASTS, 50],
             "mean_probability": [0.0, 0.3, 0.6, 1.0],
             "observed_frequency": [0.0, 1.0, 0.5, 1.0],
-            **{"consistency_low": 0.0, "consistency_high": 1.0},
         }
     )
-    figure = drawn("reliability", bins=bins)
-    lines = {line.get_linestyle(): line for line in figure.axes[0].lines[1:]}
-    assert lines["-"].get_xdata().tolist() == [0.0, 0.6, 1.0]
-    assert lines["None"].get_xdata().tolist() == [0.3]
+    lines = drawn("reliability", bins=bins).axes[0].lines[1:]
+    shown = {line.get_linestyle(): line.get_xdata().tolist() for line in lines}
+    assert (shown["-"], shown["None"]) == ([0.0, 0.6, 1.0], [0.3])
 
 
 # -- control ---------------------------------------------------------------------------------------
 
 
 def test_bars_of_control_are_intervals_over_flows():
-    tables = control_tables()
-    quartiles = tables["percentiles"].query("forecaster == 'random' and prediction_time_lt == 1")
-    papers = tables["strategies"].query("forecaster == 'random' and prediction_time_lt == 1")
+    quartiles, papers = (
+        table.query("forecaster == 'random' and prediction_time_lt == 1")
+        for table in control_tables().values()
+    )
     ends = {
         "relative_exceedance": [(0.86, 1.28), (1.02, 1.5), (0.91, 1.37)],
         "control_fraction": [(0.07, 0.11), (0.08, 0.1), (0.08, 0.12)],
@@ -407,10 +397,9 @@ def test_bars_of_control_are_intervals_over_flows():
     late = strategies.assign(delay_lt=1.0, low=9.0, high=9.9)  # another strategy than the paper's
     all_strategies = pd.concat([strategies, late])
     intervals = over_flows(quartiles, all_strategies).set_index("metric")
-    assert intervals.loc["reduction", ["p25", "p75"]].tolist() == pytest.approx(
-        [1 - 1.37, 1 - 0.91]
-    )
-    assert intervals.loc["control_fraction", ["p25", "p75"]].tolist() == [0.08, 0.11]
+    bounds = intervals[["p25", "p75"]]
+    assert bounds.loc["reduction"].tolist() == pytest.approx([1 - 1.37, 1 - 0.91])
+    assert bounds.loc["control_fraction"].tolist() == [0.08, 0.11]
     assert intervals["p50"].tolist() == quartiles["p50"].tolist()
     shown = quartiles.assign(p50=-0.1)
     figure = drawn("control_tradeoff", percentiles=shown, strategies=all_strategies)
@@ -419,13 +408,13 @@ def test_bars_of_control_are_intervals_over_flows():
     assert bars[0, 1] < 0 < bars[1, 1]
 
 
-def curve_of(axes: Axes, label: str) -> np.ndarray:
+def curve_of(axes, label):
     """Points of a curve with bars: positions and values, ``(2, points)``."""
     (bars,) = (bars for bars in axes.containers if bars.get_label() == label)
     return np.transpose(bars.lines[0].get_xydata())
 
 
-def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_conditions() -> None:
+def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_conditions():
     figure = drawn("control_frontier")
     rules, frontier, by_delay, by_strength, by_noise = figure.axes
     names = ("reactive", "the paper's strategy, network", "receding horizon, network")
@@ -450,17 +439,17 @@ def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_cond
     assert low < 0 < high
 
 
-def test_of_many_forecasters_those_with_most_runs_are_shown() -> None:
-    table = frontier_rows()
-    few = table[(table["forecaster"] == "equations") & (table["strategy"] == "receding_horizon")]
-    few = few[few["horizon_lt"] == 3.0]
+def test_of_many_forecasters_those_with_most_runs_are_shown():
+    table, receding = frontier_rows(), "strategy == 'receding_horizon' and horizon_lt == 3"
+    few = table.query(f"forecaster == 'equations' and {receding}")
     others = [few.assign(forecaster=f"kind{number}") for number in range(3)]
     for axes in drawn("control_frontier", scores=pd.concat([table, *others])).axes:
-        assert len(axes.containers) <= 4
-        assert "receding horizon, kind2" not in [bars.get_label() for bars in axes.containers]
+        labels = [bars.get_label() for bars in axes.containers]
+        assert len(labels) <= 4
+        assert "receding horizon, kind2" not in labels
 
 
-def test_the_frontier_of_strategies_that_act_as_often_has_ticks() -> None:
+def test_the_frontier_of_strategies_that_act_as_often_has_ticks():
     table = frontier_rows()
     spent = table["metric"] == "control_fraction"
     narrow = 0.03 + 0.1 * table.loc[spent, ["value", "low", "high"]]
@@ -470,7 +459,7 @@ def test_the_frontier_of_strategies_that_act_as_often_has_ticks() -> None:
     assert sum(low <= tick <= high for tick in axes.get_xticks()) >= 2
 
 
-def test_the_frontier_leaves_out_other_spans_starts_spells_of_quiet_and_networks() -> None:
+def test_the_frontier_leaves_out_other_spans_starts_spells_of_quiet_and_networks():
     table = frontier_rows()
     others = [
         table.assign(**{name: value, "value": 0.123}).head(6)
@@ -483,33 +472,30 @@ def test_the_frontier_leaves_out_other_spans_starts_spells_of_quiet_and_networks
     assert render(more, "png") == render(drawn("control_frontier"), "png")
 
 
-def test_the_frontier_tells_apart_what_is_observed() -> None:
+def test_the_frontier_tells_apart_what_is_observed():
     table = frontier_rows()
     seen = table.assign(observed=None), table.assign(observed="modes_4", value=0.5 * table["value"])
     shown = texts(drawn("control_frontier", scores=pd.concat(seen)))
     assert {"reactive", "reactive, observed modes 4"} <= set(shown)
 
 
-def test_strategies_under_one_condition_alone_are_not_compared_under_several() -> None:
-    table = frontier_rows()
-    simple = table[(table["delay_lt"] == 0) & (table["strength"] == 1) & (table["noise"] == 0.01)]
+def test_strategies_under_one_condition_alone_are_not_compared_under_several():
+    simple = frontier_rows().query("delay_lt == 0 and strength == 1 and noise == 0.01")
     figure = drawn("control_frontier", scores=simple)
     assert len(figure.axes) == 2
     assert overlapping_texts(drawn_texts(figure)) == []
 
 
-def test_conditions_are_shown_where_nothing_ran_under_the_usual_ones() -> None:
-    table = frontier_rows()
+def test_conditions_are_shown_where_nothing_ran_under_the_usual_ones():
+    table = frontier_rows().query("delay_lt == 0")
     weak = pd.concat([table.assign(strength=value, noise=0.01) for value in (0.2, 0.4)])
-    plain = weak[weak["delay_lt"] == 0].drop_duplicates(
-        ["forecaster", "strategy", "metric", "strength"]
-    )
+    plain = weak.drop_duplicates(["forecaster", "strategy", "metric", "strength"])
     panels = drawn("control_frontier", scores=plain).axes
     assert {axes.get_xlabel() for axes in panels} == {"Strength of the actuator"}
 
 
 @pytest.mark.parametrize("name", ["control_frontier", "control_tradeoff"])
-def test_control_that_could_prevent_nothing_says_so(name: str) -> None:
+def test_control_that_could_prevent_nothing_says_so(name):
     table = {"control_frontier": "scores", "control_tradeoff": "percentiles"}[name]
     rows = ARGUMENTS[name]()[table].assign(value=np.nan, p50=np.nan)
     assert "no event occurred" in " ".join(texts(drawn(name, **{table: rows})))
@@ -518,17 +504,15 @@ def test_control_that_could_prevent_nothing_says_so(name: str) -> None:
 # -- observables -----------------------------------------------------------------------------------
 
 
-def test_events_are_shaded_where_the_signal_exceeds_the_threshold() -> None:
-    panel = drawn("observable_and_density").axes[0]
-    (span,) = (patch.get_extents() for patch in panel.patches)
-    above = TIME[SERIES["observable"][0] >= SERIES["threshold"]]
-    inside = panel.transData.inverted().transform(span)
-    assert inside[:, 0] == pytest.approx([above[0], above[-1]], abs=1e-6)
-
-
-def test_true_runs() -> None:
-    assert true_runs(np.array([True, True, False, True])) == [(0, 1), (3, 3)]
-    assert true_runs(np.array([False, False])) == []
+def test_events_are_shaded_where_the_signal_exceeds_the_threshold():
+    peaks = (2.0, 6.0)
+    observable = np.maximum(*(burst(TIME, peak) for peak in peaks))
+    panel = drawn("observable_and_density", observable=observable[np.newaxis]).axes[0]
+    above = TIME[observable >= SERIES["threshold"]]
+    for patch, (low, high) in zip(panel.patches, ((0, 4), (4, 8)), strict=True):
+        inside = panel.transData.inverted().transform(patch.get_extents())
+        event = above[(low < above) & (above < high)]
+        assert inside[:, 0] == pytest.approx([event[0], event[-1]], abs=1e-6)
 
 
 SUNK = burst(TIME, 4.0) - 0.3
@@ -536,7 +520,7 @@ SUNK_FORECAST = np.where(TIME >= 1.5, SUNK - 0.02, np.nan)
 CURVES = ("truth", "forecast", "uncontrolled", "controlled", "true", "observable")
 
 
-def sunk(values: Any) -> Any:
+def sunk(values):
     """Arguments with all observables 0.3 lower."""
     return {
         name: sunk(value)
@@ -616,25 +600,23 @@ NOTHING = {
 
 
 @pytest.mark.parametrize("name", NOTHING)
-def test_a_figure_of_what_did_not_occur_says_so(name: str) -> None:
+def test_a_figure_of_what_did_not_occur_says_so(name):
     (reason,) = texts(drawn(name, **NOTHING[name]))
     assert reason.startswith("No ")
 
 
-def test_densities_of_no_flow_say_so() -> None:
+def test_densities_of_no_flow_say_so():
     table = ARGUMENTS["control_density"]()["densities"][0]
-    names = [name for name in table if name.startswith("density")]
-    (reason,) = texts(
-        drawn("control_density", densities=[table.assign(**dict.fromkeys(names, np.nan))])
-    )
+    unknown = dict.fromkeys(table.filter(like="density"), np.nan)
+    (reason,) = texts(drawn("control_density", densities=[table.assign(**unknown)]))
     assert reason.startswith("No flow was free of events")
 
 
-def test_strategies_come_in_the_papers_order() -> None:
+def test_strategies_come_in_the_papers_order():
     assert ordered_validations(["RV", "other", "SSV"]) == ["SSV", "RV", "other"]
 
 
-def test_the_network_schematic_prints_the_numbers_in_use() -> None:
+def test_the_network_schematic_prints_the_numbers_in_use():
     shown = " ".join(texts(drawn("network_schematic")))
     for number in ("N_r = 2000", "N_u = 9", "0.29", "0.33", "0.1"):
         assert number in shown
@@ -658,7 +640,7 @@ def test_quartiles_of_one_network_are_no_band_and_two_sizes_are_no_line():
         assert (axes.lines[0].get_linestyle() != "None") is joined
 
 
-def test_errors_beside_each_other_have_axes_of_one_kind() -> None:
+def test_errors_beside_each_other_have_axes_of_one_kind():
     table = statistics_rows()
     of_u = (table["metric"] == "nrmse_u") & (table["forecaster"] == "floor")
     far = table.assign(p25=table["p25"].where(~of_u, 1e-6), p50=table["p50"].where(~of_u, 1e-6))
@@ -715,7 +697,7 @@ def test_spectra_are_drawn_where_they_were_computed():
 # -- flows -----------------------------------------------------------------------------------------
 
 
-def test_isosurfaces_are_closed_and_lie_where_the_vorticity_has_their_level() -> None:
+def test_isosurfaces_are_closed_and_lie_where_the_vorticity_has_their_level():
     figure = drawn("vorticity_isosurfaces")
     boxes = [axes for axes in figure.axes if axes.name == "3d"]
     assert len(boxes) == 2
@@ -733,27 +715,22 @@ def test_all_modes_hold_all_and_few_leading_ones_what_their_coefficients_say():
     flow = KolmogorovFlow(40.0, 1, 2)
     states = np.random.default_rng(2).normal(0.1, 1.0, (1, 400, flow.dimension))
     states *= np.linspace(2.0, 0.5, flow.dimension)
-    encoder = PodEncoder.fit(
-        states, EncodingCase(flow, {"modes": flow.dimension, "symmetrised": False})
-    )
-    numbers = np.array([1, 5, flow.dimension])
+    case = EncodingCase(flow, {"modes": flow.dimension, "symmetrised": False})
+    encoder, numbers = PodEncoder.fit(states, case), np.array([1, 5, flow.dimension])
     shares = kept(encoder, flow, states[0].T, numbers)
     assert [shares[name][-1] for name in shares] == pytest.approx([1.0, 1.0, 1.0])
-    pca = PCA().fit(states[0])
-    np.testing.assert_allclose(
-        shares["variance"], np.cumsum(pca.explained_variance_ratio_)[numbers - 1]
-    )
-    for number, mean, correlation in zip(
-        numbers, shares["mean"], shares["correlation"], strict=True
-    ):
+    variance = np.cumsum(PCA().fit(states[0]).explained_variance_ratio_)
+    np.testing.assert_allclose(shares["variance"], variance[numbers - 1])
+    true = flow.observable(states[0].T)
+    for place, number in enumerate(numbers):
         few = PCA(number).fit(states[0])
         decoded = flow.observable(few.inverse_transform(few.transform(states[0])).T)
-        true = flow.observable(states[0].T)
-        assert mean == pytest.approx(decoded.mean() / true.mean())
-        assert correlation == pytest.approx(np.corrcoef(decoded, true)[0, 1])
+        assert shares["mean"][place] == pytest.approx(decoded.mean() / true.mean())
+        correlation = np.corrcoef(decoded, true)[0, 1]
+        assert shares["correlation"][place] == pytest.approx(correlation)
 
 
-def fields_of(figure: Figure) -> list[Axes]:
+def fields_of(figure):
     fields = [axes for axes in figure.axes if axes.images]
     assert len({axes.images[0].get_clim() for axes in fields}) == 1
     return fields

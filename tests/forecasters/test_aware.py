@@ -9,7 +9,7 @@ from burstcast.base.exogenous import carry, of_memory, of_washout, with_inputs
 from burstcast.control.actuation import ActuatorShare
 from burstcast.data.records import recorded_series
 from burstcast.forecasters._event_classifier import LabelledPoints
-from burstcast.forecasters._parameter_factors import ParameterFactors, factored_training
+from burstcast.forecasters._parameter_factors import factored_training
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.equations_filtered import FilteredEquations
@@ -17,12 +17,7 @@ from burstcast.forecasters.equations_noisy import EquationsFromObservation
 from burstcast.forecasters.esn_aware import AwareNetworkForecaster
 from burstcast.forecasters.quadratic_aware import AwareQuadraticModel
 from burstcast.forecasters.quadratic_aware_filtered import FilteredAwareQuadraticModel
-from burstcast.forecasters.registry import (
-    all_kinds,
-    available_kinds,
-    kind_class,
-    make_classifier,
-)
+from burstcast.forecasters.registry import make_kind
 from burstcast.forecasts.horizon import HorizonSearch, prediction_horizons
 from burstcast.forecasts.window_forecasts import window_forecasts
 from burstcast.networks.dynamics import Dynamics
@@ -36,7 +31,7 @@ from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.parameters import Parameters, SystemParameters, integrate_scheduled
 from burstcast.systems.polynomials.basis import monomials
-from helpers_library import MadeUpForecaster
+from helpers_library import MadeUpForecaster, assert_depends_on_its_washout_alone
 
 RHO = SystemParameters.of(Lorenz63(), ["rho"])
 CASE = ForecastingCase(Lorenz63(), 0.0025, 8, 50, RHO)
@@ -95,37 +90,34 @@ def forecast(model, washout, schedule=None, steps=AHEAD):
     return model.advance(model.start(washout), steps)[0]
 
 
-def test_kinds_that_need_schedules_are_found_by_name_but_not_offered():
-    kinds = {kind for kind in all_kinds() if kind_class(kind).learns_parameters}
-    assert kinds == {"esn_aware", "quadratic_aware", "quadratic_aware_filtered"}
-    assert not kinds & {*available_kinds()}
-    assert kind_class("quadratic_aware") is AwareQuadraticModel
-
-
 def test_the_term_with_the_parameter_is_found_and_told(models):
     model = models[AwareQuadraticModel]
     basis = monomials(3, 2)
     assert np.argwhere(model.coefficients[1]).tolist() == [[basis.index((0,)), 1]]
     assert model.coefficients[1, basis.index((0,)), 1] == pytest.approx(3.5, rel=0.01)
-    model = models[AwareQuadraticModel]
     state = np.random.default_rng(1).normal(size=(4, 5))
     assert np.array_equal(model.system.observable(state), CASE.system.observable(state[:3]))
-    assert repr(models[AwareQuadraticModel]) == (
-        "AwareQuadraticModel(7 + 1 terms of 3 components, by rho)"
+    assert repr(model) == "AwareQuadraticModel(7 + 1 terms of 3 components, by rho)"
+
+
+def typical_error(outputs, true):
+    """Median over flows of the error, in standard deviations of the components."""
+    scale = true.std(axis=(0, 2))[:, np.newaxis]
+    return np.median(
+        np.abs((outputs - true[WASHOUT : WASHOUT + len(outputs)]) / scale).mean((0, 1))
     )
 
 
 @pytest.mark.parametrize("kind", [AwareQuadraticModel, FilteredAwareQuadraticModel])
 def test_forecasts_under_unseen_values_are_nearly_those_of_the_equations(kind, models, switched):
     schedule, true, observed = switched
-    error = forecast(models[kind], observed[:WASHOUT], schedule) - true[WASHOUT:]
     equations = EquationsFromObservation().fit(observed.transpose(2, 0, 1), CASE)
-    bound = forecast(equations, observed[:WASHOUT], schedule) - true[WASHOUT:]
-    scale = true.std(axis=(0, 2))[:, np.newaxis]
-    typical = np.median(np.abs(error / scale).mean(axis=(0, 1)))
-    assert typical < 1.5 * np.median(np.abs(bound / scale).mean(axis=(0, 1)))
-    untold = forecast(models[kind], observed[:WASHOUT]) - true[WASHOUT:]
-    assert np.median(np.abs(untold / scale).mean(axis=(0, 1))) > 4 * typical
+    typical, bound = (
+        typical_error(forecast(model, observed[:WASHOUT], schedule), true)
+        for model in (models[kind], equations)
+    )
+    assert typical < 1.5 * bound
+    assert typical_error(forecast(models[kind], observed[:WASHOUT]), true) > 4 * typical
 
 
 @pytest.mark.parametrize("kind", [FilteredAwareQuadraticModel, FilteredEquations])
@@ -155,25 +147,16 @@ def scheduled(request, models, network, training):
 
 
 def test_forecasts_under_a_schedule_depend_on_nothing_else(scheduled, switched):
-    """Not on their batch, on pauses, nor on having been in a file."""
     model, case = scheduled
     schedule, _, observed = switched
     washout, past, ahead = observed[:WASHOUT], schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
-    together = forecast(model, washout, schedule)
-    assert not np.array_equal(forecast(model, washout), together)
-    for flow in (0, 7):
-        alone = forecast(model, washout[..., [flow]], schedule[..., [flow]])
-        assert np.array_equal(alone[..., 0], together[..., flow])
-    first, memory = model.advance(model.start(washout_under(washout, schedule)), 17)
-    second, _ = model.advance(memory, AHEAD - 17)
-    assert np.array_equal(np.concatenate([first, second]), together)
+    told = washout_under(washout, schedule)
+    whole = assert_depends_on_its_washout_alone(model, told, AHEAD, case)
+    assert not np.array_equal(forecast(model, washout), whole)
     # as well in a memory that has no schedule yet
     first, memory = model.advance(carry(model.start(washout_under(washout, past)), ahead[:17]), 17)
     second, _ = model.advance(carry(memory, ahead[17:]), AHEAD - 17)
-    assert np.array_equal(np.concatenate([first, second]), together)
-    restored = type(model)(**model.options).restore(model.record(), case)
-    assert restored.options == model.options
-    assert np.array_equal(forecast(restored, washout, schedule), together)
+    assert np.array_equal(np.concatenate([first, second]), whole)
 
 
 @pytest.mark.parametrize("kind", [AwareQuadraticModel, AwareNetworkForecaster])
@@ -189,12 +172,10 @@ def test_perturbations_grow_as_differences_do(kind, models, network, switched):
         np.testing.assert_allclose(grown[:, number], (ahead - behind) / 2e-6, rtol=1e-3, atol=1e-5)
 
 
-def test_the_degree_in_the_parameter_is_an_option(training, switched):
+def test_the_degree_in_the_parameter_is_an_option(training):
     model = replace(LEARNT, parameter_degree=2).fit(training, CASE)
     assert model.coefficients.shape[0] == 3
     assert not model.coefficients[2].any()
-    schedule, _, observed = switched
-    assert np.isfinite(forecast(model, observed[:WASHOUT], schedule)).all()
 
 
 @pytest.mark.parametrize("kind", [LEARNT, FILTERED], ids=lambda kind: type(kind).__name__)
@@ -209,11 +190,8 @@ def test_training_that_does_not_tell_the_parameter_is_refused(kind, training):
 
 
 def test_values_beyond_training_are_extrapolated_with_a_warning(models, switched):
-    _, _, observed = switched
-    model = models[AwareQuadraticModel]
-    assert isinstance(model.factors, ParameterFactors)
     with pytest.warns(UserWarning, match="rho = 40 lies outside of the values in training, 25 to"):
-        model.advance(carry(observed[0], RHO.constant(3, 20, [40.0])), 3)
+        models[AwareQuadraticModel].advance(carry(switched[2][0], RHO.constant(3, 20, [40.0])), 3)
 
 
 @pytest.fixture(scope="module")
@@ -230,16 +208,10 @@ def network(training):
 def test_a_network_that_is_told_forecasts_under_unseen_values(network, switched):
     _, model = network
     schedule, true, observed = switched
-    scale = true.std(axis=(0, 2))[:, np.newaxis]
-
-    def typical(outputs):
-        error = np.abs((outputs - true[WASHOUT:]) / scale)[:30]
-        return np.median(error.mean(axis=(0, 1)))
-
     washout = observed[:WASHOUT]
-    error = typical(forecast(model, washout, schedule))
+    error = typical_error(forecast(model, washout, schedule, 30), true)
     assert error < 0.05
-    assert typical(forecast(model, washout)) > 3 * error
+    assert typical_error(forecast(model, washout, steps=30), true) > 3 * error
     # the washout needs no schedule: one memory serves all plans
     past = schedule[: WASHOUT - 1]
     assert np.array_equal(model.start(washout_under(washout, past)), model.start(washout))
@@ -256,13 +228,15 @@ def test_a_network_under_the_case_s_own_values_is_a_plain_one(network, switched)
 def test_a_network_is_refitted_with_its_factors(network, training, switched):
     case, model = network
     memory = model.start(switched[2][:WASHOUT])
-    refitted = next(model.leave_one_out(training, case, WASHOUT))
+    refitted = next(model.leave_one_out(training, case, WASHOUT)).network
     others = TrainingSeries(training[1:], model.network.input_range)
     factored = factored_training(others, RHO, NETWORK)
     readout = train(model.network.dynamics, factored, washout=WASHOUT, tikhonov=1e-9)
-    outputs, _ = network_under(refitted.network, np.zeros(1)).forecast(memory, 5)
-    alone = network_under(replace(model.network, readout=readout), np.zeros(1))
-    np.testing.assert_allclose(outputs, alone.forecast(memory, 5)[0], atol=1e-3)
+    outputs, expected = (
+        network_under(each, np.zeros(1)).forecast(memory, 5)[0]
+        for each in (refitted, replace(model.network, readout=readout))
+    )
+    np.testing.assert_allclose(outputs, expected, atol=1e-3)
     with pytest.raises(ValueError, match="have inputs"):
         next(model.leave_one_out(training[..., :3], case, WASHOUT))
     assert repr(model).endswith("by rho)")
@@ -296,13 +270,12 @@ def test_members_have_the_schedule_of_their_own_trajectory(switched):
     """Of a whole ensemble side by side, or of each trajectory by itself."""
     schedule, _, observed = switched
     model = FilteredEquations().fit(observed.transpose(2, 0, 1), CASE)
-    ensemble = model.ensemble(washout_under(observed[:WASHOUT], schedule))
+    told = washout_under(observed[:WASHOUT], schedule)
+    ensemble = model.ensemble(told)
     together, _ = model.advance(ensemble.reshape(len(ensemble), -1), AHEAD)
     together = together.reshape(AHEAD, 3, -1, 20)
     for flow in range(3):
-        members = model.ensemble(
-            washout_under(observed[:WASHOUT, :, [flow]], schedule[..., [flow]])
-        )
+        members = model.ensemble(np.ascontiguousarray(told[..., [flow]]))
         assert np.array_equal(members[..., 0], ensemble[..., flow])
         alone, _ = model.advance(np.ascontiguousarray(members[..., 0]), AHEAD)
         assert np.array_equal(alone, together[..., flow])
@@ -324,14 +297,13 @@ def test_the_share_of_a_force_is_a_parameter_like_any_other():
 
 
 # -- columns of a record that are known in advance -------------------------------------------------
-SIMULATED = CASE
 SPACE = MeasuredSeries(("x", "y", "z"), "z")
 DATA = {
     **{"components": ["x", "y", "z"], "known": ["rho"], "time_step": 0.02},
     **{"blocks": None, "gaps": None},
 }
 # what is known of rho in a record: its column, and no value of the case's own
-MEASURED = replace(SIMULATED, system=SPACE, parameters=Parameters(("rho",), ()))
+MEASURED = replace(CASE, system=SPACE, parameters=Parameters(("rho",), ()))
 
 
 @pytest.fixture(scope="module")
@@ -348,14 +320,12 @@ def simulated():
 @pytest.fixture(scope="module")
 def record(simulated, tmp_path_factory):
     """The same as files: a row has the value that was in force up to it."""
-    directory = tmp_path_factory.mktemp("record")
-    paths = []
+    directory, paths = tmp_path_factory.mktemp("record"), []
     for number, (states, schedule) in enumerate(zip(*simulated, strict=True)):
         column = np.concatenate([[99.0], schedule[:, 0]])  # of the first row nothing is used
-        paths.append(str(directory / f"{number}.csv"))
         rows = np.column_stack([0.02 * np.arange(len(states)), states, column])
-        header = {"delimiter": ",", "header": "time,x,y,z,rho", "comments": ""}
-        np.savetxt(paths[-1], rows, fmt="%.17g", **header)
+        paths.append(str(directory / f"{number}.csv"))
+        np.savetxt(paths[-1], rows, "%.17g", ",", header="time,x,y,z,rho", comments="")
     return recorded_series(paths, DATA, SPACE)
 
 
@@ -378,27 +348,26 @@ def test_a_record_of_a_simulated_flow_is_that_flow_with_its_schedule(simulated, 
 @pytest.mark.parametrize("kind", ["quadratic_aware", "esn_aware"])
 def test_forecasts_from_the_record_are_those_of_the_simulated_case(simulated, record, kind):
     states, schedules = simulated
-    simulated_model = trained(kind, SIMULATED, states[:4], schedules[:4])
+    simulated_model = trained(kind, CASE, states[:4], schedules[:4])
     measured_model = trained(kind, MEASURED, record.states[:4], record.covariates[:4, 1:])
     for name, array in simulated_model.record().arrays.items():
         np.testing.assert_array_equal(measured_model.record().arrays[name], array, err_msg=name)
     starts = [(row, step) for row in (4, 5) for step in range(40, 700, 60)]
     washouts = np.stack([states[row, step - 29 : step + 1] for row, step in starts])
     in_force = np.stack([schedules[row, step - 29 : step + 60] for row, step in starts])
-    given = with_inputs(washouts, in_force)
 
     def largest(model, washouts):
         return window_forecasts(model, SPACE.observable, washouts, (20, 40, 60)).largest
 
+    given = with_inputs(washouts, in_force)
     expected = largest(simulated_model, given)
     # a batch, and one after the other
     np.testing.assert_array_equal(largest(measured_model, given), expected)
     alone = np.concatenate([largest(measured_model, given[[row]]) for row in range(len(starts))])
     np.testing.assert_allclose(alone, expected, rtol=1e-9)
     # the forecast of another future is another one, and of none there is none
-    wrong = in_force.copy()
-    wrong[:, 29:] = 24.0
-    assert not np.array_equal(largest(measured_model, with_inputs(washouts, wrong)), expected)
+    in_force[:, 29:] = 24.0
+    assert not np.array_equal(largest(measured_model, with_inputs(washouts, in_force)), expected)
     with pytest.raises(ValueError, match="rho: values over the whole forecast must be given"):
         largest(measured_model, washouts)
 
@@ -437,27 +406,26 @@ def test_horizons_under_a_schedule_end_where_it_is_wrong():
     np.testing.assert_array_equal(horizons(wrong), 1.0)
 
 
-def test_classifiers_learn_from_what_is_known():
+@pytest.mark.parametrize(
+    ("kind", "options"),
+    [
+        ("precursor", {"lags_lt": [], "classifier": "logistic"}),
+        ("esn_direct", {"penalty": [1], "neurons": 40, "connectivity": 3}),
+    ],
+)
+def test_classifiers_learn_from_what_is_known(kind, options):
     generator = np.random.default_rng(5)
     washouts, exogenous = generator.normal(size=(1500, 3, 2)), generator.normal(size=(1500, 2))
     happened = (exogenous[:, 1] + washouts[:, -1, 0] > 1.5)[:, np.newaxis]
-    series = np.arange(1500) // 150
-    case = replace(SIMULATED, random_seed=1)
-    for kind, options in (
-        ("precursor", {"lags_lt": [], "classifier": "logistic"}),
-        ("esn_direct", {"penalty": [1], "neurons": 40, "connectivity": 3}),
-    ):
-        classifier, scores = make_classifier(kind, options), []
-        for features in (None, exogenous):
-            points = LabelledPoints(washouts, happened, series, features).of(
-                series < 7, np.array([True])
-            )
-            fitted = classifier.fit(points, case)
-            later = None if features is None else features[series >= 7]
-            chance = fitted.probabilities(washouts[series >= 7], later)[:, 0]
-            assert ((chance > 0) & (chance < 1)).all()
-            scores.append(np.mean((chance - happened[series >= 7, 0]) ** 2))
-            again = classifier.restore(fitted.record(), case)
-            same = again.probabilities(washouts[series >= 7], later)[:, 0]
-            np.testing.assert_array_equal(same, chance)
-        assert scores[1] < 0.5 * scores[0], kind
+    series, case = np.arange(1500) // 150, replace(CASE, random_seed=1)
+    later, classifier, scores = series >= 7, make_kind(kind, options), []
+    for features in (None, exogenous):
+        points = LabelledPoints(washouts, happened, series, features).of(~later, np.array([True]))
+        fitted = classifier.fit(points, case)
+        asked = washouts[later], None if features is None else features[later]
+        chance = fitted.probabilities(*asked)[:, 0]
+        assert ((chance > 0) & (chance < 1)).all()
+        scores.append(np.mean((chance - happened[later, 0]) ** 2))
+        again = classifier.restore(fitted.record(), case).probabilities(*asked)[:, 0]
+        np.testing.assert_array_equal(again, chance)
+    assert scores[1] < 0.5 * scores[0]

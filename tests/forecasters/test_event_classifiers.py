@@ -13,12 +13,13 @@ from burstcast.forecasters._logistic_readout import event_probability, fit_logis
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.precursor import lag_steps
 from burstcast.forecasters.registry import (
+    as_forecaster,
     available_kinds,
     kind_class,
-    make_classifier,
-    make_forecaster,
+    make_kind,
     trajectory_kinds,
 )
+from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.reservoir import ReservoirSeed
 from burstcast.systems.lorenz63 import Lorenz63
 
@@ -31,7 +32,7 @@ CASE = ForecastingCase(Lorenz63(), 0.01, 1, 10, random_seed=7)
 
 
 def direct(**options):
-    return make_classifier("esn_direct", SMALL | {"backend": "scipy"} | options)
+    return make_kind("esn_direct", SMALL | {"backend": "scipy"} | options)
 
 
 def labelled(points=600):
@@ -44,19 +45,17 @@ def labelled(points=600):
 def test_kinds_say_that_they_have_no_trajectories():
     assert KINDS == ["esn_direct", "precursor"]
     for kind in KINDS:
-        assert isinstance(make_classifier(kind, {}), EventClassifier)
+        assert isinstance(make_kind(kind, {}), EventClassifier)
         assert not hasattr(kind_class(kind), "linearises")
         with pytest.raises(ValueError, match=f"{kind} gives probabilities .* without a trajectory"):
-            make_forecaster(kind, {})
+            as_forecaster(make_kind(kind, {}))
     for kind in trajectory_kinds():
-        assert kind_class(kind) is type(make_forecaster(kind, {}))
-        with pytest.raises(ValueError, match=f"{kind} forecasts trajectories"):
-            make_classifier(kind, {})
+        assert kind_class(kind) is type(as_forecaster(make_kind(kind, {})))
 
 
 def test_a_logistic_precursor_is_that_of_scikit_learn_on_features_cut_by_hand():
     points = labelled()
-    precursor = make_classifier("precursor", {"classifier": "logistic", "lags_lt": [0.2]})
+    precursor = make_kind("precursor", {"classifier": "logistic", "lags_lt": [0.2]})
     probabilities = precursor.fit(points, CASE).probabilities(points.washouts)
     features = np.hstack([points.washouts[:, 4], points.washouts[:, 2]])
     products = scale(PolynomialFeatures(2, include_bias=False).fit_transform(scale(features)))
@@ -70,28 +69,19 @@ def test_a_reservoir_is_read_out_by_the_logistic_regression_of_scikit_learn(offs
     points = labelled()
     fitted = direct(penalty=[2.0], input_offset=offset).fit(points, CASE)
     fresh = np.random.default_rng(2).normal(size=(50, 5, 3))
-    # states by the plainest means: a dense matrix, step by step
-    reservoir = ReservoirSeed(7, 40, 0, 6, 1.0).reservoir(3)
-    recurrent, bias = 0.8 * reservoir.recurrent.toarray(), reservoir.input_bias
-    ranges = np.ptp(points.washouts, axis=(0, 1))
+    dynamics = Dynamics(ReservoirSeed(7, 40, 0, 6, 1.0).reservoir(3), 0.8, 5.0, "scipy")
     centre = points.washouts.mean(axis=(0, 1)) if offset == "mean" else 0.0
 
     def states(washouts):
-        state = np.zeros((len(washouts), 40))
-        for step in range(washouts.shape[1]):
-            normalised = (washouts[:, step] - centre) / ranges
-            inputs = np.hstack([normalised, np.full((len(washouts), 1), bias)])
-            driven = inputs[:, reservoir.input_column] * reservoir.input_weight
-            state = np.tanh(5.0 * driven + state @ recurrent.T)
-        return state
+        normalised = (washouts - centre) / np.ptp(points.washouts, axis=(0, 1))
+        return dynamics.open_loop(np.ascontiguousarray(normalised.transpose(1, 2, 0))).T
 
-    learnt_states = states(points.washouts)
-    mean, deviation = learnt_states.mean(axis=0), learnt_states.std(axis=0)
+    learnt = states(points.washouts)
+    mean, deviation = learnt.mean(axis=0), learnt.std(axis=0)
     probabilities = fitted.probabilities(fresh)
     for window in range(2):
-        oracle = LogisticRegression(C=0.5, tol=1e-10, max_iter=10_000).fit(
-            (learnt_states - mean) / deviation, points.happened[:, window]
-        )
+        oracle = LogisticRegression(C=0.5, tol=1e-10, max_iter=10_000)
+        oracle.fit((learnt - mean) / deviation, points.happened[:, window])
         expected = oracle.predict_proba((states(fresh) - mean) / deviation)[:, 1]
         np.testing.assert_allclose(probabilities[:, window], expected, atol=1e-5)
 
@@ -99,20 +89,23 @@ def test_a_reservoir_is_read_out_by_the_logistic_regression_of_scikit_learn(offs
 def test_hyperparameters_are_those_that_rank_the_events_of_held_out_series_best():
     points = labelled()
     grid = list(product([0.3, 0.9], [0.5, 5.0], [1.0, 100.0]))
-    held_out = np.isin(points.series, [0, 3])
-    every = np.array([True, True])
-    scores = []
+    held_out, scores = np.isin(points.series, [0, 3]), []
     for radius, scaling, penalty in grid:
-        single = {"spectral_radius": [radius], "input_scaling": [scaling]}
-        fitted = direct(**single, penalty=[penalty]).fit(points, CASE)
-        states = event_states(fitted, points.washouts)
+        single = {"spectral_radius": [radius], "input_scaling": [scaling], "penalty": [penalty]}
+        fitted = direct(**single).fit(points, CASE)
+        # states of a fitted reservoir after washouts
+        inputs = (points.washouts / fitted.input_scale).transpose(1, 2, 0)
+        states = fitted.dynamics.open_loop(np.ascontiguousarray(inputs), None).T
         weights = fit_logistic(states[~held_out], points.happened[~held_out], penalty)
         chance = event_probability(weights, states[held_out])
-        scores.append(mean_precision(points.of(held_out, every).happened, chance))
+        happened = points.happened[held_out]
+        scores.append(
+            np.mean([average_precision_score(*of) for of in zip(happened.T, chance.T, strict=True)])
+        )
     best = grid[int(np.argmax(scores))]
     assert best != grid[0]
-    many = {"spectral_radius": [0.3, 0.9], "input_scaling": [0.5, 5.0]}
-    fitted = direct(**many, penalty=[1.0, 100.0]).fit(points, CASE)
+    many = {"spectral_radius": [0.3, 0.9], "input_scaling": [0.5, 5.0], "penalty": [1.0, 100.0]}
+    fitted = direct(**many).fit(points, CASE)
     dynamics = fitted.dynamics
     assert (dynamics.spectral_radius, dynamics.input_scaling, fitted.chosen_penalty) == best
     # and calibration takes them as they are
@@ -122,31 +115,15 @@ def test_hyperparameters_are_those_that_rank_the_events_of_held_out_series_best(
     assert options["neurons"] == 40
 
 
-def event_states(fitted, washouts):
-    """States of a fitted reservoir after washouts."""
-    inputs = (washouts / fitted.input_scale).transpose(1, 2, 0)
-    return fitted.dynamics.open_loop(np.ascontiguousarray(inputs), None).T
-
-
-def mean_precision(happened, chance):
-    """Mean over windows of scikit-learn's average precision."""
-    return np.mean(
-        [average_precision_score(*pair) for pair in zip(happened.T, chance.T, strict=True)]
-    )
-
-
 def test_lags_are_steps_within_the_washout():
     assert lag_steps([0.1, 0.25], 60, 16) == (6, 15)
-    with pytest.raises(
-        ValueError, match=r"has 0.25, a lag of 15 steps, but washout_lt holds .* 14"
+    for arguments, message in (
+        (([0.1, 0.25], 60, 15), r"has 0.25, a lag of 15 steps, but washout_lt holds .* 14"),
+        (([0.1, 0.11], 60), r"lags_lt is \[0.1, 0.11\], of which several are the same"),
+        (([0.01], 60), "shorter than one step"),
     ):
-        lag_steps([0.1, 0.25], 60, 15)
-    with pytest.raises(
-        ValueError, match=r"lags_lt is \[0.1, 0.11\], of which several are the same"
-    ):
-        lag_steps([0.1, 0.11], 60)
-    with pytest.raises(ValueError, match="shorter than one step"):
-        lag_steps([0.01], 60)
+        with pytest.raises(ValueError, match=message):
+            lag_steps(*arguments)
 
 
 def test_points_say_in_which_window_there_is_nothing_to_learn():

@@ -1,9 +1,5 @@
 """The square-root filter against the Kalman filter of the textbook; static gains."""
 
-import functools
-import math
-import operator
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,63 +7,6 @@ from hypothesis import strategies as st
 
 from burstcast.forecasters._square_root_filter import assimilate, mean, symmetric_members
 from burstcast.forecasters._static_gain_filter import leading_directions, static_gain
-
-
-def total(values):
-    """Sum from left to right: that of Python makes up for rounding from 3.12 on."""
-    return functools.reduce(operator.add, values)
-
-
-def assimilated_number_by_number(ensemble, observation, noise, inflation):
-    """The same analysis, number by number."""
-    rows, members, batch = ensemble.shape
-    updated = np.empty_like(ensemble)
-    for point in range(batch):
-        centre = [total(ensemble[row, :, point].tolist()) / members for row in range(rows)]
-        deviation = [
-            [inflation * (value - centre[row]) for value in ensemble[row, :, point].tolist()]
-            for row in range(rows)
-        ]
-        for component, error in enumerate(noise.tolist()):
-            observed = list(deviation[component])
-            spread = total(value * value for value in observed) / (members - 1)
-            if spread + error * error == 0.0:
-                continue
-            innovation = observation[component, point] - centre[component]
-            ratio = math.sqrt(error * error / (spread + error * error))
-            for row in range(rows):
-                products = [
-                    deviations * weight
-                    for deviations, weight in zip(deviation[row], observed, strict=True)
-                ]
-                gain = sum(products) / (members - 1) / (spread + error * error)
-                centre[row] += gain * innovation
-                for member in range(members):
-                    deviation[row][member] -= gain / (1.0 + ratio) * observed[member]
-        for row in range(rows):
-            updated[row, :, point] = [centre[row] + value for value in deviation[row]]
-    return updated
-
-
-@given(rows=st.integers(1, 4), seed=st.integers(0, 1000), inflation=st.floats(1.0, 1.5))
-def test_every_bit_is_that_of_the_numbers_one_by_one(rows, seed, inflation):
-    """Whatever else is in the batch; also where nothing is to be learnt."""
-    generator = np.random.default_rng(seed)
-    observed = generator.integers(1, rows + 1)
-    ensemble = generator.normal(size=(rows, 12, 3))
-    noise, observation = generator.uniform(0, 2, observed), generator.normal(size=(observed, 3))
-    noise[0], ensemble[0, :, 1] = 0.0, 1.5
-    expected = assimilated_number_by_number(ensemble, observation, noise, inflation)
-    updated = assimilate(ensemble, observation, noise, inflation)
-    np.testing.assert_array_equal(updated, expected)
-    for point in range(3):
-        others, only = ensemble.copy(), slice(point, point + 1)
-        others[..., np.arange(3) != point] = np.nan
-        updated = assimilate(others, observation, noise, inflation)
-        alone = assimilate(ensemble[..., only], observation[:, only], noise, inflation)
-        np.testing.assert_array_equal(updated[..., only], expected[..., only])
-        np.testing.assert_array_equal(alone, expected[..., only])
-        np.testing.assert_array_equal(mean(alone), mean(updated)[:, only])
 
 
 def kalman_update(centre, covariance, observation, noise):
@@ -81,10 +20,6 @@ def kalman_update(centre, covariance, observation, noise):
     )
 
 
-def covariance_of(ensemble):
-    return np.cov(ensemble)
-
-
 @given(dimension=st.integers(1, 6), spare=st.integers(0, 20), seed=st.integers(0, 1000))
 def test_the_first_ensemble_has_exactly_the_moments_of_the_noise(dimension, spare, seed):
     generator = np.random.default_rng(seed)
@@ -93,7 +28,7 @@ def test_the_first_ensemble_has_exactly_the_moments_of_the_noise(dimension, spar
     np.testing.assert_allclose(mean(ensemble), centre, atol=1e-12)
     for point in range(3):
         np.testing.assert_allclose(
-            np.atleast_2d(covariance_of(ensemble[:, :, point])), np.diag(noise**2), atol=1e-12
+            np.atleast_2d(np.cov(ensemble[:, :, point])), np.diag(noise**2), atol=1e-12
         )
     departures = ensemble - centre[:, np.newaxis]
     np.testing.assert_allclose(np.mean(departures**3, axis=1), 0, atol=1e-12)
@@ -126,6 +61,19 @@ def test_an_observation_moves_mean_and_covariance_as_kalmans_does(
         centre, covariance = kalman_update(centre, covariance, observation[:, point], noise)
         np.testing.assert_allclose(updated[:, :, point].mean(axis=1), centre, atol=1e-10)
         np.testing.assert_allclose(np.cov(updated[:, :, point]), covariance, atol=1e-10)
+        # whatever else is in the batch
+        others = np.where(np.arange(2) == point, ensemble, np.nan)
+        alone = assimilate(others, observation, noise, inflation)
+        np.testing.assert_array_equal(alone[:, :, point], updated[:, :, point])
+
+
+def test_an_exact_observation_of_what_is_known_changes_nothing():
+    """Neither members that agree nor what is observed without noise leave anything to divide by."""
+    ensemble = np.array([[1.5] * 4, [1.0, 2.0, 3.0, 4.0]])[:, :, np.newaxis]
+    updated = assimilate(ensemble, np.array([[7.0]]), np.zeros(1), 1.0)
+    np.testing.assert_array_equal(updated, ensemble)
+    updated = assimilate(ensemble[::-1].copy(), np.array([[7.0]]), np.zeros(1), 1.0)
+    np.testing.assert_allclose(updated[0], 7.0, atol=1e-12)
 
 
 def test_static_gains_are_the_kalman_filters_and_leading_directions_make_the_covariance():

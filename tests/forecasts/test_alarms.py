@@ -8,7 +8,8 @@ from sklearn.metrics import (
     average_precision_score,
     confusion_matrix,
     f1_score,
-    precision_recall_curve,
+    precision_score,
+    recall_score,
     roc_auc_score,
 )
 
@@ -18,11 +19,11 @@ from burstcast.forecasts.alarms import (
     average_precision,
     best_threshold,
     counts_at,
-    counts_at_all_levels,
     roc_area,
     useless_votes,
 )
 from burstcast.forecasts.calibration import isotonic
+from burstcast.forecasts.classification import SCORES, ratio
 from burstcast.forecasts.event_probabilities import EventProbabilities
 from burstcast.forecasts.lead_times import lead_time_scores, lead_times
 from burstcast.forecasts.outcomes import Outcomes
@@ -31,12 +32,21 @@ from helpers_library import count_by_series, samples
 
 
 @given(samples(), st.floats(0, 1))
-def test_alarms_are_those_of_the_points(sample, threshold):
+def test_alarms_and_their_scores_are_those_of_the_points(sample, threshold):
     probability, happened, _ = sample
-    counts = counts_at(count_by_series(*sample).total(), threshold)
-    matrix = confusion_matrix(happened, probability >= threshold, labels=[False, True])
+    counts, alarm = counts_at(count_by_series(*sample).total(), threshold), probability >= threshold
+    matrix = confusion_matrix(happened, alarm, labels=[False, True])
     assert [counts.true_negative, counts.false_positive] == matrix[0].tolist()
     assert [counts.false_negative, counts.true_positive] == matrix[1].tolist()
+    for score, reference in zip(SCORES, (precision_score, recall_score, f1_score), strict=True):
+        expected = reference(happened, alarm, zero_division=np.nan)
+        np.testing.assert_allclose(getattr(counts, score), expected, rtol=1e-14)
+
+
+def test_ratios_of_arrays_and_numbers():
+    np.testing.assert_array_equal(ratio([1, 0, 3], [2, 0, 0]), [0.5, np.nan, np.nan])
+    assert ratio(1, 4) == 0.25
+    assert np.isnan(ratio(1, 0))
 
 
 @given(samples())
@@ -53,18 +63,6 @@ def test_areas_are_those_of_scikit_learn(sample):
         np.testing.assert_allclose(roc_area(whole), expected, rtol=1e-12)
     else:
         assert np.isnan(roc_area(whole))
-
-
-def test_counts_at_all_levels_give_the_curve_of_scikit_learn():
-    generator = np.random.default_rng(4)
-    probability = np.round(generator.random(300), 1)
-    happened = generator.random(300) < probability
-    counts = counts_at_all_levels(
-        count_by_series(probability, happened, np.zeros(300, int)).total()
-    )
-    precision, recall, _ = precision_recall_curve(happened, probability)
-    np.testing.assert_allclose(counts.precision, precision[:-1][::-1], rtol=1e-13)
-    np.testing.assert_allclose(counts.recall, recall[:-1][::-1], rtol=1e-13)
 
 
 @given(samples(values=st.integers(0, 10).map(lambda votes: votes / 10)))

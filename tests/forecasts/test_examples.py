@@ -237,17 +237,13 @@ def test_evaluations_agree_with_the_prediction_horizon(drift):
         Drift(drift), first_component, observed[np.newaxis], truth[np.newaxis, : event + 1], SEARCH
     )[0]
     result = evaluate_lead_times(Drift(drift), first_component, observed, truth, STARTS, SEARCH)
-    success = result.evaluation_horizon_lt == result.evaluation_lead_time_lt
-    assert (
-        result.evaluation_lead_time_lt[success][0]
-        if success.any()
-        else result.evaluation_horizon_lt[-1]
-    ) == horizon
+    found, leads = result.evaluation_horizon_lt, result.evaluation_lead_time_lt
+    assert [*leads[found == leads], found[-1]][0] == horizon
     # by hand: the error grows by the drift in each step and is lost at 1
     steps = np.array([15, 12, 10, 7, 5, 2])
     accurate = np.array([sum(drift * (n + 1) < 1 for n in range(count)) for count in steps])
     expected = np.where(accurate == steps, STARTS, accurate / 5)
-    np.testing.assert_allclose(result.evaluation_horizon_lt, expected)
+    np.testing.assert_allclose(found, expected)
 
 
 def test_evaluations_begin_after_their_start_and_go_beyond_the_event():
@@ -323,28 +319,20 @@ def windows(*largest):
 
 
 def test_a_miss_that_is_no_error_of_timing_comes_first():
-    burst_in_window = [LOW, LOW, HIGH, LOW, LOW]
-    truth = windows(burst_in_window, burst_in_window, burst_in_window)
-    early, never = [LOW, HIGH, LOW, LOW, LOW], [LOW] * 5
-    where = {"first_window": 2, "windows": 1, "threshold": 0.1}
-    quiet = np.full(3, LOW)
-    assert outcome_examples(windows(early, never, early), truth, quiet, **where) == {
-        "false negative": 1
-    }
-    assert outcome_examples(truth, windows(early, never, early), quiet, **where) == {
-        "false positive": 1
-    }
+    event, early, never = [LOW, LOW, HIGH, LOW, LOW], [LOW, HIGH, LOW, LOW, LOW], [LOW] * 5
+
+    def shown(forecasts, truth, washouts=(LOW, LOW, LOW)):
+        where = {"first_window": 2, "windows": 1, "threshold": 0.1}
+        seen = np.array(washouts)[: len(truth)]
+        return outcome_examples(windows(*forecasts), windows(*truth), seen, **where)
+
+    assert shown([early, never, early], [event] * 3) == {"false negative": 1}
+    assert shown([event] * 3, [early, never, early]) == {"false positive": 1}
     # a marginal one is better than none
-    marginal = outcome_examples(windows(early, early, early), truth, quiet, **where)
-    assert list(marginal) == ["false negative"]
+    assert list(shown([early] * 3, [event] * 3)) == ["false negative"]
     # what had an event in its washout is not scored
-    began = np.array([LOW, HIGH, LOW])
-    assert outcome_examples(windows(early, never, early), truth, began, **where) == {
-        "false negative": 2
-    }
+    began = (LOW, HIGH, LOW)
+    assert shown([early, never, early], [event] * 3, began) == {"false negative": 2}
     # a hit beside an early forecast is no miss, however tall
     tall = [LOW, LOW, 2 * HIGH, LOW, LOW]
-    both = outcome_examples(
-        windows(tall, early), windows(tall, burst_in_window), quiet[:2], **where
-    )
-    assert both == {"true positive": 0, "false negative": 1}
+    assert shown([tall, early], [tall, event]) == {"true positive": 0, "false negative": 1}

@@ -57,9 +57,6 @@ def test_no_point_that_counts_and_what_cannot_be_counted():
     assert result.at(result.levels).total().points.shape == (0,)
     with pytest.raises(ValueError, match="not finite"):
         count_by_series(np.array([np.nan]), np.array([True]), np.array([0]))
-    result = count_by_series(np.array([0.1, 0.2]), np.array([True, False]), np.array([0, 1]))
-    with pytest.raises(ValueError, match="fall"):
-        result.at(np.array([0.5, 0.4]))
 
 
 def test_votes_are_counted_one_by_one():

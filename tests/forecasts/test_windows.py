@@ -1,7 +1,7 @@
 """Windows of forecasts against plain loops: summaries, crossings, members, starting points."""
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -35,18 +35,15 @@ from burstcast.forecasts.windows import WindowForecasts, crosses, summarise, win
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.parameters import SystemParameters
-from helpers_library import MadeUpForecaster
 
 THRESHOLD = 0.1
 
 
 def crosses_by_hand(values, first, last, threshold):
     """Below at the first step of the window, and at or above it somewhere in the window."""
-    if not all(np.isfinite(values[step]) for step in range(first, last + 1)):
-        return False
-    if not values[first] < threshold:
-        return False
-    return any(values[step] >= threshold for step in range(first, last + 1))
+    window = [values[step] for step in range(first, last + 1)]
+    reaches = any(value >= threshold for value in window)
+    return bool(all(map(np.isfinite, window)) and window[0] < threshold and reaches)
 
 
 def test_boundaries_at_the_papers_reynolds_number():
@@ -78,13 +75,6 @@ def test_a_window_crosses_if_the_observable_itself_does(
     last = int((before + 1 + length) * resolution * lyapunov_time)
     expected = [crosses_by_hand(observable[:, row], first, last, THRESHOLD) for row in range(3)]
     assert result.tolist() == expected
-
-
-def test_windows_share_their_common_step_and_hold_both_of_their_ends():
-    falling = summarise(np.array([[9.0], [5.0], [4.0], [3.0]]), (2, 4))
-    assert (falling.first.tolist(), falling.largest.tolist()) == ([[5.0]], [[5.0]])
-    rising = summarise(np.array([[0.0], [0.0], [0.2], [0.0], [0.3]]), (1, 3, 5))
-    assert (rising.first.tolist(), rising.largest.tolist()) == ([[0.0, 0.2]], [[0.2, 0.3]])
 
 
 @pytest.mark.parametrize(("first", "length"), [(-1, 1), (1, 2), (2, 1)])
@@ -151,36 +141,12 @@ def test_forecasts_are_those_of_each_memory_alone(
             np.testing.assert_array_equal(summaries.largest[point], expected.largest[0])
 
 
-class Counting(MadeUpForecaster):
-    """Goes on from the last observed value in steps of one; lost where that value is negative."""
-
-    def __init__(self):
-        self.batches = []
-
-    def start(self, washout):
-        self.batches.append(washout.shape[2])
-        return washout[-1].copy()
-
-    def advance(self, memory, steps):
-        ahead = np.arange(1, steps + 1, dtype=np.float64)[:, np.newaxis, np.newaxis]
-        outputs = np.where(memory < 0, np.nan, memory + ahead)
-        return outputs, outputs[-1]
-
-
-def test_forecasts_begin_one_step_after_the_last_observation(monkeypatch):
-    washouts = np.zeros((7, 4, 2))
-    washouts[:, -1, 0] = np.arange(7) * 100
-    washouts[2, -1, 0] = -1
-    forecaster = Counting()
-    monkeypatch.setattr(module, "POINTS_PER_BATCH", 3)
-    result = window_forecasts(forecaster, first_component, washouts, (2, 5, 9))
-    assert forecaster.batches == [3, 3, 1]
-    expected = 100 * np.arange(7)[:, np.newaxis] + np.array([2, 5])
-    expected = expected.astype(float)
-    expected[2] = np.nan
-    np.testing.assert_array_equal(result.first, expected)
-    np.testing.assert_array_equal(result.largest, expected + np.array([3, 4]))
-    assert result.diverged.tolist() == [False, False, True, False, False, False, False]
+def test_forecasts_that_are_lost_have_diverged(training, washouts):
+    lost = np.where(np.arange(12)[:, np.newaxis, np.newaxis] == 5, np.inf, washouts)
+    model = LinearInverseModel().fit(training, CASE)
+    with np.errstate(invalid="ignore"):
+        result = window_forecasts(model, first_component, lost, BOUNDARIES)
+    assert np.flatnonzero(result.diverged).tolist() == [5]
 
 
 def test_forecasts_under_a_schedule_are_those_of_each_point_by_itself(monkeypatch):
@@ -210,19 +176,17 @@ def test_points_one_by_one():
     washout, spacing, boundaries = 5, 7, (2, 4, 9)
     where = {"spacing": spacing, "washout": washout, "boundaries": boundaries}
     result = observed_points(observed, truth, lambda state: state[0] * state[1], **where)
-    row = 0
-    for series in range(3):
-        for now in range(washout - 1, 60 - boundaries[-1], spacing):
-            assert (result.points.series[row], result.points.step[row]) == (series, now)
-            seen = observed[series, now - washout + 1 : now + 1]
-            assert_array_equal(result.washouts[row], seen)
-            assert_array_equal(result.seen[row], seen[:, 0] * seen[:, 1])
-            for window, (start, end) in enumerate(pairwise(boundaries)):
-                following = truth[series, now + start : now + end + 1]
-                assert result.truth.first[row, window] == following[0]
-                assert result.truth.largest[row, window] == following.max()
-            row += 1
-    assert row == len(result.points)
+    places = list(product(range(3), range(washout - 1, 60 - boundaries[-1], spacing)))
+    for row, (series, now) in enumerate(places):
+        assert (result.points.series[row], result.points.step[row]) == (series, now)
+        seen = observed[series, now - washout + 1 : now + 1]
+        assert_array_equal(result.washouts[row], seen)
+        assert_array_equal(result.seen[row], seen[:, 0] * seen[:, 1])
+        for window, (start, end) in enumerate(pairwise(boundaries)):
+            following = truth[series, now + start : now + end + 1]
+            assert result.truth.first[row, window] == following[0]
+            assert result.truth.largest[row, window] == following.max()
+    assert len(result.points) == len(places)
 
 
 # -- probabilities of events in files --------------------------------------------------------------
@@ -272,14 +236,11 @@ def test_a_classifier_is_a_source_of_alarms_like_others():
 
 def test_points_are_labelled_where_no_event_is_under_way():
     assert POINTS.series == 3
-    labelled = POINTS.labelled([0.5, 2], 0.1)
-    kept = [0, 2, 3, 5]
+    labelled, kept, (first, largest) = POINTS.labelled([0.5, 2], 0.1), [0, 2, 3, 5], SUMMARIES
     np.testing.assert_array_equal(labelled.washouts, DATA["washout"][kept])
     np.testing.assert_array_equal(labelled.series, DATA["series"][kept])
-    for column, first in enumerate((0, 3)):
-        rises = (SUMMARIES[0][:, first] < 0.1) & (
-            SUMMARIES[1][:, first : first + 2].max(axis=1) >= 0.1
-        )
+    for column, start in enumerate((0, 3)):
+        rises = (first[:, start] < 0.1) & (largest[:, start : start + 2].max(axis=1) >= 0.1)
         np.testing.assert_array_equal(labelled.happened[:, column], rises[kept])
 
 

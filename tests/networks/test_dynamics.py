@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -27,19 +26,6 @@ def random_readout(reservoir, generator):
     # Small enough for the closed loop to be a contraction: differences of rounding stay small.
     shape = (reservoir.neurons + 1, reservoir.dimension)
     return generator.normal(size=shape) / reservoir.neurons
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_without_an_input_bias_the_reservoir_is_an_odd_function_of_its_inputs(backend):
-    """Even terms of the readout's map, such as products, come from the bias alone."""
-    generator = np.random.default_rng(5)
-    inputs = generator.normal(size=(12, 3, 2))
-    odd, biased = (
-        Dynamics(make_reservoir(61, 3, 5, bias, np.random.default_rng(0)), 0.7, 1.3, backend)
-        for bias in (0.0, 0.1)
-    )
-    np.testing.assert_allclose(odd.open_loop(-inputs), -odd.open_loop(inputs), rtol=0, atol=1e-14)
-    assert np.abs(biased.open_loop(-inputs) + biased.open_loop(inputs)).max() > 0.01
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -73,29 +59,6 @@ def test_trajectories_depend_on_nothing_else(reservoir, backend, leak_rate, read
     np.testing.assert_array_equal(dynamics.open_loop(inputs[:0], states), states)
     nothing, none = dynamics.closed_loop(weights, RANGE, states[:, :0], 5)
     assert (nothing.shape, none.shape) == ((5, 4, 0), (reservoir.neurons, 0))
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_panels_hold_the_states_and_end_at_breakpoints(reservoir, signal, backend):
-    dynamics = Dynamics(reservoir, 0.5, 1.0, backend)
-    inputs = signal[:101]
-    start = np.full((reservoir.neurons, 5), 0.1)
-    panels = list(
-        dynamics.state_panels(inputs, start, breakpoints=[70, 33, 33, 0], columns_per_panel=102)
-    )
-    ends = [0, 20, 33, 53, 70, 90, 101]
-    assert [(panel.start, panel.stop) for panel in panels] == [*pairwise(ends)]
-    for panel in panels:
-        last = dynamics.open_loop(inputs[: panel.stop], start)
-        np.testing.assert_array_equal(panel.states[:, -1], last)
-        assert panel.columns.flags.c_contiguous
-        assert np.shares_memory(panel.columns, panel.states)
-        np.testing.assert_array_equal(panel.columns[:, 7], panel.states[:, 1, 2])
-    states = start
-    for step, current in enumerate(inputs):
-        states = dynamics.open_loop(current[None], states)
-        panel = next(panel for panel in panels if panel.start <= step < panel.stop)
-        np.testing.assert_array_equal(panel.states[:, step - panel.start], states)
 
 
 def test_tanh_is_accurate_to_a_few_units_in_the_last_place():

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy.sparse
 
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.factored import (
@@ -14,7 +13,7 @@ from burstcast.networks.factored import (
     forecast_under,
 )
 from burstcast.networks.network import EchoStateNetwork
-from burstcast.networks.reservoir import Reservoir, make_reservoir
+from burstcast.networks.reservoir import make_reservoir
 from burstcast.networks.training import collect, train, train_leaving_one_out
 from burstcast.networks.validation import validate
 from burstcast.networks.validation_strategies.base import ValidationPlan
@@ -131,17 +130,6 @@ def test_loops_do_not_depend_on_their_batch_not_even_where_one_diverges(
         assert np.array_equal(alone[..., 0], together[..., index])
         assert np.array_equal(alone_last[:, 0], last[:, index])
         assert np.array_equal(result[..., index], together[..., index])
-
-
-def test_neurons_that_no_input_reaches():
-    """0 sees an input, 1 the bias, 2 the bias and neuron 0, 3 the bias and neuron 1."""
-    recurrent = scipy.sparse.csr_array(
-        ([0.5, -0.5], ([2, 3], [0, 1])), shape=(5, 5), dtype=np.float64
-    )
-    column = np.array([0, 1, 1, 1, 0], dtype=np.int32)
-    weight = np.array([1.0, 1.0, 1.0, 1.0, 0.0])
-    reservoir = Reservoir(column, weight, recurrent, 1, 0.1)
-    assert driven_neurons(reservoir).tolist() == [0, 2]
 
 
 def test_neurons_that_are_not_driven_are_those_that_settle():

@@ -121,16 +121,10 @@ def test_the_best_network_is_that_of_its_own_strategy():
 
     def validator(point, strategies):
         seen.append([evaluation.name for evaluation in strategies])
-        offset = {"RV": 0.0, "SSV": -50.0}
+        errors = {"RV": bowl(point), "SSV": bowl(point) - 50.0}
         return [
-            Validation(
-                evaluation.name,
-                beta,
-                np.array([bowl(point) + beta + offset[evaluation.name]]),
-                "",
-                1.0,
-            )
-            for evaluation in strategies
+            Validation(strategy.name, beta, np.array([errors[strategy.name] + beta]), "", 1.0)
+            for strategy in strategies
             for beta in (1.0, 2.0)
         ]
 
@@ -160,12 +154,9 @@ def test_the_search_takes_the_leak_rate_of_the_best_point_of_the_grid():
     assert [evaluation.point.leak_rate for evaluation in trace[48:]] == [0.5] * 3
     # the process knows the grid of this leak rate alone
     alone = SearchSpace(space.spectral_radius, space.input_scaling, (0.5,))
-    other = network_search.search(
-        validator, alone, strategy, scan(validator, alone, [strategy], 4), 3, 1
-    )
-    assert [evaluation.point for evaluation in trace[48:]] == [
-        evaluation.point for evaluation in other[16:]
-    ]
+    scanned = scan(validator, alone, [strategy], 4)
+    other = network_search.search(validator, alone, strategy, scanned, 3, 1)
+    assert [each.point for each in trace[48:]] == [each.point for each in other[16:]]
     # rows of tables say the leak rates that are not 1
     for evaluation in trace:
         row = evaluation.record()

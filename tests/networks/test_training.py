@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.networks.dynamics import Dynamics
-from burstcast.networks.readout import Moments, MomentsAccumulator, _symmetric_norm, solve_ridge
+from burstcast.networks.readout import Moments, MomentsAccumulator, solve_ridge
 from burstcast.networks.reservoir import make_reservoir
 from burstcast.networks.training import TrainingSeries, collect, train, train_leaving_one_out
 from helpers_library import textbook_step
@@ -59,23 +59,6 @@ def training(reservoir, signal):
     return panel.columns, targets
 
 
-@given(
-    neurons=st.integers(1, 6),
-    dimension=st.integers(1, 3),
-    columns=st.integers(1, 40),
-    cuts=st.lists(st.integers(0, 40), max_size=4),
-    offset=st.floats(-1, 1),
-    seed=st.integers(0, 1000),
-)
-@settings(max_examples=60)
-def test_panels_of_any_size_give_the_same_moments(neurons, dimension, columns, cuts, offset, seed):
-    generator = np.random.default_rng(seed)
-    states = offset + generator.uniform(-1, 1, size=(neurons, columns))
-    targets = generator.normal(size=(dimension, columns))
-    edges = sorted(min(cut, columns) for cut in cuts)
-    assert_moments(accumulate(states, targets, edges), states, targets)
-
-
 @given(first=st.integers(1, 30), second=st.integers(1, 30), seed=st.integers(0, 1000))
 @settings(max_examples=60)
 def test_moments_of_parts_merge_to_those_of_the_whole(first, second, seed):
@@ -92,21 +75,17 @@ def test_moments_of_parts_merge_to_those_of_the_whole(first, second, seed):
 
 
 def test_nothing_that_is_given_is_changed(training):
-    states, targets = training
-    kept, kept_targets = states.copy(), targets.copy()
-    accumulate(states, targets, [500])
-    np.testing.assert_array_equal(states, kept)
-    np.testing.assert_array_equal(targets, kept_targets)
-    moments = accumulate(*training)
-    kept = moments.gram.copy()
-    once = solve_ridge(moments, 1e-9)
+    states, targets = (values.copy() for values in training)
+    moments = accumulate(states, targets, [500])
+    kept, once = moments.gram.copy(), solve_ridge(moments, 1e-9)
     solve_ridge(moments, 1e-2)
-    again = solve_ridge(moments, 1e-9)
-    np.testing.assert_array_equal(once.weights, again.weights)
-    np.testing.assert_array_equal(moments.gram, kept)
     observed = OBSERVED[:1].copy()
     collect(DYNAMICS, TrainingSeries(observed, RANGE), washout=WASHOUT)
-    np.testing.assert_array_equal(observed, OBSERVED[:1])
+    for now, before in (
+        *((states, training[0]), (targets, training[1]), (observed, OBSERVED[:1])),
+        *((moments.gram, kept), (solve_ridge(moments, 1e-9).weights, once.weights)),
+    ):
+        np.testing.assert_array_equal(now, before)
 
 
 @pytest.mark.parametrize("tikhonov", [1e-6, 1.0, 1e3])
@@ -164,15 +143,6 @@ def test_reciprocal_condition_is_known_and_has_no_digits_that_depend_on_where_me
     moments = Moments(40, np.zeros(30), np.zeros(1), gram, np.ones((30, 1)))
     result = solve_ridge(moments, 1e-6).reciprocal_condition
     assert result == float(f"{result:.3g}")
-
-
-@pytest.mark.parametrize("neurons", [1, 5, 300, 700])
-def test_symmetric_norm(neurons):
-    matrix = np.random.default_rng(0).normal(size=(neurons, neurons))
-    symmetric = np.tril(matrix) + np.tril(matrix, -1).T
-    expected = np.linalg.norm(symmetric, 1)
-    # The upper triangle must not matter.
-    assert _symmetric_norm(np.asfortranarray(matrix)) == pytest.approx(expected, rel=1e-13)
 
 
 def test_bad_training_data_raise(training):
@@ -306,20 +276,14 @@ def test_steps_outside_of_the_series_are_refused(arguments):
 
 
 def test_training_is_the_papers_ridge_regression():
-    tikhonov = 1e-6
     states, targets = rows(WASHOUT, LENGTH)
-    design = np.vstack([states, np.ones(states.shape[1])])
-    weights = np.linalg.solve(
-        design @ design.T + tikhonov * np.eye(NEURONS + 1), design @ targets.T
-    )
-    readout = train(DYNAMICS, TRAINING, washout=WASHOUT, tikhonov=tikhonov)
+    readout = train(DYNAMICS, TRAINING, washout=WASHOUT, tikhonov=1e-6)
+    weights = qr_weights(states, targets, 1e-6)
     np.testing.assert_allclose(readout.weights, weights, rtol=1e-6, atol=1e-8)
-    assert readout.tikhonov == tikhonov
-    same = solve_ridge(collect(DYNAMICS, TRAINING, washout=WASHOUT).moments, tikhonov)
-    np.testing.assert_array_equal(readout.weights, same.weights)
+    assert readout.tikhonov == 1e-6
 
 
-def test_leaving_one_out_is_training_on_the_others_and_does_not_see_the_one():
+def test_leaving_one_out_is_training_on_the_others():
     readouts = train_leaving_one_out(DYNAMICS, TRAINING, washout=WASHOUT, tikhonov=1e-4)
     for row, readout in enumerate(readouts):
         others = TrainingSeries(np.delete(OBSERVED, row, axis=0), RANGE)
@@ -331,12 +295,3 @@ def test_leaving_one_out_is_training_on_the_others_and_does_not_see_the_one():
     single = TrainingSeries(OBSERVED[:1], RANGE)
     with pytest.raises(ValueError, match="two training series"):
         next(train_leaving_one_out(DYNAMICS, single, washout=WASHOUT, tikhonov=1e-4))
-    other = OBSERVED.copy()
-    other[2] = np.random.default_rng(1).normal(size=OBSERVED[2].shape)
-    how = {"washout": WASHOUT, "tikhonov": 1e-4}
-    first, second = (
-        list(train_leaving_one_out(DYNAMICS, TrainingSeries(observed, RANGE), **how))
-        for observed in (OBSERVED, other)
-    )
-    np.testing.assert_array_equal(first[2].weights, second[2].weights)
-    assert not np.array_equal(first[1].weights, second[1].weights)

@@ -1,5 +1,7 @@
 """Comparisons of the page, on made-up campaigns whose parts are known."""
 
+from itertools import product
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -133,10 +135,9 @@ def test_how_often_the_own_training_set_is_best(tmp_path):
     ours = {2.0: 0.9, 3.0: 0.2, 4.0: 0.6}
     rows = [
         {"case": case, "forecaster": "esn", **NETWORK, "seed": seed, "prediction_time_lt": time}
-        | {"f_score": score + (0.05, -0.05)[seed]}
+        | {"f_score": (value if shift is None else 0.6 + shift) + (0.05, -0.05)[seed]}
         for case, shift in (("Re400", None), ("Re400-training1", 0.1), ("Re400-training2", -0.1))
         for time, value in ours.items()
-        for score in [value if shift is None else 0.6 + shift]
         for seed in (0, 1)
     ]
     text = own_ranks(campaign(tmp_path / "sets", rows), (2.0, 3.0, 4.0))
@@ -147,20 +148,16 @@ def test_how_often_the_own_training_set_is_best(tmp_path):
 def readouts(tmp_path):
     """Two kinds of networks, of two sizes, three training sets, two seeds."""
     generator = np.random.default_rng(0)
-    rows = [
-        {"case": case, "reynolds": 400, "forecaster": kind, "neurons": size, "seed": seed}
-        | {"validation": "RV", "prediction_time_lt": time, "f_score": generator.uniform(0.2, 0.9)}
-        | {"mean_horizon_lt": generator.uniform(1, 5)}
-        for case in ("Re400", "Re400-training1", "Re400-training2")
-        for kind in ("esn_quadratic", "esn", "equations")
-        for size in (500, 2000)
-        for seed in (0, 1)
-        for time in (1.0, 3.0)
-    ]
-    table = pd.DataFrame(rows)
+    names = ["case", "forecaster", "neurons", "seed", "prediction_time_lt"]
+    cases = ("Re400", "Re400-training1", "Re400-training2")
+    kinds = ("esn_quadratic", "esn", "equations")
+    table = pd.DataFrame(product(cases, kinds, (500, 2000), (0, 1), (1.0, 3.0)), columns=names)
+    scores, horizons = generator.uniform(0.2, 0.9, len(table)), generator.uniform(1, 5, len(table))
+    table = table.assign(reynolds=400, validation="RV", f_score=scores, mean_horizon_lt=horizons)
     table.to_csv(tmp_path / "classification.csv", index=False)
-    table[table["prediction_time_lt"] == 3].to_csv(tmp_path / "horizon.csv", index=False)
-    return Tables(tmp_path), table[table["prediction_time_lt"] == 3]
+    last = table[table["prediction_time_lt"] == 3]
+    last.to_csv(tmp_path / "horizon.csv", index=False)
+    return Tables(tmp_path), last
 
 
 def test_intervals_are_over_training_sets(readouts):
@@ -202,16 +199,15 @@ def test_figures_of_kept_campaigns_show_their_numbers():
 
 def test_only_cases_with_the_same_series_are_ranked_beside_each_other(tmp_path):
     means = {"turbulence": 0.12, "sensors": 0.12, "viscous": 0.1, "viscous_sensors": 0.1}
-    cases = [{"case": c, "series_kept": 9, "mean_observable": mean} for c, mean in means.items()]
+    cases = {"case": means.keys(), "series_kept": 9, "mean_observable": means.values()}
     pd.DataFrame(cases).to_csv(tmp_path / "dataset.csv", index=False)
     same = {"event": "onset", "metric": "average_precision", "neurons": None, "validation": None}
-    same |= {"seed": None, "prediction_time_lt": 1.0, "low": 0.1, "high": 1.0}
-    rows = [
-        {**same, "case": case, "alarm": alarm, "forecaster": alarm, "value": 0.5}
-        for case in ("sensors", "turbulence", "viscous_sensors")
-        for alarm in ("equations_filtered", "climatology")
-    ]
-    pd.DataFrame(rows).to_csv(tmp_path / "ranking.csv", index=False)
+    same |= {"seed": None, "prediction_time_lt": 1.0, "value": 0.5, "low": 0.1, "high": 1.0}
+    ranked = ("sensors", "turbulence", "viscous_sensors")
+    rows = pd.DataFrame(
+        product(ranked, ("equations_filtered", "climatology")), columns=["case", "alarm"]
+    )
+    rows.assign(**same, forecaster=rows["alarm"]).to_csv(tmp_path / "ranking.csv", index=False)
     shown = onsets(Tables(tmp_path), "turbulence")
     assert shown[["case", "alarm"]].to_numpy().tolist() == [
         ["sensors", "equations_filtered"],
@@ -221,14 +217,11 @@ def test_only_cases_with_the_same_series_are_ranked_beside_each_other(tmp_path):
 
 
 def test_the_most_expensive_rules_and_the_sum(tmp_path):
-    rows = [
-        {"rule": rule, "jobs": 2, "minutes": minutes, "memory_mib": 5}
-        for rule, minutes in (("cheap", 1), ("dear", 9), ("middle", 3))
-    ]
-    pd.DataFrame(rows).to_csv(tmp_path / "rule_costs.csv", index=False)
+    rules = {"rule": ["cheap", "dear", "middle"], "minutes": [1, 9, 3]}
+    table = pd.DataFrame({**rules, "jobs": 2, "memory_mib": 5})
+    table.to_csv(tmp_path / "rule_costs.csv", index=False)
     assert rows_of(costs(Tables(tmp_path), 2)) == {
-        "dear": ["2", "9", "5"],
-        "middle": ["2", "3", "5"],
+        **{"dear": ["2", "9", "5"], "middle": ["2", "3", "5"]},
         "**all**": ["6", "13", "5"],
     }
 

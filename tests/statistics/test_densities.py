@@ -128,27 +128,19 @@ def test_density_interval_is_that_of_flows_drawn_one_by_one(seed, confidence):
     rows = [[4, 0, 7, 5], [7, 2], [3]]
     generator = np.random.default_rng(seed)
     counts = [generator.poisson(2, (len(row), 4)) for row in rows[:2]] + [np.zeros((1, 4))]
-    drawn = bootstrap_weights(6, 40, np.random.default_rng(0))
     means = []
-    for weights in drawn:
+    for weights in bootstrap_weights(6, 40, np.random.default_rng(0)):
         times = dict(zip([0, 2, 3, 4, 5, 7], weights, strict=True))
         sums = [
             sum(times[row] * flow for row, flow in zip(row, flows, strict=True))
             for row, flows in zip(rows, counts, strict=True)
         ]
-        densities = [
-            first_counts / first_counts.sum() / WIDTHS
-            for first_counts in sums
-            if first_counts.sum()
-        ]
+        densities = [of_rows / of_rows.sum() / WIDTHS for of_rows in sums if of_rows.sum()]
         means.append(np.mean(densities, axis=0) if densities else np.full(4, np.nan))
     ends = np.nanquantile(means, [(1 - confidence) / 2, (1 + confidence) / 2], axis=0)
     np.testing.assert_allclose(interval(counts, rows, 40, confidence), ends, atol=1e-12)
-
-
-def test_interval_of_no_values_is_none():
-    assert np.isnan(interval([[]], [[]])).all()
-    assert np.isnan(interval([np.zeros((3, 4))], [[0, 1, 2]])).all()
+    for none in (interval([[]], [[]]), interval([np.zeros((3, 4))], [[0, 1, 2]])):
+        assert np.isnan(none).all()
 
 
 # -- reductions of series --------------------------------------------------------------------------
@@ -177,27 +169,22 @@ def same(first, second):
 
 
 @pytest.mark.parametrize(
-    "rows", [ALL, np.array([1, 4]), np.arange(7) % 3 == 1, np.array([5, 2, 5])]
+    "rows", [ALL, np.array([1, 4]), np.arange(7) % 3 == 1, np.array([5, 2, 5]), np.zeros(7, bool)]
 )
 def test_merged_reductions_are_those_of_all_values_of_the_chosen_series(rows):
     series = random_series()
-    result = reduced(series).merged(rows)
-    flat = series[rows].reshape(-1, 9)
-    np.testing.assert_array_equal(
-        result.histogram.counts, np.histogram(energy(flat.T), ENERGIES)[0]
-    )
+    whole = reduced(series)
+    result, flat = whole.merged(rows), series[rows].reshape(-1, 9)
+    counts, _ = np.histogram(energy(flat.T), ENERGIES)
+    np.testing.assert_array_equal(result.histogram.counts, counts)
     assert result.histogram.below + result.histogram.inside + result.histogram.above == len(flat)
-    assert result.moments.count == len(flat)
-    np.testing.assert_allclose(result.moments.mean, flat.mean(axis=0), atol=1e-14)
-    np.testing.assert_allclose(result.moments.mean_product, flat.T @ flat / len(flat), atol=1e-13)
-
-
-def test_no_series_have_no_moments():
-    result = reduced(random_series())
-    assert len(result) == 7
-    none = result.merged(np.zeros(7, dtype=bool))
-    assert (none.moments.count, none.histogram.inside) == (0, 0)
-    assert np.isnan(none.moments.mean).all()
+    assert (len(whole), result.moments.count) == (7, len(flat))
+    if len(flat):
+        np.testing.assert_allclose(result.moments.mean, flat.mean(axis=0), atol=1e-14)
+        mean_product = flat.T @ flat / len(flat)
+        np.testing.assert_allclose(result.moments.mean_product, mean_product, atol=1e-13)
+    else:
+        assert np.isnan(result.moments.mean).all()
 
 
 @given(
@@ -225,26 +212,19 @@ def test_reductions_do_not_depend_on_how_series_are_cut_up(between, times, block
 
 def test_profiles_and_midplane_are_the_averages_of_the_fields():
     system = MoehlisFaisstEckhardt(400.0, length_x=5.0, length_z=3.0)
-    modes = flow_modes(system)
-    series = random_series(2, 20)
+    modes, series = flow_modes(system), random_series(2, 20)
     moments = reduce_series([series], system.observable, ENERGIES).merged(ALL).moments
     x, z = np.arange(16) * 5.0 / 16, np.arange(12) * 3.0 / 12
-    y = np.linspace(-1, 1, 9)
-    grid = np.meshgrid(x, y, z, indexing="ij", sparse=True)
+    grid = np.meshgrid(x, np.linspace(-1, 1, 9), z, indexing="ij", sparse=True)
     u, v, _ = modes.velocity(series.reshape(-1, 9).T, *grid)
     result = velocity_profiles(equally_spaced_profiles(system, 9), moments)
     for profile, field in ((result.u, u), (result.uu, u * u), (result.uv, u * v)):
         np.testing.assert_allclose(profile, field.mean(axis=(0, 1, 3)), atol=1e-12)
     plane = np.square(u[:, :, 4]).mean(axis=0)
     np.testing.assert_allclose(midplane_mean_square(modes, moments, x, z), plane, atol=1e-12)
-
-
-def test_a_system_without_velocities_has_no_modes_and_a_grid_is_the_whole_domain():
-    grid = make_flow_grid(MoehlisFaisstEckhardt(400.0, length_x=5.0, length_z=3.0), (3, 5, 7))
+    grid = make_flow_grid(system, (3, 5, 7))
     for result, ends, count in ((grid.x, (0, 5), 3), (grid.y, (-1, 1), 5), (grid.z, (0, 3), 7)):
         np.testing.assert_array_equal(result, np.linspace(*ends, count))
-    assert flow_modes(Lorenz63()) is None
-    assert equally_spaced_profiles(Lorenz63(), 9) is None
 
 
 # -- measures of statistics ------------------------------------------------------------------------
@@ -261,25 +241,21 @@ def test_compare_measures_each_thing_against_the_reference():
     result = compare(reference, candidate, MATRICES)
     assert result.kantorovich == kantorovich_metric(reference.histogram, candidate.histogram)
     assert result.mean_log_error == mean_logarithmic_error(reference.histogram, candidate.histogram)
-    profiles = [
-        velocity_profiles(MATRICES, first_counts.moments) for first_counts in (reference, candidate)
-    ]
-    for name, error in (("u", result.nrmse_u), ("uu", result.nrmse_uu), ("uv", result.nrmse_uv)):
-        true, other = (getattr(first_counts, name) for first_counts in profiles)
+    true, other = (velocity_profiles(MATRICES, each.moments) for each in (reference, candidate))
+    for name in ("u", "uu", "uv"):
+        profile, error = getattr(true, name), getattr(result, f"nrmse_{name}")
         # the range of the reference, not of the candidate
-        expected = np.sqrt(np.mean((other - true) ** 2)) / np.ptp(true)
-        assert error == pytest.approx(expected)
-        assert error == normalised_root_mean_square_error(true, other)
+        difference = getattr(other, name) - profile
+        assert error == pytest.approx(np.sqrt(np.mean(difference**2)) / np.ptp(profile))
 
 
 def test_comparison_with_itself_finds_nothing_and_without_series_nothing_defined():
     whole = reduced(random_series(), FULL)
-    assert compare(whole.merged(ALL), whole.merged(ALL), MATRICES) == StatisticsErrors(
-        0, 0, 0, 0, 0
-    )
-    none = compare(whole.merged(ALL), whole.merged(np.array([], dtype=int)), MATRICES)
-    assert np.isnan(list(vars(none).values())).all()
-    without = compare(whole.merged(ALL), whole.merged(np.arange(2)), None)
+    every, two, none = (whole.merged(np.arange(number)) for number in (7, 2, 0))
+    assert compare(every, every, MATRICES) == StatisticsErrors(0, 0, 0, 0, 0)
+    assert np.isnan(list(vars(compare(every, none, MATRICES)).values())).all()
+    assert flow_modes(Lorenz63()) is equally_spaced_profiles(Lorenz63(), 9) is None
+    without = compare(every, two, None)
     assert np.isnan([without.nrmse_u, without.nrmse_uu, without.nrmse_uv]).all()
     assert without.kantorovich > 0
 
@@ -303,8 +279,7 @@ def test_the_sampling_floor_is_the_distance_of_disjoint_parts():
         for measures in result:
             order = draws.permutation(10)
             parts = [reduced(series[rows]).merged(ALL) for rows in (order[size:], order[:size])]
-            expected = compare(*parts, MATRICES)
-            assert vars(measures) == pytest.approx(vars(expected), rel=1e-9)
+            assert vars(measures) == pytest.approx(vars(compare(*parts, MATRICES)), rel=1e-9)
         assert len({measures.kantorovich for measures in result}) == 5
 
 

@@ -1,6 +1,7 @@
 """Lyapunov exponents of forecasters, and of series by the divergence of neighbours."""
 
 import re
+from itertools import product
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.linear_inverse import LinearInverseModel
+from burstcast.forecasters.persistence import Persistence
 from burstcast.forecasters.quadratic import QuadraticModel
 from burstcast.forecasters.registry import kind_class, trajectory_kinds
 from burstcast.networks.dynamics import Dynamics
@@ -27,7 +29,6 @@ from burstcast.statistics.neighbour_divergence import (
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lyapunov import kaplan_yorke_dimension, lyapunov_spectrum
-from helpers_library import MadeUpForecaster
 
 ROTATION = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3))).Q
 STEP = 0.02
@@ -88,17 +89,16 @@ def test_network_that_has_learnt_lorenz_has_its_exponents():
     series = lorenz_series(12, 4000, transient=0)
     noise = np.random.default_rng(5).normal(size=series.shape)
     observed = series + 1e-3 * series.std(axis=(0, 1)) * noise
-    input_range = np.ptp(observed, axis=(0, 1))
+    training = TrainingSeries(observed, np.ptp(observed, axis=(0, 1)))
     dynamics = Dynamics(make_reservoir(300, 3, 3, 0.1, np.random.default_rng(3)), 0.1, 1.0, "scipy")
-    readout = train(dynamics, TrainingSeries(observed, input_range), washout=5, tikhonov=1e-9)
-    echo_state = EchoStateNetwork(dynamics, readout, input_range)
+    readout = train(dynamics, training, washout=5, tikhonov=1e-9)
+    echo_state = EchoStateNetwork(dynamics, readout, training.input_range)
     network = NetworkForecaster(network=echo_state, seed=ReservoirSeed(0, 300, 0, 3, 0.1))
     result = spectrum(network, observed[:, -50:], 8000, exponents=4).exponents
     mean, error = result.mean(axis=0), result.std(axis=0, ddof=1) / np.sqrt(len(result))
     assert error[0] < 0.015
-    assert mean[0] == pytest.approx(0.906, abs=0.04)
-    assert mean[1] == pytest.approx(0.0, abs=0.02)
-    assert mean[2] == pytest.approx(-14.57, abs=0.5)
+    for value, known, tolerance in zip(mean, (0.906, 0, -14.57), (0.04, 0.02, 0.5), strict=False):
+        assert value == pytest.approx(known, abs=tolerance)
     # the next one is the reservoir's own
     assert mean[3] < -20
     assert kaplan_yorke_dimension(mean) == pytest.approx(2.062, abs=0.005)
@@ -116,16 +116,8 @@ def test_kinds_say_whether_they_linearise():
     kinds = {kind for kind in trajectory_kinds() if kind_class(kind).linearises()}
     assert {"esn", "equations", "equations_noisy", "quadratic"} <= kinds
     assert not {"analogues", "nvar", "persistence"} & kinds
-
-    class Other(MadeUpForecaster):
-        def start(self, washout):
-            return washout[-1]
-
-        def advance(self, memory, steps):
-            return np.repeat(memory[np.newaxis], steps, axis=0), memory
-
-    with pytest.raises(NotImplementedError, match="Other does not linearise"):
-        spectrum(Other(), np.ones((1, 4, 3)), 60)
+    with pytest.raises(NotImplementedError, match="Persistence does not linearise"):
+        spectrum(Persistence(), np.ones((1, 4, 3)), 60)
 
 
 # -- summaries -------------------------------------------------------------------------------------
@@ -150,7 +142,8 @@ def test_kaplan_yorke_dimension(exponents, dimension):
 
 def test_summary_has_the_dimension_of_the_mean_and_its_spread():
     generator = np.random.default_rng(3)
-    exponents = np.array([0.9, 0.0, -14.5]) + generator.normal(size=(200, 3)) * [0.3, 0.05, 0.3]
+    known = np.array([0.9, 0.0, -14.5])
+    exponents = known + generator.normal(size=(200, 3)) * [0.3, 0.05, 0.3]
     result = summarise(exponents, 0.9, 2000, np.random.default_rng(1))
     np.testing.assert_allclose(result.mean, exponents.mean(axis=0))
     assert (result.low < result.mean).all()
@@ -159,11 +152,13 @@ def test_summary_has_the_dimension_of_the_mean_and_its_spread():
     samples = 2 + (exponents[:, 0] + exponents[:, 1]) / 14.5
     margin = 1.645 * samples.std() / np.sqrt(200)
     assert result.dimension_high - result.dimension_low == pytest.approx(2 * margin, rel=0.1)
-    first = summarise(np.array([[0.9, 0.0, -14.5]]), 0.95, 10, np.random.default_rng(1))
-    assert first.mean.tolist() == [0.9, 0.0, -14.5]
-    assert np.isnan([*first.low, *first.high, first.dimension_low]).all()
-    none = summarise(np.empty((0, 3)), 0.95, 10, np.random.default_rng(1))
-    assert np.isnan([*none.mean, none.dimension]).all()
+    first, none = (
+        summarise(some, 0.95, 10, np.random.default_rng(1))
+        for some in (known[np.newaxis], np.empty((0, 3)))
+    )
+    assert first.mean.tolist() == known.tolist()
+    unknown = [*first.low, *first.high, first.dimension_low, *none.mean, none.dimension]
+    assert np.isnan(unknown).all()
 
 
 # -- from series -----------------------------------------------------------------------------------
@@ -261,26 +256,23 @@ def test_distances_by_brute_force(number, steps, monkeypatch):
     result = estimate(series, 0.02)
     states = series / series.std(axis=(0, 1))
     steps, window = len(result.log_distance) - 1, correlation_steps(states)
-    starts = states.shape[1] - steps
+    starts, last = states.shape[1] - steps, states.shape[1] - 1
     assert result.theiler_window == window > 3
-    expected = []
-    for of in range(number):
-        for at in range(starts):
-            nearest = min(
-                (np.linalg.norm(states[of, at] - states[other, step]), other, step)
-                for other in range(number)
-                for step in range(starts)
-                if other != of or abs(step - at) > window
-            )[1:]
-            logs = []
-            for ahead in range(steps + 1):
-                before, after = max(at + ahead - 1, 0), min(at + ahead + 1, states.shape[1] - 1)
-                apart = states[of, at + ahead] - states[nearest[0]][nearest[1] + ahead]
-                along = states[of, after] - states[of, before]
-                # by Pythagoras: the part along the flow is taken off
-                projected = apart @ along / np.linalg.norm(along)
-                logs.append(0.5 * np.log(apart @ apart - projected**2))
-            expected.append(logs)
+    places, expected = [*product(range(number), range(starts))], []
+    for of, at in places:
+        _, other, there = min(
+            (np.linalg.norm(states[of, at] - states[other, step]), other, step)
+            for other, step in places
+            if other != of or abs(step - at) > window
+        )
+        logs = []
+        for ahead in range(steps + 1):
+            apart = states[of, at + ahead] - states[other, there + ahead]
+            along = states[of, min(at + ahead + 1, last)] - states[of, max(at + ahead - 1, 0)]
+            # by Pythagoras: the part along the flow is taken off
+            projected = apart @ along / np.linalg.norm(along)
+            logs.append(0.5 * np.log(apart @ apart - projected**2))
+        expected.append(logs)
     np.testing.assert_allclose(result.log_distance, np.mean(expected, axis=0), rtol=1e-8)
 
 

@@ -1,8 +1,6 @@
 """Compiled time stepping against numpy's, bit by bit, and what is left to numpy."""
 
 import dataclasses
-import subprocess
-import sys
 from typing import ClassVar
 
 import numpy as np
@@ -225,14 +223,3 @@ def test_observables_may_be_undefined_and_return_the_state_itself():
 def test_bad_choices_raise(choice, message):
     with pytest.raises(ValueError, match=message):
         integrate_switched((MFE, MFE), choice, np.zeros((9, 2)), 0.25)
-
-
-def test_importing_loads_no_compiler():
-    code = (
-        "import sys, burstcast.systems.mfe, burstcast.systems.integration; "
-        "print({'llvmlite'} & set(sys.modules))"
-    )
-    output = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert output.stdout.strip() == "set()"

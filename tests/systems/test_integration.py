@@ -26,7 +26,6 @@ from burstcast.systems.lyapunov import (
     perturbation_growth,
 )
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
-from burstcast.systems.runge_kutta import step
 from burstcast.systems.stiff import StiffSystem
 from helpers_library import FirstObserved
 
@@ -74,15 +73,6 @@ def test_fourth_order_towards_what_an_independent_integrator_finds():
     np.testing.assert_allclose(orders, 4.0, atol=0.15)
 
 
-def test_one_step_of_the_classical_scheme_by_hand():
-    stepped = step(HalfQuadratic(), np.array([[1.0], [0.0]]), 0.5)[0, 0]
-    k1 = 1.0
-    k2 = (1.0 + 0.25 * k1) ** 2
-    k3 = (1.0 + 0.25 * k2) ** 2
-    k4 = (1.0 + 0.5 * k3) ** 2
-    assert stepped == pytest.approx(1.0 + 0.5 / 6.0 * (k1 + 2 * k2 + 2 * k3 + k4), rel=1e-15)
-
-
 @settings(max_examples=25)
 @given(count=st.integers(1, 12), tile=st.integers(1, 5), seed=st.integers(0, 1000))
 def test_grouping_changes_no_bit(count, tile, seed):
@@ -100,19 +90,13 @@ def test_grouping_changes_no_bit(count, tile, seed):
         assert together.largest_observable[index] == trajectory.largest_observable[0]
 
 
-def test_stride_and_layout_change_nothing():
-    state = initial_states(3)
-    every = integrate(MFE, state, 0.25, 11)
-    assert every.shape == (12, 9, 3)
-    assert np.array_equal(every[0], state)
-    assert np.array_equal(every[1], step(MFE, state, 0.25))
-    assert np.array_equal(integrate(MFE, state, 0.25, 11, 4), every[:9:4])
-    assert np.array_equal(integrate(MFE, state, 0.25, 0), state[np.newaxis])
+def test_layout_and_no_steps_change_nothing():
     state = initial_states(4)
     before = state.copy()
     result = integrate(MFE, state, 0.25, 3)
     assert np.array_equal(state, before)
     assert np.array_equal(integrate(MFE, np.asfortranarray(state), 0.25, 3), result)
+    assert np.array_equal(integrate(MFE, state, 0.25, 0), state[np.newaxis])
 
 
 @pytest.mark.parametrize("function", [integrate, integrate_observed])

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 from burstcast.base.expressions import Expression
 from burstcast.control.actuation import ActuatorShare, actuated_system
@@ -39,40 +38,6 @@ def telegraph(steps, batch, values, seed=5):
     return np.asarray(values)[which][:, np.newaxis, :]
 
 
-def by_scipy(right_hand_side, schedule, state, interval):
-    """One trajectory, stretch by stretch, with an adaptive scheme of order eight."""
-    result = [state]
-    for values in schedule:
-        how = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13, "args": (values,)}
-        solution = solve_ivp(right_hand_side, (0.0, interval), result[-1], **how)
-        result.append(solution.y[:, -1])
-    return np.array(result)
-
-
-def under_reynolds(_, x, value):
-    return MoehlisFaisstEckhardt(float(value[0])).right_hand_side(x[:, None])[:, 0]
-
-
-def pushed(_, x, value):
-    return MFE.right_hand_side(x[:, None])[:, 0] + value[0] * np.array(PUSH)
-
-
-@pytest.mark.parametrize(
-    ("parameters", "right_hand_side", "values"),
-    [
-        (REYNOLDS, under_reynolds, (400.0, 2000.0)),
-        (REYNOLDS, under_reynolds, tuple(np.linspace(300.0, 900.0, 20))),
-        (ActuatorShare.of(MFE, {}, PUSH), pushed, (0.0, 1.0, -1.0, 0.4)),
-    ],
-)
-def test_what_is_switched_is_integrated_as_scipy_does(parameters, right_hand_side, values):
-    schedule, start = telegraph(50, 4, values), states(4)
-    result = integrate_scheduled(parameters, schedule, start, 1 / 32, 32)
-    for flow in range(4):
-        expected = by_scipy(right_hand_side, schedule[:, :, flow], start[:, flow], 1.0)
-        np.testing.assert_allclose(result[:, :, flow], expected, atol=2e-6)
-
-
 LORENZ = SystemParameters.of(Lorenz63(), ["rho", "sigma"])
 
 
@@ -82,6 +47,7 @@ LORENZ = SystemParameters.of(Lorenz63(), ["rho", "sigma"])
         (REYNOLDS, telegraph(20, 9, (400.0, 500.0, 2000.0))),
         (REYNOLDS, telegraph(20, 30, tuple(range(300, 330)))),  # more values than are compiled
         (REYNOLDS, REYNOLDS.constant(20, 3, [650.0])),
+        (ActuatorShare.of(MFE, {}, PUSH), telegraph(20, 4, (0.0, 1.0, -1.0, 0.4))),
         (LORENZ, np.repeat([[28.0, 10.0], [25.0, 10.0], [25.0, 8.0]], 4, axis=0)[..., np.newaxis]),
     ],
 )

@@ -4,7 +4,6 @@ import math
 import re
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -37,25 +36,17 @@ def test_systems_are_made_by_name_with_defaults_and_integers():
     assert system == MoehlisFaisstEckhardt(600.0, length_x=5.0)
 
 
-FINITE = "'reynolds' of system 'mfe' must be a finite number"
-
-
 @pytest.mark.parametrize(
     ("name", "parameters", "message"),
     [
         *(
             (name, {}, "available systems are fitzhugh_nagumo, lor")
-            for name in ("base", "registry")
-        ),
-        *(
-            (name, {}, "available systems are fitzhugh")
-            for name in ("integration", "mfe.x", "", "os")
+            for name in ("base", "registry", "mfe.x", "", "os")
         ),
         ("lorentz63", {}, "did you mean 'lorenz63'"),
         ("mfe", {"reynold": 400.0}, r"no parameter 'reynold' \(did you mean 'reynolds'\?\)"),
         ("mfe", {"length_x": 5.0}, "needs the parameter 'reynolds'"),
-        *(("mfe", {"reynolds": bad}, FINITE) for bad in (math.nan, math.inf, "400", True, None)),
-        ("mfe", {"reynolds": [400.0]}, FINITE),
+        ("mfe", {"reynolds": "400"}, "'reynolds' of system 'mfe' must be a finite number"),
         ("mfe", {"reynolds": -400.0}, "reynolds must be positive"),
     ],
 )
@@ -156,9 +147,10 @@ def test_one_broken_module_spoils_no_other(monkeypatch, tmp_path):
     import burstcast.systems
 
     second = OWN[OWN.index("@dataclass") :].replace("Circle", "Square")
-    (tmp_path / "several.py").write_text(OWN + second)
-    (tmp_path / "broken.py").write_text("def right_hand_side(:")
-    (tmp_path / "unfinished.py").write_text(OWN.replace("def observable", "def observed"))
+    unfinished = OWN.replace("def observable", "def observed")
+    texts = {"several": OWN + second, "broken": "def right_hand_side(:", "unfinished": unfinished}
+    for name, text in texts.items():
+        (tmp_path / f"{name}.py").write_text(text)
     monkeypatch.setattr(burstcast.systems, "__path__", [*burstcast.systems.__path__, str(tmp_path)])
     assert make_system("lorenz63", {}) == Lorenz63()
     assert available_systems() == ["fitzhugh_nagumo", "lorenz63", "lorenz96", "mfe", "several"]
@@ -196,8 +188,8 @@ def every(request):
 def test_the_interface_is_kept(one_of_all):
     system, states = one_of_all
     assert list(interface_problems(system, 0.3 * states[:, :16])) == []
-    observed, before = system.observable(states), states.copy()
-    observed[:] = 0.0
+    before = states.copy()
+    system.observable(states)[:] = 0.0
     system.right_hand_side(states)
     np.testing.assert_array_equal(states, before)
     assert system.right_hand_side(states[:, :0]).shape == (system.dimension, 0)
@@ -247,21 +239,9 @@ def test_textbook_values_and_fixed_points():
 
 # -- the check of a system -------------------------------------------------------------------------
 
-ROOT = Path(__file__).parents[2]
-STATES = np.random.default_rng(1).normal(0.0, 5.0, (3, 16))
-
-
-@dataclass(frozen=True)
-class Mistaken(Lorenz63):
-    """A Lorenz system, parts of which are overridden by what has a mistake."""
-
 
 def mistaken(**methods):
     return dataclass(frozen=True)(type("Mistaken", (Lorenz63,), methods))()
-
-
-def generator():
-    return np.random.default_rng(7)
 
 
 def wrong_jacobian(self, state):
@@ -274,53 +254,44 @@ def mixing(self, state):
     return Lorenz63().right_hand_side(state) + 1e-3 * state.mean()
 
 
-@pytest.mark.parametrize(
-    ("methods", "message"),
-    [
-        ({"observable": lambda self, x: x[:1]}, r"observable returns the shape \(1, 16\)"),
-        ({"observable": lambda self, x: x[2] > 0}, "observable returns numbers of type bool"),
-        ({"right_hand_side": lambda self, x: x[:2]}, r"right_hand_side returns the shape \(2, 16"),
-        ({"right_hand_side": lambda self, x: x[7]}, "right_hand_side fails .* IndexError"),
-        ({"jacobian": lambda self, x: x}, r"jacobian returns the shape .* not \(3, 3, 16\)"),
-        ({"jacobian": wrong_jacobian}, r"jacobian: the entry \[2, 1\] differs from differences"),
-        ({"right_hand_side": mixing}, "differs from the same trajectory alone"),
-        (
-            {"right_hand_side": lambda self, x: np.multiply(x, 2.0, out=x)},
-            "right_hand_side changes the states",
-        ),
-        (
-            {"sample_initial_states": lambda self, n, g: g.random((n, 3))},
-            r"must return the shape \(3, 16\), not \(16, 3\)",
-        ),
-    ],
-)
-def test_mistakes_are_told(methods, message):
-    system = mistaken(**methods, case_defaults={})
+MISTAKES = [
+    ("observable", lambda self, x: x[:1], r"observable returns the shape \(1, 16\)"),
+    ("observable", lambda self, x: x[2] > 0, "observable returns numbers of type bool"),
+    ("observable", lambda self, x: x[0] * np.nan, "observable is not finite for 16 of 16 states"),
+    ("right_hand_side", lambda self, x: x[:2], r"right_hand_side returns the shape \(2, 16"),
+    ("right_hand_side", lambda self, x: x[7], "right_hand_side fails .* IndexError"),
+    ("right_hand_side", mixing, "differs from the same trajectory alone"),
+    ("right_hand_side", lambda self, x: np.multiply(x, 2.0, out=x), "changes the states"),
+    ("right_hand_side", lambda self, x: x * x, "do not stay finite"),
+    ("jacobian", lambda self, x: x, r"jacobian returns the shape .* not \(3, 3, 16\)"),
+    ("jacobian", wrong_jacobian, r"jacobian: the entry \[2, 1\] differs from differences"),
+    ("sample_initial_states", lambda self, n, g: g.random((n, 3)), r"must .* \(3, 16\), not \(16"),
+]
+
+
+@pytest.mark.parametrize(("name", "method", "message"), MISTAKES)
+def test_mistakes_are_told(name, method, message):
+    jacobian = {"jacobian": DynamicalSystem.jacobian} if name == "right_hand_side" else {}
+    system = mistaken(**jacobian, **{name: method}, case_defaults={})
     with pytest.raises(UnsoundError, match=message):
-        check_system(system, generator())
+        check_system(system, np.random.default_rng(7))
 
 
 @pytest.mark.parametrize("component", [None, 1, 3])
 @pytest.mark.parametrize("perturbation", [None, 1e-3, 2.0])
 def test_trajectories_begin_as_the_ensemble_of_the_system_does(component, perturbation):
-    begin = {"initial_state": [1.0, -2.0, 20.0], "perturbed_component": component}
-    system = mistaken(case_defaults={"ensemble": {**begin, "perturbation": perturbation}})
-    result = _initial_states(system, generator())
+    start = [1.0, -2.0, 20.0]
+    begin = {"initial_state": start, "perturbed_component": component, "perturbation": perturbation}
+    system = mistaken(case_defaults={"ensemble": begin})
     raised = (component or 1) - 1, perturbation or 0.01
-    expected = initial_states(np.array([1.0, -2.0, 20.0]), *raised, 16, generator())
+    result, expected = (
+        make(np.random.default_rng(7))
+        for make in (
+            lambda generator: _initial_states(system, generator),
+            lambda generator: initial_states(np.array(start), *raised, 16, generator),
+        )
+    )
     np.testing.assert_array_equal(result, expected)
-
-
-def test_an_observable_without_values_is_refused():
-    lost = mistaken(observable=lambda self, x: x[0] * np.nan)
-    with pytest.raises(UnsoundError, match="observable is not finite for 16 of 16 states"):
-        check_system(lost, generator())
-
-
-def test_a_system_that_explodes_is_refused():
-    growing = mistaken(right_hand_side=lambda self, x: x * x, jacobian=DynamicalSystem.jacobian)
-    with pytest.raises(UnsoundError, match="do not stay finite"):
-        check_system(growing, generator())
 
 
 def test_the_command_line(capsys):
@@ -347,6 +318,5 @@ class Tempered(Lorenz63):
 
 def test_what_hinders_compilation_is_named_with_its_line():
     reason = hindrance(Tempered(), 0.1)
-    assert reason is not None
     assert re.match(r".*test_registry.py:\d+, return super.*np.tanh.*_Symbol", reason)
     assert hindrance(Lorenz63(), 0.1) is None

@@ -25,28 +25,20 @@ OUTCOMES = ("true_positive", "false_positive", "false_negative", "true_negative"
 
 
 def rows_of(points, series):
-    _, first, largest, forecast_first, forecast_largest, washouts = zip(*points, strict=True)
-    windows = np.asarray(forecast_first)
+    columns = [np.asarray(column) for column in zip(*points, strict=True)]
+    _, first, largest, forecast_first, forecast_largest, washouts = columns
     forecast = {
-        **{"first": windows, "largest": np.asarray(forecast_largest)},
+        **{"first": forecast_first, "largest": forecast_largest},
         "diverged": np.zeros(len(points), dtype=bool),
         **dict.fromkeys(["member_first", "member_largest"], np.empty((len(points), 0, 3))),
     }
+    truth = {"series": np.asarray(series), "first": first, "largest": largest}
     return make(
         forecasts=[Gathered(parsed("equations"), forecast)],
-        evaluation_set={
-            **{"series": np.asarray(series), "washout_maximum": np.asarray(washouts)},
-            **{"first": np.asarray(first), "largest": np.asarray(largest)},
-        },
-        calibration=None,
-        case="Re400",
-        root_seed=1,
-        event_threshold=0.1,
-        prediction_times_lt=[1.0],
-        window_lt=1.0,
-        resolution_lt=0.5,
-        resamples=200,
-        confidence=0.9,
+        evaluation_set={**truth, "washout_maximum": washouts},
+        **{"calibration": None, "case": "Re400", "root_seed": 1, "event_threshold": 0.1},
+        **{"prediction_times_lt": [1.0], "window_lt": 1.0, "resolution_lt": 0.5},
+        **{"resamples": 200, "confidence": 0.9},
     )
 
 
