@@ -8,7 +8,6 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from helpers_rebuilds import Project
 
 from burstcast.figures.registry import available_figures
 from burstcast_workflow.project import PACKAGES
@@ -21,11 +20,14 @@ SOURCE = ROOT / "src"
 SOURCES = sorted(SOURCE.rglob("*.py"))
 
 
+STAGES = ROOT / "workflow" / "scripts"
+
+
 def sources_of(scripts: Path) -> Sources:
     return Sources(lambda name: scripts / name, SOURCE, {})
 
 
-SEEN = sources_of(ROOT / "workflow" / "scripts")
+SEEN = sources_of(STAGES)
 
 
 def names(entries) -> frozenset[str]:
@@ -38,25 +40,30 @@ def modules_of(path: Path) -> frozenset[str]:
     return names(sources_of(path.parent).entries(path.name, {}))
 
 
+def output_of(code: str, *arguments: object) -> str:
+    """What a program in a process of its own prints."""
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
 def test_all_packages_are_those_of_the_project():
     packages = {path.name for path in SOURCE.iterdir() if path.suffix == ""}
     # what Snakemake imports is in no closure of a script
     assert packages == {*PACKAGES, "snakemake_logger_plugin_burstcast"}
 
 
-def test_closures_have_what_scripts_load(job_server):
-    """What they load when they are imported; what functions import is in them, too."""
-    loaded = Project(ROOT, job_server).loaded_modules()
-    scripts = [name for name in loaded if name.endswith(".py")]
-    assert len(scripts) == len(SCRIPTS)
-    for script in scripts:
-        closure = names(SEEN.entries(script, {}))
-        # what reads and writes files loads more, for which the version stands, too
-        left_out = (*OF_HARNESS, "burstcast.base.files.")
-        missing = [name for name in loaded[script] - closure if not name.startswith(left_out)]
-        assert not missing, script
-
-
+# what scripts are left to load once the libraries and the harness are
+LOADED = """
+import netCDF4, numpy, os, pandas, runpy, scipy.stats, skopt, sys
+import burstcast_workflow.harness.job
+before = {*sys.modules}
+for script in sys.argv[1:]:
+    if os.fork() == 0:
+        runpy.run_path(script, run_name="not a job")
+        print(script, *[name for name in sys.modules if name not in before], flush=True)
+        os._exit(0)
+    os.wait()
+"""
 # which have a version instead
 OF_HARNESS = (
     *("burstcast_workflow.harness", "burstcast_workflow.project", "burstcast_workflow.tracking"),
@@ -64,12 +71,24 @@ OF_HARNESS = (
 )
 
 
-@pytest.mark.parametrize("path", SOURCES + SCRIPTS, ids=lambda path: str(path.relative_to(ROOT)))
-def test_closures_see_all_code_of_the_project(path):
+def test_closures_have_what_scripts_load():
+    """What they load when they are imported; what functions import is in them, too."""
+    loaded = [line.split() for line in output_of(LOADED, *SCRIPTS).splitlines()]
+    assert [Path(script) for script, *_ in loaded] == SCRIPTS
+    for script, *modules in loaded:
+        closure = names(SEEN.entries(str(Path(script).relative_to(STAGES)), {}))
+        # what reads and writes files loads more, for which the version stands, too
+        left_out = (*OF_HARNESS, "burstcast.base.files.")
+        missing = {name for name in modules if not name.startswith(left_out)} - closure
+        assert not [name for name in missing if name.startswith("burst")], script
+
+
+def test_closures_see_all_code_of_the_project():
     # what finds modules by their names, what compares the code that runs with its text, and the
     # command, which no job imports
-    if path.name not in ("discovery.py", "code.py", "command_line.py"):
-        assert forbidden_imports(path) == []
+    others = ("discovery.py", "code.py", "command_line.py")
+    for path in SOURCES + SCRIPTS:
+        assert path.name in others or forbidden_imports(path) == [], path
 
 
 # Functions that pass docstrings on to people: a figure's caption, where a source is.
@@ -88,8 +107,7 @@ def test_no_job_depends_on_docstrings_or_on_what_packages_offer_late():
     assert len(registries) > 5
     paths = {}
     for script in SCRIPTS:
-        name = str(script.relative_to(ROOT / "workflow" / "scripts"))
-        for module in names(SEEN.entries(name, registries)):
+        for module in names(SEEN.entries(str(script.relative_to(STAGES)), registries)):
             paths[module] = script if module.endswith(".py") else place(module)
     assert len(paths) > 200
     for module, path in paths.items():
@@ -153,25 +171,20 @@ def reached(script, *kinds, systems=(), strategies=()):
     return names(SEEN.entries(script, about))
 
 
-@pytest.mark.parametrize("rule", ["control", "suppressed_event"])
-def test_control_does_not_depend_on_the_statistics_of_the_velocity(rule):
-    modules = reached(f"control/{rule}.py", strategies=["prediction_triggered"])
-    assert "burstcast.control.windows" in modules
-    others = ("statistics.measures", "statistics.profiles", "systems.mfe_modes")
-    assert not modules & {f"burstcast.{name}" for name in (*others, "control.strategies.planned")}
-
-
-@pytest.mark.parametrize("script", ["scan", "search"])
-def test_the_search_does_not_depend_on_other_forecasters(script):
-    """An edit of a filter must not repeat the search."""
-    modules = reached(f"forecasters/{script}.py", "esn")
-    assert "burstcast.networks.readout" in modules
-    others = (
-        "burstcast.data.encoders",
-        "burstcast.forecasters._filtered",
-        "burstcast.data.observation",
-    )
-    assert not {name for name in modules if name.startswith(others)}
+def test_scripts_do_not_depend_on_what_others_compute_with():
+    """Control not on statistics of the velocity, and no edit of a filter repeats the search."""
+    control = {"systems.mfe_modes", "statistics.measures", "statistics.profiles"}
+    search = {"data.encoders", "forecasters._filtered", "data.observation"}
+    for script, kinds, uses, others in (
+        ("control/control", (), "control.windows", {*control, "control.strategies.planned"}),
+        ("control/suppressed_event", (), "control.windows", control),
+        ("forecasters/scan", ("esn",), "networks.readout", search),
+        ("forecasters/search", ("esn",), "networks.readout", search),
+    ):
+        modules = reached(f"{script}.py", *kinds, strategies=["prediction_triggered"])
+        assert f"burstcast.{uses}" in modules
+        ours = tuple(f"burstcast.{name}" for name in others)
+        assert [name for name in modules if name.startswith(ours)] == []
 
 
 @pytest.mark.parametrize(
@@ -258,27 +271,19 @@ from burstcast_workflow.tables.registry import MAKERS
 jobs = [*map(function_of, Path(sys.argv[1]).glob("*/*.py")), *map(maker, MAKERS), *FIGURES]
 print(len(jobs), *sys.modules)
 """
-    command = [sys.executable, "-c", code, str(ROOT / "workflow" / "scripts")]
-    output = subprocess.run(command, capture_output=True, text=True, check=True)
-    count, *names = output.stdout.split()
+    count, *names = output_of(code, STAGES).split()
     assert int(count) > 60
     scipy = {"scipy.ndimage", "scipy.optimize", "scipy.special"}
     assert not {"skimage.measure", "sklearn", "skopt", *scipy} & {*names}
 
 
 def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_with():
-    script = ROOT / "workflow" / "scripts" / "evaluation" / "forecast.py"
-    imports = [
-        ast.unparse(node)
-        for node in ast.parse(script.read_text(encoding="utf-8")).body
-        if isinstance(node, ast.Import | ast.ImportFrom)
-    ]
-    code = "\n".join([*imports, "import sys", "print(*sys.modules)"])
-    output = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
+    script = STAGES / "evaluation" / "forecast.py"
+    body = ast.parse(script.read_text(encoding="utf-8")).body
+    imports = [ast.unparse(node) for node in body if isinstance(node, ast.Import | ast.ImportFrom)]
+    loaded = output_of("\n".join([*imports, "import sys", "print(*sys.modules)"])).split()
     heavy = {"llvmlite", "pandas", "matplotlib", "skopt", "sklearn"}
-    assert not (heavy | {"scipy.stats", "scipy.optimize"}) & set(output.stdout.split())
+    assert not (heavy | {"scipy.stats", "scipy.optimize"}) & {*loaded}
 
 
 # -- nothing imports upwards -----------------------------------------------------------------------
@@ -318,21 +323,15 @@ def imports_between(directory, prefix):
                     yield part, other, path.relative_to(directory)
 
 
-def test_the_parts_of_the_workflow_import_downwards():
+def test_parts_import_downwards():
     imports = list(imports_between(SOURCE / "burstcast_workflow", "burstcast_workflow."))
     assert {part for part, *_ in imports} >= {"stages", "figures", "config", "jobs"}
     assert [edge for edge in imports if edge[0] not in PARTS[PARTS.index(edge[1]) :]] == []
-
-
-@pytest.mark.parametrize("package", DOWNWARDS)
-def test_packages_import_downwards(package):
-    above = {*DOWNWARDS[DOWNWARDS.index(package) + 1 :]}
-    for path in sorted((SOURCE / package).rglob("*.py")):
-        assert not above & {module.partition(".")[0] for module in imported(path)}, path
-
-
-def test_rooms_of_the_library_import_from_the_floors_below():
     floor = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
     imports = list(imports_between(SOURCE / "burstcast", "burstcast."))
     assert {room for room, _, _ in imports} == set(floor) - {"base"}
     assert [edge for edge in imports if floor[edge[1]] >= floor[edge[0]]] == []
+    for number, package in enumerate(DOWNWARDS, 1):
+        for path in sorted((SOURCE / package).rglob("*.py")):
+            packages = {module.partition(".")[0] for module in imported(path)}
+            assert packages.isdisjoint(DOWNWARDS[number:]), path

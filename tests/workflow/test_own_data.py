@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -21,11 +21,24 @@ from burstcast_workflow.harness.storage import read_json
 
 FIVE_LINES = """\
 results: results/own
-campaign: [{cases: [own], forecasters: {FORECASTERS}}]
+campaign: [{{cases: [own], forecasters: {{{forecasters}}}}}]
 cases:
-  own: {event_threshold: {quantile: 0.95},
-        data: {files: [own.csv], observable: z, time_step: 0.02, blocks: {duration: 16}}}
+  own: {{event_threshold: {{quantile: 0.95}},
+        data: {data}}}
 """
+BLOCKS = "{files: [own.csv], observable: z, time_step: 0.02, blocks: {duration: 16}}"
+
+
+def configure(project, forecasters, data=BLOCKS):
+    text = FIVE_LINES.format(forecasters=forecasters, data=data)
+    assert len(text.splitlines()) == 5
+    (project.directory / "own.yaml").write_text(text)
+
+
+def write(path, step, names, states):
+    """A table with times and a header."""
+    rows = np.column_stack([step * np.arange(len(states)), states])
+    np.savetxt(path, rows, delimiter=",", header=f"time,{names}", comments="")
 
 
 @pytest.fixture
@@ -33,16 +46,8 @@ def project(tmp_path, job_server):
     """A working copy with a table of three columns, times and a header, and nothing else."""
     project = Project.create(tmp_path / "project", job_server, "own.yaml")
     states = integrate(Lorenz63(), np.array([[1.0], [1.0], [20.0]]), 0.01, 2 * 14000, stride=2)
-    series = np.column_stack([0.02 * np.arange(len(states) - 1000), states[1000:, :, 0]])
-    header = {"delimiter": ",", "header": "time,x,y,z", "comments": ""}
-    np.savetxt(project.directory / "own.csv", series, **header)
+    write(project.directory / "own.csv", 0.02, "x,y,z", states[1000:, :, 0])
     return project
-
-
-def configure(project, forecasters):
-    text = FIVE_LINES.replace("FORECASTERS", forecasters)
-    assert len(text.splitlines()) == 5
-    (project.directory / "own.yaml").write_text(text)
 
 
 def test_own_data_with_five_lines_of_config(project):
@@ -182,36 +187,21 @@ def test_series_of_a_record(recorded):
     np.testing.assert_array_equal(series["state"][4], table().to_numpy()[102:127])
 
 
+DAYS = [f"2010-03-{day:02}T{hour:02}:00" for day in range(1, 4) for hour in range(24)]
+
+
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("times", "message"),
     [
-        (
-            "time,load,heat\n2010-03-28T02:00,1,2\n2010-03-28T02:00,1,2\n",
-            r"plant.csv, row 2: column 'time' stays at the time of row 1",
-        ),
-        (
-            "time,load,heat\n2010-03-20T00:00,1,2\n2010-03-20T05:00,1,2\n2010-03-20T03:00,1,2\n",
-            r"plant.csv, row 3: .* goes back by 2 from the time of row 2.*write times in UTC",
-        ),
-        (
-            "time,load,heat\n2010-03-20T00:00,1,2\n2010-03-20T01:00,much,2\n",
-            "plant.csv, line 3: column 'load' has 'much', which is no number",
-        ),
-        (
-            "time,load,heat\n"
-            + "\n".join(
-                f"2010-03-{day:02}T{hour:02}:00,{day},{hour}"
-                for day in range(1, 4)
-                for hour in range(24)
-            ),
-            "but the data have . series in all",
-        ),
+        (["2010-03-28T02:00"] * 2, "plant.csv, row 2: column 'time' stays at the time of row 1"),
+        (DAYS, "but the data have . series in all"),
     ],
 )
-def test_mistakes_in_rows_are_told_before_any_job(recorded, text, message):
-    copy = recorded.copy(recorded.directory.parent / "copy")
-    (copy.directory / "plant.csv").write_text(text)
-    outcome = copy.snakemake("results/plant/plant/ensemble.nc")
+def test_mistakes_in_rows_are_told_before_any_job(recorded, times, message):
+    rows = [f"{time},{number},2" for number, time in enumerate(times)]
+    with recorded.restored("plant.csv"):
+        (recorded.directory / "plant.csv").write_text("\n".join(["time,load,heat", *rows, ""]))
+        outcome = recorded.snakemake("results/plant/plant/ensemble.nc")
     assert outcome.status != 0
     assert re.search(message, outcome.text), outcome.text[-2000:]
     assert "The configuration has a mistake: case plant: " in outcome.text
@@ -238,8 +228,7 @@ def bursting_neuron(state: FloatArray) -> FloatArray:
     return np.stack([*fast, 0.006 * (4 * (x + 1.6) - z)])
 
 
-@dataclass(frozen=True)
-class DataSet:
+class DataSet(NamedTuple):
     """Equations, how they are sampled, and what is known of them.
 
     ``exponent`` is the leading one: Vano's, and that of perturbations followed for 64 series of
@@ -251,51 +240,38 @@ class DataSet:
     series: int
     samples: int
     step: float
-    stride: int
     header: str
-    neurons: int
-    data: str
+    config: str
     exponent: float
 
-    def integrate(self) -> FloatArray:
-        """Series ``(series, samples, component)`` by the classical Runge-Kutta method."""
-        generator = np.random.default_rng(1)
-        start = np.array(self.start)[:, np.newaxis]
-        state = start * (1 + 0.1 * generator.random((len(start), self.series)))
-        states = []
-        transient = 500 * self.stride
-        for number in range(transient + self.samples * self.stride):
-            if number >= transient and (number - transient) % self.stride == 0:
-                states.append(state)
-            first = self.rates(state)
-            second = self.rates(state + self.step / 2 * first)
-            third = self.rates(state + self.step / 2 * second)
-            fourth = self.rates(state + self.step * third)
-            state = state + self.step / 6 * (first + 2 * second + 2 * third + fourth)
-        return np.stack(states).transpose(2, 0, 1)
 
-
-FIVE_LINES_OF_OTHERS = """\
-results: results/own
-campaign: [{cases: [own], forecasters: {esn: {neurons: [NEURONS], validation: [RV], seeds: 3}}}]
-cases:
-  own: {event_threshold: {quantile: 0.95},
-        data: {files: ["own_*.csv"], DATA}}
-"""
+STRIDE = 10
 DATA_SETS = {
     "four species": DataSet(
-        **{"rates": four_species, "start": (0.301, 0.459, 0.131, 0.356), "header": "n1,n2,n3,n4"},
-        **{"series": 1, "samples": 40_000, "step": 0.1, "stride": 10, "neurons": 100},
-        data="observable: n1, time_step: 1, blocks: {duration: 800}",
-        exponent=0.0203,
+        *(four_species, (0.301, 0.459, 0.131, 0.356), 1, 40_000, 0.1, "n1,n2,n3,n4"),
+        *("100 observable: n1, time_step: 1, blocks: {duration: 800}", 0.0203),
     ),
     "bursting neuron": DataSet(
-        **{"rates": bursting_neuron, "start": (-1.0, 0.3, 3.0), "header": "x,y,z"},
-        **{"series": 24, "samples": 4_000, "step": 0.05, "stride": 10, "neurons": 300},
-        data="observable: z, time_step: 0.5",
-        exponent=0.0133,
+        *(bursting_neuron, (-1.0, 0.3, 3.0), 24, 4_000, 0.05, "x,y,z"),
+        *("300 observable: z, time_step: 0.5", 0.0133),
     ),
 }
+
+
+def simulated(data: DataSet) -> FloatArray:
+    """Series ``(series, samples, component)`` by the classical Runge-Kutta method."""
+    start = np.array(data.start)[:, np.newaxis]
+    state = start * (1 + 0.1 * np.random.default_rng(1).random((len(start), data.series)))
+    states = []
+    for number in range((500 + data.samples) * STRIDE):
+        if number >= 500 * STRIDE and number % STRIDE == 0:
+            states.append(state)
+        first = data.rates(state)
+        second = data.rates(state + data.step / 2 * first)
+        third = data.rates(state + data.step / 2 * second)
+        fourth = data.rates(state + data.step * third)
+        state = state + data.step / 6 * (first + 2 * second + 2 * third + fourth)
+    return np.stack(states).transpose(2, 0, 1)
 
 
 def logistic_f_score(case, threshold: float, windows: tuple[int, int]) -> float:
@@ -329,13 +305,11 @@ def logistic_f_score(case, threshold: float, windows: tuple[int, int]) -> float:
 def test_from_generation_to_summary(name, tmp_path, job_server):
     data = DATA_SETS[name]
     project = Project.create(tmp_path / "project", job_server, "own.yaml")
-    config = FIVE_LINES_OF_OTHERS.replace("NEURONS", str(data.neurons)).replace("DATA", data.data)
-    assert len(config.splitlines()) == 5
-    (project.directory / "own.yaml").write_text(config)
-    for number, series in enumerate(data.integrate()):
-        rows = np.column_stack([data.step * data.stride * np.arange(len(series)), series])
-        header = {"delimiter": ",", "header": f"time,{data.header}", "comments": ""}
-        np.savetxt(project.directory / f"own_{number}.csv", rows, **header)
+    neurons, _, of_data = data.config.partition(" ")
+    esn = f"esn: {{neurons: [{neurons}], validation: [RV], seeds: 3}}"
+    configure(project, esn, f"{{files: [own_*.csv], {of_data}}}")
+    for number, series in enumerate(simulated(data)):
+        write(project.directory / f"own_{number}.csv", data.step * STRIDE, data.header, series)
     outcome = project.made()
     summary = outcome.text.partition("F-score")[2]
     assert "permanent alarm" in summary

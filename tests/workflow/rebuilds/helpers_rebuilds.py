@@ -193,12 +193,6 @@ class Project:
             status = connection.recv(1)
         return Outcome(status[0] if status else 137, output)
 
-    def loaded_modules(self) -> dict[str, set[str]]:
-        """Modules of the project that importing scripts and modules loads, by their names."""
-        outcome = self._request({"loaded": True}, self.environment())
-        assert outcome.status == 0, outcome.text
-        return {name: set(modules) for name, modules in json.loads(outcome.text).items()}
-
     def options(self, *arguments: str, overlay: dict | None = None) -> list[str]:
         """Options of Snakemake; the overlay becomes a file."""
         configs = [self.preset]
