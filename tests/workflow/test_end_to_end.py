@@ -183,11 +183,14 @@ def test_a_deleted_network_rebuilds_its_chain_only(finished, tmp_path):
 def test_one_core_gives_the_same_bits_as_two(finished, tmp_path, monkeypatch):
     monkeypatch.setenv("BURSTCAST_TEST_CORES", "1")
     project = finished.without_results(tmp_path / "project")
-    names = ("dataset", "classification", "horizon")
-    project.made(*(f"results/tiny/tables/{name}.csv" for name in names))
-    alone = results(project)
-    together = results(finished)
-    assert len(alone) > 30
+    names = (
+        "lyapunov.json",
+        "networks/esn-N30-RV-seed0/horizon.nc",
+        "models/equations/forecast.nc",
+    )
+    project.made(*(f"results/tiny/Re400/{name}" for name in names))
+    alone, together = results(project), results(finished)
+    assert len(alone) > 10
     assert alone == {name: together[name] for name in alone}
 
 
@@ -205,8 +208,8 @@ def test_a_target_builds_what_it_needs_and_no_server_is_needed_for_it(finished, 
 # -- mistakes --------------------------------------------------------------------------------------
 
 
-def test_a_bad_config_stops_before_any_job(finished, tmp_path):
-    project = finished.without_results(tmp_path / "project")
+def test_a_bad_config_stops_before_any_job(job_server, tmp_path):
+    project = Project.create(tmp_path / "project", job_server)
     outcome = project.snakemake(overlay={"horizon": {"evnts": 3}})
     assert outcome.status == 1
     assert outcome.text.count("horizon.evnts: unknown setting; did you mean events?") == 1
@@ -247,14 +250,14 @@ MISTAKES = {  # by the case that has it: job, target, settings, message
 }
 
 
-def test_the_first_job_that_knows_of_a_mistake_names_the_setting(finished, tmp_path):
-    project = finished.without_results(tmp_path / "project")
+def test_the_first_job_that_knows_of_a_mistake_names_the_setting(job_server, tmp_path):
+    project = Project.create(tmp_path / "project", job_server)
     case = yaml.safe_load((ROOT / TINY).read_text())["cases"]["Re400"]
     case |= {"parameters": {"reynolds": 400}, "lyapunov": {"published_exponent": 0.0163}}
     cases = {name: copy.deepcopy(case) for name in MISTAKES}
     for name, (_, _, settings, _) in MISTAKES.items():
         update_config(cases[name], settings)
-    networks = {"esn": {"neurons": [30], "validation": ["SSV", "RV"], "seeds": 1}}
+    networks = {"esn": {"neurons": [30, 40], "validation": ["SSV", "RV"], "seeds": 1}}
     outcome = project.snakemake(
         *(f"results/tiny/{name}/{target}" for name, (_, target, _, _) in MISTAKES.items()),
         overlay={"cases": cases, "campaign": [{"cases": list(cases), "forecasters": networks}]},
