@@ -151,7 +151,9 @@ def test_the_module_of_the_page_plans_and_tells_mistakes(tmp_path, job_server):
     outcome = job_server.snakemake(tmp_path, *command, "--config", "random_seed=-4")
     assert outcome.status == 1
     assert "a mistake: random_seed: Input should be greater than or equal to 0" in outcome.text
-    assert ".smk" not in outcome.text  # no lines of the rules below it
+    # no lines of the rules below it, and nothing is made
+    assert not re.search(r"\.smk|Traceback", outcome.text)
+    assert not (tmp_path / "results").exists()
 
 
 @pytest.mark.long

@@ -8,7 +8,7 @@ import netCDF4
 import numpy as np
 import pytest
 import yaml
-from helpers_rebuilds import ROOT, TINY, Project, digests, jobs_since, rules_of
+from helpers_rebuilds import ROOT, TINY, Project, digests, rules_of
 from snakemake.utils import update_config
 
 from burstcast.base.files import units
@@ -145,39 +145,7 @@ def test_nothing_is_written_outside_of_the_results(finished):
     assert [path.name for path in finished.results.parent.iterdir()] == ["tiny"]
 
 
-# -- running it again ------------------------------------------------------------------------------
-
-
-def test_a_second_run_does_nothing_and_what_is_left_are_the_figures(finished, tmp_path):
-    project = finished.copy(tmp_path / "project")
-    logs = project.logs()
-    outcome = project.made("forecasters", "tables")
-    assert "Nothing to be done" in outcome.text
-    assert project.logs() == logs
-    jobs = project.dry_run()
-    assert set(jobs) == {"examples", "flow_event", "suppressed_event", "figure", "report_page"}
-    assert jobs["figure"] > 15
-
-
-def test_a_deleted_network_rebuilds_its_chain_only(finished, tmp_path):
-    project = finished.copy(tmp_path / "project")
-    before, logs = results(project), project.logs()
-    (project.results / "Re400/networks/esn-N30-SSV-seed0/forecaster.nc").unlink()
-    project.made("forecasters", "tables")
-    ran = jobs_since(logs, project.logs())
-    network = "esn-N30-SSV-seed0.log"
-    of_network = {name for name in ran if name.endswith(network)}
-    assert of_network == {f"train/Re400/{network}"} | {
-        f"{rule}/Re400/networks/{network}"
-        for rule in ("forecast", "calibration_forecast", "horizon")
-    }
-    tables = {
-        *("probability_scores", "reliability_table", "lead_times"),
-        *("classification_table", "horizon_table", "warnings_table"),
-    }
-    joined = {f"joined_{name}" for name in ("probabilities", "forecasts", "horizon", "warnings")}
-    assert rules_of(ran - of_network) <= {"calibrate", *tables, *joined}
-    assert results(project) == before
+# -- another number of cores -----------------------------------------------------------------------
 
 
 def test_one_core_gives_the_same_bits_as_two(finished, tmp_path, monkeypatch):
@@ -194,28 +162,7 @@ def test_one_core_gives_the_same_bits_as_two(finished, tmp_path, monkeypatch):
     assert alone == {name: together[name] for name in alone}
 
 
-def test_a_target_builds_what_it_needs_and_no_server_is_needed_for_it(finished, tmp_path):
-    # jobs in processes of their own, as users run them
-    project = Project(finished.without_results(tmp_path / "project").directory)
-    project.made("results/tiny/tables/data_generation_parameters.csv")
-    assert rules_of(set(project.logs())) == {"simulate", "data_generation_parameters"}
-    alone, together = results(project), results(finished)
-    # the data, its summary, the table and its LaTeX
-    assert len(alone) == 4
-    assert alone == {name: together[name] for name in alone}
-
-
 # -- mistakes --------------------------------------------------------------------------------------
-
-
-def test_a_bad_config_stops_before_any_job(job_server, tmp_path):
-    project = Project.create(tmp_path / "project", job_server)
-    outcome = project.snakemake(overlay={"horizon": {"evnts": 3}})
-    assert outcome.status == 1
-    assert outcome.text.count("horizon.evnts: unknown setting; did you mean events?") == 1
-    assert "Traceback" not in outcome.text
-    assert "src/burstcast_workflow" not in outcome.text
-    assert not (project.directory / "results").exists()
 
 
 FEW = {"laminarisation_threshold": 0.25}

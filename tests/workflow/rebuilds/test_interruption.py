@@ -82,6 +82,12 @@ def orphan_of(project: Project, overlay: dict | None = None) -> int:
     return orphan
 
 
+def test_jobs_in_processes_of_their_own_have_the_bits_of_those_of_the_server(undisturbed, finished):
+    assert len(undisturbed) > 3
+    together = results(finished)
+    assert undisturbed == {name: together[name] for name in undisturbed}
+
+
 def test_an_orphan_writes_nothing_once_another_run_has_begun(project, undisturbed):
     orphan = orphan_of(project, {"random_seed": 1, "case_defaults": {"ensemble": {"series": 6000}}})
     os.kill(orphan, signal.SIGSTOP)  # as one that takes long

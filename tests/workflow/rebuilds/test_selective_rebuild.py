@@ -81,7 +81,14 @@ def test_an_edit_without_effect_stops_where_results_are_equal(project, tmp_path)
 def test_deleted_intermediate_files_come_from_the_cache(project, tmp_path):
     work = project.copy(tmp_path / "project")
     first, before = bits(work), work.logs()
-    for name in ("networks/esn-N40-RV-seed0/forecaster.nc", "ensemble.nc", "events.nc"):
+    network = "esn-N40-RV-seed0"
+    (work.results / f"Re400/networks/{network}/forecaster.nc").unlink()
+    planned = work.planned()
+    assert planned >= {f"train/Re400/{network}", f"forecast/Re400/networks/{network}"}
+    # its chain only
+    runs = f"*/{network} control/*/{network}*/* control/*/esn-N40-RV-committee/*"
+    assert beyond(planned, f"{runs} ALL_OF_NETWORKS */Re400 figure/*") == set()
+    for name in ("ensemble.nc", "events.nc"):
         (work.results / "Re400" / name).unlink()
     work.made(*BITS)
     ran, anew = computed(work, before)
