@@ -8,8 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.base.names import KEYS
-from burstcast.forecasts.alarm_sources import BASELINES, alarm_sources
-from burstcast.forecasts.windows import WindowForecasts
 from burstcast_workflow.harness.job import job_identity, provenance
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.gather import origins
@@ -97,44 +95,7 @@ def test_files_that_do_not_belong_together_are_refused(tmp_path):
         origins([tmp_path / "x.json"])
 
 
-# -- sources of alarms -----------------------------------------------------------------------------
-
-
-def forecasts(*names, ensembles=()):
-    """Forecasts of one point, with two members where there is an ensemble."""
-    values = np.zeros((1, 3))
-    members = {name: np.zeros((1, 2 if name in ensembles else 0, 3)) for name in names}
-    return {
-        name: WindowForecasts(values, values, np.zeros(1, dtype=bool), several, several)
-        for name, several in members.items()
-    }
-
-
-def test_committees_are_of_seeds_and_of_members_of_an_ensemble():
-    networks = ["esn-N2000-RV-seed0", "esn-N2000-RV-seed1"]
-    singles = [*networks, "analogues", "quadratic", "quadratic_filtered"]
-    sources = alarm_sources(forecasts(*singles, ensembles=("analogues", "quadratic_filtered")))
-    by_name = {source.identifier: source for source in sources}
-    # by which what raises alarms is compared: committees of networks come first
-    committees = {
-        "esn-N2000-RV-committee": networks,
-        "analogues-committee": ["analogues"],
-        "quadratic_filtered-committee": ["quadratic_filtered"],
-    }
-    assert list(by_name) == [*BASELINES, *singles, *committees]
-    assert [name for name, source in by_name.items() if source.committee] == list(committees)
-    for name, voters in committees.items():
-        assert list(by_name[name].forecasters) == voters
-        assert by_name[name].compared
-        assert by_name[name].name.keys["forecaster"] == f"{name.split('-')[0]}_committee"
-    for name in singles:
-        assert by_name[name].forecasters == (name,)
-        assert by_name[name].compared == (name not in networks)
-    assert [by_name[name].forecasters for name in BASELINES] == [(), ()]
-    # without an ensemble there is none
-    sources = alarm_sources(forecasts("esn-N2000-RV-seed0", "quadratic", "equations"))
-    assert not any(source.committee for source in sources)
-
+# -- columns --------------------------------------------------------------------------------------
 
 ROWS = [
     {"f_score": 0.5, "case": "a", "seed": 1, "nrmse_u": None},

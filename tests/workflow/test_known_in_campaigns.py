@@ -182,14 +182,3 @@ def test_other_values_in_advance_are_other_forecasts(project, results):
         np.testing.assert_array_equal(first, second)
     scores = read_table(other / "tables/classification.csv").groupby("forecaster")["f_score"].mean()
     assert scores["quadratic_aware"] < 0.5
-
-
-@pytest.mark.long
-def test_a_gap_in_what_is_known_fails_with_its_row(project):
-    copied = project.copy(project.directory.parent / "gap")
-    push = plant()[1]
-    push[123] = np.nan
-    write_record(copied.directory, push)
-    outcome = copied.snakemake("results/plant/plant/ensemble.nc")
-    assert outcome.status == 1
-    assert "plant.csv: column 'push' has no number in row 124 of 1100" in outcome.text

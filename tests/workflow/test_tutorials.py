@@ -43,12 +43,6 @@ def directory(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_the_tutorial_has_the_parts_that_are_run_here():
-    assert list(CONFIGS) == ["roessler.yaml", "small.yaml"]
-    assert [command.split()[0] for command in COMMANDS] == ["burstcast"] + ["snakemake"] * 3
-    assert "class Roessler(DynamicalSystem)" in MODULE
-
-
 def test_the_look_at_the_system(directory, capsys, monkeypatch):
     monkeypatch.syspath_prepend(directory)
     (command,) = (command for command in COMMANDS if command.startswith("burstcast"))
@@ -79,15 +73,6 @@ def test_the_plan(directory, tmp_path_factory, job_server):
     outcome = run(command, directory, tmp_path_factory, job_server)
     assert outcome.jobs["train"] == 20
     assert outcome.jobs["event_threshold"] == 1
-
-
-def test_the_small_campaign_up_to_its_scores(directory, tmp_path_factory, job_server):
-    (command,) = (command for command in COMMANDS if "small.yaml" in command)
-    table = "results/roessler_small/tables/classification.csv"
-    run(command, directory, tmp_path_factory, job_server, table)
-    scores = read_table(directory / table)
-    assert set(scores["forecaster"]) == {"esn", "equations_noisy", "permanent_alarm"}
-    assert "reynolds" not in (directory / table).read_text()
 
 
 @pytest.mark.long

@@ -98,14 +98,6 @@ def test_an_orphan_writes_nothing_once_another_run_has_begun(project, undisturbe
     assert project.dry_run(*TARGETS) == {}
 
 
-@pytest.mark.long
-def test_what_an_orphan_finishes_before_the_next_run_is_in_the_cache(project, undisturbed):
-    wait_for_end(orphan_of(project))
-    assert complete(project, TARGETS, locked=True) == undisturbed
-    log = project.results / "logs" / "simulate" / "Re400.log"
-    assert "the outputs are those of this job" in log.read_text()
-
-
 def wait_for_end(process: int, seconds: float = 120) -> None:
     end = time.monotonic() + seconds
     while os.path.exists(f"/proc/{process}") and _state(process) != "Z":

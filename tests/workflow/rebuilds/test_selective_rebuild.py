@@ -307,22 +307,14 @@ WITH_EFFECT = [
     *edits_of(r"""
 caption of a figure | LIBRARY/figures/observable_and_density.py |
   Typical evolution of the observable | How the observable evolves
-caption of a table in the report | workflow/tables.yaml |
-  Counts and scores of the forecasts of each forecaster | Scores of each forecaster
 a strategy of control | LIBRARY/control/strategies/receding_horizon.py |
   (ahead >= level) | (ahead >= 2.0 * level) | control/*/receding_horizon-*
   control_strategies_table/* joined_control figure/control_frontier
   figure/control_tradeoff
-head of a column | workflow/tables.yaml | head: exceedance} | head: without control} |
-  joined_control
 format of a column | workflow/tables.yaml | empty without events, format: .3f |
   empty without events, format: .2f | joined_forecasts
-caption of a LaTeX table | workflow/tables.yaml | Hyperparameters that the search chose. |
-  The hyperparameters that were found. | joined_networks
 order of the columns of a table | workflow/tables.yaml | [series, survived_fraction, escapes, |
   [series, escapes, survived_fraction, | survival_table/* joined_long_term figure/own_flow
-columns side by side in tables for papers | LIBRARY/tables/latex.py | _COLUMNS = 4 | _COLUMNS = 5 |
-  data_generation_parameters network_hyperparameters joined_*
 a colour of one figure | LIBRARY/figures/control_tradeoff.py |
   panel.axhline(0, color=style.GREY | panel.axhline(0, color=style.PURPLE | figure/control_tradeoff
 the equations as a forecaster | LIBRARY/forecasters/equations_noisy.py |
