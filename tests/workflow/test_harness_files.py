@@ -64,16 +64,6 @@ EXAMPLE = pd.DataFrame(
 )
 
 
-def test_text_of_the_file(tmp_path):
-    write_table(tmp_path / "table.csv", EXAMPLE.drop(columns="note"))
-    assert (tmp_path / "table.csv").read_bytes() == (
-        b"case,reynolds,neurons,f_score,mean,nothing,chosen\n"
-        b"Re400,400,500,0.30000000000000004,1.0,,True\n"
-        b"NA,,1000,,2.0,,False\n"
-        b",600,2000,1e-300,inf,,True\n"
-    )
-
-
 @pytest.mark.parametrize(
     "table",
     [
