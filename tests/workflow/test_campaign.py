@@ -222,36 +222,6 @@ def test_settings_are_those_that_concern_a_job_and_no_other_name_is_taken():
             settings_of_job(PAPER, [path], NETWORK)
 
 
-@pytest.mark.parametrize(
-    ("overlay", "paths"),
-    [
-        ({"case_defaults": {"training": {"noise": 0.02}}}, {*PATHS[1:3]}),
-        # only who judges long forecasts depends on their bound
-        ({"forecasters": {"esn": {"divergence_bound": 20}}}, {"forecaster.divergence_bound"}),
-        ({"forecasters": {"esn": {"connectivity": 10}}}, set(PATHS[3:5])),
-        ({"forecasters": {"esn": {"backend": "scipy"}}}, {"forecaster.options"}),
-        ({"search": {"grid": 3}}, {"search"}),
-        # another case's settings, and how the figures look, are nobody's business
-        ({"cases": {"Re400": {"training": {"noise": 0.02}}}}, set()),
-        ({"figures": {"example_forecaster": "esn-N2000-RV-seed3"}, "results": "x/y"}, set()),
-    ],
-)
-def test_a_change_of_the_config_changes_the_settings_at_its_path_only(overlay, paths):
-    before, after = (settings_of_job(of, PATHS, NETWORK) for of in (PAPER, campaign(overlay)))
-    assert {path for path in PATHS if before[path] != after[path]} == paths
-
-
-def test_what_a_job_is_found_by_does_not_depend_on_who_else_is_in_the_campaign():
-    small = campaign(
-        {"control": {"forecasters": {"esn": None}}, "figures": {"example_case": "Re600"}},
-        blocks=[{"reynolds": [600], "forecasters": networks([2000])}],
-    )
-    wildcards = {"case": "Re600", "forecaster": "esn-N2000-RV-seed0"}
-    assert settings_of_job(small, PATHS, wildcards) == settings_of_job(PAPER, PATHS, wildcards)
-    assert small.modules(wildcards) == PAPER.modules(wildcards)
-    assert small.scan_of(wildcards["forecaster"]) == PAPER.scan_of(wildcards["forecaster"])
-
-
 ALL = "equations equations_noisy esn", "recycle single_shot"
 
 

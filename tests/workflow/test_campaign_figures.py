@@ -310,48 +310,16 @@ def test_the_frontier_is_made_where_other_strategies_control():
     assert shown(PAPER, "control_frontier", "Re800")["shown.frontier_network"]["seed"] == 0
 
 
-@pytest.mark.parametrize(
-    ("overlay", "names"),
-    [
-        # the published values are an input of these figures, and no setting of any; the example
-        # event is chosen where the forecasts are made
-        ({"figures": {"published_overlay": True, "example_horizon_lt": 3}}, ""),
-        ({"horizon": {"tolerance": 0.1, "events": 100}}, "horizon_schematic error_growth"),
-        ({"search": {"interval_lt": 1}}, "validation_strategies"),
-        ({"forecasters": {"esn": {"connectivity": 10}}}, "network_schematic"),
-        ({"washout_lt": 0.6}, "validation_strategies prediction_schematic horizon_evaluations"),
-        (
-            {"figures": {"flow_points": [9, 9, 9]}},
-            "midplane_mean_square midplane_planes vorticity_isosurfaces suppressed_event",
-        ),
-    ],
-)
-def test_figures_read_what_they_need_and_nothing_else(overlay, names):
-    other = campaign(overlay)
-    changed = {name for name in FIGURES if shown(PAPER, name) != shown(other, name)}
-    assert changed == {*names.split()}
-
-
 def test_figures_show_the_case_in_their_name_or_the_examples():
     assert figure_case(PAPER, "classification_scores", "_Re800") == "Re800"
     assert figure_case(PAPER, "classification_scores", "") == "Re400"
     swept = {"control": {"sweep": {"cases": ["Re400"]}}}
     other = campaign({"figures": {"example_case": "Re600"}, **swept})
     assert figure_case(other, "classification_scores", "") == "Re600"
+    drawn = FIGURES["observable_and_density"]
+    assert files_of(PAPER, drawn, "Re400")["exponents"] == []
     computed = campaign({"case_defaults": {"lyapunov": {"time_unit": "computed"}}})
-    network = "Re400/networks/esn-N2000-RV-seed0"
-    plan = "prediction_triggered-prediction_time2-window1"
-    event = f"{network.replace('networks', 'control')}/{plan}"
-    observable = {"observable": "Re400/ensemble.nc"}
-    for of, name, files in (
-        (PAPER, "network_schematic", {"hyperparameters": f"{network}/hyperparameters.json"}),
-        (PAPER, "prediction_examples", {"examples": f"{network}/examples.nc"}),
-        (PAPER, "observable_and_density", {**observable, "exponents": []}),
-        (computed, "observable_and_density", {**observable, "exponents": "Re400/lyapunov.json"}),
-        (PAPER, "suppressed_event", {"event": f"{event}/suppressed_event.nc"}),
-        (PAPER, "horizon_schematic", {}),
-    ):
-        assert files_of(of, FIGURES[name], "Re400") == files
+    assert files_of(computed, drawn, "Re400")["exponents"] == "Re400/lyapunov.json"
 
 
 def test_stages_that_are_switched_off_have_no_tables():

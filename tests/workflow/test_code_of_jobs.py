@@ -152,17 +152,6 @@ def test_packages_import_nothing_by_themselves():
         assert modules_of(path) == {"__init__.py"}
 
 
-def test_closure_in_the_project_is_selective(tmp_path):
-    script = tmp_path / "script.py"
-    script.write_text("from burstcast_workflow.jobs.gather import origins\n")
-    entries = modules_of(script)
-    assert "burstcast_workflow.harness.version" in entries
-    library = {name for name in entries if name.startswith("burstcast.")}
-    # through gather; packages are empty, and the version stands for netcdf
-    packages = {"burstcast.base", "burstcast.base.files"}
-    assert library == {*packages, "burstcast.base.names"}
-
-
 def reached(script, *kinds, systems=(), strategies=()):
     """Modules that a script reaches where it is about these."""
     about = {"burstcast.forecasters": kinds, "burstcast.systems": systems}

@@ -17,8 +17,7 @@ from snakemake.api import SnakemakeApi
 from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 
-from burstcast.base.declared import files_of, gathered, paths_of
-from burstcast.base.names import MODEL, NETWORK
+from burstcast.base.declared import files_of, paths_of
 from burstcast.forecasters.registry import all_kinds, available_kinds, kind_class
 from burstcast.tables.makers.registry import maker
 from burstcast_workflow.campaign.campaign import Campaign
@@ -26,7 +25,7 @@ from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.jobs import FigureJobs, captions
 from burstcast_workflow.figures.registry import FIGURES, settings_of
 from burstcast_workflow.harness.job import parameters as parameters_of
-from burstcast_workflow.harness.settings import THRESHOLDS, Setting
+from burstcast_workflow.harness.settings import Setting
 from burstcast_workflow.stages.stages import Stages, any_of_regex
 from burstcast_workflow.tables.declarations import TABLES as DECLARED
 from burstcast_workflow.tracking.code import Sources
@@ -268,21 +267,6 @@ def test_kinds_of_the_config_are_those_of_the_library():
     assert all(kind_class(kind).aware for kind in others)
 
 
-def test_every_forecaster_is_made_by_one_rule_and_every_scan_named_as_its_rule_expects():
-    campaign = workflow().campaign
-    rules = {"networks": ("train", NETWORK), "models": ("fit", MODEL)}
-    assert {forecaster.family for forecaster in campaign.forecasters} == {*rules}
-    for forecaster in campaign.forecasters:
-        for family, (rule, pattern) in rules.items():
-            fits = re.fullmatch(pattern, forecaster.name.identifier) is not None
-            assert fits == (forecaster.family == family)
-            made_by = makers_of(f"{forecaster.directory}/forecaster.nc")
-            assert (made_by == {rule}) == fits
-    for network in campaign.networks:
-        reservoir, strategies = campaign.scan_of(network.name.identifier)
-        assert makers_of(f"{network.case}/scan/{reservoir}/{strategies}.csv") == {"scan"}
-
-
 @pytest.mark.parametrize(
     ("directory", "rule"),
     [
@@ -337,36 +321,6 @@ def test_wildcards_of_some_names_and_of_none():
     assert re.fullmatch(any_of_regex(["Re400", "a.b"]), "a.b")
     assert not re.fullmatch(any_of_regex(["Re400", "a.b"]), "aXb")
     assert not re.fullmatch(any_of_regex([]), "")
-
-
-def test_files_of_cases_forecasters_and_tables(paper):
-    assert paper.case_files("dataset.json", ["Re600"]) == ["results/paper/Re600/dataset.json"]
-    assert len(paper.case_files("dataset.json")) == 4
-    assert len(paper.forecaster_files("forecast.nc")) == 180 + 2 * 4
-    paths = paper.declared(gathered("forecasters/horizon.nc"))(JOB)
-    assert len(paths) == 2 * 10 + 2
-    assert all(path.startswith("results/paper/Re600/") for path in paths)
-    assert paper.declared(gathered("classifiers/forecast.nc"))(JOB) == []
-    scan = paper.scan_of_network("csv")(JOB)
-    assert scan == "results/paper/Re600/scan/esn-N2000-seed3/RV+SSV.csv"
-    tables = paper.inputs_of_tables("warnings_table")
-    assert tables["dataset"](JOB) == "results/paper/Re600/tables/dataset.csv"
-    assert tables["lyapunov_spectrum"](JOB) == []  # no unit of time is an estimate
-    without = stages({"statistics": {"forecasters": {"esn": None, "equations": None}}})
-    assert without.inputs_of_tables("warnings_table")["statistics"](JOB) == []
-    (spectrum, networks) = paper.inputs_of_tables("lyapunov_spectrum_table").values()
-    assert spectrum(JOB) == "results/paper/Re600/lyapunov_spectrum.nc"
-    assert all("/Re600/networks/esn-N2000" in path for path in networks(JOB))
-
-
-def test_thresholds_are_inputs_where_they_are_quantiles(paper):
-    assert paper.computed_settings_files("events") == {}
-    other = stages(QUANTILE)
-    other.of_script("data/events.py")
-    other.of_script("data/simulate.py")
-    thresholds = other.computed_settings_files("events")[THRESHOLDS]
-    assert thresholds(JOB) == ["results/paper/Re600/event_threshold.json"]
-    assert other.computed_settings_files("simulate")[THRESHOLDS](JOB) == []
 
 
 def test_a_parameter_is_empty_where_it_does_not_concern_the_job(paper):

@@ -137,13 +137,6 @@ def test_modules_that_a_registry_finds_count_where_they_are_named():
     assert names(seen.entries("a.py", {"burstcast.forecasters": ["esn"]})) == without
 
 
-def test_the_harness_is_a_version():
-    written({"scripts/a.py": "from burstcast_workflow.harness.job import job"})
-    loaded = names(sources().entries("a.py", {}))
-    assert "burstcast_workflow.harness.version" in loaded
-    assert not {name for name in loaded if name.startswith("burstcast_workflow.tracking")}
-
-
 @pytest.mark.parametrize("edit", ["script", "module", "deleted"])
 def test_what_changed_is_named(edit):
     written({"scripts/a.py": "import own.part", "own/__init__.py": "", "own/part.py": "b = 1"})
