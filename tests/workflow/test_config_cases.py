@@ -29,7 +29,6 @@ from burstcast_workflow.config.case import Data, Measured, PartOfCase, Simulated
 from burstcast_workflow.config.model import Block, case_name
 from burstcast_workflow.figures.registry import figure_names
 from burstcast_workflow.harness.canonical import canonical
-from burstcast_workflow.jobs.data import check_kept_series
 from burstcast_workflow.tables.registry import table_names
 
 FREE = {"trained_on": [], "actuation": None}
@@ -255,15 +254,6 @@ def test_mistakes_in_what_a_class_says(config, monkeypatch):
     assert "event_threshold is np.float64(40.0) of type numpy.float64" in only_problem(config)
 
 
-def test_an_actuation_that_the_case_has_to_complete(config):
-    put(config, "case_defaults.actuation", None)
-    put(config, "cases.Re400.actuation", {"parameters": {"reynolds": 2000}, "force": None})
-    with pytest.raises(ConfigError) as caught:
-        load(config)
-    missing = [problem.partition(": missing")[0] for problem in caught.value.problems]
-    assert missing == [f"case Re400: actuation.{name}_lt" for name in ("start", "duration")]
-
-
 # -- what fits into a series -----------------------------------------------------------------------
 
 
@@ -292,12 +282,6 @@ def test_least_length_of_a_series(config, name, value, least):
     problem = only_problem(config)
     assert problem.startswith("case Re400: ")
     assert "ensemble.duration" in problem
-
-
-def test_series_are_counted_together():
-    check_kept_series(10, {"training.series": 4, "test_series": 6})
-    with pytest.raises(ValueError, match=r"training.series is 4 and test_series is 7, but only 10"):
-        check_kept_series(10, {"training.series": 4, "test_series": 7})
 
 
 def test_too_few_starting_points_are_told_of_cases_that_the_campaign_uses(config):
@@ -453,20 +437,6 @@ def test_another_observable_has_its_own_name_and_density(measured):
     assert cases["lab"].dump()["parameters"]["observable_of"] == "sqrt(u**2 + v**2)"
     assert cases["lab"].space.observable_name == "speed"
     assert cases["part"].dump()["density"]["range"] is None  # of the data
-
-
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        ("1,2\n3.5,4\n", "line 1 has numbers where the names of the columns are expected"),
-        ("date,u,v\n2020-01-01,1,2\n", "has no column 'time'; its columns are date, u, v: rename"),
-    ],
-)
-def test_what_headers_show_is_told_before_any_job(measured, content, message):
-    Path("lab/run_9.csv").write_text(content)
-    problem = only_problem(measured)
-    assert message in problem
-    assert "lab/run_9.csv" in problem
 
 
 def test_what_is_left_out_of_a_case_follows_from_the_data(measured):

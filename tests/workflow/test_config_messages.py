@@ -34,7 +34,11 @@ PLANS = {
 }
 OVERLAYS = {"measured": MEASURED, "lorenz": {"cases": {"lorenz": {"system": "lorenz63"}}}}
 FILES = dict.fromkeys([f"lab/run_{number}.csv" for number in (10, 9, 1)], "time,u,v\n0,1,2")
-FILES["README.md"] = ""
+FILES |= {
+    "README.md": "",
+    "lab/numbers.csv": "1,2\n3,4",
+    "lab/dates.csv": "date,u,v\n2020-01-01,1,2",
+}
 
 
 def config_of(table):
@@ -124,6 +128,8 @@ case_defaults.training.series: 1, case_defaults.recycle_validation.series: 1,
 case_defaults.laminarisation_threshold: 0.1 | event_threshold: must be below
 case_defaults.actuation.force: [0, 1] | actuation: a force needs 9 | [0.0, 1.0]
 case_defaults.actuation.parameters: {rho: 1} | actuation: | no parameter 'rho'
+& case_defaults.actuation: null, cases.Re400.actuation: {parameters: {}, force: null} |
+  case Re400: actuation.start_lt: missing
 case_defaults.actuation.start_lt: -1.5 | control.prediction_times_lt has 1 | alarm
 control.forecasters.esn.neurons: [2000, 7] | must be one of | 500, 1000
 control.sweep.cases: [Re40] | control.sweep.cases | did you mean Re400
@@ -182,6 +188,8 @@ cases.lab.data.gaps: cut | case lab: data.gaps needs data.blocks beside it
 cases.lab.data.files: [lab/run_2.csv] | data.files: lab/run_2.csv: there is no such file
 cases.lab.data.files: [lab/run_1.mat] | lab/run_1.mat: files of series end in .csv
 cases.lab.data.files: [] | case lab: data needs files
+cases.lab.data.files: [lab/numbers.csv] | lab/numbers.csv, line 1 has numbers where the names of
+cases.lab.data.files: [lab/dates.csv] | lab/dates.csv has no column 'time'; its columns are date, u,
 cases.lab.data.files: [lab/x_*] | case lab: data.files: no file is called lab/x_*
 cases.lab.data.case: Re400 | case lab: data needs files: [...], or else the name
 cases.lab.data.components: [w] | data.files: lab/run_1.csv: there is no column 'w'
