@@ -5,9 +5,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 import pytest
-import yaml
 from helpers_rebuilds import Project
 
 from burstcast.base.arrays import FloatArray
@@ -133,79 +131,20 @@ def test_a_campaign_without_any_event_ends(tmp_path, job_server):
     assert {"forecast_skill", "control_tradeoff", "reliability", "horizon_by_size"} <= drawn
 
 
-# -- a record with dates and gaps ------------------------------------------------------------------
-
-DATA = {
-    **{"files": ["plant.csv"], "time_step": "1 hour", "observable": "load"},
-    **{"gaps": "cut", "blocks": {"duration": 24}},
-}
-HOURLY = {  # a Lyapunov time is one step
-    "washout_lt": 2,
-    "classification": {"resolution_lt": 1, "prediction_times_lt": [1, 2]},
-    "horizon": {"lead_time_step_lt": 1},
-    "probability": {"start_spacing_lt": 1},
-}
-CASE = {
-    **{"data": DATA, "event_threshold": 2, "training": {"series": 4}},
-    "lyapunov": {"published_exponent": 1},
-}
-LOST = (100, 101, 500)
-
-
-def table():
-    time = pd.date_range("2010-03-20", periods=1000, freq="h", tz="Europe/Berlin", name="time")
-    values = np.random.default_rng(1).normal(size=(1000, 2))
-    return pd.DataFrame(values, columns=["load", "heat"], index=time)
-
-
-@pytest.fixture(scope="module")
-def recorded(tmp_path_factory, job_server):
-    """A record by a clock that is put forward on 28 March, with its offsets from UTC."""
-    directory = tmp_path_factory.mktemp("record") / "recorded"
-    recorded = Project.create(directory, job_server, "plant.yaml")
-    forecasters = {"persistence": {}, "linear_inverse": {}}
-    config = {
-        "results": "results/plant",
-        "campaign": [{"cases": ["plant"], "forecasters": forecasters}],
-        "cases": {"plant": CASE},
-        **HOURLY,
-    }
-    (recorded.directory / "plant.yaml").write_text(yaml.safe_dump(config))
-    rows = table()
-    rows.drop(index=rows.index[list(LOST)]).to_csv(recorded.directory / "plant.csv")
-    return recorded
-
-
-def test_series_of_a_record(recorded):
-    outcome = recorded.made("results/plant/plant/ensemble.nc")
-    assert "gaps leave 3 parts of the record" not in outcome.text  # each is longer than a block
-    series = read_netcdf(recorded.directory / "results/plant/plant/ensemble.nc")
-    # 100, 398 and 499 hours make 4, 15 and 19 blocks of 25 samples
-    assert series["state"].shape == (4 + 15 + 19, 25, 2)
-    begin = pd.Timestamp("2010-03-20", tz="Europe/Berlin").timestamp() / 3600
-    assert series["start"][[0, 1, 4, 19]].tolist() == [begin, begin + 25, begin + 102, begin + 501]
-    np.testing.assert_array_equal(series["state"][4], table().to_numpy()[102:127])
-
-
-DAYS = [f"2010-03-{day:02}T{hour:02}:00" for day in range(1, 4) for hour in range(24)]
-
-
-@pytest.mark.parametrize(
-    ("times", "message"),
-    [
-        (["2010-03-28T02:00"] * 2, "plant.csv, row 2: column 'time' stays at the time of row 1"),
-        (DAYS, "but the data have . series in all"),
-    ],
-)
-def test_mistakes_in_rows_are_told_before_any_job(recorded, times, message):
-    rows = [f"{time},{number},2" for number, time in enumerate(times)]
-    with recorded.restored("plant.csv"):
-        (recorded.directory / "plant.csv").write_text("\n".join(["time,load,heat", *rows, ""]))
-        outcome = recorded.snakemake("results/plant/plant/ensemble.nc")
-    assert outcome.status != 0
-    assert re.search(message, outcome.text), outcome.text[-2000:]
-    assert "The configuration has a mistake: case plant: " in outcome.text
-    assert "import_data" not in outcome.text
+def test_mistakes_in_rows_are_told_before_any_job(project):
+    configure(project, "persistence: {}")
+    for steps, message in (
+        ([0, 1, 1], "own.csv, row 3: column 'time' stays at the time of row 2"),
+        (range(1001), "but the data have . series in all"),
+    ):
+        states = np.random.default_rng(1).normal(size=(len(steps), 3))
+        rows = [f"{0.02 * step},{x},{y},{z}" for step, (x, y, z) in zip(steps, states, strict=True)]
+        (project.directory / "own.csv").write_text("\n".join(["time,x,y,z", *rows, ""]))
+        outcome = project.snakemake("results/own/own/ensemble.nc")
+        assert outcome.status != 0
+        assert re.search(message, outcome.text), outcome.text[-2000:]
+        assert "The configuration has a mistake: case own: " in outcome.text
+        assert "import_data" not in outcome.text
 
 
 # -- two data sets of others -----------------------------------------------------------------------
