@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 from helpers_configs import campaign, networks, tiny_campaign
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from burstcast.base.names import NETWORK as NETWORKS
@@ -18,18 +18,10 @@ from burstcast_workflow.campaign.members import CaseForecaster
 from burstcast_workflow.config.case import Encoded, Simulated
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.model import Choice
-from burstcast_workflow.figures.registry import (
-    FIGURES,
-    cases_of,
-    figure_names,
-    files_of,
-    settings_of,
-)
 from burstcast_workflow.harness.canonical import canonical, canonical_json
 from burstcast_workflow.jobs import data
 from burstcast_workflow.jobs.networks import Networks
-from burstcast_workflow.jobs.systems import System
-from burstcast_workflow.tables.registry import cases_of_tables, table_names
+from burstcast_workflow.tables.registry import table_names
 from kolmogorov_flow import KolmogorovFlow
 
 PAPER = campaign()
@@ -263,45 +255,6 @@ def test_settings_of_cases_are_those_of_the_jobs_of_each():
     assert records == {case: settings_of_job(PAPER, paths, {"case": case}) for case in records}
     assert list(records) == list(PAPER.case_names)
     assert [record["case.test_series"] for record in records.values()] == [150, 300, 300, 300]
-
-
-@settings(deadline=None, max_examples=15)
-@given(st.randoms())
-def test_settings_do_not_depend_on_the_order_of_the_config(generator):
-    def shuffled(values):
-        if isinstance(values, dict):
-            return {name: shuffled(values[name]) for name in shuffled(list(values))}
-        return generator.sample(values, len(values)) if isinstance(values, list) else values
-
-    names = ["alpha", "Zeta", "zeta", "b10", "b9"]
-    cases = {name: {"parameters": {"reynolds": 400 + len(name)}} for name in names}
-    forecasters = [networks([2000], ["SSV", "RV"], 2), networks([500, 2000], ["SSV", "RV"])]
-    blocks = [
-        {"cases": names, "forecasters": {**forecasters[0], "equations": {}}},
-        {"reynolds": [400, 1000], "forecasters": {"equations": {}, **forecasters[1]}},
-    ]
-    times = {"prediction_times_lt": shuffled([0.5, 1, 1.5, 2, 2.5, 3])}
-    other = campaign(
-        {
-            "cases": {name: cases[name] for name in shuffled(names)},
-            "classification": times,
-            "search": {"tikhonov": shuffled([1e-6, 1e-9, 1e-12])},
-        },
-        blocks=shuffled([shuffled(block) for block in blocks]),
-    )
-    sorted_times = {"classification": {"prediction_times_lt": sorted(times["prediction_times_lt"])}}
-    plain = campaign({"cases": cases}, sorted_times, blocks=blocks)
-    assert other.forecasters == plain.forecasters
-    assert other.control_runs == plain.control_runs
-    for names_of in (table_names, cases_of_tables, figure_names):
-        assert names_of(other) == names_of(plain)
-    for name, figure in FIGURES.items():
-        for case in cases_of(plain, figure):
-            assert files_of(other, figure, case) == files_of(plain, figure, case), name
-            assert settings_of(other, figure, case) == settings_of(plain, figure, case), name
-    sections = ("classification", "control", "search", "bootstrap")
-    assert settings_of_job(other, sections, {}) == settings_of_job(plain, sections, {})
-    assert settings_of_cases(other, System) == settings_of_cases(plain, System)
 
 
 def test_realisations_are_cases_that_differ_by_their_training_series_only():

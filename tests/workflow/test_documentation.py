@@ -1,6 +1,5 @@
 """README, docs and site: commands run, links lead somewhere, pages show what is kept."""
 
-import ast
 import io
 import pkgutil
 import re
@@ -217,27 +216,6 @@ def test_every_public_module_has_its_place(build):
     assert named == {name for name in public if "._" not in name}
 
 
-def test_a_public_name_without_a_docstring_is_found(build):
-    text = '"""Documented."""\nclass A:\n    """Documented."""\n    def b(self): ...\ndef _c(): ...'
-    assert list(build._undocumented("m", ast.parse(text))) == ["m.A.b"]
-    assert list(build._undocumented("m", ast.parse("def b(): ...\n"))) == ["m", "m.b"]
-
-
-def test_pages_are_changed_for_the_site(build):
-    """Links hold where their page lies; names of settings break after dots."""
-    for link, page, expected in (
-        ("performance.md#x", "method.md", "performance.md#x"),
-        ("../config.yaml", "method.md", "repository/config.yaml"),
-        ("figures.md", "repository/b.md", "../figures.md"),
-        ("README.md", "method.md", "index.md"),
-        ("nowhere.md", "method.md", "nowhere.md"),
-    ):
-        relinked = build._relinked(f"[a]({link})", ROOT / "docs" / "method.md", page)
-        assert relinked == f"[a]({expected})"
-    row = "| `search.grid` | `a.b` |\n| one | `c.d` |"
-    assert build.breakable(row) == "| <code>search.<wbr>grid</code> | `a.b` |\n| one | `c.d` |"
-
-
 def test_the_gallery_has_every_figure_once_and_those_of_the_kept_tables(build):
     named = re.findall(r"^#### (\w+)$", build.gallery({}), re.MULTILINE)
     assert sorted(named) == available_figures()
@@ -266,27 +244,3 @@ def test_the_commands_of_the_gallery_make_their_figures(build, tmp_path):
     for options, wanted in targets.items():
         plan = planned(project, [*wanted, *options])
         assert re.search(rf"^figure +{len(wanted)}$", plan, re.MULTILINE)
-
-
-def test_a_notebook_becomes_a_page(build):
-    outputs = [
-        {"output_type": "stream", "text": ["1\n"]},
-        {"data": {"image/png": "aGk=", "text/plain": "<Figure>"}},
-        {"data": {"text/plain": ["(2, 3)"]}},
-    ]
-    cells = [
-        {"cell_type": "markdown", "source": ["# Title\n", "Text."]},
-        {"cell_type": "code", "source": ["print(1)"], "outputs": outputs},
-    ]
-    notebook = {"cells": cells}
-    assert build.notebook_pictures("own", notebook) == {"own_0.png": b"hi"}
-    assert build.notebook_page("own", notebook).split("\n\n") == [
-        "# Title",
-        "Text.",
-        "Download: [own.ipynb](own.ipynb)",
-        "```python\nprint(1)\n```",
-        "```text\n1\n```",
-        "![output](images/own_0.png)",
-        "```text\n(2, 3)\n```",
-        "",
-    ]

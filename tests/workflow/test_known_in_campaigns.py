@@ -7,7 +7,6 @@ from helpers_rebuilds import Project
 
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.files.tables import read_table
-from burstcast_workflow import open_campaign
 
 SAMPLES, BLOCK = 1100, 50
 NETWORKS = {"neurons": [40], "validation": ["RV"], "seeds": 2}
@@ -130,30 +129,6 @@ def test_what_is_known_in_advance_tells_events_that_nothing_else_does(results):
     ].set_index("alarm")["value"]
     assert skill["esn_aware-N40-RV-committee"] > 0.6
     assert skill["precursor"] > 0.4
-
-
-@pytest.mark.long
-def test_forecasts_one_by_one_are_those_of_the_files(results, monkeypatch):
-    """Each forecast by hand, from the record itself."""
-    monkeypatch.chdir(results.parents[1])
-    states, push = plant()
-    columns = np.column_stack([push, np.sin(2 * np.pi * np.arange(SAMPLES) / 24)])
-    campaign = open_campaign("results/plant")
-    for kind in ("esn_aware-N40-RV-seed0", "quadratic_aware"):
-        forecasts = read_netcdf(results / f"plant/models/{kind}/forecast.nc")
-        points = read_netcdf(results / "plant/evaluation_set.nc", "series", "step")
-        forecaster = campaign.forecasters[f"plant/{kind}"]
-        for number in range(3, len(points["series"]), 40):
-            now = (10 + points["series"][number]) * BLOCK + points["step"][number]
-            memory = forecaster.start(
-                states[now - 7 : now + 1, :, np.newaxis], columns[now - 6 : now + 1, :, np.newaxis]
-            )
-            ahead = columns[now + 1 : now + 13, :, np.newaxis]
-            outputs, _ = forecaster.advance(memory, 12, ahead)
-            largest = [outputs[first - 1 : first + 2, 0, 0].max() for first in range(2, 12, 2)]
-            np.testing.assert_allclose(forecasts["largest"][number], largest, rtol=1e-7, atol=1e-9)
-        with pytest.raises(ValueError, match="push, day_sin: values over the whole forecast must"):
-            forecaster.advance(memory, 12)
 
 
 @pytest.mark.long

@@ -9,7 +9,6 @@ import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fnmatch import fnmatchcase
-from pathlib import Path
 from typing import NamedTuple
 
 import pytest
@@ -348,23 +347,3 @@ def test_one_more_seed_in_a_block_of_its_own(project):
     assert "Re400/networks/esn-N40-RV-seed1/forecaster.nc" in planned
     new = "Re400/*esn-N40-RV-seed1* Re400/scan/esn-N40-seed1/* control/*/esn-N40-RV-committee/*"
     assert beyond(planned, f"{new} ALL_OF_NETWORKS") == set()
-
-
-# -- no job depends on a setting that it does not read ---------------------------------------------
-
-
-def unread_settings(log: Path) -> set[str]:
-    """Settings that a job says it did not read."""
-    lists = re.findall(r"settings not read: (.*)$", log.read_text(), re.M)
-    return {name for line in lists for name in line.split(", ")}
-
-
-def test_every_setting_is_read_by_some_job_of_its_rule(project):
-    logs = project.results / "logs"
-    unread: dict[str, set[str]] = {}
-    for log in logs.rglob("*.log"):
-        rule = log.relative_to(logs).with_suffix("").parts[0]
-        names = unread_settings(log)
-        unread[rule] = unread.get(rule, names) & names
-    assert {"simulate", "search", "control"} <= unread.keys()
-    assert {rule: names for rule, names in unread.items() if names} == {}
