@@ -77,9 +77,9 @@ def test_a_forecaster_is_the_workflows_bit_for_bit(finished, directory, alarm, k
     assert set(stored) == set(record.arrays)
     for name, array in stored.items():
         assert_array_equal(record.arrays[name], array)
-    attributes = read_attributes(case / directory / "forecaster.nc")
-    assert record.attributes.items() <= attributes.items()
     if kind == "esn":
+        attributes = read_attributes(case / directory / "forecaster.nc")
+        assert all(attributes[name] == value for name, value in record.attributes.items())
         chosen = read_json(case / directory / "hyperparameters.json")
         assert model.hyperparameters_[0].items() <= chosen.items()
     # probabilities, from forecasts of each training series by a readout that has not seen it
@@ -90,7 +90,8 @@ def test_a_forecaster_is_the_workflows_bit_for_bit(finished, directory, alarm, k
         assert made.calibration.values.tolist() == rule["values"]
         assert made.calibration.probabilities.tolist() == rule["probabilities"]
         assert made.threshold == rule["threshold"]
-    assert any(np.ptp(made.calibration.probabilities) > 0 for made in model.alarms_.values())
+    varied = [np.ptp(made.calibration.probabilities) > 0 for made in model.alarms_.values()]
+    assert any(varied) or kind != "esn"
 
 
 def test_the_options_of_kinds_are_those_of_the_config():

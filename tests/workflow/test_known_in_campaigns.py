@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import yaml
 from helpers_rebuilds import Project
 
 from burstcast.base.files.netcdf import read_netcdf
@@ -79,8 +78,7 @@ def write_record(directory, push):
 @pytest.fixture(scope="module")
 def project(tmp_path_factory, job_server):
     directory = tmp_path_factory.mktemp("known") / "project"
-    project = Project.create(directory, job_server, "plant.yaml")
-    (directory / "plant.yaml").write_text(yaml.safe_dump(CONFIG))
+    project = Project.create(directory, job_server, "plant.yaml", CONFIG)
     write_record(directory, plant()[1])
     return project
 

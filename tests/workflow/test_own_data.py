@@ -33,18 +33,12 @@ def configure(project, forecasters, data=BLOCKS):
     (project.directory / "own.yaml").write_text(text)
 
 
-def write(path, step, names, states):
-    """A table with times and a header."""
-    rows = np.column_stack([step * np.arange(len(states)), states])
-    np.savetxt(path, rows, delimiter=",", header=f"time,{names}", comments="")
-
-
 @pytest.fixture
 def project(tmp_path, job_server):
     """A working copy with a table of three columns, times and a header, and nothing else."""
     project = Project.create(tmp_path / "project", job_server, "own.yaml")
     states = integrate(Lorenz63(), np.array([[1.0], [1.0], [20.0]]), 0.01, 2 * 14000, stride=2)
-    write(project.directory / "own.csv", 0.02, "x,y,z", states[1000:, :, 0])
+    project.write_series("own.csv", "x,y,z", 0.02, states[1000:, :, 0])
     return project
 
 
@@ -248,7 +242,7 @@ def test_from_generation_to_summary(name, tmp_path, job_server):
     esn = f"esn: {{neurons: [{neurons}], validation: [RV], seeds: 3}}"
     configure(project, esn, f"{{files: [own_*.csv], {of_data}}}")
     for number, series in enumerate(simulated(data)):
-        write(project.directory / f"own_{number}.csv", data.step * STRIDE, data.header, series)
+        project.write_series(f"own_{number}.csv", data.header, data.step * STRIDE, series)
     outcome = project.made()
     summary = outcome.text.partition("F-score")[2]
     assert "permanent alarm" in summary

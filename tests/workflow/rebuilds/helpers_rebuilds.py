@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import yaml
 
 ROOT = Path(__file__).parents[3]
@@ -116,19 +117,34 @@ class Project:
 
     @classmethod
     def create(
-        cls, directory: Path, server: JobServer | None = None, preset: str = TINY
+        cls,
+        directory: Path,
+        server: JobServer | None = None,
+        preset: str = TINY,
+        config: dict | None = None,
     ) -> "Project":
-        """Copy the project's sources, with their time stamps."""
+        """Copy the project's sources, with their time stamps; write the config of the preset."""
         directory.mkdir(parents=True)
+        unwanted = shutil.ignore_patterns("__pycache__")
         for part in PARTS:
-            source = ROOT / part
-            if source.is_dir():
-                shutil.copytree(
-                    source, directory / part, ignore=shutil.ignore_patterns("__pycache__")
-                )
+            if (ROOT / part).is_dir():
+                shutil.copytree(ROOT / part, directory / part, ignore=unwanted)
             else:
-                shutil.copy2(source, directory / part)
-        return cls(directory, server, preset)
+                shutil.copy2(ROOT / part, directory / part)
+        project = cls(directory, server, preset)
+        if config is not None:
+            project.configure(config)
+        return project
+
+    def configure(self, config: dict) -> None:
+        """Write the config of its preset."""
+        (self.directory / self.preset).write_text(yaml.safe_dump(config, sort_keys=False))
+
+    def write_series(self, name: str, names: str, step: float, states: np.ndarray) -> None:
+        """Write a table of states ``(samples, component)`` with times and a header."""
+        rows = np.column_stack([step * np.arange(len(states)), states])
+        header = {"header": f"time,{names}", "comments": "", "delimiter": ","}
+        np.savetxt(self.directory / name, rows, fmt="%.17g", **header)
 
     def copy(self, directory: Path) -> "Project":
         """Copy everything with its time stamps: results and Snakemake's records, too."""
