@@ -232,7 +232,7 @@ use rule * from burstcast"""
 
 def planned_jobs(job_server, directory, *arguments):
     """How many jobs of each rule Snakemake plans in a directory."""
-    outcome = job_server.snakemake(directory, "--dry-run", "--cores", "1", *arguments)
+    outcome = job_server.snakemake(directory, "-n", "--verbose", "--cores", "1", *arguments)
     assert outcome.status == 0, outcome.text
     return outcome.jobs
 

@@ -70,7 +70,7 @@ def run(command, directory, tmp_path_factory, job_server, *targets):
 
 def test_the_plan(directory, tmp_path_factory, job_server):
     (command,) = (command for command in COMMANDS if command.endswith(" -n"))
-    outcome = run(command, directory, tmp_path_factory, job_server)
+    outcome = run(command, directory, tmp_path_factory, job_server, "--verbose")
     assert outcome.jobs["train"] == 20
     assert outcome.jobs["event_threshold"] == 1
 

@@ -34,9 +34,7 @@ class Outcome:
 
     @property
     def jobs(self) -> dict[str, int]:
-        """Jobs of each rule in a dry run, without the targets."""
-        if re.search(r"^in all \d+ job", self.text, re.M):
-            return self._explained_jobs()
+        """Jobs of each rule in a dry run that is verbose, without the targets."""
         counted = re.search(r"^job +count\n[- ]+\n(.*?)^total ", self.text, re.M | re.S)
         if counted is None:
             assert "Nothing to be done" in self.text, self.text
@@ -47,20 +45,6 @@ class Outcome:
             for rule, count in counts.items()
             if rule not in ("all", "forecasters", "tables", "figures")
         }
-
-    def _explained_jobs(self) -> dict[str, int]:
-        """Jobs of the last line of the reasons; if there is one reason only, of this."""
-        counts = r"\w+ \(\d+\)(?:, \w+ \(\d+\))*"
-        line = re.search(
-            rf"(?:: (?P<only>{counts})\n)?^in all (?P<all>\d+) jobs?(?:: (?P<several>{counts}))?$",
-            self.text,
-            re.M,
-        )
-        assert line, self.text
-        rules = re.findall(r"(\w+) \((\d+)\)", line["several"] or line["only"])
-        jobs = {rule: int(count) for rule, count in rules}
-        assert sum(jobs.values()) == int(line["all"]), self.text
-        return jobs
 
 
 class JobServer:
