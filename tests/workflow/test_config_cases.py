@@ -343,26 +343,25 @@ def test_records_of_measured_cases(measured):
     assert part["data"]["columns"] == [f"a{number}" for number in range(1, 10)]
 
 
-def test_past_values_are_components(measured):
+def test_past_values_are_components_whose_noise_is_there_already(measured):
     put(measured, "cases.part.data.delays", [20, 10])
+    put(measured, "cases.lab.data.delays", [3])
     loaded = Campaign(load(measured))
     part = loaded.cases["part"].dump()
     names = ["a1", "s", "a1(t-20)", "s(t-20)", "a1(t-10)", "s(t-10)"]
     assert part["parameters"]["components"] == names
-    assert loaded.cases["part"].space.dimension == 7  # and the observable
     # every series begins later
     assert part["ensemble"] == {"time_step": 0.25, "sampling_stride": 4, "duration": 3980}
-    # the noise is there before the past values are taken, and not added again
     assert part["training"]["noise"] == 0.01
-    path = "job.noise_of_data"
-    noises = [settings_of_job(loaded, [path], {"case": case}) for case in ("part", "lab", "Re400")]
-    assert noises == [{path: {"level": 0.01, "random_seed": 2022}}, {path: None}, {path: None}]
-    for case, noise in (("part", 0), ("Re400", 0.01)):
-        settings = settings_of_job(loaded, ["case.training.noise"], {"case": case})
-        assert settings == {"case.training.noise": noise}
-    # measured series have their own
-    put(measured, "cases.lab.data.delays", [3])
-    assert settings_of_job(Campaign(load(measured)), [path], {"case": "lab"}) == {path: None}
+    # it is there before the past values are taken, and not added again; measured series have theirs
+    of_data, of_training = paths = ["job.noise_of_data", "case.training.noise"]
+    for case, before, after in (
+        ("part", {"level": 0.01, "random_seed": 2022}, 0),
+        ("lab", None, 0),
+        ("Re400", None, 0.01),
+    ):
+        settings = settings_of_job(loaded, paths, {"case": case})
+        assert settings == {of_data: before, of_training: after}
 
 
 def test_what_a_campaign_makes_of_measured_cases(measured):
@@ -411,12 +410,12 @@ def test_files_as_people_sort_their_names(measured):
 
 def test_long_runs_are_as_long_as_the_series(measured):
     measured["statistics"]["duration"] = None
+    put(measured, "cases.lab.data.blocks", {"duration": 50})
     loaded = Campaign(load(measured))
-    for case, duration in (("lab", None), ("Re400", 4000)):
+    for case, duration in (("lab", 50), ("Re400", 4000)):
         settings = settings_of_job(loaded, ["statistics.duration"], {"case": case})
         assert settings == {"statistics.duration": duration}
-    put(measured, "cases.lab.data.blocks", {"duration": 50})
-    blocks = records_of(load(measured))["lab"]["data"]["blocks"]
+    blocks = loaded.cases["lab"].dump()["data"]["blocks"]
     assert blocks == {"duration": 50, "gap": 0, "shortest": None}
 
 
