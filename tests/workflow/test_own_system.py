@@ -5,19 +5,21 @@ import os
 import subprocess
 import sys
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
-from helpers_rebuilds import TINY, Project
+from helpers_rebuilds import Project
 
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.files.tables import read_table
 from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.tracking.code import search_directories
 from burstcast_workflow.tracking.run import VARIABLE
+
+ROOT = Path(__file__).parents[2]
+PRESET = ROOT / "workflow" / "presets" / "tiny.yaml"
 
 # No Jacobian, initial states from a sampler, a threshold as a quantile; what the class says of its
 # cases is in its own units, and its parameters come from a module beside it.
@@ -87,54 +89,41 @@ RESULTS = "results/mine"
 TABLES = [f"{RESULTS}/tables/{name}.csv" for name in ("dataset", "classification", "horizon")]
 
 
-@dataclass(frozen=True)
-class Elsewhere:
-    """Runs of a project's workflow in a user's directory."""
+class Elsewhere(Project):
+    """A user's directory, in which the workflow of this repository runs."""
 
-    user: Project
-    project: Project
-
-    def __call__(self, *arguments, status=0, **variables):
-        """Run Snakemake there."""
-        outcome = self.user.snakemake(
-            *("-s", str(self.project.directory / "Snakefile")),
-            *arguments,
-            overlay=variables.pop("overlay", OVERLAY),
-            PYTHONPATH=self.project.environment()["PYTHONPATH"],
-            **variables,
-        )
+    def run(self, *arguments, status=0, overlay=OVERLAY, **variables):
+        snakemake = ["-s", str(ROOT / "Snakefile"), *arguments]
+        outcome = self.snakemake(*snakemake, overlay=overlay, **variables)
         assert outcome.status == status, outcome.text[-3000:]
         assert status == 0 or "Traceback" not in outcome.text
         return outcome
 
-    def planned(self, *targets, overlay=OVERLAY):
+    def rules(self, *targets, overlay=OVERLAY):
         """Rules that would run."""
-        return set(self("--quiet", "rules", "-n", *(targets or TABLES), overlay=overlay).jobs)
+        return set(self.run("--quiet", "rules", "-n", *(targets or TABLES), overlay=overlay).jobs)
 
     @contextmanager
     def edited(self, name, old, new):
-        with self.user.restored(f"my_flows/{name}"):
-            self.user.edit(f"my_flows/{name}", old, new)
+        with self.restored(f"my_flows/{name}"):
+            self.edit(f"my_flows/{name}", old, new)
             yield
 
 
 @pytest.fixture(scope="module")
 def mine(tmp_path_factory, job_server):
-    """A user's directory, and a run there of the workflow that lies elsewhere."""
-    project = Project.create(tmp_path_factory.mktemp("burstcast") / "project", job_server)
     directory = tmp_path_factory.mktemp("user") / "campaign"
     (directory / "my_flows" / "constants").mkdir(parents=True)
     files = {"__init__.py": "", "classical.py": CONSTANTS, "roessler.py": MODULE}
     for name, text in {**files, "constants/d.txt": "1\n", "unused.py": "D = 1\n"}.items():
         (directory / "my_flows" / name).write_text(text)
-    user = replace(project, directory=directory, preset=str(project.directory / TINY))
-    run = Elsewhere(user, project)
-    run(*TABLES)
-    return run
+    user = Elsewhere(directory, job_server, str(PRESET))
+    user.run(*TABLES)
+    return user
 
 
 def test_results_of_a_system_of_ones_own(mine):
-    results = mine.user.directory / RESULTS
+    results = mine.directory / RESULTS
     scores = read_table(results / "tables" / "classification.csv")
     perfect = scores[scores["forecaster"] == "equations"]
     assert (perfect["f_score"] == 1).all()
@@ -147,7 +136,7 @@ def test_results_of_a_system_of_ones_own(mine):
 
 
 def test_thresholds_as_quantiles_are_of_the_training_series(mine):
-    case = mine.user.directory / RESULTS / "roessler"
+    case = mine.directory / RESULTS / "roessler"
     observable = read_netcdf(case / "ensemble.nc", "observable")["observable"]
     threshold = read_json(case / "event_threshold.json")["event_threshold"]
     assert threshold == np.quantile(observable[:3], 0.9)
@@ -165,7 +154,7 @@ def test_edits_run_what_depends_on_them(mine):
         mine.edited("unused.py", "D = 1", "D = 2"),
         mine.edited("classical.py", "A, B", "# the classical values\nA, B"),
     ):
-        assert mine.planned() == set()
+        assert mine.rules() == set()
     threshold = f"{RESULTS}/roessler/event_threshold.json"
     for name, old, new in (
         ("classical.py", "5.7", "5.8"),
@@ -173,11 +162,11 @@ def test_edits_run_what_depends_on_them(mine):
         ("constants/d.txt", "1", "1.01"),
     ):
         with mine.edited(name, old, new):
-            assert {"simulate", "scan", "train", "forecast"} <= mine.planned()
+            assert {"simulate", "scan", "train", "forecast"} <= mine.rules()
             # what does not integrate the equations does not depend on them
-            assert mine.planned(threshold) == {"simulate", "event_threshold"}
+            assert mine.rules(threshold) == {"simulate", "event_threshold"}
     case = {**OVERLAY["cases"]["roessler"], "event_threshold": {"quantile": 0.8}}
-    planned = mine.planned(overlay={**OVERLAY, "cases": {"roessler": case}})
+    planned = mine.rules(overlay={**OVERLAY, "cases": {"roessler": case}})
     assert {"event_threshold", "events", "horizon", "classification_table"} <= planned
     assert not {"simulate", "scan", "train", "forecast", "evaluation_set"} & planned
 
@@ -192,16 +181,16 @@ def test_own_modules_are_looked_for_here_and_beside_configs(tmp_path, monkeypatc
 
 def test_a_mistake_in_ones_own_module_is_told_before_any_job(mine):
     with mine.edited("roessler.py", "np.stack([", "np.stack[("):
-        text = mine("-n", status=1).text
+        text = mine.run("-n", status=1).text
     assert "case roessler: system: the module my_flows.roessler cannot be imported" in text
     assert "roessler.py, line" in text
 
 
 def test_jobs_of_a_cluster_find_ones_own_modules(mine):
     """As Snakemake's executors call it on a node: the config and the directories of the claim."""
-    claim = json.loads((mine.user.directory / RESULTS / ".run.json").read_text())
-    assert str(mine.user.directory) in claim["directories"]
-    outcome = mine(
+    claim = json.loads((mine.directory / RESULTS / ".run.json").read_text())
+    assert str(mine.directory) in claim["directories"]
+    outcome = mine.run(
         *("--mode", "remote", "--nolock", "--ignore-incomplete", "--force", "--no-hooks"),
         *("--target-jobs", "simulate:case=roessler", "--allowed-rules", "simulate"),
         **{VARIABLE: f"{claim['token']} {RESULTS}"},
@@ -210,15 +199,12 @@ def test_jobs_of_a_cluster_find_ones_own_modules(mine):
 
 
 def test_modules_beside_the_config_are_found_from_elsewhere(mine, tmp_path, job_server):
-    config = mine.user.directory / "overlay.yaml"
+    config = mine.directory / "overlay.yaml"
     arguments = ["-s", ROOT / "Snakefile", "--configfile", PRESET, config]
     assert planned_jobs(job_server, tmp_path, *arguments)["simulate"] == 1
 
 
 # -- as a module of another workflow ---------------------------------------------------------------
-
-ROOT = Path(__file__).parents[2]
-PRESET = ROOT / "workflow" / "presets" / "tiny.yaml"
 
 AS_MODULE = f"""
 configfile: {str(PRESET)!r}

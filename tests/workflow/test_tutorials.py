@@ -5,7 +5,6 @@ import os
 import re
 import shutil
 import subprocess
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -56,29 +55,26 @@ def test_the_look_at_the_system(directory, capsys, monkeypatch):
     assert doctest.DocTestRunner().run(parsed) == (0, len(parsed.examples))
 
 
-def run(command, directory, tmp_path_factory, job_server, *targets):
+def run(command, directory, job_server, *targets):
     """A command of the tutorial, in the user's directory."""
-    project = Project.create(tmp_path_factory.mktemp("burstcast") / "project", job_server)
-    user = replace(project, directory=directory)
-    arguments = command.replace("path/to/burstcast", str(project.directory)).split()[1:]
-    environment = {**user.environment(), "PYTHONPATH": project.environment()["PYTHONPATH"]}
+    arguments = command.replace("path/to/burstcast", str(ROOT)).split()[1:]
     # targets come before the configs, whose list has no end
-    outcome = user._request({"arguments": [*arguments[:2], *targets, *arguments[2:]]}, environment)
+    outcome = job_server.snakemake(directory, *arguments[:2], *targets, *arguments[2:])
     assert outcome.status == 0, outcome.text[-3000:]
     return outcome
 
 
-def test_the_plan(directory, tmp_path_factory, job_server):
+def test_the_plan(directory, job_server):
     (command,) = (command for command in COMMANDS if command.endswith(" -n"))
-    outcome = run(command, directory, tmp_path_factory, job_server, "--verbose")
+    outcome = run(command, directory, job_server, "--verbose")
     assert outcome.jobs["train"] == 20
     assert outcome.jobs["event_threshold"] == 1
 
 
 @pytest.mark.long
-def test_the_small_campaign(directory, tmp_path_factory, job_server):
+def test_the_small_campaign(directory, job_server):
     (command,) = (command for command in COMMANDS if "small.yaml" in command)
-    run(command, directory, tmp_path_factory, job_server)
+    run(command, directory, job_server)
     results = directory / "results" / "roessler_small"
     figures = {path.stem for path in (results / "figures").glob("*.png")}
     assert {"observable_and_density", "prediction_examples", "long_term_density"} <= figures

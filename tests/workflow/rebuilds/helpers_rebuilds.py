@@ -70,9 +70,8 @@ class JobServer:
 
     def snakemake(self, directory: Path, *arguments: object) -> Outcome:
         """Run Snakemake with this project's code in any directory."""
-        request = {"arguments": list(map(str, arguments))}
-        environment = {**Project(directory).environment(), "PYTHONPATH": str(ROOT / "src")}
-        return Project(directory, self)._request(request, environment)
+        project, request = Project(directory, self), {"arguments": list(map(str, arguments))}
+        return project._request(request, project.environment())
 
 
 THREADS = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
@@ -145,10 +144,11 @@ class Project:
         return copy
 
     def environment(self) -> dict[str, str]:
-        paths = [str(self.directory / "src")]
+        """Variables of its runs: its own code, or the repository's where it has none."""
+        own = self.directory / "src"
+        paths = [str(own if own.exists() else ROOT / "src"), str(HERE / "server")]
         without = ("BURSTCAST_CACHE", "BURSTCAST_RUN")
         variables = {name: value for name, value in os.environ.items() if name not in without}
-        paths.append(str(HERE / "server"))
         if self.server is not None:
             variables["BURSTCAST_TEST_JOB_SERVER"] = self.server.address
         return {**variables, **THREADS, **NOTEBOOK, "PYTHONPATH": ":".join(paths)}
