@@ -111,23 +111,18 @@ def test_from_numbers_to_events(project):
     assert read_json(lab / "events.json")["usable_events"] > 100
 
 
-def test_the_parts_of_a_state_are_a_config(project):
-    part = yaml.safe_load(DATA_CONFIGS[2])["cases"]
-    config = yaml.safe_load(DATA_CONFIGS[0])
-    forecasters = config["campaign"][0]["forecasters"]
-    config["campaign"].append({"reynolds": [400], "cases": list(part), "forecasters": forecasters})
-    config["cases"] |= part
-    (project.directory / "lab.yaml").write_text(yaml.safe_dump(config))
+def test_the_parts_of_a_state_and_a_known_exponent_are_a_config(project):
+    config, exponent, parts = map(yaml.safe_load, DATA_CONFIGS[:3])
+    forecasters, names = config["campaign"][0]["forecasters"], list(parts["cases"])
+    config["campaign"].append({"reynolds": [400], "cases": names, "forecasters": forecasters})
+    config["cases"] |= parts["cases"]
+    project.configure(config)
     planned = project.dry_run("results/lab/two_modes/evaluation_set.nc")
     assert planned == {"simulate": 1, "import_data": 1, "evaluation_set": 1}
     project.made("-n", "results/lab/two_modes_and_their_past/evaluation_set.nc")
-
-
-def test_the_second_run_counts_in_what_it_is_told(project):
-    config = yaml.safe_load(DATA_CONFIGS[0])
-    config["results"] = "results/lab_again"
-    config["cases"]["lab"] |= yaml.safe_load(DATA_CONFIGS[1])["cases"]["lab"]
-    (project.directory / "lab.yaml").write_text(yaml.safe_dump(config))
+    # the second run counts in what it is told
+    config["cases"]["lab"] |= exponent["cases"]["lab"]
+    project.configure(config | {"results": "results/lab_again"})
     planned = project.dry_run("results/lab_again/lab/evaluation_set.nc")
     assert planned == {"import_data": 1, "evaluation_set": 1}  # no estimate
 
