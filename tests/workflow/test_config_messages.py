@@ -34,11 +34,7 @@ PLANS = {
 }
 OVERLAYS = {"measured": MEASURED, "lorenz": {"cases": {"lorenz": {"system": "lorenz63"}}}}
 FILES = dict.fromkeys([f"lab/run_{number}.csv" for number in (10, 9, 1)], "time,u,v\n0,1,2")
-FILES |= {
-    "README.md": "",
-    "lab/numbers.csv": "1,2\n3,4",
-    "lab/dates.csv": "date,u,v\n2020-01-01,1,2",
-}
+FILES |= {"README.md": "", "lab/numbers.csv": "1,2\n3,4"}
 
 
 def config_of(table):
@@ -158,7 +154,6 @@ cases.lorenz.files: [table.csv] | case lorenz: files belong to a system or encod
 """
 TABLES["paper reactive"] = """
 control.strategies: [strategy: receding_horizn] | strategies[0].strategy: must be a strategy
-plan.settings: {} | control.strategies[0].settings | needs the setting 'decision_interval_lt'
 plan.settings.level: [high] | strategies[0].settings: setting 'level' of | must be a finite number
 plan.settings.decision_interval_lt: [0.001] | control.strategies[0]: the interval | must last a step
 plan.cases: [Re40] | control.strategies[0].cases | did you mean Re400
@@ -183,16 +178,12 @@ cases.lab.event_threshold: ... | case lab: event_threshold: missing: value of
 cases.lab.data.observable: ... | case lab: data.observable is missing
 cases.lab.data.time_step: ... | case lab: data.time_step is missing: the time between
 cases.lab.data.time_step: 0 | data.time_step: must be a number above 0
-cases.lab.data.time_step: 5 months | time_step: must be a number above 0, or
 cases.lab.data.gaps: cut | case lab: data.gaps needs data.blocks beside it
 cases.lab.data.files: [lab/run_2.csv] | data.files: lab/run_2.csv: there is no such file
-cases.lab.data.files: [lab/run_1.mat] | lab/run_1.mat: files of series end in .csv
 cases.lab.data.files: [] | case lab: data needs files
 cases.lab.data.files: [lab/numbers.csv] | lab/numbers.csv, line 1 has numbers where the names of
-cases.lab.data.files: [lab/dates.csv] | lab/dates.csv has no column 'time'; its columns are date, u,
 cases.lab.data.files: [lab/x_*] | case lab: data.files: no file is called lab/x_*
 cases.lab.data.case: Re400 | case lab: data needs files: [...], or else the name
-cases.lab.data.components: [w] | data.files: lab/run_1.csv: there is no column 'w'
 cases.lab.data.components: [u, u = v] | data.components has u twice
 cases.lab.data.observable: u + | 'u +' is no arithmetic expression
 cases.lab.data.blocks: {gap: 1} | case lab: data.blocks needs a duration, or the length of
@@ -229,30 +220,17 @@ cases.Re800.ensemble.duration: 500 | must have the same ensemble.duration, not 4
 TABLES["aware planned"] = """
 plan.forecasters: {quadratic_filtered: {}} | which quadratic_filtered cannot use
 plan.settings.horizon_lt: [2] | plans are longer than the horizon
-plan.settings.horizon_lt: [2], plan.cases: [Re400switched],
-  plan.forecasters: {quadratic_aware_filtered: {}} | case Re400switched | longer than the horizon
-plan.settings.reversible: [true] | only a force can be reversed
 plan.strategy: receding_horizon, plan.forecasters: {esn: {}}, plan.observed: [Re800] | modes_4
-plan.strategy: receding_horizon, plan.settings.horizon_lt: [1], plan.settings.aware: [true],
-  plan.delay_lt: [1] | does not reach beyond the delay of 1
-plan.strategy: reactive, plan.forecasters: null,
-  plan.settings: {level: [0.3], decision_interval_lt: [0.5], watch: [b1]} | unknown name 'b1'
-plan.strategy: reactive, plan.forecasters: null,
-  plan.settings: {level: [0.3], decision_interval_lt: [0.5], push: [-a2]} | only a force
 """
 TABLES["encoded"] = """
-cases.sensors_pod.encoder.modes: 81 | case sensors_pod | from 1 to 80
 cases.invariants.encoder.kind: invariant | pod, state_estimate, or <module>:<class> of your own
 cases.invariants.encoder.kind: "shift_invariants:Invariant" | case invariants: encoder.kind: |
   has no class Invariant (did you mean 'Invariants'?)
 cases.invariants.files: [rates.csv] | case invariants: files: there is no file rates.csv in
-cases.modes: {data: {case: Re400}, encoder: {kind: "shift_invariants:Invariants"}},
-  campaign.3: {reynolds: [400], cases: [modes], forecasters: {persistence: {}}} | has no invariants
 campaign.2.forecasters.equations_filtered: {} | cannot be decoded | (equations_filtered)
 cases.sensors_pod.data.delays: [2] | data.delays means nothing beside sensors or an encoder
 cases.turbulence.sensors: {} | sensors and encoder are for cases of another case's
 cases.sensors_pod.training.noise: 0 | training.noise is 0
-cases.invariants.encoder.modes: 5 | encoder.modes is no option of the encoder
 cases.turbulence.parameters.largest_wavenumber: 10, cases.sensors_pod.encoder.modes: 364 |
   case sensors_pod: | encoder.modes is 364 | have 363 snapshots
 cases.sensors.training.noise: 0 | case sensors: sensors, encoder: training.noise
@@ -278,7 +256,6 @@ statistics.forecasters.precursor: {} | statistics.forecasters names precursor | 
 forecasters.precursor.lags_lt: [0.2, 0.5] | cases Re400, modes_4: forecasters.precursor.lags_lt |
   a lag of 30 steps | washout_lt holds the present and 29 steps before it
 case_defaults.lyapunov.time_unit: computed, forecasters.precursor.lags_lt: [0.6] | washout_lt holds
-forecasters.precursor.lags_lt: [0.001] | shorter than one step
 forecasters.classifiers.start_spacing_lt: 0.001 | start_spacing_lt is 0.001 Lyapunov times
 forecasters.esn_direct.neurons: 20 | connectivity is 20 | 20 neurons (forecasters.esn_direct
 """
@@ -286,7 +263,6 @@ forecasters.esn_direct.neurons: 20 | connectivity is 20 | 20 neurons (forecaster
 SOUND = {}
 SOUND["paper"] = """
 search.grid: '4'
-search.tikhonov: [1e-6]
 statistics.forecasters: {}, control.forecasters: {}
 case_defaults.laminarisation_threshold: null
 forecasters.filter.members: 16
