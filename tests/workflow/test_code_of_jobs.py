@@ -152,40 +152,29 @@ def test_packages_import_nothing_by_themselves():
         assert modules_of(path) == {"__init__.py"}
 
 
-def reached(script, *kinds, systems=(), strategies=()):
-    """Modules that a script reaches where it is about these."""
-    about = {"burstcast.forecasters": kinds, "burstcast.systems": systems}
-    about["burstcast.control.strategies"] = strategies
-    about["burstcast.networks.validation_strategies"] = ["recycle"]
-    return names(SEEN.entries(script, about))
-
-
 def test_scripts_do_not_depend_on_what_others_compute_with():
     """Control not on statistics of the velocity, and no edit of a filter repeats the search."""
     control = {"systems.mfe_modes", "statistics.measures", "statistics.profiles"}
     search = {"data.encoders", "forecasters._filtered", "data.observation"}
+    equations = ("equations",), "forecasters.equations", {"networks.", "systems.lorenz63"}
     for script, kinds, uses, others in (
         ("control/control", (), "control.windows", {*control, "control.strategies.planned"}),
         ("control/suppressed_event", (), "control.windows", control),
         ("forecasters/scan", ("esn",), "networks.readout", search),
         ("forecasters/search", ("esn",), "networks.readout", search),
+        ("control/control", *equations),
+        ("evaluation/forecast", *equations),
+        ("evaluation/long_term", *equations),
+        ("forecasters/fit", *equations),
+        ("forecasters/fit", ("esn",), "networks.readout", {"systems.lorenz63"}),
     ):
-        modules = reached(f"{script}.py", *kinds, strategies=["prediction_triggered"])
+        about = {"burstcast.forecasters": kinds, "burstcast.systems": ["mfe"]}
+        about["burstcast.control.strategies"] = ["prediction_triggered"]
+        about["burstcast.networks.validation_strategies"] = ["recycle"]
+        modules = names(SEEN.entries(f"{script}.py", about))
         assert f"burstcast.{uses}" in modules
         ours = tuple(f"burstcast.{name}" for name in others)
-        assert [name for name in modules if name.startswith(ours)] == []
-
-
-@pytest.mark.parametrize(
-    "script",
-    ["forecasters/fit", "evaluation/forecast", "evaluation/long_term", "control/control"],
-)
-def test_the_equations_do_not_depend_on_the_networks(script):
-    for kind, expected in (("equations", False), ("esn", True)):
-        modules = reached(f"{script}.py", kind, systems=["mfe"])
-        assert f"burstcast.forecasters.{kind}" in modules
-        assert "burstcast.systems.lorenz63" not in modules
-        assert any(name.startswith("burstcast.networks.") for name in modules) == expected
+        assert [name for name in modules if name.startswith(ours)] == [], script
 
 
 # -- starting up -----------------------------------------------------------------------------------
@@ -210,43 +199,32 @@ NETWORK = "burstcast.networks.reservoir"
 WITHOUT_NETWORKS = ["tables/*.py", "data/*.py", "control/*.py"]
 
 
-def libraries(path: Path) -> set[str]:
-    """Packages that the imports at the top of a file name."""
-    packages = set()
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.Import):
-            packages |= {alias.name.partition(".")[0] for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            packages.add(node.module.partition(".")[0])
-    return packages
-
-
-def modules(started: Path) -> set[str]:
-    """Modules of ours that a script or a figure reaches, at the top or in a function."""
-    return {name for name in modules_of(started) if not name.endswith(".py")}
-
-
 def place(module: str) -> Path:
     path = SOURCE.joinpath(*module.split("."))
     return path / "__init__.py" if path.is_dir() else path.with_name(path.name + ".py")
 
 
-def loaded(script: Path) -> set[str]:
-    """Packages that a script and our modules load."""
-    return libraries(script).union(*(libraries(place(module)) for module in modules(script)))
-
-
-def allowed(script: Path, patterns: list[str]) -> bool:
-    return any(fnmatch(f"{script.parent.name}/{script.name}", pattern) for pattern in patterns)
+def imported(path, late=True):
+    """Modules that a file imports, wherever it does so, or at its top."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree) if late else tree.body:
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert not node.level, path
+            yield str(node.module)
 
 
 @pytest.mark.parametrize("script", STARTED, ids=lambda path: path.stem)
 def test_a_script_loads_what_it_needs_and_no_other_library_that_takes_long(script):
-    packages = loaded(script)
-    may = {library for library, users in NEEDED_BY.items() if allowed(script, users)}
-    assert packages & {*NEEDED_BY} == may
-    if allowed(script, WITHOUT_NETWORKS):
-        assert NETWORK not in modules(script)
+    def is_one_of(patterns):
+        return any(fnmatch(f"{script.parent.name}/{script.name}", pattern) for pattern in patterns)
+
+    ours = {name for name in modules_of(script) if not name.endswith(".py")}
+    at_the_top = (imported(path, late=False) for path in (script, *map(place, ours)))
+    packages = {module.partition(".")[0] for modules in at_the_top for module in modules}
+    assert packages & {*NEEDED_BY} == {name for name in NEEDED_BY if is_one_of(NEEDED_BY[name])}
+    assert NETWORK not in ours or not is_one_of(WITHOUT_NETWORKS)
 
 
 def test_planning_loads_no_library_for_what_scripts_figures_and_tables_declare():
@@ -289,16 +267,6 @@ FLOORS = (
     *(("base",), ("systems",), ("networks", "data"), ("forecasters",), ("forecasts", "statistics")),
     *(("control",), ("event_forecaster",), ("tables",), ("figures",)),
 )
-
-
-def imported(path):
-    """Modules that a file imports, wherever it does so."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            assert not node.level, path
-            yield str(node.module)
 
 
 def imports_between(directory, prefix):
