@@ -157,20 +157,15 @@ class Project:
         """Run Snakemake with the preset and what is laid over it."""
         options = self.options(*arguments, overlay=overlay)
         environment = {**self.environment(), **variables}
-        if self.server is None:
-            command = [sys.executable, "-m", "snakemake", *options]
-            result = subprocess.run(
-                command,
-                cwd=self.directory,
-                env=environment,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
-                check=False,
-                timeout=900,
-            )
-            return Outcome(result.returncode, result.stdout)
-        return self._request({"arguments": options}, environment)
+        if self.server is not None:
+            return self._request({"arguments": options}, environment)
+        result = subprocess.run(
+            [sys.executable, "-m", "snakemake", *options],
+            **{"cwd": self.directory, "env": environment, "timeout": 900},
+            **{"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True},
+            check=False,
+        )
+        return Outcome(result.returncode, result.stdout)
 
     def made(self, *targets: str, overlay: dict | None = None) -> Outcome:
         """Run Snakemake, which makes what it is asked for."""
@@ -206,16 +201,12 @@ class Project:
 
     def dry_run(self, *arguments: str, overlay: dict | None = None) -> dict[str, int]:
         """Jobs of each rule that would run."""
-        outcome = self.snakemake("--verbose", "-n", *arguments, overlay=overlay)
-        assert outcome.status == 0, outcome.text
-        return outcome.jobs
+        return self.made("--verbose", "-n", *arguments, overlay=overlay).jobs
 
     def planned(self, overlay: dict | None = None) -> set[str]:
         """Jobs that would run, by the paths of their logs, or of new files, which have none."""
-        outcome = self.snakemake("--summary", overlay=overlay)
-        assert outcome.status == 0, outcome.text
-        rows = [line.split("\t") for line in outcome.text.splitlines() if line.count("\t") == 5]
-        names, *rows = rows
+        lines = self.made("--summary", overlay=overlay).text.splitlines()
+        names, *rows = [line.split("\t") for line in lines if line.count("\t") == 5]
         assert names[3:] == ["log-file(s)", "status", "plan"], names
         below_results = re.compile(r"results/\w+/(?:logs/)?")
         return {
@@ -224,23 +215,13 @@ class Project:
             if plan == "update pending"
         }
 
-    def reasons(self, *targets: str, overlay: dict | None = None) -> str:
-        """What a dry run says would run again, and why."""
-        outcome = self.snakemake("-n", *targets, overlay=overlay)
-        assert outcome.status == 0, outcome.text
-        return outcome.text
-
     @property
     def results(self) -> Path:
         return self.directory / RESULTS
 
-    def tables(self) -> dict[str, str]:
-        """Digests of all tables."""
-        return digests(self.results / "tables")
-
-    def logs(self, results: str = RESULTS) -> dict[str, int]:
+    def logs(self) -> dict[str, int]:
         """When each job's log was written: a job writes it when it runs."""
-        logs = self.directory / results / "logs"
+        logs = self.results / "logs"
         return {
             str(path.relative_to(logs)): path.stat().st_mtime_ns for path in logs.rglob("*.log")
         }

@@ -372,11 +372,6 @@ class Recomputation:
             )
         return pd.DataFrame(rows)
 
-    def tables(self) -> dict[str, pd.DataFrame]:
-        """All of them, by name; those of stages that are off are left out."""
-        made = {name: getattr(self, name)() for name in TABLES}
-        return {name: table for name, table in made.items() if len(table)}
-
 
 def _medians(members: list[tuple], average: Any) -> np.ndarray:
     """Medians over members of averages of their horizons: of all events, of each resample."""

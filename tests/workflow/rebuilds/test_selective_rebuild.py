@@ -50,7 +50,7 @@ def test_there_and_back_computes_once(project, tmp_path):
     work = project.copy(tmp_path / "project")
     threshold = {"case_defaults": {"event_threshold": 0.12}}
     goal = f"{RESULTS}/tables/classification.csv", f"{RESULTS}/tables/control.csv"
-    reasons, before, first = work.reasons(*goal, overlay=threshold), work.logs(), bits(work)
+    reasons, before, first = work.made("-n", *goal, overlay=threshold).text, work.logs(), bits(work)
     assert "case.event_threshold 0.07 -> 0.12 (Re400): " in reasons
     work.made(*goal, overlay=threshold)
     ran, anew = computed(work, before)
@@ -68,7 +68,7 @@ def test_an_edit_without_effect_stops_where_results_are_equal(project, tmp_path)
     work = project.copy(tmp_path / "project")
     first, before = bits(work), work.logs()
     (work.directory / MODULE).write_text((work.directory / MODULE).read_text() + "\nEDITED = 1\n")
-    reasons = work.reasons()
+    reasons = work.made("-n").text
     assert "code of burstcast.forecasts.classification (Re400): " in reasons
     assert len(reasons) < 1500
     work.made(*BITS)
@@ -115,7 +115,7 @@ def test_a_second_campaign_takes_what_it_shares(project, tmp_path):
 
 def test_versions_of_libraries_are_parameters_on_demand(project):
     rerun = {"rerun_libraries": True}
-    reasons = project.reasons(overlay=rerun)
+    reasons = project.made("-n", overlay=rerun).text
     assert "numpy none -> " in reasons
     assert "network_hyperparameters" in reasons
 
