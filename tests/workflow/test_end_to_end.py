@@ -8,7 +8,7 @@ import netCDF4
 import numpy as np
 import pytest
 import yaml
-from helpers_rebuilds import ROOT, TINY, Project, digests, rules_of
+from helpers_rebuilds import ROOT, TINY, Project, rules_of
 from snakemake.utils import update_config
 
 from burstcast.base.files import units
@@ -18,15 +18,6 @@ from burstcast.base.files.tables import read_table
 
 def table(run, name):
     return read_table(run.results / "tables" / f"{name}.csv")
-
-
-def results(project):
-    """Digests of all that a run computes; logs and benchmarks tell the time."""
-    return {
-        name: digest
-        for name, digest in digests(project.results).items()
-        if name.split("/")[0] != "logs"
-    }
 
 
 # -- what comes out --------------------------------------------------------------------------------
@@ -157,7 +148,7 @@ def test_one_core_gives_the_same_bits_as_two(finished, tmp_path, monkeypatch):
         "models/equations/forecast.nc",
     )
     project.made(*(f"results/tiny/Re400/{name}" for name in names))
-    alone, together = results(project), results(finished)
+    alone, together = project.bits(), finished.bits()
     assert len(alone) > 10
     assert alone == {name: together[name] for name in alone}
 

@@ -219,6 +219,11 @@ class Project:
     def results(self) -> Path:
         return self.directory / RESULTS
 
+    def bits(self) -> dict[str, str]:
+        """Digests of all results but logs, which have times in them."""
+        made = digests(self.results)
+        return {name: digest for name, digest in made.items() if not name.startswith("logs/")}
+
     def logs(self) -> dict[str, int]:
         """When each job's log was written: a job writes it when it runs."""
         logs = self.results / "logs"

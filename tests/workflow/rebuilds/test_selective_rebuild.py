@@ -14,7 +14,7 @@ from typing import NamedTuple
 import pytest
 import yaml
 from helpers_configs import tiny_with
-from helpers_rebuilds import RESULTS, TINY, Project, digests, jobs_since
+from helpers_rebuilds import RESULTS, TINY, Project, jobs_since
 
 # all but the figures, which take most of the time
 BITS = ("forecasters", "tables")
@@ -38,11 +38,6 @@ def computed(project: Project, before: dict[str, int]) -> tuple[int, int]:
     return len(ran), sum("the outputs are those of this job" not in text for text in logs)
 
 
-def bits(project: Project) -> dict[str, str]:
-    made = digests(project.results)
-    return {name: digest for name, digest in made.items() if not name.startswith("logs/")}
-
-
 # -- what runs, and what comes from the cache ------------------------------------------------------
 
 
@@ -50,23 +45,27 @@ def test_there_and_back_computes_once(project, tmp_path):
     work = project.copy(tmp_path / "project")
     threshold = {"case_defaults": {"event_threshold": 0.12}}
     goal = f"{RESULTS}/tables/classification.csv", f"{RESULTS}/tables/control.csv"
-    reasons, before, first = work.made("-n", *goal, overlay=threshold).text, work.logs(), bits(work)
+    reasons, before, first = (
+        work.made("-n", *goal, overlay=threshold).text,
+        work.logs(),
+        work.bits(),
+    )
     assert "case.event_threshold 0.07 -> 0.12 (Re400): " in reasons
     work.made(*goal, overlay=threshold)
     ran, anew = computed(work, before)
     assert f"in all {ran} jobs" in reasons
     assert ran == anew > 10
-    assert bits(work) != first
+    assert work.bits() != first
     before = work.logs()
     work.made(*goal)
     assert computed(work, before) == (ran, 0)
-    assert bits(work) == first
+    assert work.bits() == first
     assert work.planned() == set()
 
 
 def test_an_edit_without_effect_stops_where_results_are_equal(project, tmp_path):
     work = project.copy(tmp_path / "project")
-    first, before = bits(work), work.logs()
+    first, before = work.bits(), work.logs()
     (work.directory / MODULE).write_text((work.directory / MODULE).read_text() + "\nEDITED = 1\n")
     reasons = work.made("-n").text
     assert "code of burstcast.forecasts.classification (Re400): " in reasons
@@ -74,12 +73,12 @@ def test_an_edit_without_effect_stops_where_results_are_equal(project, tmp_path)
     work.made(*BITS)
     ran, anew = computed(work, before)
     assert 0 < anew < ran
-    assert bits(work) == first
+    assert work.bits() == first
 
 
 def test_deleted_intermediate_files_come_from_the_cache(project, tmp_path):
     work = project.copy(tmp_path / "project")
-    first, before = bits(work), work.logs()
+    first, before = work.bits(), work.logs()
     network = "esn-N40-RV-seed0"
     (work.results / f"Re400/networks/{network}/forecaster.nc").unlink()
     planned = work.planned()
@@ -92,7 +91,7 @@ def test_deleted_intermediate_files_come_from_the_cache(project, tmp_path):
     work.made(*BITS)
     ran, anew = computed(work, before)
     assert (ran > 30, anew) == (True, 0)
-    assert bits(work) == first
+    assert work.bits() == first
 
 
 def test_a_second_campaign_takes_what_it_shares(project, tmp_path):
@@ -123,7 +122,7 @@ def test_versions_of_libraries_are_parameters_on_demand(project):
 def test_a_damaged_result_stops_the_run_with_its_name(project, tmp_path):
     work = project.copy(tmp_path / "project")
     table = work.results / "Re400" / "tables" / "horizon.csv"
-    state, first = table.stat(), bits(work)
+    state, first = table.stat(), work.bits()
     table.write_text(table.read_text() + "1\n")
     os.utime(table, ns=(state.st_atime_ns, state.st_mtime_ns))
     for arguments in (["-n"], ["--forceall"]):
@@ -135,13 +134,13 @@ def test_a_damaged_result_stops_the_run_with_its_name(project, tmp_path):
     work.made(*BITS)
     # the file in the cache was the same one: its damage is noticed, and it is computed again
     assert computed(work, before)[1] == 1
-    assert bits(work) == first
+    assert work.bits() == first
 
 
 def test_results_that_snakemake_does_not_know_are_not_believed(project, tmp_path):
     work = project.copy(tmp_path / "project")
     shutil.rmtree(work.directory / ".snakemake")
-    first = bits(work)
+    first = work.bits()
     outcome = work.snakemake("-n")
     assert outcome.status == 1
     assert "Run once with --forceall" in outcome.text
@@ -149,7 +148,7 @@ def test_results_that_snakemake_does_not_know_are_not_believed(project, tmp_path
     work.made("--forceall", "forecasters", "tables")
     ran, anew = computed(work, before)
     assert (ran > 60, anew) == (True, 0)
-    assert bits(work) == first
+    assert work.bits() == first
 
 
 # -- edits that mean nothing -----------------------------------------------------------------------
