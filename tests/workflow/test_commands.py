@@ -148,7 +148,8 @@ def test_the_module_of_the_page_plans_and_tells_mistakes(tmp_path, job_server):
     command = ["--dry-run", "--cores", "1", "results/tiny/tables/horizon.csv"]
     outcome = job_server.snakemake(tmp_path, *command)
     assert re.search(r"^burstcast_train +4$", outcome.text, re.MULTILINE)
-    outcome = job_server.snakemake(tmp_path, *command, "--config", "random_seed=-4")
+    options = ["-s", snakefile(), "--configfile", TINY, "--config", "random_seed=-4"]
+    outcome = job_server.snakemake(tmp_path, "-n", *options)
     assert outcome.status == 1
     assert "a mistake: random_seed: Input should be greater than or equal to 0" in outcome.text
     # no lines of the rules below it, and nothing is made
