@@ -249,5 +249,5 @@ for key in range(30):
         subprocess.Popen([sys.executable, "-c", code, tmp_path / name], env=environment)
         for name in ("one", "two")
     ]
-    assert [process.wait(120) for process in running] == [0, 0]
+    assert [process.wait(300) for process in running] == [0, 0]
     assert len(list(place.glob("*/*"))) == 30

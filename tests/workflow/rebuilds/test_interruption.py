@@ -63,7 +63,7 @@ def complete(project: Project, targets: list[str], *, locked: bool = False) -> d
 
 def orphan_of(project: Project, overlay: dict | None = None) -> int:
     """The first job of a workflow that is killed while it runs."""
-    workflow, end = start(project, *TARGETS, overlay=overlay), time.monotonic() + 60
+    workflow, end = start(project, *TARGETS, overlay=overlay), time.monotonic() + 300
     while not list((project.results / "logs").glob("simulate*/*.log")):
         assert time.monotonic() < end, "it never began"
         time.sleep(0.02)
@@ -89,7 +89,7 @@ def test_an_orphan_writes_nothing_once_another_run_has_begun(project, undisturbe
     assert project.dry_run(*TARGETS) == {}
 
 
-def wait_for_end(process: int, seconds: float = 120) -> None:
+def wait_for_end(process: int, seconds: float = 300) -> None:
     end = time.monotonic() + seconds
     while os.path.exists(f"/proc/{process}") and _state(process) != "Z":
         assert time.monotonic() < end, f"process {process} does not end"
