@@ -1,8 +1,6 @@
 """Data of one's own: five lines, records with gaps, and what is far simpler than networks."""
 
 import re
-from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -141,70 +139,40 @@ def test_mistakes_in_rows_are_told_before_any_job(project):
         assert "import_data" not in outcome.text
 
 
-# -- two data sets of others -----------------------------------------------------------------------
+# -- data of others --------------------------------------------------------------------------------
 
 GROWTH = np.array([[1.0], [0.72], [1.53], [1.27]])
 COMPETITION = np.array(
     [[1, 1.09, 1.52, 0], [0, 1, 0.44, 1.36], [2.33, 0, 1, 0.47], [1.21, 0.51, 0.35, 1]]
 )
+EXPONENT = 0.0203
+SPECIES = (
+    "{files: [species.csv], observable: n1, time_step: 1, blocks: {duration: 800}}",
+    "esn: {neurons: [100], validation: [RV], seeds: 3}",
+)
 
 
-def four_species(state: FloatArray) -> FloatArray:
-    """Competition of four species: Vano et al., Nonlinearity 19 (2006), with their parameters."""
-    return GROWTH * state * (1 - COMPETITION @ state)
+def species(samples: int, step: float = 0.1, stride: int = 10) -> FloatArray:
+    """Competition of four species by the classical Runge-Kutta method, ``(samples, species)``.
 
-
-def bursting_neuron(state: FloatArray) -> FloatArray:
-    """Membrane potential, recovery, adaptation: Hindmarsh & Rose, Proc. R. Soc. B 221 (1984)."""
-    x, y, z = state
-    fast = y + 3 * x**2 - x**3 - z + 3.25, 1 - 5 * x**2 - y
-    return np.stack([*fast, 0.006 * (4 * (x + 1.6) - z)])
-
-
-class DataSet(NamedTuple):
-    """Equations, how they are sampled, and what is known of them.
-
-    ``exponent`` is the leading one: Vano's, and that of perturbations followed for 64 series of
-    4000 time units, 0.01326 +- 0.00016.
+    Vano et al., Nonlinearity 19 (2006), with their parameters; the exponent is theirs.
     """
 
-    rates: Callable[[FloatArray], FloatArray]
-    start: tuple[float, ...]
-    series: int
-    samples: int
-    step: float
-    header: str
-    config: str
-    exponent: float
+    def rates(state: FloatArray) -> FloatArray:
+        return GROWTH * state * (1 - COMPETITION @ state)
 
-
-STRIDE = 10
-DATA_SETS = {
-    "four species": DataSet(
-        *(four_species, (0.301, 0.459, 0.131, 0.356), 1, 40_000, 0.1, "n1,n2,n3,n4"),
-        *("100 observable: n1, time_step: 1, blocks: {duration: 800}", 0.0203),
-    ),
-    "bursting neuron": DataSet(
-        *(bursting_neuron, (-1.0, 0.3, 3.0), 24, 4_000, 0.05, "x,y,z"),
-        *("300 observable: z, time_step: 0.5", 0.0133),
-    ),
-}
-
-
-def simulated(data: DataSet) -> FloatArray:
-    """Series ``(series, samples, component)`` by the classical Runge-Kutta method."""
-    start = np.array(data.start)[:, np.newaxis]
-    state = start * (1 + 0.1 * np.random.default_rng(1).random((len(start), data.series)))
+    start = np.array([[0.301], [0.459], [0.131], [0.356]])
+    state = start * (1 + 0.1 * np.random.default_rng(1).random((4, 1)))
     states = []
-    for number in range((500 + data.samples) * STRIDE):
-        if number >= 500 * STRIDE and number % STRIDE == 0:
-            states.append(state)
-        first = data.rates(state)
-        second = data.rates(state + data.step / 2 * first)
-        third = data.rates(state + data.step / 2 * second)
-        fourth = data.rates(state + data.step * third)
-        state = state + data.step / 6 * (first + 2 * second + 2 * third + fourth)
-    return np.stack(states).transpose(2, 0, 1)
+    for number in range((500 + samples) * stride):
+        if number >= 500 * stride and number % stride == 0:
+            states.append(state[:, 0])
+        first = rates(state)
+        second = rates(state + step / 2 * first)
+        third = rates(state + step / 2 * second)
+        fourth = rates(state + step * third)
+        state = state + step / 6 * (first + 2 * second + 2 * third + fourth)
+    return np.stack(states)
 
 
 def logistic_f_score(case, threshold: float, windows: tuple[int, int]) -> float:
@@ -234,23 +202,19 @@ def logistic_f_score(case, threshold: float, windows: tuple[int, int]) -> float:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", DATA_SETS)
-def test_from_generation_to_summary(name, tmp_path, job_server):
-    data = DATA_SETS[name]
+def test_from_generation_to_summary(tmp_path, job_server):
+    data, networks = SPECIES
     project = Project.create(tmp_path / "project", job_server, "own.yaml")
-    neurons, _, of_data = data.config.partition(" ")
-    esn = f"esn: {{neurons: [{neurons}], validation: [RV], seeds: 3}}"
-    configure(project, esn, f"{{files: [own_*.csv], {of_data}}}")
-    for number, series in enumerate(simulated(data)):
-        project.write_series(f"own_{number}.csv", data.header, data.step * STRIDE, series)
+    configure(project, networks, data)
+    project.write_series("species.csv", "n1,n2,n3,n4", 1.0, species(40_000))
     outcome = project.made()
     summary = outcome.text.partition("F-score")[2]
     assert "permanent alarm" in summary
     results = project.directory / "results/own"
 
     leading = read_json(results / "own/lyapunov.json")["leading"]
-    assert leading["low"] < data.exponent < leading["high"]
-    assert leading["mean"] == pytest.approx(data.exponent, rel=0.2)
+    assert leading["low"] < EXPONENT < leading["high"]
+    assert leading["mean"] == pytest.approx(EXPONENT, rel=0.2)
 
     table = read_table(results / "tables/classification.csv")
     at_one = table[table["prediction_time_lt"] == 1].groupby("forecaster")["f_score"].median()
@@ -263,6 +227,6 @@ def test_from_generation_to_summary(name, tmp_path, job_server):
     # networks that have learnt the system have its exponent, as far as a few runs tell
     spectrum = read_table(results / "tables/lyapunov_spectrum.csv")
     exponents = spectrum[(spectrum["forecaster"] == "esn") & (spectrum["number"] == 1)]
-    assert exponents["lyapunov_exponent"].median() == pytest.approx(data.exponent, rel=0.25)
+    assert exponents["lyapunov_exponent"].median() == pytest.approx(EXPONENT, rel=0.25)
     warnings = read_table(results / "tables/warnings.csv")
     assert "no_chaos_learnt" not in set(warnings["warning"])
