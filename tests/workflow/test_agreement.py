@@ -1,11 +1,9 @@
 """What must agree: estimator and workflow, and choices whatever the test series."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import yaml
-from helpers_rebuilds import RESULTS, Project, digests, jobs_since, rules_of
+from helpers_rebuilds import RESULTS, ROOT, Project, digests, jobs_since, rules_of
 from numpy.testing import assert_array_equal
 
 from burstcast.base.files.netcdf import read_attributes, read_netcdf
@@ -20,7 +18,6 @@ from burstcast_workflow.harness.storage import read_json
 
 # -- the estimator is the workflow -----------------------------------------------------------------
 
-ROOT = Path(__file__).parents[2]
 CASE = "Re400"
 
 

@@ -7,19 +7,17 @@ import shlex
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from helpers_configs import FLOW
+from helpers_configs import FLOW, ROOT
 from helpers_rebuilds import Project
 from PIL import Image
 
 from burstcast.figures.registry import available_figures
 
-ROOT = Path(__file__).parents[2]
 PAGES = sorted(ROOT.glob("README.md")) + sorted((ROOT / "docs").glob("*.md"))
 PAGES += sorted((ROOT / "docs" / "results").glob("*.md"))
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]

@@ -5,12 +5,11 @@ import os
 import subprocess
 import sys
 from contextlib import contextmanager
-from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
-from helpers_rebuilds import Project
+from helpers_rebuilds import ROOT, Project
 
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.files.tables import read_table
@@ -18,7 +17,6 @@ from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.tracking.code import search_directories
 from burstcast_workflow.tracking.run import VARIABLE
 
-ROOT = Path(__file__).parents[2]
 PRESET = ROOT / "workflow" / "presets" / "tiny.yaml"
 
 # No Jacobian, initial states from a sampler, a threshold as a quantile; what the class says of its

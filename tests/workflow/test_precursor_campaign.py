@@ -2,12 +2,11 @@
 
 import copy
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
-from helpers_rebuilds import Project
+from helpers_rebuilds import ROOT, Project
 from sklearn.ensemble import HistGradientBoostingClassifier
 from sklearn.metrics import average_precision_score, f1_score, recall_score
 from snakemake.utils import update_config
@@ -20,7 +19,6 @@ from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.registry import make_classifier
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
-ROOT = Path(__file__).parents[2]
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_precursor.yaml").read_text())
 LAGS, WASHOUT, SPACING, UNIT, REACH = (0, 6, 12, 18, 24), 30, 6, 61, 4 * 61
 TRAINING, TIMES, THRESHOLD = 8, (1, 2, 3), 0.07

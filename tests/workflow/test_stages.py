@@ -5,12 +5,11 @@ import inspect
 import re
 import textwrap
 from functools import cache
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 import yaml
-from helpers_configs import paper_with
+from helpers_configs import ROOT, paper_with
 from helpers_rebuilds import loaded_script
 from snakemake import iocontainers
 from snakemake.api import SnakemakeApi
@@ -30,7 +29,6 @@ from burstcast_workflow.stages.stages import Stages, any_of_regex
 from burstcast_workflow.tables.declarations import TABLES as DECLARED
 from burstcast_workflow.tracking.code import Sources
 
-ROOT = Path(__file__).parents[2]
 SCRIPTS = ROOT / "workflow" / "scripts"
 SOURCE = ROOT / "src"
 MAKERS = [path.stem for path in (SOURCE / "burstcast" / "tables" / "makers").glob("[!_]*_*.py")]

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from helpers_configs import campaign
+from helpers_configs import ROOT, campaign
 
 from burstcast.base.files.tables import read_table
 from burstcast.base.names import KEYS
@@ -19,7 +19,6 @@ from burstcast_workflow.tables import page, registry
 from burstcast_workflow.tables.declarations import COLUMNS, SECTIONS, TABLES
 from burstcast_workflow.tables.registry import plain, table_of, typeset, with_percentiles
 
-ROOT = Path(__file__).parents[2]
 FILES = with_percentiles(TABLES)
 PAPER = campaign()
 
