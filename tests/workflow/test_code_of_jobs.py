@@ -249,7 +249,7 @@ def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_wit
     body = ast.parse(script.read_text(encoding="utf-8")).body
     imports = [ast.unparse(node) for node in body if isinstance(node, ast.Import | ast.ImportFrom)]
     loaded = output_of("\n".join([*imports, "import sys", "print(*sys.modules)"])).split()
-    heavy = {"llvmlite", "pandas", "matplotlib", "skopt", "sklearn"}
+    heavy = {"llvmlite", "pandas", "matplotlib", "skopt", "sklearn", "pydantic", "yaml"}
     assert not (heavy | {"scipy.stats", "scipy.optimize"}) & {*loaded}
 
 

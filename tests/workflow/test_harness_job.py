@@ -3,7 +3,6 @@
 import json
 import os
 import signal
-import subprocess
 import sys
 import textwrap
 import time
@@ -279,18 +278,6 @@ def test_a_stopped_job_cleans_up_and_a_killed_one_leaves_nothing_finished(tmp_pa
         files = [name for name in files if not name.endswith(".partial")]
     assert status != 0
     assert files == []
-
-
-def test_importing_it_is_cheap():
-    code = (
-        "import sys, burstcast_workflow.harness.job\n"
-        "slow = ('scipy', 'pandas', 'pydantic', 'yaml', 'llvmlite', 'matplotlib', 'netCDF4')\n"
-        "print([name for name in slow if name in sys.modules])"
-    )
-    result = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert result.stdout.strip() == "[]"
 
 
 # -- the ends of logs ------------------------------------------------------------------------------

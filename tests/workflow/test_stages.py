@@ -21,7 +21,7 @@ from burstcast.forecasters.registry import all_kinds, available_kinds, kind_clas
 from burstcast.tables.makers.registry import maker
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
-from burstcast_workflow.figures.jobs import FigureJobs, captions
+from burstcast_workflow.figures.jobs import FigureJobs
 from burstcast_workflow.figures.registry import FIGURES, settings_of
 from burstcast_workflow.harness.job import parameters as parameters_of
 from burstcast_workflow.harness.settings import Setting
@@ -346,12 +346,6 @@ def test_a_figure_of_another_case_and_its_overlay():
         assert ("published" in drawn.files(job)) == overlay
         assert drawn.labels(job) == {"figure": "long_term_density", "case": "Re600"}
         assert drawn.category(job).endswith("Long-term statistics")
-
-
-def test_every_figure_and_table_has_a_caption(paper):
-    shown = captions(paper.campaign)
-    assert {"figures", "tables"} == set(shown)
-    assert all(text for texts in shown.values() for text in texts.values())
 
 
 # -- the profile for Slurm -------------------------------------------------------------------------
