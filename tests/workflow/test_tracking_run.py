@@ -72,6 +72,7 @@ def test_without_a_run_nobody_owns_anything_and_no_job_runs():
 def test_results_are_known_where_they_were_made_and_nowhere_else(directory, monkeypatch):
     assert is_known("results/tiny")  # there are none
     begun()
+    Path("results/tiny/job.log").touch()
     assert is_known("results/tiny")  # no job has ended: there is nothing to believe
     result()
     assert not is_known("results/tiny")
