@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-import yaml
 from helpers_configs import miniature_with_other_names
 from helpers_rebuilds import TINY, JobServer, Project
 
@@ -50,7 +49,7 @@ def miniature(shared, job_server) -> Project:
 
     def make(project: Project) -> None:
         config = miniature_with_other_names()
-        (project.directory / "small.yaml").write_text(yaml.safe_dump(config))
+        project.configure(config)
         project.made("forecasters", "tables")
         figures = sorted(name for name in project.planned() if name.endswith(".png"))
         drawn = [name for name in figures if not name.endswith(OTHERS)]

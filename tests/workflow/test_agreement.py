@@ -1,12 +1,9 @@
-"""What must agree: estimator and workflow, both backends, choices without the test series."""
-
-from pathlib import Path
+"""What must agree: estimator and workflow, and choices whatever the test series."""
 
 import numpy as np
-import pandas as pd
 import pytest
 import yaml
-from helpers_rebuilds import RESULTS, Project, digests, jobs_since, rules_of
+from helpers_rebuilds import RESULTS, ROOT, Project, digests, jobs_since, rules_of
 from numpy.testing import assert_array_equal
 
 from burstcast.base.files.netcdf import read_attributes, read_netcdf
@@ -21,17 +18,21 @@ from burstcast_workflow.harness.storage import read_json
 
 # -- the estimator is the workflow -----------------------------------------------------------------
 
-ROOT = Path(__file__).parents[2]
 CASE = "Re400"
 
 
-def settings_of(config, neurons, validation):
+def settings_of(config, kind, neurons=40, validation="RV"):
     """The settings of a preset in the words of the estimator."""
-    of_case = config["case_defaults"]
-    reynolds = MoehlisFaisstEckhardt(reynolds=400.0)
+    of_case, search = config["case_defaults"], config["search"]
     recycle = config["cases"][CASE]["recycle_validation"]
+    esn = config["forecasters"]["esn"]
+    options = {**{name: esn[name] for name in ("backend", "readout")}, **SIMULATED_INPUTS}
+    if kind != "esn":
+        options = {"members": config["forecasters"]["filter"]["members"]}
+    shared = ("spectral_radius", "input_scaling", "tikhonov", "grid", "bayesian_points")
     return {
-        "observable": reynolds,
+        "kind": kind,
+        "observable": MoehlisFaisstEckhardt(reynolds=400.0),
         "event_threshold": of_case["event_threshold"],
         "prediction_times": config["classification"]["prediction_times_lt"],
         "window": config["classification"]["window_lt"],
@@ -42,75 +43,52 @@ def settings_of(config, neurons, validation):
         "members": 1,
         "neurons": neurons,
         "validation": validation,
-        "validation_interval": config["search"]["interval_lt"],
+        "validation_interval": search["interval_lt"],
         "validation_series": recycle["series"],
         "intervals_per_series": recycle["intervals_per_series"],
-        "tikhonov": config["search"]["tikhonov"],
-        "grid": config["search"]["grid"],
-        "bayesian_points": config["search"]["bayesian_points"],
         "noise": of_case["training"]["noise"],
         "random_seed": config["random_seed"],
         "case": CASE,
-        **{name: config["search"][name] for name in ("spectral_radius", "input_scaling")},
-        "options": {
-            **{name: config["forecasters"]["esn"][name] for name in ("backend", "readout")},
-            **SIMULATED_INPUTS,
-        },
+        **{name: search[name] for name in shared},
+        "options": options,
     }
 
 
-@pytest.mark.parametrize(("neurons", "validation"), [(40, "RV"), (30, "SSV")])
-def test_a_network_is_the_workflows_bit_for_bit(finished, neurons, validation):
-    results = finished.results
-    config = read_json(results / ".run.json")["config"]
-    training = config["case_defaults"]["training"]["series"]
-    states = read_netcdf(results / CASE / "ensemble.nc", "state")["state"]
-    model = EventForecaster(**settings_of(config, neurons, validation)).fit(states[:training])
-
-    identifier = f"esn-N{neurons}-{validation}-seed0"
-    path = results / CASE / "networks" / identifier / "forecaster.nc"
-    (member,) = model.members_
-    record = member.record()
-    for name, array in read_netcdf(path).items():
-        assert_array_equal(record.arrays[name], array)
-    attributes = read_attributes(path)
-    for name, value in record.attributes.items():
-        assert attributes[name] == value
-    hyperparameters = read_json(path.parent / "hyperparameters.json")
-    assert model.hyperparameters_ == [
-        {name: hyperparameters[name] for name in model.hyperparameters_[0]}
-    ]
-    # probabilities, from forecasts of each training series by a readout that has not seen it
-    rules = read_json(results / CASE / "calibration.json")["alarms"][identifier]
-    assert len(model.alarms_) > 1
-    for time, alarm in model.alarms_.items():
-        rule = rules[f"{time:g}"]["calibrated"]
-        assert alarm.calibration.values.tolist() == rule["values"]
-        assert alarm.calibration.probabilities.tolist() == rule["probabilities"]
-        assert alarm.threshold == rule["threshold"]
-    assert any(np.ptp(alarm.calibration.probabilities) > 0 for alarm in model.alarms_.values())
-
-
-def test_a_forecaster_without_a_search_is_the_workflows(finished):
-    results = finished.results
-    config = read_json(results / ".run.json")["config"]
-    states = read_netcdf(results / CASE / "ensemble.nc", "state")["state"]
-    settings = settings_of(config, 40, "RV") | {
-        "kind": "quadratic_filtered",
-        "options": {"members": config["forecasters"]["filter"]["members"]},
-    }
-    model = EventForecaster(**settings).fit(states[: config["case_defaults"]["training"]["series"]])
+@pytest.mark.parametrize(
+    ("directory", "alarm", "kind", "axes"),
+    [
+        ("networks/esn-N40-RV-seed0", "esn-N40-RV-seed0", "esn", (40, "RV")),
+        ("networks/esn-N30-SSV-seed0", "esn-N30-SSV-seed0", "esn", (30, "SSV")),
+        # the members of the filter's ensemble vote
+        ("models/quadratic_filtered", "quadratic_filtered-committee", "quadratic_filtered", ()),
+    ],
+)
+def test_a_forecaster_is_the_workflows_bit_for_bit(finished, directory, alarm, kind, axes):
+    case = finished.results / CASE
+    config = read_json(finished.results / ".run.json")["config"]
+    states = read_netcdf(case / "ensemble.nc", "state")["state"]
+    training = states[: config["case_defaults"]["training"]["series"]]
+    model = EventForecaster(**settings_of(config, kind, *axes)).fit(training)
     record = model.members_[0].record()
-    stored = read_netcdf(results / CASE / "models" / "quadratic_filtered" / "forecaster.nc")
+    stored = read_netcdf(case / directory / "forecaster.nc")
     assert set(stored) == set(record.arrays)
     for name, array in stored.items():
         assert_array_equal(record.arrays[name], array)
-    # the members of the filter's ensemble vote
-    alarms = read_json(results / CASE / "calibration.json")["alarms"]
-    for time, alarm in model.alarms_.items():
-        rule = alarms["quadratic_filtered-committee"][f"{time:g}"]["calibrated"]
-        assert alarm.calibration.values.tolist() == rule["values"]
-        assert alarm.calibration.probabilities.tolist() == rule["probabilities"]
+    if kind == "esn":
+        attributes = read_attributes(case / directory / "forecaster.nc")
+        assert all(attributes[name] == value for name, value in record.attributes.items())
+        chosen = read_json(case / directory / "hyperparameters.json")
+        assert model.hyperparameters_[0].items() <= chosen.items()
+    # probabilities, from forecasts of each training series by a readout that has not seen it
+    rules = read_json(case / "calibration.json")["alarms"][alarm]
+    assert len(model.alarms_) > 1
+    for time, made in model.alarms_.items():
+        rule = rules[f"{time:g}"]["calibrated"]
+        assert made.calibration.values.tolist() == rule["values"]
+        assert made.calibration.probabilities.tolist() == rule["probabilities"]
+        assert made.threshold == rule["threshold"]
+    varied = [np.ptp(made.calibration.probabilities) > 0 for made in model.alarms_.values()]
+    assert any(varied) or kind != "esn"
 
 
 def test_the_options_of_kinds_are_those_of_the_config():
@@ -218,75 +196,3 @@ def test_further_calibration_series_are_neither_training_nor_test(finished, with
     # they are those that follow: noise there changes the set
     assert make(beyond, [name], FURTHER) != before
     assert set(read_netcdf(beyond.results / name, "series")["series"]) == {0, 1}
-
-
-# -- both backends, within the intervals that resampling gives -------------------------------------
-
-
-QUICK = "workflow/presets/quick.yaml"
-FORECASTER = ["neurons", "validation", "seed"]
-SMALL = {
-    "campaign": [
-        {
-            "reynolds": [400],
-            "forecasters": {"esn": {"neurons": [300], "validation": ["RV", "SSV"], "seeds": 2}},
-        }
-    ],
-    "statistics": {"forecasters": {"esn": None}},
-    "control": {"forecasters": {"esn": None, "equations": None}},
-    "figures": {"example_forecaster": "esn-N300-RV-seed0", "fixed_neurons": 300},
-}
-
-
-@pytest.fixture(scope="module")
-def tables(tmp_path_factory):
-    """Tables of the same campaign with each backend, and the horizons of its networks."""
-    project = Project.create(tmp_path_factory.mktemp("backends") / "project", preset=QUICK)
-    made = {}
-    for backend in ("compiled", "scipy"):
-        directory = f"results/{backend}"
-        forecasters = {"esn": {"backend": backend}}
-        overlay = {**SMALL, "results": directory, "forecasters": forecasters}
-        wanted = [
-            f"{directory}/tables/{name}.csv" for name in ("classification_intervals", "horizon")
-        ]
-        project.made(*wanted, overlay=overlay)
-        made[backend] = {
-            "scores": pd.read_csv(project.directory / directory / "tables/classification.csv"),
-            "intervals": pd.read_csv(project.directory / wanted[0]),
-            "horizons": pd.concat(
-                pd.DataFrame(read_netcdf(path))
-                .rename_axis("event")
-                .reset_index()
-                .assign(network=path.parent.name)
-                for path in sorted((project.directory / directory).glob("Re400/*/*/horizon.nc"))
-            ),
-        }
-    return made
-
-
-@pytest.mark.long
-def test_scores_agree_within_their_intervals(tables):
-    keys = [*FORECASTER, "prediction_time_lt"]
-    scores = tables["scipy"]["scores"].melt(
-        id_vars=keys, value_vars=["precision", "recall", "f_score"], var_name="metric"
-    )
-    intervals = tables["compiled"]["intervals"].dropna(subset=["low", "high"])
-    both = intervals.merge(scores, on=[*keys, "metric"], suffixes=("", "_scipy"))
-    assert len(both) == len(intervals) > 0
-    inside = both["value"].between(both["low"], both["high"])
-    # intervals of 95 %: were the backends independent samples, more than these would lie outside
-    assert inside.mean() > 0.95, both[~inside].to_string()
-
-
-@pytest.mark.long
-def test_horizons_agree_within_their_intervals(tables):
-    compiled, scipy = (tables[backend]["horizons"] for backend in ("compiled", "scipy"))
-    both = compiled.merge(scipy, on=["network", "event"], suffixes=("", "_scipy"))
-    assert len(both) == len(compiled) > 0
-    generator = np.random.default_rng(1)
-    for network, events in both.groupby("network"):
-        horizons = events["prediction_horizon_lt"].to_numpy()
-        drawn = generator.integers(len(horizons), size=(2000, len(horizons)))
-        low, high = np.percentile(horizons[drawn].mean(axis=1), [2.5, 97.5])
-        assert low <= events["prediction_horizon_lt_scipy"].mean() <= high, network

@@ -1,16 +1,13 @@
 """Campaigns with forecasters that know the parameters: from the config to control that plans."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import yaml
-from helpers_rebuilds import Project
+from helpers_rebuilds import ROOT, Project
 
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.files.tables import read_table
 
-ROOT = Path(__file__).parents[2]
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_aware.yaml").read_text())
 TARGETS = (
     "Re600/tables/control_strategies.csv",

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers_configs import PRESETS, ROOT, TINY, campaign, networks, read
-from helpers_rebuilds import loaded_script
+from helpers_configs import TINY, campaign, networks, read
+from helpers_rebuilds import ROOT, loaded_script
 
 from burstcast.base.declared import File, at
 from burstcast.base.declared import read as read_file
@@ -36,34 +36,22 @@ from burstcast_workflow.tables.registry import cases_of_tables, latex_names, tab
 PAPER = campaign()
 
 
-@pytest.fixture(scope="module")
-def script():
-    return loaded_script("figures/figure.py")
-
-
-def drawn(script, directory, symbol="k"):
-    """Files of the schematic of the horizon."""
-    figures = {"pdf": str(directory / "figure.pdf"), "png": str(directory / "figure.png")}
-    names = ("longest_lead_time_lt", "lead_time_step_lt", "tolerance")
-    values = {f"horizon.{name}": value for name, value in zip(names, (10, 0.5, 0.2), strict=True)}
-    identity = {"rule": "figure", "figure": "horizon_schematic"}
-    settings = JobSettings({**values, "case.space.observable_symbol": symbol}, identity)
+def test_a_figure_is_written_as_pdf_and_png_or_not_at_all(tmp_path):
+    script = loaded_script("figures/figure.py")
+    figures = {end: str(tmp_path / f"figure.{end}") for end in ("pdf", "png")}
+    values = {"longest_lead_time_lt": 10, "lead_time_step_lt": 0.5, "tolerance": 0.2}
+    values = {f"horizon.{name}": value for name, value in values.items()}
+    for symbol in (r"\nosuchcommand", "k"):
+        assert list(tmp_path.iterdir()) == []
+        identity = {"rule": "figure", "figure": "horizon_schematic"}
+        settings = JobSettings({**values, "case.space.observable_symbol": symbol}, identity)
+        if symbol != "k":
+            with pytest.raises(ValueError, match="nosuchcommand"):
+                script.figure(**figures, settings=settings)
     script.figure(**figures, settings=settings)
     assert settings.unread() == []
-    return {path.name: path.read_bytes() for path in sorted(directory.glob("figure.*"))}
-
-
-def test_a_figure_is_written_as_pdf_and_png(script, tmp_path):
-    files = drawn(script, tmp_path)
-    assert list(files) == ["figure.pdf", "figure.png"]
-    assert files["figure.pdf"].startswith(b"%PDF")
-    assert files["figure.png"].startswith(b"\x89PNG")
-
-
-def test_nothing_is_written_of_a_figure_that_cannot_be_drawn(script, tmp_path):
-    with pytest.raises(ValueError, match="nosuchcommand"):
-        drawn(script, tmp_path, r"\nosuchcommand")
-    assert list(tmp_path.iterdir()) == []
+    assert Path(figures["pdf"]).read_bytes().startswith(b"%PDF")
+    assert Path(figures["png"]).read_bytes().startswith(b"\x89PNG")
 
 
 def test_inputs_are_the_contents_of_files(tmp_path):
@@ -74,8 +62,8 @@ def test_inputs_are_the_contents_of_files(tmp_path):
     write_netcdf(arrays, {"time": Variable(("time",), np.arange(3.0), "1", "")}, identity)
     rows = [{"case": "Re400", "value": 1.5}]
 
-    def content(path, place="case/x", variables=""):
-        return content_of(path, File(place, variables))
+    def content(path, place="case/x"):
+        return content_of(path, File(place, ""))
 
     assert content(table).to_dict("records") == rows
     assert [both.to_dict("records") for both in content([table, table])] == [rows, rows]
@@ -90,13 +78,21 @@ def test_inputs_are_the_contents_of_files(tmp_path):
 # -- declarations ----------------------------------------------------------------------------------
 
 
-def test_captions_are_docstrings_and_no_two_figures_have_one_place():
+def shown(of, figure, case="Re400"):
+    """Settings of a figure's job."""
+    return settings_of(of, FIGURES[figure], case)
+
+
+def test_captions_are_sentences_that_the_report_shows_and_no_settings():
+    captions = {name: caption(name) for name in FIGURES}
     text = "Measurement of the prediction horizon of an extreme event."
-    assert caption("horizon_schematic") == text
-    places = {(drawn.section, drawn.position) for drawn in FIGURES.values()}
-    assert len(places) == len(FIGURES)
-    with pytest.raises(TypeError, match=r"registry.py has no function draw with the decorator"):
-        figure_of("registry")
+    assert captions["horizon_schematic"] == text
+    assert all(text == " ".join(text.split()) and text[-1] == "." for text in captions.values())
+    values = {str(value) for name in FIGURES for value in shown(PAPER, name).values()}
+    assert values.isdisjoint(captions.values())
+    assert len({*captions.values()}) == len(FIGURES)
+    assert len({(drawn.section, drawn.position) for drawn in FIGURES.values()}) == len(FIGURES)
+    assert "captions" in (ROOT / "workflow/report/figure.rst").read_text()
 
 
 def drawing(*, section="control", cases="example_case", **defaults):
@@ -105,29 +101,23 @@ def drawing(*, section="control", cases="example_case", **defaults):
     def draw(**_):
         raise AssertionError
 
-    parameters = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default)
-        for name, default in defaults.items()
-    ]
+    kind = inspect.Parameter.KEYWORD_ONLY
+    parameters = [inspect.Parameter(name, kind, default=defaults[name]) for name in defaults]
     draw.__signature__ = inspect.Signature(parameters)
     return figure(section=section, position=10, cases=cases)(draw)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
+def test_unknown_names_in_a_declaration_are_told(monkeypatch):
+    with pytest.raises(TypeError, match=r"registry.py has no function draw with the decorator"):
+        figure_of("registry")
+    monkeypatch.setattr(registry, "available_figures", lambda: ["new"])
+    for given, message in (
         ({"section": "contrl"}, r"figure new .*the section 'contrl' .did you mean 'control'"),
         ({"cases": "evry"}, r"figure new .*the choice of cases 'evry' .did you mean 'every'"),
-    ],
-)
-def test_an_unknown_section_or_choice_of_cases_names_the_nearest(monkeypatch, given, message):
-    monkeypatch.setattr(registry, "available_figures", lambda: ["new"])
-    monkeypatch.setattr(registry, "figure_of", lambda _: drawing(**given))
-    with pytest.raises(ValueError, match=message):
-        registry._declared()
-
-
-def test_an_unknown_place_or_setting_is_named():
+    ):
+        monkeypatch.setattr(registry, "figure_of", lambda _, given=given: drawing(**given))
+        with pytest.raises(ValueError, match=message):
+            registry._declared()
     with pytest.raises(AttributeError, match="no attribute 'exampel'"):
         files_of(PAPER, drawing(x=read_file("exampel/x.nc")), "Re400")
     for path in ("shown.symbols", "case.space.dimensions", "case.lyapunov.x", "figurs.x", "job.x"):
@@ -135,22 +125,12 @@ def test_an_unknown_place_or_setting_is_named():
             settings_of(PAPER, drawing(x=at(path)), "Re400")
 
 
-@pytest.mark.parametrize("name", FIGURES)
-def test_captions_are_sentences_that_the_report_shows_and_no_settings(name):
-    text = caption(name)
-    assert text == " ".join(text.split())
-    assert text.endswith(".")
-    assert [other for other in FIGURES if caption(other) == text] == [name]
-    assert text not in {str(value) for other in FIGURES for value in shown(PAPER, other).values()}
-    assert "captions" in (WORKFLOW / "report" / "figure.rst").read_text()
-
-
 # -- of long-term statistics, flow and control -----------------------------------------------------
 
 FLOW = {"midplane_planes", "vorticity_isosurfaces"}
 STATISTICS = {"long_term_density", "profile_errors", "midplane_mean_square", "own_flow"}
 CONTROL = {"control_schematic", "suppressed_event", "control_density", "control_tradeoff"}
-LORENZ = {"system": "lorenz63", "actuation": {"parameters": {"rho": 10}}}
+LORENZ = {"lorenz": {"system": "lorenz63", "actuation": {"parameters": {"rho": 10}}}}
 
 
 def block(neurons, validation=("RV",), seeds=2, **cases):
@@ -158,147 +138,119 @@ def block(neurons, validation=("RV",), seeds=2, **cases):
     return {**cases, "forecasters": {**esn, "equations": {}, "equations_noisy": {}}}
 
 
-def of_blocks(blocks=None, **overlay):
-    return campaign(overlay, blocks=blocks)
+def of_blocks(*blocks, **overlay):
+    return campaign(overlay, blocks=list(blocks))
 
 
 def stage_figures(of):
+    """Figures of these stages, of all cases."""
     figures = figure_names(of)
     assert len(set(figures)) == len(figures)
-    stages = FLOW | STATISTICS | CONTROL
-    assert stages < set(FIGURES)
-    heads = tuple(f"{name}_" for name in stages)
+    heads = tuple(f"{name}_" for name in FLOW | STATISTICS | CONTROL)
     return {figure for figure in figures if f"{figure}_".startswith(heads)}
 
 
-def shown(of, figure, case="Re400"):
-    """Settings of a figure's job."""
-    return settings_of(of, FIGURES[figure], case)
-
-
 OFF = {"forecasters": {"esn": None, "equations": None}}
-SSV = {"forecasters": {"esn": {"validation": ["SSV"]}}}
-SMALL = [block([2000], reynolds=[400])]
+SSV = {"forecasters": {"esn": {"validation": ["SSV"]}, "equations": None}}
+OTHERS = {"forecasters": {"esn": None, "equations": {}, "equations_noisy": {}}}
+SMALL = block([2000], reynolds=[400])
 MORE = {f"{name}_Re600" for name in (*STATISTICS, "control_tradeoff")}
-SMALLER = [*SMALL, block([500], reynolds=[600])]
+SMALLER = SMALL, block([500], reynolds=[600])
+UNCONTROLLED = {"cases": {"Re600": {"actuation": None}}, "statistics": SSV, "control": SSV}
+OF_LORENZ = {"example_case": "lorenz", "flow_event": {"peak": 45}}
 
 
 @pytest.mark.parametrize(
     ("blocks", "overlay", "figures"),
     [
-        (SMALL, {}, FLOW | STATISTICS | CONTROL),
+        ([SMALL], {}, FLOW | STATISTICS | CONTROL),
         # other cases have their own statistics, and share the densities under control
         ([block([2000], reynolds=[600, 400])], {}, FLOW | STATISTICS | CONTROL | MORE),
         # nothing is drawn of a size that one case alone has
         (SMALLER, {}, FLOW | STATISTICS | CONTROL),
         # nor of stages that are switched off
-        (SMALL, {"control": OFF}, FLOW | STATISTICS),
-        (SMALL, {"statistics": OFF}, FLOW | CONTROL),
-        (SMALL, {"case_defaults": {"actuation": None}}, FLOW | STATISTICS),
+        ([SMALL], {"control": OFF}, FLOW | STATISTICS),
+        ([SMALL], {"statistics": OFF}, FLOW | CONTROL),
+        ([SMALL], {"case_defaults": {"actuation": None}}, FLOW | STATISTICS),
+        # nor of forecasters that are no networks, which have tables
+        ([SMALL], {"statistics": OTHERS, "control": OTHERS}, FLOW),
+        # a strategy that no network has leaves none
+        ([SMALL, block([2000], ["SSV"], reynolds=[600])], UNCONTROLLED, FLOW | STATISTICS),
+        # nor has a system that is no flow
+        (
+            [block([2000], cases=["lorenz"])],
+            {"cases": LORENZ, "figures": OF_LORENZ},
+            {"long_term_density", "own_flow", *CONTROL} - {"suppressed_event"},
+        ),
     ],
 )
 def test_figure_names_are_those_of_the_stages_and_cases_that_there_are(blocks, overlay, figures):
-    assert stage_figures(of_blocks(blocks, **overlay)) == figures
+    made = of_blocks(*blocks, **overlay)
+    assert stage_figures(made) == figures
+    by_control = overlay.get("control") not in (OFF, SSV) and "case_defaults" not in overlay
+    assert ("control_percentiles" in table_names(made)) == by_control
 
 
-def test_a_strategy_that_no_network_has_leaves_no_figures():
-    blocks = [*SMALL, block([2000], validation=("SSV",), reynolds=[600])]
-    wanted = {"cases": {"Re600": {"actuation": None}}, "statistics": SSV}
-    control = {"forecasters": {**SSV["forecasters"], "equations": None}}
-    uncontrolled = of_blocks(blocks, **wanted, control=control)
-    assert {forecaster.case for forecaster in uncontrolled.long_term_forecasters} == {"Re600"}
-    assert stage_figures(uncontrolled) == FLOW | STATISTICS
-    assert "control" not in table_names(uncontrolled)
-
-
-def test_forecasters_that_are_no_networks_have_tables_and_no_figures_of_their_own():
-    choice = {"forecasters": {"esn": None, "equations": {}, "equations_noisy": {}}}
-    without = of_blocks(SMALL, statistics=choice, control=choice)
-    assert stage_figures(without) == FLOW
-    assert {"control_percentiles", "statistics_percentiles"} <= set(table_names(without))
-    kinds = {run.controller.kind for run in without.control_runs}
-    assert kinds == {"equations", "equations_noisy"}
-
-
-def test_a_system_that_is_no_flow_has_no_figures_of_the_flow():
-    with_lorenz = of_blocks(
-        [block([2000], cases=["lorenz"])],
-        cases={"lorenz": LORENZ},
-        figures={"example_case": "lorenz", "flow_event": {"peak": 45}},
-    )
-    assert not with_lorenz.cases["lorenz"].is_flow
-    assert stage_figures(with_lorenz) == {
-        *("long_term_density", "own_flow", "control_schematic", "control_density"),
-        "control_tradeoff",
-    }
-    assert shown(with_lorenz, "long_term_density", "lorenz")["case.space.observable_symbol"] == "z"
-
-
-def test_densities_of_different_systems_are_not_in_one_figure():
-    blocks = [block([2000], reynolds=[600, 400], cases=["lorenz"])]
-    with_lorenz = of_blocks(blocks, cases={"lorenz": LORENZ}, figures={"example_case": "Re400"})
-    assert {"control_density", "control_density_lorenz"} <= stage_figures(with_lorenz)
-    for case, cases in (("Re400", ["Re400", "Re600"]), ("lorenz", ["lorenz"])):
-        panels = shown(with_lorenz, "control_density", case)["shown.panels"]
-        assert [panel["case"] for panel in panels] == cases
-
-
-def test_densities_leave_the_sweep_and_other_sizes_out():
+def test_densities_of_control_are_of_one_system_one_size_and_not_of_the_sweep():
     swept = of_blocks(
-        [block([500, 2000], reynolds=[400], seeds=3)],
+        block([500, 2000], seeds=3, reynolds=[600, 400], cases=["lorenz"]),
+        cases=LORENZ,
+        figures={"example_case": "Re400"},
         control={
             "forecasters": {"esn": {"neurons": [500, 2000]}},
             "sweep": {"cases": ["Re400"], "seeds": 2},
         },
     )
     assert {run.prediction_time_lt for run in swept.control_runs} == {1, 2, 3, 4, 5}
-    assert shown(swept, "control_density", "Re400")["shown.panels"] == [
-        {"case": "Re400", "event_threshold": 0.1, "neurons": 2000, "validation": "RV"}
-    ]
-    assert swept.config.control.prediction_times_lt == [1, 2]
+    assert {"control_density", "control_density_lorenz"} <= stage_figures(swept)
+    network = {"neurons": 2000, "validation": "RV"}
+    of_re = [{"case": case, "event_threshold": 0.1, **network} for case in ("Re400", "Re600")]
+    assert shown(swept, "control_density")["shown.panels"] == of_re
+    (of_lorenz,) = shown(swept, "control_density", "lorenz")["shown.panels"]
+    assert of_lorenz["case"] == "lorenz"
+    assert shown(swept, "long_term_density", "lorenz")["case.space.observable_symbol"] == "z"
 
 
 def test_a_case_without_networks_of_the_fixed_size_shows_those_that_it_has():
-    two_sizes = of_blocks(SMALLER, control={"forecasters": {"esn": {"neurons": []}}})
+    two_sizes = of_blocks(*SMALLER, control={"forecasters": {"esn": {"neurons": []}}})
     of_control = shown(two_sizes, "control_tradeoff", "Re600")["shown.control_networks"]
     assert of_control == {"neurons": 500, "validation": "RV"}
 
 
-def test_the_suppressed_event_is_the_example_networks_if_it_controls():
-    seeds = [block([500, 2000], validation=("SSV", "RV"), reynolds=[600, 400], seeds=3)]
-    chosen = of_blocks(seeds, figures={"example_forecaster": "esn-N2000-RV-seed2"})
-    assert Choices(chosen).example_run.controller == chosen.example.name
-    other = of_blocks(
-        seeds,
-        figures={"example_forecaster": "esn-N500-RV-seed2"},
-        control={"forecasters": {"esn": {"neurons": [2000]}}},
+@pytest.mark.parametrize(
+    ("network", "control", "controller"),
+    [
+        ("esn-N2000-RV-seed2", {}, "esn-N2000-RV-seed2"),
+        ("esn-N500-RV-seed2", {"esn": {"neurons": [2000]}}, "esn-N2000-RV-seed0"),
+        ("esn-N500-RV-seed2", {"esn": None}, None),
+    ],
+)
+def test_the_suppressed_event_is_the_example_networks_if_it_controls(network, control, controller):
+    chosen = of_blocks(
+        block([500, 2000], ["SSV", "RV"], reynolds=[600, 400], seeds=3),
+        figures={"example_forecaster": network},
+        control={"forecasters": control},
     )
-    run = Choices(other).example_run
-    assert (run.case, run.controller.identifier) == ("Re400", "esn-N2000-RV-seed0")
-    assert run.prediction_time_lt == 2
-    without = of_blocks(seeds, control={"forecasters": {"esn": None}})
-    assert Choices(without).example_run is None
+    run = Choices(chosen).example_run
+    expected = controller and ("Re400", controller, 2)
+    assert (run and (run.case, run.controller.identifier, run.prediction_time_lt)) == expected
 
 
 def test_the_best_network_is_of_the_examples_strategy():
     both = {"statistics": {"forecasters": {"esn": {"validation": ["SSV", "RV"]}}}}
     ssv = {"figures": {"example_forecaster": "esn-N2000-SSV-seed0"}}
-    blocks = [block([500, 2000], validation=("SSV", "RV"), reynolds=[400])]
-    expectations = ((both, "RV"), ({**both, **ssv}, "SSV"), ({"statistics": SSV}, "SSV"))
-    for overlay, expected in expectations:
-        candidates = Shown(of_blocks(blocks, **overlay), "Re400").long_term_networks
-        names = [network.name for network in candidates]
+    for overlay, expected in ((both, "RV"), (both | ssv, "SSV"), ({"statistics": SSV}, "SSV")):
+        made = of_blocks(block([500, 2000], ["SSV", "RV"], reynolds=[400]), **overlay)
+        names = [network.name for network in Shown(made, "Re400").long_term_networks]
         assert [(name.neurons, name.validation) for name in names] == [(2000, expected)] * 2
 
 
-def statistics(counts):
-    edges = np.linspace(0.0, 1.0, len(counts) + 1)
-    number = sum(counts)
-    moments = StateMoments(number, np.zeros(2), np.eye(2))
-    return LongTermStatistics(Histogram(edges, np.array(counts)), moments)
+def statistics(*counts):
+    moments = StateMoments(sum(counts), np.zeros(2), np.eye(2))
+    return LongTermStatistics(Histogram(np.linspace(0, 1, 4), np.array(counts)), moments)
 
 
-NOTHING, NEAR, NEAREST = statistics([0, 0, 0]), statistics([10, 6, 5]), statistics([10, 6, 4])
+NOTHING, NEAR, NEAREST = statistics(0, 0, 0), statistics(10, 6, 5), statistics(10, 6, 4)
 
 
 @pytest.mark.parametrize(
@@ -317,22 +269,8 @@ def test_the_best_network_is_the_nearest_to_the_data(networks, label):
 
 # -- what the report consists of -------------------------------------------------------------------
 
-WORKFLOW = ROOT / "workflow"
-EVERYWHERE = {
-    *("observable_and_density", "validation_strategies", "network_schematic"),
-    *("prediction_schematic", "prediction_examples", "classification_scores"),
-    *("horizon_schematic", "horizon_evaluations", "horizon_by_size"),
-    *("hyperparameter_search", "error_growth"),
-}
 
-
-def changed(overlay):
-    """Figures whose settings an overlay changes."""
-    other = campaign(overlay)
-    return {name for name in FIGURES if shown(PAPER, name) != shown(other, name)}
-
-
-def test_the_paper_has_all_figures_and_those_of_other_cases():
+def test_the_paper_has_all_figures_tables_and_those_of_other_cases():
     names = figure_names(PAPER)
     # of other strategies than the paper's, of parts of a state, and of plane flows
     assert set(FIGURES) - set(names) == {
@@ -344,20 +282,16 @@ def test_the_paper_has_all_figures_and_those_of_other_cases():
         # one size only: nothing to draw against
         assert f"horizon_by_size_{case}" not in names
     assert "classification_scores_Re400" not in names  # the example's case has the plain name
-    assert len(names) == len(set(names))
-
-
-@pytest.mark.parametrize("preset", PRESETS, ids=lambda path: path.stem)
-def test_every_campaign_of_networks_has_the_figures_of_the_method(preset):
-    assert set(figure_names(campaign(read(preset)))) >= EVERYWHERE
+    declared = {layout for table in TABLES.values() for layout in table.latex}
+    assert set(latex_names(PAPER)) == declared - {"control_choices"}
+    others = {"training_realisations", "control_choices", "ranking"}
+    assert set(TABLES) - set(table_names(PAPER)) == others
 
 
 def test_no_figure_over_one_reynolds_number_and_each_once():
     overlay = read(TINY)
     block = {**overlay["campaign"][0], "reynolds": [400]}
-    names = set(figure_names(campaign({**overlay, "campaign": [block]})))
-    assert names >= EVERYWHERE
-    assert "by_reynolds" not in names
+    assert "by_reynolds" not in figure_names(campaign({**overlay, "campaign": [block]}))
     blocks = PAPER.config.dump()["campaign"]
     twins = {"Twin": {"parameters": {"reynolds": 600}, "lyapunov": {}}}
     twin = {**blocks[1], "reynolds": [400], "cases": ["Twin"]}
@@ -369,89 +303,38 @@ def test_no_figure_over_one_reynolds_number_and_each_once():
 
 
 def test_the_frontier_is_made_where_other_strategies_control():
-    frontier = campaign(read(WORKFLOW / "presets" / "beyond_the_paper.yaml"))
+    frontier = campaign(read(ROOT / "workflow/presets/beyond_the_paper.yaml"))
     assert figure_names(frontier)[-1] == "control_frontier"
     network = shown(frontier, "control_frontier")["shown.frontier_network"]
     assert network == {"forecaster": "esn", "neurons": 1000, "validation": "RV", "seed": 0}
     assert shown(PAPER, "control_frontier", "Re800")["shown.frontier_network"]["seed"] == 0
 
 
-@pytest.mark.parametrize(
-    ("overlay", "names"),
-    [
-        # the published values are an input of these figures, and no setting of any
-        ({"figures": {"published_overlay": True}}, ""),
-        # the example event is chosen where the forecasts are made
-        ({"figures": {"example_horizon_lt": 3}}, ""),
-        ({"horizon": {"tolerance": 0.1}}, "horizon_schematic error_growth"),
-        ({"horizon": {"events": 100}}, ""),
-        ({"search": {"interval_lt": 1}}, "validation_strategies"),
-        ({"forecasters": {"esn": {"connectivity": 10}}}, "network_schematic"),
-        ({"washout_lt": 0.6}, "validation_strategies prediction_schematic horizon_evaluations"),
-        (
-            {"figures": {"flow_points": [9, 9, 9]}},
-            "midplane_mean_square midplane_planes vorticity_isosurfaces suppressed_event",
-        ),
-    ],
-)
-def test_figures_read_what_they_need_and_nothing_else(overlay, names):
-    assert changed(overlay) == {*names.split()}
-
-
-def test_figures_show_the_case_in_their_name():
+def test_figures_show_the_case_in_their_name_or_the_examples():
     assert figure_case(PAPER, "classification_scores", "_Re800") == "Re800"
     assert figure_case(PAPER, "classification_scores", "") == "Re400"
-    scores = "Re800/tables/classification_percentiles.csv"
-    assert files_of(PAPER, FIGURES["classification_scores"], "Re800") == {"percentiles": scores}
     swept = {"control": {"sweep": {"cases": ["Re400"]}}}
     other = campaign({"figures": {"example_case": "Re600"}, **swept})
     assert figure_case(other, "classification_scores", "") == "Re600"
-
-
-def test_files_of_figures_are_those_of_the_example():
+    drawn = FIGURES["observable_and_density"]
+    assert files_of(PAPER, drawn, "Re400")["exponents"] == []
     computed = campaign({"case_defaults": {"lyapunov": {"time_unit": "computed"}}})
-    network = "Re400/networks/esn-N2000-RV-seed0"
-    plan = "prediction_triggered-prediction_time2-window1"
-    event = f"{network.replace('networks', 'control')}/{plan}"
-    observable = {"observable": "Re400/ensemble.nc"}
-    for of, name, files in (
-        (PAPER, "network_schematic", {"hyperparameters": f"{network}/hyperparameters.json"}),
-        (PAPER, "prediction_examples", {"examples": f"{network}/examples.nc"}),
-        (PAPER, "observable_and_density", {**observable, "exponents": []}),
-        (computed, "observable_and_density", {**observable, "exponents": "Re400/lyapunov.json"}),
-        (PAPER, "suppressed_event", {"event": f"{event}/suppressed_event.nc"}),
-        (PAPER, "horizon_schematic", {}),
-    ):
-        assert files_of(of, FIGURES[name], "Re400") == files
-
-
-def test_the_paper_has_all_tables_but_those_of_other_training_series():
-    declared = {layout for table in TABLES.values() for layout in table.latex}
-    assert set(latex_names(PAPER)) == declared - {"control_choices"}
-    others = {"training_realisations", "control_choices", "ranking"}
-    assert set(TABLES) - set(table_names(PAPER)) == others
+    assert files_of(computed, drawn, "Re400")["exponents"] == "Re400/lyapunov.json"
 
 
 def test_stages_that_are_switched_off_have_no_tables():
     without = campaign({"control": OFF, "statistics": OFF})
-    gone = {
-        *("control", "control_percentiles", "control_density", "control_strategies"),
-        *("statistics", "statistics_intervals", "statistics_percentiles"),
-        *("survival", "survival_percentiles", "survival_curve", "survival_curve_percentiles"),
-        *("lyapunov_spectrum", "lyapunov_spectrum_percentiles"),
-        *("kaplan_yorke", "kaplan_yorke_percentiles"),
-    }
+    with_percentiles = ("control", "statistics", "survival", "survival_curve", "kaplan_yorke")
+    gone = {f"{name}{end}" for name in with_percentiles for end in ("", "_percentiles")}
+    gone |= {"control_density", "control_strategies", "statistics_intervals"}
+    gone |= {"lyapunov_spectrum", "lyapunov_spectrum_percentiles"}
     assert set(table_names(PAPER)) - set(table_names(without)) == gone
     assert not {typeset(TABLES)[name]["source"] for name in latex_names(without)} & gone
-    smaller = campaign({"statistics": {"forecasters": {"esn": {"neurons": [500]}}}})
-    cases = cases_of_tables(smaller)
+    cases = cases_of_tables(campaign({"statistics": {"forecasters": {"esn": {"neurons": [500]}}}}))
     assert cases["statistics"] == cases["statistics_percentiles"] == ["Re400"]
     assert cases["horizon"] == ["Re400", "Re600", "Re800", "Re1000"]
 
 
-def test_parameters_are_those_of_the_paper_or_have_their_own_names():
-    rows = described_parameters("mfe", parameters_of(make_system("mfe", {"reynolds": 600.0})))
-    assert [row[0] for row in rows] == ["L_x", "L_y", "L_z", r"\mathrm{Re}"]
-    assert [row[2] for row in rows][1::2] == [2.0, 600.0]
+def test_parameters_of_other_systems_have_their_own_names():
     rows = described_parameters("lorenz63", parameters_of(make_system("lorenz63", {"rho": 30.0})))
     assert [r"\mathrm{rho}", "Parameter of the equations", 30.0] in rows

@@ -8,7 +8,6 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from helpers_rebuilds import Project
 
 from burstcast.figures.registry import available_figures
 from burstcast_workflow.project import PACKAGES
@@ -21,11 +20,14 @@ SOURCE = ROOT / "src"
 SOURCES = sorted(SOURCE.rglob("*.py"))
 
 
+STAGES = ROOT / "workflow" / "scripts"
+
+
 def sources_of(scripts: Path) -> Sources:
     return Sources(lambda name: scripts / name, SOURCE, {})
 
 
-SEEN = sources_of(ROOT / "workflow" / "scripts")
+SEEN = sources_of(STAGES)
 
 
 def names(entries) -> frozenset[str]:
@@ -38,25 +40,30 @@ def modules_of(path: Path) -> frozenset[str]:
     return names(sources_of(path.parent).entries(path.name, {}))
 
 
+def output_of(code: str, *arguments: object) -> str:
+    """What a program in a process of its own prints."""
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
 def test_all_packages_are_those_of_the_project():
     packages = {path.name for path in SOURCE.iterdir() if path.suffix == ""}
     # what Snakemake imports is in no closure of a script
     assert packages == {*PACKAGES, "snakemake_logger_plugin_burstcast"}
 
 
-def test_closures_have_what_scripts_load(job_server):
-    """What they load when they are imported; what functions import is in them, too."""
-    loaded = Project(ROOT, job_server).loaded_modules()
-    scripts = [name for name in loaded if name.endswith(".py")]
-    assert len(scripts) == len(SCRIPTS)
-    for script in scripts:
-        closure = names(SEEN.entries(script, {}))
-        # what reads and writes files loads more, for which the version stands, too
-        left_out = (*OF_HARNESS, "burstcast.base.files.")
-        missing = [name for name in loaded[script] - closure if not name.startswith(left_out)]
-        assert not missing, script
-
-
+# what scripts are left to load once the libraries and the harness are
+LOADED = """
+import netCDF4, numpy, os, pandas, runpy, scipy.stats, skopt, sys
+import burstcast_workflow.harness.job
+before = {*sys.modules}
+for script in sys.argv[1:]:
+    if os.fork() == 0:
+        runpy.run_path(script, run_name="not a job")
+        print(script, *[name for name in sys.modules if name not in before], flush=True)
+        os._exit(0)
+    os.wait()
+"""
 # which have a version instead
 OF_HARNESS = (
     *("burstcast_workflow.harness", "burstcast_workflow.project", "burstcast_workflow.tracking"),
@@ -64,12 +71,24 @@ OF_HARNESS = (
 )
 
 
-@pytest.mark.parametrize("path", SOURCES + SCRIPTS, ids=lambda path: str(path.relative_to(ROOT)))
-def test_closures_see_all_code_of_the_project(path):
+def test_closures_have_what_scripts_load():
+    """What they load when they are imported; what functions import is in them, too."""
+    loaded = [line.split() for line in output_of(LOADED, *SCRIPTS).splitlines()]
+    assert [Path(script) for script, *_ in loaded] == SCRIPTS
+    for script, *modules in loaded:
+        closure = names(SEEN.entries(str(Path(script).relative_to(STAGES)), {}))
+        # what reads and writes files loads more, for which the version stands, too
+        left_out = (*OF_HARNESS, "burstcast.base.files.")
+        missing = {name for name in modules if not name.startswith(left_out)} - closure
+        assert not [name for name in missing if name.startswith("burst")], script
+
+
+def test_closures_see_all_code_of_the_project():
     # what finds modules by their names, what compares the code that runs with its text, and the
     # command, which no job imports
-    if path.name not in ("discovery.py", "code.py", "command_line.py"):
-        assert forbidden_imports(path) == []
+    others = ("discovery.py", "code.py", "command_line.py")
+    for path in SOURCES + SCRIPTS:
+        assert path.name in others or forbidden_imports(path) == [], path
 
 
 # Functions that pass docstrings on to people: a figure's caption, where a source is.
@@ -88,8 +107,7 @@ def test_no_job_depends_on_docstrings_or_on_what_packages_offer_late():
     assert len(registries) > 5
     paths = {}
     for script in SCRIPTS:
-        name = str(script.relative_to(ROOT / "workflow" / "scripts"))
-        for module in names(SEEN.entries(name, registries)):
+        for module in names(SEEN.entries(str(script.relative_to(STAGES)), registries)):
             paths[module] = script if module.endswith(".py") else place(module)
     assert len(paths) > 200
     for module, path in paths.items():
@@ -134,56 +152,29 @@ def test_packages_import_nothing_by_themselves():
         assert modules_of(path) == {"__init__.py"}
 
 
-def test_closure_in_the_project_is_selective(tmp_path):
-    script = tmp_path / "script.py"
-    script.write_text("from burstcast_workflow.jobs.gather import origins\n")
-    entries = modules_of(script)
-    assert "burstcast_workflow.harness.version" in entries
-    library = {name for name in entries if name.startswith("burstcast.")}
-    # through gather; packages are empty, and the version stands for netcdf
-    packages = {"burstcast.base", "burstcast.base.files"}
-    assert library == {*packages, "burstcast.base.names"}
-
-
-def reached(script, *kinds, systems=(), strategies=()):
-    """Modules that a script reaches where it is about these."""
-    about = {"burstcast.forecasters": kinds, "burstcast.systems": systems}
-    about["burstcast.control.strategies"] = strategies
-    about["burstcast.networks.validation_strategies"] = ["recycle"]
-    return names(SEEN.entries(script, about))
-
-
-@pytest.mark.parametrize("rule", ["control", "suppressed_event"])
-def test_control_does_not_depend_on_the_statistics_of_the_velocity(rule):
-    modules = reached(f"control/{rule}.py", strategies=["prediction_triggered"])
-    assert "burstcast.control.windows" in modules
-    others = ("statistics.measures", "statistics.profiles", "systems.mfe_modes")
-    assert not modules & {f"burstcast.{name}" for name in (*others, "control.strategies.planned")}
-
-
-@pytest.mark.parametrize("script", ["scan", "search"])
-def test_the_search_does_not_depend_on_other_forecasters(script):
-    """An edit of a filter must not repeat the search."""
-    modules = reached(f"forecasters/{script}.py", "esn")
-    assert "burstcast.networks.readout" in modules
-    others = (
-        "burstcast.data.encoders",
-        "burstcast.forecasters._filtered",
-        "burstcast.data.observation",
-    )
-    assert not {name for name in modules if name.startswith(others)}
-
-
-@pytest.mark.parametrize(
-    "script",
-    ["forecasters/fit", "evaluation/forecast", "evaluation/long_term", "control/control"],
-)
-def test_the_equations_do_not_depend_on_the_networks(script):
-    for kind, expected in (("equations", False), ("esn", True)):
-        modules = reached(f"{script}.py", kind, systems=["mfe"])
-        assert f"burstcast.forecasters.{kind}" in modules
-        assert "burstcast.systems.lorenz63" not in modules
-        assert any(name.startswith("burstcast.networks.") for name in modules) == expected
+def test_scripts_do_not_depend_on_what_others_compute_with():
+    """Control not on statistics of the velocity, and no edit of a filter repeats the search."""
+    control = {"systems.mfe_modes", "statistics.measures", "statistics.profiles"}
+    search = {"data.encoders", "forecasters._filtered", "data.observation"}
+    equations = ("equations",), "forecasters.equations", {"networks.", "systems.lorenz63"}
+    for script, kinds, uses, others in (
+        ("control/control", (), "control.windows", {*control, "control.strategies.planned"}),
+        ("control/suppressed_event", (), "control.windows", control),
+        ("forecasters/scan", ("esn",), "networks.readout", search),
+        ("forecasters/search", ("esn",), "networks.readout", search),
+        ("control/control", *equations),
+        ("evaluation/forecast", *equations),
+        ("evaluation/long_term", *equations),
+        ("forecasters/fit", *equations),
+        ("forecasters/fit", ("esn",), "networks.readout", {"systems.lorenz63"}),
+    ):
+        about = {"burstcast.forecasters": kinds, "burstcast.systems": ["mfe"]}
+        about["burstcast.control.strategies"] = ["prediction_triggered"]
+        about["burstcast.networks.validation_strategies"] = ["recycle"]
+        modules = names(SEEN.entries(f"{script}.py", about))
+        assert f"burstcast.{uses}" in modules
+        ours = tuple(f"burstcast.{name}" for name in others)
+        assert [name for name in modules if name.startswith(ours)] == [], script
 
 
 # -- starting up -----------------------------------------------------------------------------------
@@ -208,43 +199,32 @@ NETWORK = "burstcast.networks.reservoir"
 WITHOUT_NETWORKS = ["tables/*.py", "data/*.py", "control/*.py"]
 
 
-def libraries(path: Path) -> set[str]:
-    """Packages that the imports at the top of a file name."""
-    packages = set()
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.Import):
-            packages |= {alias.name.partition(".")[0] for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            packages.add(node.module.partition(".")[0])
-    return packages
-
-
-def modules(started: Path) -> set[str]:
-    """Modules of ours that a script or a figure reaches, at the top or in a function."""
-    return {name for name in modules_of(started) if not name.endswith(".py")}
-
-
 def place(module: str) -> Path:
     path = SOURCE.joinpath(*module.split("."))
     return path / "__init__.py" if path.is_dir() else path.with_name(path.name + ".py")
 
 
-def loaded(script: Path) -> set[str]:
-    """Packages that a script and our modules load."""
-    return libraries(script).union(*(libraries(place(module)) for module in modules(script)))
-
-
-def allowed(script: Path, patterns: list[str]) -> bool:
-    return any(fnmatch(f"{script.parent.name}/{script.name}", pattern) for pattern in patterns)
+def imported(path, late=True):
+    """Modules that a file imports, wherever it does so, or at its top."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree) if late else tree.body:
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert not node.level, path
+            yield str(node.module)
 
 
 @pytest.mark.parametrize("script", STARTED, ids=lambda path: path.stem)
 def test_a_script_loads_what_it_needs_and_no_other_library_that_takes_long(script):
-    packages = loaded(script)
-    may = {library for library, users in NEEDED_BY.items() if allowed(script, users)}
-    assert packages & {*NEEDED_BY} == may
-    if allowed(script, WITHOUT_NETWORKS):
-        assert NETWORK not in modules(script)
+    def is_one_of(patterns):
+        return any(fnmatch(f"{script.parent.name}/{script.name}", pattern) for pattern in patterns)
+
+    ours = {name for name in modules_of(script) if not name.endswith(".py")}
+    at_the_top = (imported(path, late=False) for path in (script, *map(place, ours)))
+    packages = {module.partition(".")[0] for modules in at_the_top for module in modules}
+    assert packages & {*NEEDED_BY} == {name for name in NEEDED_BY if is_one_of(NEEDED_BY[name])}
+    assert NETWORK not in ours or not is_one_of(WITHOUT_NETWORKS)
 
 
 def test_planning_loads_no_library_for_what_scripts_figures_and_tables_declare():
@@ -258,27 +238,19 @@ from burstcast_workflow.tables.registry import MAKERS
 jobs = [*map(function_of, Path(sys.argv[1]).glob("*/*.py")), *map(maker, MAKERS), *FIGURES]
 print(len(jobs), *sys.modules)
 """
-    command = [sys.executable, "-c", code, str(ROOT / "workflow" / "scripts")]
-    output = subprocess.run(command, capture_output=True, text=True, check=True)
-    count, *names = output.stdout.split()
+    count, *names = output_of(code, STAGES).split()
     assert int(count) > 60
     scipy = {"scipy.ndimage", "scipy.optimize", "scipy.special"}
     assert not {"skimage.measure", "sklearn", "skopt", *scipy} & {*names}
 
 
 def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_with():
-    script = ROOT / "workflow" / "scripts" / "evaluation" / "forecast.py"
-    imports = [
-        ast.unparse(node)
-        for node in ast.parse(script.read_text(encoding="utf-8")).body
-        if isinstance(node, ast.Import | ast.ImportFrom)
-    ]
-    code = "\n".join([*imports, "import sys", "print(*sys.modules)"])
-    output = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    heavy = {"llvmlite", "pandas", "matplotlib", "skopt", "sklearn"}
-    assert not (heavy | {"scipy.stats", "scipy.optimize"}) & set(output.stdout.split())
+    script = STAGES / "evaluation" / "forecast.py"
+    body = ast.parse(script.read_text(encoding="utf-8")).body
+    imports = [ast.unparse(node) for node in body if isinstance(node, ast.Import | ast.ImportFrom)]
+    loaded = output_of("\n".join([*imports, "import sys", "print(*sys.modules)"])).split()
+    heavy = {"llvmlite", "pandas", "matplotlib", "skopt", "sklearn", "pydantic", "yaml"}
+    assert not (heavy | {"scipy.stats", "scipy.optimize"}) & {*loaded}
 
 
 # -- nothing imports upwards -----------------------------------------------------------------------
@@ -297,16 +269,6 @@ FLOORS = (
 )
 
 
-def imported(path):
-    """Modules that a file imports, wherever it does so."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            assert not node.level, path
-            yield str(node.module)
-
-
 def imports_between(directory, prefix):
     """Parts of a directory that import others: part, the other, file."""
     for path in sorted(directory.rglob("*.py")):
@@ -318,21 +280,15 @@ def imports_between(directory, prefix):
                     yield part, other, path.relative_to(directory)
 
 
-def test_the_parts_of_the_workflow_import_downwards():
+def test_parts_import_downwards():
     imports = list(imports_between(SOURCE / "burstcast_workflow", "burstcast_workflow."))
     assert {part for part, *_ in imports} >= {"stages", "figures", "config", "jobs"}
     assert [edge for edge in imports if edge[0] not in PARTS[PARTS.index(edge[1]) :]] == []
-
-
-@pytest.mark.parametrize("package", DOWNWARDS)
-def test_packages_import_downwards(package):
-    above = {*DOWNWARDS[DOWNWARDS.index(package) + 1 :]}
-    for path in sorted((SOURCE / package).rglob("*.py")):
-        assert not above & {module.partition(".")[0] for module in imported(path)}, path
-
-
-def test_rooms_of_the_library_import_from_the_floors_below():
     floor = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
     imports = list(imports_between(SOURCE / "burstcast", "burstcast."))
     assert {room for room, _, _ in imports} == set(floor) - {"base"}
     assert [edge for edge in imports if floor[edge[1]] >= floor[edge[0]]] == []
+    for number, package in enumerate(DOWNWARDS, 1):
+        for path in sorted((SOURCE / package).rglob("*.py")):
+            packages = {module.partition(".")[0] for module in imported(path)}
+            assert packages.isdisjoint(DOWNWARDS[number:]), path

@@ -96,34 +96,22 @@ def test_a_mistake_is_told_in_a_line(arguments, message, capsys):
     assert message in last
 
 
-def test_settings_are_the_page_and_a_system_is_checked(capsys):
+def test_settings_are_the_page_and_a_system_is_checked(tmp_path, monkeypatch, capsys):
     assert main(["settings"]) == 0
     assert capsys.readouterr().out == (ROOT / "docs" / "settings.md").read_text(encoding="utf-8")
-    assert main(["check-system", "lorentz63"]) == 1
-    assert "did you mean 'lorenz63'" in capsys.readouterr().err
-
-
-def test_a_module_that_ends_the_program_is_told(tmp_path, monkeypatch, capsys):
     (tmp_path / "script_that_ends.py").write_text("raise SystemExit(3)")
     monkeypatch.chdir(tmp_path)
-    assert main(["check-system", "script_that_ends:Flow"]) == 1
-    assert "script_that_ends:Flow ends the program: SystemExit(3)" in capsys.readouterr().err
+    for system, message in (
+        ("lorentz63", "did you mean 'lorenz63'"),
+        ("script_that_ends:Flow", "script_that_ends:Flow ends the program: SystemExit(3)"),
+    ):
+        assert main(["check-system", system]) == 1
+        assert message in capsys.readouterr().err
 
 
 COMMAND = [sys.executable, "-m", "burstcast_workflow"]
 GIT = ["git", "-c", "user.name=a", "-c", "user.email=a@example.org"]
 TINY = ROOT / "workflow" / "presets" / "tiny.yaml"
-
-
-def test_a_study_in_a_directory_of_its_own_plans(tmp_path, job_server):
-    options = ["-s", snakefile(), "--configfile", TINY]
-    outcome = job_server.snakemake(tmp_path, "-n", *options, "--config", "random_seed=-4")
-    assert outcome.status == 1
-    assert (
-        "a mistake: random_seed: Input should be greater than or equal to 0 (got -4)"
-        in outcome.text
-    )
-    assert ".smk" not in outcome.text  # no lines of the rules below it
 
 
 def test_cleaning_removes_what_make_has_made(tmp_path):
@@ -155,11 +143,18 @@ def study(directory, change=("", "")):
     shutil.copy(TINY, directory / "config.yaml")
 
 
-def test_the_module_of_the_page_plans(tmp_path, job_server):
+def test_the_module_of_the_page_plans_and_tells_mistakes(tmp_path, job_server):
     study(tmp_path)
     command = ["--dry-run", "--cores", "1", "results/tiny/tables/horizon.csv"]
     outcome = job_server.snakemake(tmp_path, *command)
     assert re.search(r"^burstcast_train +4$", outcome.text, re.MULTILINE)
+    options = ["-s", snakefile(), "--configfile", TINY, "--config", "random_seed=-4"]
+    outcome = job_server.snakemake(tmp_path, "-n", *options)
+    assert outcome.status == 1
+    assert "a mistake: random_seed: Input should be greater than or equal to 0" in outcome.text
+    # no lines of the rules below it, and nothing is made
+    assert not re.search(r"\.smk|Traceback", outcome.text)
+    assert not (tmp_path / "results").exists()
 
 
 @pytest.mark.long
@@ -200,25 +195,19 @@ def results(tmp_path):
 
 
 CLAIM_OF_RUN = {"revision": "a1-dirty", "linear algebra": ["a kernel"]}
+KEPT = ("tables/scores.csv", "tables/scores.tex", "figures/scores.pdf", "report.html")
+MADE = ("config.yaml", "versions.json", "why.txt", "README.md", "CITATION.cff")
 
 
 def test_an_archive_has_what_can_be_cited(results, tmp_path):
-    files = contents(
-        results, {**CLAIM_OF_RUN, "config": {"results": str(results), "random_seed": 3}}, "nothing"
-    )
-    assert set(files) == {
-        f"quick/{name}"
-        for name in (
-            *("tables/scores.csv", "tables/scores.tex", "figures/scores.pdf"),
-            *("config.yaml", "versions.json", "why.txt", "README.md", "CITATION.cff"),
-            "report.html",
-        )
-    }
+    claim = {**CLAIM_OF_RUN, "config": {"results": str(results), "random_seed": 3}}
+    files = contents(results, claim, "nothing")
+    assert set(files) == {f"quick/{name}" for name in (*KEPT, *MADE)}
     config = yaml.safe_load(files["quick/config.yaml"])
     assert config == {"results": "results/quick", "random_seed": 3}
     assert str(tmp_path) not in b"".join(files.values()).decode()
     stated = json.loads(files["quick/versions.json"])
-    assert (stated["revision"], stated["linear algebra"]) == ("a1-dirty", ["a kernel"])
+    assert CLAIM_OF_RUN.items() <= stated.items()
     assert {"numpy", "scipy", "snakemake"} <= set(stated["libraries"])
 
 
@@ -229,10 +218,9 @@ def test_equal_results_make_equal_archives(results, tmp_path):
         path = tmp_path / f"{number}.zip"
         write_archive(path, {name: files[name] for name in order})
         packed.append(path.read_bytes())
-        with zipfile.ZipFile(path) as archive:
-            assert archive.testzip() is None
-            assert archive.namelist() == sorted(files)
-            assert archive.read("quick/tables/scores.csv") == b"tables/scores.csv"
+    with zipfile.ZipFile(path) as archive:
+        assert archive.namelist() == sorted(files)
+        assert {name: archive.read(name) for name in files} == files
     assert packed[0] == packed[1]
     assert not list(tmp_path.glob(".*"))
 
@@ -264,11 +252,11 @@ def test_an_archive_of_nothing_or_with_a_damaged_claim_is_refused(damage, tmp_pa
 
 def test_a_run_says_its_revision_and_files_do_not(finished):
     """Equal runs of different revisions have the same bits: only the claim tells them apart."""
-    results = finished.results
-    claim = json.loads((results / ".run.json").read_bytes())
-    for name in ("revision", "linear algebra"):
-        assert versions(claim)[name] == claim[name]
-    path = results / "Re400" / "networks" / "esn-N40-RV-seed0" / "forecaster.nc"
+    claim = json.loads((finished.results / ".run.json").read_bytes())
+    assert {name: versions(claim)[name] for name in CLAIM_OF_RUN} == {
+        name: claim[name] for name in CLAIM_OF_RUN
+    }
+    path = finished.results / "Re400/networks/esn-N40-RV-seed0/forecaster.nc"
     if claim["revision"] != "unknown":
         assert claim["revision"][:40].encode() not in path.read_bytes()
 
@@ -301,17 +289,12 @@ def installed(tmp_path_factory):
 
 
 @pytest.mark.long
-def test_a_wheel_of_a_repository_knows_its_revision(installed, tmp_path):
-    code = "from burstcast_workflow.project import source_revision as f; print(f())"
-    revision = said_by([installed / "python", "-c", code], tmp_path)
-    assert re.fullmatch("[0-9a-f]{40}\n", revision)
-
-
-@pytest.mark.long
 def test_the_tiny_campaign_runs_from_a_wheel_in_an_empty_directory(installed, tmp_path, finished):
     path = f"{installed}:{os.environ['PATH']}"
     environment = {"PATH": path, "PYTHONPATH": "", "PYTHONDONTWRITEBYTECODE": ""}
     python = installed / "python"
+    code = "from burstcast_workflow.project import source_revision as f; print(f())"
+    assert re.fullmatch("[0-9a-f]{40}\n", said_by([python, "-c", code], tmp_path, **environment))
     place = "import burstcast_workflow.project as p; print(p.project_root())"
     root = Path(said_by([python, "-c", place], tmp_path, **environment).strip())
     assert root.parents[1].name == "site-packages"
@@ -342,16 +325,14 @@ def test_the_tiny_campaign_runs_from_a_wheel_in_an_empty_directory(installed, tm
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("prefix", ["", " as flow_*"])
-@pytest.mark.parametrize("path", ["Snakefile", "workflow/Snakefile"])
-def test_an_installed_workflow_is_taken_as_a_module(installed, tmp_path, prefix, path):
+def test_an_installed_workflow_is_taken_as_a_module(installed, tmp_path):
     (tmp_path / "Snakefile").write_text(
         "from burstcast_workflow.project import project_root\n"
         "configfile: project_root() / 'workflow/presets/tiny.yaml'\n"
-        f"module burstcast:\n    snakefile: project_root() / {path!r}\n    config: config\n"
-        f"use rule * from burstcast{prefix}\n"
+        "module burstcast:\n    snakefile: project_root() / 'Snakefile'\n    config: config\n"
+        "use rule * from burstcast as flow_*\n"
     )
     environment = {"PATH": f"{installed}:{os.environ['PATH']}", "PYTHONPATH": ""}
     command = [installed / "python", "-m", "snakemake", "--dry-run", "--cores", "1"]
     plan = said_by(command, tmp_path, **environment)
-    assert re.search(rf"^{'flow_' if prefix else ''}train +4$", plan, re.MULTILINE)
+    assert re.search(r"^flow_train +4$", plan, re.MULTILINE)

@@ -34,7 +34,7 @@ PLANS = {
 }
 OVERLAYS = {"measured": MEASURED, "lorenz": {"cases": {"lorenz": {"system": "lorenz63"}}}}
 FILES = dict.fromkeys([f"lab/run_{number}.csv" for number in (10, 9, 1)], "time,u,v\n0,1,2")
-FILES["README.md"] = ""
+FILES |= {"README.md": "", "lab/numbers.csv": "1,2\n3,4"}
 
 
 def config_of(table):
@@ -70,371 +70,209 @@ def lines_of(tables):
 
 TABLES = {}
 TABLES["paper"] = """
-horizon.evnts: 3 | horizon.evnts: unknown setting | did you mean events?
-seeds: 1 | seeds: unknown setting | campaign[].forecasters.esn.seeds or |
-  campaign[].forecasters.esn_true_washout.seeds or | campaign[].forecasters.esn_aware.seeds or |
-  control.sweep.seeds or | control.strategies[].seeds?
-search.washout_lt: 1 | search.washout_lt: unknown setting | did you mean washout_lt?
-network: {} | network: unknown setting
+seeds: 1 | seeds: unknown setting | campaign[].forecasters.esn.seeds or | control.sweep.seeds or
 cases.Re400.lyapunov.xyz: 1 | cases.Re400.lyapunov.xyz | known are time_unit
 search.5: null | search: the key 5 must be text; in braces a comma ends a value
 search.input_scaling: [1] | search.input_scaling: must be [low, high], two rising
 campaign.0.forecasters.esn.neurons: [500, 500] | esn.neurons: has 500 twice
-campaign.0.forecasters.esn.validation: [XV] | esn.validation[0] | RV | SSV
-campaign.0.forecasters.ens: {} | campaign[0].forecasters.ens | did you mean esn?
-campaign.0.forecasters.equations: {seeds: 2} | forecasters.equations.seeds
 campaign.0.forecasters: [equations, equatoins] | forecasters.equatoins: unknown | did you mean
 & campaign.0.forecasters: [equations, equations: {}] | campaign[0].forecasters: has equations twice
 & campaign.0.forecasters: [[equations]] | campaign[0].forecasters: has ['equations']; each kind
 & campaign.0.forecasters: [esn] | campaign[0].forecasters.esn.neurons: missing: sizes
 campaign.0.forecasters: esn | .forecasters: must be a list of kinds, or a mapping of kinds
-control.forecasters.network: {} | control.forecasters.network: unknown setting
-statistics.forecasters: null | statistics.forecasters: must be a list of kinds, or a mapping
-figures.example_forecaster: RV-seed0 | example_forecaster | esn-N2000-RV-seed0
-figures.example_forecaster: equations | example_forecaster | name of a network
 figures.example_forecaster: esn_aware-N1000-RV-seed0 | network of kind esn, no variant
 case_defaults.ensemble: [] | case_defaults.ensemble: must be a mapping of settings
-forecasters.esn: null | forecasters.esn: must be a mapping of settings (got null)
-results: '' | results: must be the path of a directory
 results: README.md | results: this is a file
 results: 'a{b}' | results: must be the path of a directory, without braces
 results: . | of their own
 results: .. | of their own
 results: / | of their own
-results: a/.. | of their own
-results: ./ | of their own
-results: ../../ | of their own
 results: false | results: must be the path | YAML reads yes, no, on and off as
-results: ~/x | results: must be the path | a leading ~
 cases.tables: {} | cases.tables: the name must be
-cases.nan: {} | cases.nan: the name must be
-cases.1a: {} | cases.1a: the name must be
-cases.Re400-training1: {parameters: {reynolds: 400}} |
-  names that end so belong to other training series of Re400
-cases.Re400.event_threshold: high |
-  cases.Re400.event_threshold: must be a finite number, or {quantile:
+cases.Re400-training1: {parameters: {reynolds: 400}} | other training series of Re400
 cases.Re400.event_threshold: {quantile: 1} | {quantile: <a number between 0 and 1>}
-cases.Re400.event_threshold: {quantil: 0.9} | must be a finite number, or {quantile:
-cases.Re400.event_threshold: {quantile: 0.9, of: 1} | must be a finite number, or {quantile:
-cases.Re400.event_threshold: null | must be a finite number, or {quantile:
-cases.Re400.event_threshold: true | must be a finite number, or {quantile:
 cases.Re400.event_threshold: .inf | cases.Re400.event_threshold: must be a finite number
-search.spectral_radius: [1, 0.1] | search.spectral_radius: the first number must be below
 search.input_scaling: [1, 1] | search.input_scaling | below
 search.surrogate.length_scale: [0.01, 0.1] | search.surrogate.first_length_scale
-case_defaults.density.range: [1, 0] | density.range: the first number must be below
-classification.window_lt: 0.7 | classification.window_lt: must be a multiple of
-classification.longest_prediction_time_lt: 5.2 | must be a multiple of | got 5.2
 classification.prediction_times_lt: [2, 2.2, 3] | prediction_times_lt: must be a multiple | 2.2
-classification.prediction_times_lt: [2, 3, 6] | prediction_times_lt: must not be beyond |
-  longest_prediction_time_lt, 5
+classification.prediction_times_lt: [2, 3, 6] | must not be beyond | prediction_time_lt, 5
 horizon.lead_time_step_lt: 11 | horizon.lead_time_step_lt: must be at most
 & horizon.longest_lead_time_lt: 66 | case Re400: | 4026 steps | ensemble.duration
 & search.interval_lt: 0.001 | case Re400: | search.interval_lt is 0.001
-figures.example_forecaster: esn-N100-RV-seed0 | (Re400, esn-N100-RV-seed0) | not part
 figures.example_case: Re401 | figures.example_case | not part of the campaign
-figures.example_forecaster: esn-N2000-RV-seed10 | RV-seed10 | not part of the campaign |
-  (Re400 has esn-N500-SSV-seed0)
-figures.fixed_neurons: 500, figures.example_case: Re800 | example_case is Re800 |
-  figures.fixed_neurons
+figures.example_forecaster: esn-N2000-RV-seed10 | not part of | (Re400 has esn-N500-SSV-seed0)
+figures.fixed_neurons: 500, figures.example_case: Re800 | example_case is Re800
 & figures.fixed_neurons: 700 | figures.fixed_neurons: must be one of | 500, 1000, 1500
 figures.flow_event.peak: 0.05 | figures.flow_event.peak is 0.05 | of Re400, 0.1
 campaign.1.cases: [Re40O] | campaign[1].cases | did you mean Re400?
 campaign.1.reynolds: ... | campaign[1] names no case
 forecasters.esn.connectivity: 600 | forecasters.esn.connectivity is 600 | at most 499
-campaign.0.forecasters.esn.variants: [quadratic] |
-  campaign[0].forecasters: there is no quadratic in forecasters.variants
+campaign.0.forecasters.esn.variants: [quadratic] | campaign[0].forecasters: there is no quadratic
 forecasters.esn.readout: quadratic | networks with squares have a name of their own
-forecasters.variants: {aware: {readout: quadratic}} |
-  forecasters.variants.aware: esn_aware is another kind
+forecasters.variants: {aware: {readout: quadratic}} | esn_aware is another kind
 forecasters.variants: {sparse: {connectivity: 600}} | at most 499
 forecasters.variants: {committee: {readout: quadratic}} | forecasters.variants | committee
-forecasters.variants: {Mine: {readout: quadratic}} | forecasters.variants | Mine
-forecasters.variants: {my_net: {readout: quadratic}} | forecasters.variants | my_net
-forecasters.variants: {seed1: {readout: quadratic}} | forecasters.variants | seed1
 campaign.1.forecasters: {} | campaign[1].forecasters names no kind
-campaign.1.forecasters: {esn: null} | campaign[1].forecasters names no kind
 case_defaults.system: mfee | unknown system 'mfee' | did you mean 'mfe'
 case_defaults.parameters.length: 1 | no parameter 'length' | length_x
 case_defaults.ensemble.initial_state: [1, 2] | initial_state has 2 | needs 9
 case_defaults.ensemble.perturbed_component: 10 | perturbed_component is 10 | 1 to 9
 case_defaults.ensemble.duration: 4000.5 | ensemble.duration: must be a multiple
-case_defaults.ensemble.transient: 200.1 | ensemble.transient: must be a multiple
-& case_defaults.ensemble.series: 200 | ensemble.series, 200 | together
-case_defaults.event_threshold: 0.6 | below laminarisation_threshold
-probability.calibration_series: 1695 | probability.calibration_series is 1695 | together |
-  ensemble.series, 2000
-case_defaults.training.series: 3 | recycle_validation.series: must be at most training.series
+probability.calibration_series: 1695 | calibration_series is 1695 | ensemble.series, 2000
 case_defaults.training.series: 1, case_defaults.recycle_validation.series: 1,
-  cases.Re400.recycle_validation.series: 1 |
-  left out of the training one by one: take 2 at least
-case_defaults.lyapunov.saturation: 1.0e-08 | lyapunov.perturbation | below
-case_defaults.lyapunov.orthonormalisation_interval: 0.3 | multiple | got 0.3
+  cases.Re400.recycle_validation.series: 1 | one by one: take 2 at least
 case_defaults.laminarisation_threshold: 0.1 | event_threshold: must be below
-case_defaults.controlled_density.range: [1, 1] | controlled_density.range | below
 case_defaults.actuation.force: [0, 1] | actuation: a force needs 9 | [0.0, 1.0]
 case_defaults.actuation.parameters: {rho: 1} | actuation: | no parameter 'rho'
+& case_defaults.actuation: null, cases.Re400.actuation: {parameters: {}, force: null} |
+  case Re400: actuation.start_lt: missing
 case_defaults.actuation.start_lt: -1.5 | control.prediction_times_lt has 1 | alarm
-control.forecasters.esn.neurons: [2000, 7] | control.forecasters.esn.neurons: must be one of |
-  500, 1000
-statistics.forecasters.esn.validation: [SV] | statistics.forecasters.esn.validation | RV, SSV
+control.forecasters.esn.neurons: [2000, 7] | must be one of | 500, 1000
 control.sweep.cases: [Re40] | control.sweep.cases | did you mean Re400
 cases.Re400.parameters: {reynolds: 300} | Re400 | contradicts the name
 cases.Re400.lyapunov.given_exponent: 2 | Re400 | given_exponent | step
 cases.Re400.recycle_validation.intervals_per_series: 33 | 33 validation | only 32
-cases.Re1000.recycle_validation: {intervals_per_series: 1000000} |
-  case Re1000: recycle_validation.intervals_per_series
 & statistics.duration: 100 | Re400 | statistics.duration | loop of 100 | last 610
-& campaign.0.realisations: 5, case_defaults.ensemble.series: 199 | realisations is 5 |
-  are 200 series of Re400, but ensemble.series is 199
-& campaign.0.event_shares: [0.13, 1.5] | event_shares[1]
+& campaign.0.realisations: 5, case_defaults.ensemble.series: 199 | is 5 | are 200 series of Re400
 & campaign.0.event_shares: [0.13], campaign.0.realisations: 3 | realisations and event_shares
-& campaign.0.event_shares: [0.13, all], case_defaults.ensemble.series: 179 | event_shares has 2 |
-  are 180 series of Re400, but ensemble.series is 179
-forecasters.filter.members: 16, campaign.0.forecasters.quadratic_filtered: {} | Re400 |
-  forecasters.filter.members | at least twice | 18 for the system mfe
-forecasters.quadratic.window_lt: 0.01, campaign.0.forecasters.quadratic_filtered: {} | Re400 |
-  forecasters.quadratic.window_lt | shorter than one step | has 61
-forecasters.quadratic.window_lt: 70, campaign.0.forecasters.quadratic_filtered: {} | Re400 |
-  forecasters.quadratic.window_lt | 4270 steps | has 4001 samples
-cases.Re400.ensemble: {duration: 3688} | recycle_validation.intervals_per_series
+& campaign.0.event_shares: [0.13, all], case_defaults.ensemble.series: 179 | has 2 | are 180 series
+forecasters.filter.members: 16, campaign.0.forecasters.quadratic_filtered: {} |
+  Re400 | forecasters.filter.members | 18 for the system mfe
+forecasters.quadratic.window_lt: 70, campaign.0.forecasters.quadratic_filtered: {} |
+  Re400 | forecasters.quadratic.window_lt | 4270 steps | has 4001 samples
 campaign.2: {reynolds: [400], event_shares: [0.13, all], forecasters: {equations: {}}},
-  campaign.3: {reynolds: [400], event_shares: [0.17], forecasters: {equations: {}}} |
-  one list of event_shares must begin with the other
+  campaign.3: {reynolds: [400], event_shares: [0.17], forecasters: {equations: {}}} | must begin
 campaign: [{reynolds: [400], forecasters: {persistence: {}}}], washout_lt: 0.01 |
-  case Re400: washout_lt is 0.01 Lyapunov times, which is shorter than one step of the network: a |
-  a Lyapunov time has 61
-campaign: [{reynolds: [400], forecasters: {persistence: {}}}],
-  probability.start_spacing_lt: 0.01 | case Re400: probability.start_spacing_lt is 0.01
-campaign: [{reynolds: [400], forecasters: {persistence: {}}}],
-  classification.start_spacing_lt: 0.01 | case Re400: classification.start_spacing_lt is 0.01
-campaign: [{reynolds: [400], forecasters: {persistence: {}}}],
-  horizon.lead_time_step_lt: 0.01 | case Re400: horizon.lead_time_step_lt is 0.01
+  case Re400: washout_lt is 0.01 Lyapunov times | a Lyapunov time has 61
 campaign.0.event_shares: [0.17] | drawn from the series of Re400, which no block
-& campaign.0.event_shares: [0.17], cases.Re400.event_threshold: {quantile: 0.9} |
-  Re400 is a quantile of the training series
+& campaign.0.event_shares: [0.17], cases.Re400.event_threshold: {quantile: 0.9} | is a quantile of
 """
 TABLES["lorenz"] = """
 cases.lorenz.ensemble: {initial_state: null} | lorenz63 draws no initial states: give one
 cases.lorenz.ensemble: {perturbation: null} | are needed beside ensemble.initial_state
-cases.lorenz.ensemble: {initial_state: []} | ensemble.initial_state has 0 numbers
-cases.lorenz.files: [table.csv] |
-  case lorenz: files belong to a system or encoder of your own (<module>:<class>): leave them out
+cases.lorenz.files: [table.csv] | case lorenz: files belong to a system or encoder of your own
 """
 TABLES["paper reactive"] = """
-control.strategies: [strategy: receding_horizn] | strategies[0].strategy: must be a strategy |
-  reactive, receding_horizon
-plan.settings: {} | control.strategies[0].settings | needs the setting 'decision_interval_lt'
-plan.settings.level: [high] | strategies[0].settings: setting 'level' of strategy |
-  must be a finite number
-plan.settings.decision_interval_lt: [0.001] | case | control.strategies[0]: the interval |
-  must last a step
+control.strategies: [strategy: receding_horizn] | strategies[0].strategy: must be a strategy
+plan.settings.level: [high] | strategies[0].settings: setting 'level' of | must be a finite number
+plan.settings.decision_interval_lt: [0.001] | control.strategies[0]: the interval | must last a step
 plan.cases: [Re40] | control.strategies[0].cases | did you mean Re400
 plan.forecasters: {equations: {}} | control.strategies[0].forecasters | reactive uses no forecaster
 plan.committee: true | control.strategies[0].committee: reactive has no votes
-plan.strategy: planned, plan.settings: {decision_interval_lt: [0.25], horizon_lt: [3]},
-  plan.forecasters: {esn: {}} | which esn cannot use |
-  control.strategies[0]: planned passes the parameters in force to forecasters
 plan.strategy: prediction_triggered, plan.settings: {prediction_time_lt: [1], window_lt: [1]} |
   control.strategies[0].forecasters names no kind | asks forecasters
 plan.strategy: prediction_triggered, plan.settings: {prediction_time_lt: [1], window_lt: [1]},
-  plan.forecasters: {esn: {neurons: [7]}} | must be one of |
-  control.strategies.forecasters.esn.neurons:
+  plan.forecasters: {esn: {neurons: [7]}} | control.strategies.forecasters.esn.neurons: must be one
 plan.strategy: prediction_triggered, plan.settings: {prediction_time_lt: [0.5], window_lt: [1]},
-  plan.forecasters: {equations: {}} | control.strategies[0]: control is not defined |
-  before the alarm
+  plan.forecasters: {equations: {}} | control.strategies[0]: control is not defined
 """
 TABLES["paper receding_horizon"] = """
 plan.settings.vote_share: [0.5] | committees; say committee: true
 plan.committee: true, plan.settings.vote_share: [0.5, 5] | above 0, and 1 at most |
   control.strategies[0].settings.vote_share has 5
 plan.committee: true, plan.seeds: 2 | control.strategies[0].seeds | leave it out
-plan.committee: true, plan.forecasters: {equations: {}} | provides no ensemble |
-  control.strategies[0].forecasters names equations
+plan.committee: true, plan.forecasters: {equations: {}} | names equations | provides no ensemble
 """
 TABLES["measured"] = """
 cases.lab.event_threshold: ... | case lab: event_threshold: missing: value of
 cases.lab.data.observable: ... | case lab: data.observable is missing
 cases.lab.data.time_step: ... | case lab: data.time_step is missing: the time between
 cases.lab.data.time_step: 0 | data.time_step: must be a number above 0
-cases.lab.data.time_step: 5 months | time_step: must be a number above 0, or
 cases.lab.data.gaps: cut | case lab: data.gaps needs data.blocks beside it
-cases.lab.data.time: t | cases.lab.data.time: unknown setting
-cases.lab.data.step: 1 | cases.lab.data.step: unknown setting
 cases.lab.data.files: [lab/run_2.csv] | data.files: lab/run_2.csv: there is no such file
-cases.lab.data.files: [lab/run_1.mat] | lab/run_1.mat: files of series end in .csv
 cases.lab.data.files: [] | case lab: data needs files
+cases.lab.data.files: [lab/numbers.csv] | lab/numbers.csv, line 1 has numbers where the names of
 cases.lab.data.files: [lab/x_*] | case lab: data.files: no file is called lab/x_*
 cases.lab.data.case: Re400 | case lab: data needs files: [...], or else the name
-cases.lab.data.components: [w] | data.files: lab/run_1.csv: there is no column 'w'
 cases.lab.data.components: [u, u = v] | data.components has u twice
-cases.lab.data.known: [w] | data.known: there is no column 'w'
 cases.lab.data.observable: u + | 'u +' is no arithmetic expression
-cases.lab.data.observable: sin(u) | sin(u) is not understood
-cases.lab.data.observable: u(t-2) | u(t - 2) is not understood
 cases.lab.data.blocks: {gap: 1} | case lab: data.blocks needs a duration, or the length of
 cases.lab.data.blocks: {duration: 20, shortest: 30} | data.blocks.shortest is longer than
-cases.lab.data.delays: [2, 2] | cases.lab.data.delays: has 2 twice
 cases.lab.data.blocks: {duration: 20}, cases.lab.lyapunov.given_exponent: 0.5,
-  campaign.1.forecasters: {persistence: {}} |
-  case lab: horizon.longest_lead_time_lt, washout_lt or data.blocks.duration: series of 41 samples
-& cases.lab.data.blocks: {duration: 5}, cases.lab.lyapunov.given_exponent: 0.5,
-  campaign.1.forecasters: {persistence: {}} | case lab: classification.longest_prediction_time_lt, |
-  washout_lt or data.blocks.duration: series of 11 samples leave no room for a washout of 2 steps
-cases.lab.lyapunov.given_exponent: 0.5, probability.start_spacing_lt: 0.1,
-  campaign.1.forecasters: {persistence: {}} |
-  case lab: probability.start_spacing_lt is 0.1 Lyapunov times, which is shorter than one step
+  campaign.1.forecasters: {persistence: {}} | or data.blocks.duration: series of 41 samples
 cases.part.data.delays: [4000] | case part: data.delays reach back by 4000 steps
 cases.lab.system: mfe | case lab: system means nothing for measured series
-cases.lab.actuation: {parameters: {}} | case lab: actuation means nothing
 cases.lab.training.series: 1 | case lab: training.series is 1, but probabilities
 cases.lab.encoder: {kind: pod, modes: 1} | sensors and encoder are for cases of another
 cases.part.data.case: Re600 | case part: data.case is Re600; it must be a case of the
-cases.part.data.case: part | case part: data.case is part; it must be a case of the
 cases.part.data.case: lab | that is simulated: Re400
-cases.part.data.components: [a1, b] | there is no column 'b'
 cases.part.data.components: [a1, a10] | no column 'a10' (did you mean 'a1'?)
 cases.part.data.time_step: 1 | data.time_step means nothing where the series come from
 & cases.part.data.observable: a1 | case part: event_threshold: missing
 campaign.1.forecasters.equations: {}, campaign.1.forecasters.equations_filtered: {} |
-  cases lab, part: there are no equations of measured series to forecast with |
-  (equations, equations_filtered)
+  cases lab, part: there are no equations of measured series | (equations, equations_filtered)
 cases.lab.data.known: [v] | data.known has v, which forecasters see and forecast
-cases.lab.data.components: [u], cases.lab.data.known: [vv] | (did you mean 'v'?) |
-  data.known: there is no column 'vv'
-campaign.1: {cases: [lab], forecasters: {quadratic_aware: {}, persistence: {}}} |
-  data.known is empty, but quadratic_aware
+cases.lab.data.components: [u], cases.lab.data.known: [vv] | no column 'vv' (did you mean 'v'?)
+campaign.1: {cases: [lab], forecasters: {quadratic_aware: {}, persistence: {}}} | known is empty
 cases.lab.data.components: [u], cases.lab.data.known: [v], cases.lab.training.trained_on: [lab],
-  campaign.1: {cases: [lab], forecasters: {quadratic_aware: {}}} |
-  training.trained_on means nothing for measured series
+  campaign.1: {cases: [lab], forecasters: {quadratic_aware: {}}} | training.trained_on means nothing
 """
 TABLES["measured reactive"] = """
 plan.cases: [part] | control.strategies[0].cases: control needs equations
 """
 TABLES["aware"] = """
-cases.Re800.training.actuation: null, case_defaults.training.trained_on: [] |
-  reynolds does not vary in training | training.trained_on
+cases.Re800.training.actuation: null, case_defaults.training.trained_on: [] | reynolds does not vary
 case_defaults.training.trained_on: [Re400, Re80] | Re80 is no case | did you mean Re800?
 forecasters.aware.parameters: [reynold] | no parameter 'reynold' | did you mean 'reynolds'
-& cases.Re400.training.trained_on: [Re800, Re400] |
-  hyperparameters that are found for the first case, Re400
+& cases.Re400.training.trained_on: [Re800, Re400] | are found for the first case, Re400
 cases.Re800.ensemble.duration: 500 | must have the same ensemble.duration, not 400.0, 500.0
 """
 TABLES["aware planned"] = """
 plan.forecasters: {quadratic_filtered: {}} | which quadratic_filtered cannot use
 plan.settings.horizon_lt: [2] | plans are longer than the horizon
-plan.settings.horizon_lt: [2], plan.cases: [Re400switched],
-  plan.forecasters: {quadratic_aware_filtered: {}} | case Re400switched |
-  plans are longer than the horizon
-plan.settings.reversible: [true] | only a force can be reversed
-plan.strategy: receding_horizon, plan.forecasters: {esn: {}}, plan.observed: [Re800] |
-  Re800 is no part of another case | modes_4
-plan.strategy: receding_horizon, plan.settings.horizon_lt: [1], plan.settings.aware: [true],
-  plan.delay_lt: [1] | does not reach beyond the delay of 1
-plan.strategy: reactive, plan.forecasters: null,
-  plan.settings: {level: [0.3], decision_interval_lt: [0.5], watch: [b1]} | unknown name 'b1' |
-  known are a1
-plan.strategy: reactive, plan.forecasters: null,
-  plan.settings: {level: [0.3], decision_interval_lt: [0.5], push: [-a2]} |
-  only a force can be reversed
+plan.strategy: receding_horizon, plan.forecasters: {esn: {}}, plan.observed: [Re800] | modes_4
 """
 TABLES["encoded"] = """
-cases.sensors_pod.encoder.modes: 81 | case sensors_pod | from 1 to 80
-cases.invariants.encoder.kind: invariant | encoder.kind: must be an encoder |
-  pod, state_estimate, or <module>:<class> of your own
+cases.invariants.encoder.kind: invariant | pod, state_estimate, or <module>:<class> of your own
 cases.invariants.encoder.kind: "shift_invariants:Invariant" | case invariants: encoder.kind: |
-  has no class Invariant (did you mean 'Invariants'?); its encoders are Invariants
-cases.invariants.encoder.kind: "no_such_module:Encoder" |
-  case invariants: encoder.kind: there is no module no_such_module
+  has no class Invariant (did you mean 'Invariants'?)
 cases.invariants.files: [rates.csv] | case invariants: files: there is no file rates.csv in
-cases.sensors_pod.files: [rates.csv] |
-  case sensors_pod: files belong to a system or encoder of your own
-cases.modes: {data: {case: Re400}, encoder: {kind: "shift_invariants:Invariants"}},
-  campaign.3: {reynolds: [400], cases: [modes], forecasters: {persistence: {}}} |
-  case modes: sensors, encoder: MoehlisFaisstEckhardt has no invariants to encode
-campaign.2.forecasters.equations_filtered: {} |
-  the encoder shift_invariants:Invariants cannot be decoded | (equations_filtered)
+campaign.2.forecasters.equations_filtered: {} | cannot be decoded | (equations_filtered)
 cases.sensors_pod.data.delays: [2] | data.delays means nothing beside sensors or an encoder
 cases.turbulence.sensors: {} | sensors and encoder are for cases of another case's
 cases.sensors_pod.training.noise: 0 | training.noise is 0
-cases.turbulence.lyapunov.series: 7 | lyapunov.series: must be at most
-cases.invariants.encoder.modes: 5 | encoder.modes is no option of the encoder |
-  shift_invariants:Invariants: leave it out
 cases.turbulence.parameters.largest_wavenumber: 10, cases.sensors_pod.encoder.modes: 364 |
-  case sensors_pod: sensors, encoder: encoder.modes is 364 | have 363 snapshots
+  case sensors_pod: | encoder.modes is 364 | have 363 snapshots
 cases.sensors.training.noise: 0 | case sensors: sensors, encoder: training.noise
-cases.turbulence.parameters.largest_wavenumber: 3.5 |
-  case turbulence: system or parameters: largest_wavenumber must be a positive whole
-cases.turbulence.actuation.parameters.largest_wavenumber: 5 | 80, not make it 120 |
-  actuation: an actuation must leave the number of components
-cases.sensors.ensemble.series: 10 | case sensors: ensemble means nothing for
-cases.sensors.actuation.parameters.reynolds: 20 |
-  case sensors: actuation means nothing for measured series
+cases.turbulence.parameters.largest_wavenumber: 3.5 | case turbulence: system or parameters:
+cases.turbulence.actuation.parameters.largest_wavenumber: 5 | actuation: | 80, not make it 120
 campaign: [{cases: [turbulence], forecasters: {persistence: {}}}], control.strategies: [],
-  cases.turbulence.data.known: [a_1_0] |
-  case turbulence: data needs files: [...], or else the name of another case
+  cases.turbulence.data.known: [a_1_0] | case turbulence: data needs files: [...], or else
 """
 TABLES["encoded probability_triggered"] = """
-plan.settings.hold_lt: [1], plan.forecasters: {esn: {}} |
-  control.strategies[0].forecasters names esn | takes classifiers: esn_direct, precursor
-plan.settings.hold_lt: [1], plan.settings.windows: [4] |
-  control.strategies[0].settings.windows: classifiers have 3
-plan.settings.probability: [0.2] | control.strategies[0].settings: strategy |
-  needs the setting 'hold_lt'
+plan.settings.hold_lt: [1], plan.forecasters: {esn: {}} | takes classifiers: esn_direct, precursor
+plan.settings.hold_lt: [1], plan.settings.windows: [4] | settings.windows: classifiers have 3
 """
 TABLES["encoded receding_horizon"] = """
-plan.observed: [invariants], plan.forecasters: {precursor: {}} | forecasts no states |
-  control.strategies[0].forecasters names precursor
+plan.observed: [invariants], plan.forecasters: {precursor: {}} | strategies[0] | forecasts no states
 plan.observed: [sensors], plan.forecasters: {equations_filtered: {}}, plan.strength: [1, 3] |
   case turbulence: actuation: at a strength of 3, reynolds must be positive
-plan.observed: [invariants], plan.forecasters: {equations_filtered: {}} |
-  strategies[0].forecasters: the campaign has no equations_filtered for invariants
+plan.observed: [invariants], plan.forecasters: {equations_filtered: {}} | no equations_filtered for
 plan.observed: [sensors], plan.forecasters: {equations_filtered: {}},
-  cases.turbulence.actuation: null |
-  strategies[0].observed: sensors is a part of turbulence, which this block does not
+  cases.turbulence.actuation: null | strategies[0].observed: sensors is a part of turbulence
 """
 TABLES["precursor"] = """
-statistics.forecasters.precursor: {} |
-  statistics.forecasters names precursor, which gives probabilities of events and forecasts no sta
-control.forecasters.precursor: {} |
-  control.forecasters names precursor, which gives probabilities of events and forecasts no states
-forecasters.precursor.lags_lt: [0.2, 0.5] |
-  cases Re400, modes_4: forecasters.precursor.lags_lt has 0.5, a lag of 30 steps, but washout_lt |
-  washout_lt holds the present and 29 steps before it
-case_defaults.lyapunov.time_unit: computed, forecasters.precursor.lags_lt: [0.6] |
-  washout_lt holds
-forecasters.precursor.lags_lt: [0.001] | shorter than one step
-forecasters.classifiers.start_spacing_lt: 0.001 |
-  forecasters.classifiers.start_spacing_lt is 0.001 Lyapunov times, which is shorter than one step
-forecasters.esn_direct.neurons: 20 |
-  forecasters.esn.connectivity is 20, but a reservoir of 20 neurons (forecasters.esn_direct.neurons)
-"""
-TABLES["precursor receding_horizon"] = """
-plan.forecasters: {precursor: {}} | control.strategies[0].forecasters names precursor, which gives |
-  probabilities of events and forecasts no states; leave it out
+statistics.forecasters.precursor: {} | statistics.forecasters names precursor | no states
+forecasters.precursor.lags_lt: [0.2, 0.5] | cases Re400, modes_4: forecasters.precursor.lags_lt |
+  a lag of 30 steps | washout_lt holds the present and 29 steps before it
+case_defaults.lyapunov.time_unit: computed, forecasters.precursor.lags_lt: [0.6] | washout_lt holds
+forecasters.classifiers.start_spacing_lt: 0.001 | start_spacing_lt is 0.001 Lyapunov times
+forecasters.esn_direct.neurons: 20 | connectivity is 20 | 20 neurons (forecasters.esn_direct
 """
 
 SOUND = {}
 SOUND["paper"] = """
 search.grid: '4'
-search.tikhonov: [1e-6]
-horizon.tolerance: 2.5e3
 statistics.forecasters: {}, control.forecasters: {}
-statistics.forecasters: {esn: {}}, control.forecasters: {esn: {}}
 case_defaults.laminarisation_threshold: null
-search.surrogate: {length_scale: [0.01, 0.1], random_state: 10, first_length_scale: 0.05}
 forecasters.filter.members: 16
-forecasters.quadratic.window_lt: 0.01
 forecasters.quadratic.window_lt: 70
-cases.Re400.ensemble: {duration: 3689}
-cases.Re1000.recycle_validation: {intervals_per_series: 1000000}, campaign.1.reynolds: [600]
 campaign.0.realisations: 5
 campaign.2: {reynolds: [400], event_shares: [0.13, all], forecasters: {equations: {}}}
 probability.calibration_series: 20, case_defaults.training.series: 1,
   case_defaults.recycle_validation.series: 1, cases.Re400.recycle_validation.series: 1
 """
 SOUND["lorenz"] = """
-cases.lorenz.parameters: {rho: 28}
 cases.lorenz.lyapunov.given_exponent: null,
   cases.lorenz.recycle_validation.intervals_per_series: 1000000
 campaign: [{cases: [lorenz], forecasters: {persistence: {}}}], control.forecasters: {}

@@ -11,9 +11,8 @@ import os
 import random
 
 import pytest
-import yaml
 from helpers_configs import paper_with, read
-from helpers_rebuilds import ROOT, Project
+from helpers_rebuilds import ROOT
 
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_cases, settings_of_job
@@ -27,7 +26,6 @@ from burstcast_workflow.tables.registry import latex_names, table_names
 
 NUMBER = int(os.environ.get("BURSTCAST_MUTATIONS", "500"))
 SEED = int(os.environ.get("BURSTCAST_SEED", "2026"))
-PLANNED_BY_SNAKEMAKE = 12  # of each 500
 PRESETS = ("tiny", "miniature", "quick", "beyond_the_paper")
 
 # of all types, in and out of range, as YAML reads them
@@ -138,22 +136,3 @@ def test_mutated_configs_have_a_plan_or_clear_messages(capsys):
         print(f"\nseed {SEED}: {NUMBER} mutations, {json.dumps(counts)}, {len(failures)} failures")
     assert not failures, "\n".join(failures)
     assert min(counts.values()) > NUMBER / 20  # it tries both
-
-
-@pytest.mark.long
-def test_snakemake_says_what_a_mutated_config_has(tmp_path, job_server, capsys):
-    """A sample of the same, through Snakemake from a file."""
-    project = Project.create(tmp_path / "project", job_server)
-    counts = {"plans": 0, "messages": 0}
-    for number in range(max(1, NUMBER * PLANNED_BY_SNAKEMAKE // 500)):
-        chance = random.Random(f"{SEED} snakemake {number}")
-        tiny = yaml.safe_load((ROOT / "workflow/presets/tiny.yaml").read_text())
-        config, changes = mutated(tiny, chance)
-        result = project.snakemake("-n", "--quiet", "rules", overlay=config)
-        assert "Traceback" not in result.text, (changes, result.text)
-        counts["messages" if result.status else "plans"] += 1
-        if result.status:
-            assert result.text.count("The configuration has") == 1, (changes, result.text)
-            assert not (project.directory / "results").exists()
-    with capsys.disabled():
-        print(f"\nseed {SEED}: {json.dumps(counts)} through Snakemake")

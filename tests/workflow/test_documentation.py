@@ -1,6 +1,5 @@
 """README, docs and site: commands run, links lead somewhere, pages show what is kept."""
 
-import ast
 import io
 import pkgutil
 import re
@@ -8,17 +7,17 @@ import shlex
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from helpers_configs import FLOW
+from helpers_configs import FLOW, ROOT
 from helpers_rebuilds import Project
 from PIL import Image
 
-ROOT = Path(__file__).parents[2]
+from burstcast.figures.registry import available_figures
+
 PAGES = sorted(ROOT.glob("README.md")) + sorted((ROOT / "docs").glob("*.md"))
 PAGES += sorted((ROOT / "docs" / "results").glob("*.md"))
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
@@ -88,20 +87,20 @@ def tried(project, command):
         # lines of a target's recipe
         lines = said_by(["make", "-n", *words[1:], "-o", ".venv/installed"], project).splitlines()
         assert lines
-        if not set(words) & set(TAKES_LONG):
-            for line in lines:
-                if line.startswith(".venv/"):
-                    tried(project, line)
+        for line in lines if not set(words) & set(TAKES_LONG) else ():
+            if line.startswith(".venv/"):
+                tried(project, line)
     elif program == ".venv/bin/snakemake":
         if "profiles/slurm" in words:  # its executor need not be there (tests/slurm)
             place = words.index("--workflow-profile")
             del words[place : place + 2]
         if "--unlock" not in words:
             planned(project, words[1:])
-    elif words[:2] == [".venv/bin/python", "-m"] or program == ".venv/bin/burstcast":
-        if program.endswith("burstcast"):
-            words = ["", "-m", "burstcast_workflow.commands.command_line", *words[1:]]
+    elif words[:2] == [".venv/bin/python", "-m"]:
         said_by([sys.executable, *words[1:]], project)
+    elif program == ".venv/bin/burstcast":
+        module = "burstcast_workflow.commands.command_line"
+        said_by([sys.executable, "-m", module, *words[1:]], project)
     elif program.startswith(".venv/bin/"):  # pytest, pip: their files are there
         files = [word for word in words[1:] if word.startswith(("tests/", "benchmarks/"))]
         assert all((ROOT / name).exists() for name in files)
@@ -150,23 +149,15 @@ def test_the_readme_is_short_and_every_page_in_the_index():
 # -- references and kept numbers -------------------------------------------------------------------
 
 
-def test_the_page_of_references_is_made_from_the_bibliography():
+def test_the_page_of_references_has_each_work_that_is_cited_and_no_other():
     script = ROOT / "docs" / "site" / "references.py"
-    made = subprocess.run([sys.executable, script], capture_output=True, check=True)
-    assert (ROOT / "docs" / "references.md").read_bytes() == made.stdout
-
-
-def test_each_citation_leads_to_a_work_and_each_work_is_cited():
+    made = subprocess.run([sys.executable, script], capture_output=True, check=True).stdout
+    page = (ROOT / "docs" / "references.md").read_text()
+    assert page.encode() == made
     works = re.findall(r"^@\w+\{(\w+),$", (ROOT / "docs" / "references.bib").read_text(), re.M)
-    headings = re.findall(r"^## (\w+)$", (ROOT / "docs" / "references.md").read_text(), re.M)
-    assert headings == sorted(set(works))
-    assert len(works) == len(headings)
-    cited = {
-        key
-        for page in PAGES
-        for key in re.findall(r"\]\((?:docs/)?references\.md#(\w+)\)", page.read_text())
-    }
-    assert cited == set(works)
+    assert re.findall(r"^## (\w+)$", page, re.M) == sorted(works)
+    cited = r"\]\((?:docs/)?references\.md#(\w+)\)"
+    assert {key for page in PAGES for key in re.findall(cited, page.read_text())} == set(works)
 
 
 def test_costs_on_the_page_of_performance_are_those_of_the_kept_tables():
@@ -223,32 +214,9 @@ def test_every_public_module_has_its_place(build):
     assert named == {name for name in public if "._" not in name}
 
 
-def test_a_public_name_without_a_docstring_is_found(build):
-    text = '"""Documented."""\nclass A:\n    """Documented."""\n    def b(self): ...\ndef _c(): ...'
-    assert list(build._undocumented("m", ast.parse(text))) == ["m.A.b"]
-    assert list(build._undocumented("m", ast.parse("def b(): ...\n"))) == ["m", "m.b"]
-
-
-def test_links_hold_where_their_page_lies(build):
-    for link, page, expected in (
-        ("performance.md#x", "method.md", "performance.md#x"),
-        ("../config.yaml", "method.md", "repository/config.yaml"),
-        ("figures.md", "repository/b.md", "../figures.md"),
-        ("README.md", "method.md", "index.md"),
-        ("nowhere.md", "method.md", "nowhere.md"),
-    ):
-        relinked = build._relinked(f"[a]({link})", ROOT / "docs" / "method.md", page)
-        assert relinked == f"[a]({expected})"
-
-
-def test_every_figure_is_in_the_gallery_once(build):
-    from burstcast.figures.registry import available_figures
-
+def test_the_gallery_has_every_figure_once_and_those_of_the_kept_tables(build):
     named = re.findall(r"^#### (\w+)$", build.gallery({}), re.MULTILINE)
     assert sorted(named) == available_figures()
-
-
-def test_pages_show_the_figures_of_the_kept_tables(build):
     drawn = build.pictures()
     for name in ("forecast_skill", "control_frontier"):
         preset, picture = drawn[name]
@@ -274,35 +242,3 @@ def test_the_commands_of_the_gallery_make_their_figures(build, tmp_path):
     for options, wanted in targets.items():
         plan = planned(project, [*wanted, *options])
         assert re.search(rf"^figure +{len(wanted)}$", plan, re.MULTILINE)
-
-
-def test_names_of_settings_break_after_dots(build):
-    row = "| `search.grid` | `a.b` |\n| one | `c.d` |"
-    assert build.breakable(row) == "| <code>search.<wbr>grid</code> | `a.b` |\n| one | `c.d` |"
-
-
-def test_a_notebook_becomes_a_page(build):
-    cells = [
-        {"cell_type": "markdown", "source": ["# Title\n", "Text."]},
-        {
-            "cell_type": "code",
-            "source": ["print(1)"],
-            "outputs": [
-                {"output_type": "stream", "text": ["1\n"]},
-                {"data": {"image/png": "aGk=", "text/plain": "<Figure>"}},
-                {"data": {"text/plain": ["(2, 3)"]}},
-            ],
-        },
-    ]
-    notebook = {"cells": cells}
-    assert build.notebook_pictures("own", notebook) == {"own_0.png": b"hi"}
-    assert build.notebook_page("own", notebook).split("\n\n") == [
-        "# Title",
-        "Text.",
-        "Download: [own.ipynb](own.ipynb)",
-        "```python\nprint(1)\n```",
-        "```text\n1\n```",
-        "![output](images/own_0.png)",
-        "```text\n(2, 3)\n```",
-        "",
-    ]

@@ -3,13 +3,12 @@
 import dataclasses
 import json
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from helpers_configs import tiny_with
+from helpers_configs import ROOT, tiny_with
 from helpers_rebuilds import Project
 from sklearn.metrics import average_precision_score
 
@@ -20,7 +19,6 @@ from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
 from kolmogorov_flow import KolmogorovFlow
 
-ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "kolmogorov"
 OVERLAY = yaml.safe_load((EXAMPLE / "tiny.yaml").read_text())
 FLOW = KolmogorovFlow(40.0, 4, 4)

@@ -28,15 +28,6 @@ from burstcast_workflow.harness.version import HARNESS_VERSION
 # -- JSON ------------------------------------------------------------------------------------------
 
 
-def test_json_round_trip(tmp_path):
-    record = {"b": [1, 2.5, None, True], "a": {"ä": "k ≥ k_e", "tiny": 5e-324, "third": 1 / 3}}
-    write_json(tmp_path / "record.json", record)
-    assert read_json(tmp_path / "record.json") == record
-    text = (tmp_path / "record.json").read_text()
-    assert text.index('"a"') < text.index('"b"')
-    assert text.endswith("}\n")
-
-
 @pytest.mark.parametrize(
     ("value", "error"),
     [(math.nan, ValueError), (math.inf, ValueError), (np.int64(1), TypeError)],
@@ -50,40 +41,15 @@ def test_json_refuses_what_it_cannot_say(tmp_path, value, error):
 # -- tables ----------------------------------------------------------------------------------------
 
 
-EXAMPLE = pd.DataFrame(
-    {
-        "case": ["Re400", "NA", None],
-        "reynolds": pd.array([400, None, 600], dtype="Int64"),
-        "neurons": [500, 1000, 2000],
-        "f_score": [0.1 + 0.2, np.nan, 1e-300],
-        "mean": [1.0, 2.0, np.inf],
-        "nothing": [np.nan, np.nan, np.nan],
-        "chosen": [True, False, True],
-        "note": ['a "quoted", text', "two\nlines", "ä"],
-    }
-)
-
-
-def test_text_of_the_file(tmp_path):
-    write_table(tmp_path / "table.csv", EXAMPLE.drop(columns="note"))
-    assert (tmp_path / "table.csv").read_bytes() == (
-        b"case,reynolds,neurons,f_score,mean,nothing,chosen\n"
-        b"Re400,400,500,0.30000000000000004,1.0,,True\n"
-        b"NA,,1000,,2.0,,False\n"
-        b",600,2000,1e-300,inf,,True\n"
-    )
-
-
 @pytest.mark.parametrize(
     "table",
     [
-        EXAMPLE,
-        EXAMPLE.iloc[:0],
+        pd.DataFrame({"case": [], "f_score": []}),
         pd.DataFrame({"x": [np.nan, 1.5, np.nan]}),
         pd.DataFrame({"case": ["nan", "1_000", "0x1", "1", None, "1e"]}),  # only like numbers
         pd.DataFrame({"case": ["Re400"] * 50_000, "event": np.arange(50_000)}),
     ],
-    ids=["of all types", "no rows", "nothing in lines", "like numbers", "large"],
+    ids=["no rows", "nothing in lines", "like numbers", "large"],
 )
 def test_write_table_and_read_table_keep_values_types_and_text(table, tmp_path):
     paths = [tmp_path / name for name in ("table.csv", "again.csv")]

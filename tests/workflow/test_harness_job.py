@@ -3,7 +3,6 @@
 import json
 import os
 import signal
-import subprocess
 import sys
 import textwrap
 import time
@@ -98,38 +97,32 @@ def run(directory, body):
 
 
 def test_success(tmp_path):
-    body = f"""{MAIN}
-    print("from print")
-    os.system("echo from a child")
-    os.write(2, b"from compiled code")
-    np.log(np.zeros(1))
-    assert data == "data.nc"
-    read = {{"name": settings.name, "number": settings.number}}
-    write_json(network, {{"settings": read, "provenance": settings.provenance}})
-    """
-    result, log = run(tmp_path, body)
-    assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
-    record = json.loads((tmp_path / "deep" / "er" / "network.json").read_text())
-    assert record["settings"] == {"name": "Re400", "number": 3}
-    assert 'train (case=Re400, seed=3) starts with settings {"name": "Re400", "number": 3}' in log
-    for text in ("from print", "from a child", "from compiled code", "RuntimeWarning: divide"):
-        assert text in log
-    assert "is done: 0." in log
-    assert "MiB" in log
-
-
-def test_a_job_of_a_run_finds_own_modules_and_records_how_long_it_took(tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "own_flow.py").write_text("RATE = 2")
     body = f"""{MAIN}
     import own_flow
+    print("from print")
+    os.system("echo from a child")
+    os.write(2, b"from compiled code")
+    np.log(np.zeros(1))
     time.sleep(0.2)
-    write_json(network, {{"rate": own_flow.RATE}})
+    script.write_text("import burstcast.base.durations  # a comment is no edit")
+    assert data == "data.nc"
+    read = {{"name": settings.name, "number": settings.number, "rate": own_flow.RATE}}
+    write_json(network, {{"read": read, "provenance": settings.provenance}})
     """
     result, log = run(tmp_path, body)
-    assert result.returncode == 0, log
-    (record,) = (tmp_path / ".burstcast_cache").rglob("entry.json")
-    assert 0.2 <= json.loads(record.read_text())["seconds"] < 60
+    assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
+    record = json.loads((tmp_path / "deep" / "er" / "network.json").read_text())
+    assert record["read"] == {"name": "Re400", "number": 3, "rate": 2}
+    assert 'train (case=Re400, seed=3) starts with settings {"name": "Re400", "number": 3}' in log
+    for text in ("from print", "from a child", "from compiled code", "RuntimeWarning: divide"):
+        assert text in log
+    assert "is done: " in log
+    assert "MiB" in log
+    assert "settings not read" not in log
+    (entry,) = (tmp_path / ".burstcast_cache").rglob("entry.json")
+    assert 0.2 <= json.loads(entry.read_text())["seconds"] < 60
 
 
 def test_provenance_has_versions_and_nothing_of_time_machine_or_path(tmp_path):
@@ -156,7 +149,7 @@ def test_failure_is_one_line_and_a_traceback_in_the_log(tmp_path):
         "(log: logs/train.log)\n"
     )
     assert "Traceback" in log
-    assert "train (case=Re400, seed=3) failed: 0." in log
+    assert "train (case=Re400, seed=3) failed: " in log
 
 
 def main_with(parameters):
@@ -192,18 +185,6 @@ def test_a_job_that_is_not_what_its_rule_says_fails(tmp_path, body, complaint):
     assert not (tmp_path / "ran").exists()
 
 
-def test_a_comment_is_no_edit_while_a_job_runs(tmp_path):
-    edit = '    script.write_text("import burstcast.base.durations  # a comment")'
-    assert run(tmp_path, f"{MAIN}{edit}, write_json(network, {{}})")[0].returncode == 0
-
-
-@pytest.mark.parametrize("read", ["name", "number"])
-def test_settings_that_nobody_reads_are_in_the_log(tmp_path, read):
-    _, log = run(tmp_path, f"{MAIN}    settings.name, settings.{read}, write_json(network, {{}})")
-    assert ("settings not read: number" in log) == (read == "name")
-    assert "is done" in log
-
-
 def test_outputs_come_from_the_cache_with_their_log(tmp_path):
     body = f"{MAIN}    settings.name, print('computed'), write_json(network, {{}})"
     first = run(tmp_path, body)[1]
@@ -216,8 +197,8 @@ def test_outputs_come_from_the_cache_with_their_log(tmp_path):
     for log in (first, second):
         assert "computed\n" in log
         assert "settings not read: number" in log
-        assert "is done: 0." in log.splitlines()[-1]
-    assert "taken from the cache: the outputs are those of this job, which took 0." in second
+        assert "is done: " in log.splitlines()[-1]
+    assert "taken from the cache: the outputs are those of this job, which took " in second
     assert "the outputs are" not in first
     assert cache_summary(tmp_path, 0.0) == "1 of 1 jobs took their results from the cache."
     assert cache_summary(tmp_path, time.time() + 60) == ""
@@ -244,9 +225,13 @@ def test_a_job_that_depends_on_something_else_computes(tmp_path, change):
     assert (tmp_path / "ran").read_text() == "xx"
 
 
-def test_what_a_killed_job_leaves_is_not_taken_for_a_damaged_result(tmp_path):
+def test_what_a_killed_job_leaves_is_removed_and_not_taken_for_a_damaged_result(tmp_path):
+    leftover = tmp_path / "deep/er/.network.json.0123.partial"
+    leftover.parent.mkdir(parents=True)
+    leftover.write_text("half")
     body = f"{MAIN}    write_json(network, {{}})"
     run(tmp_path, body)
+    assert not leftover.exists()
     killed = f"snakemake.wildcards['seed'] = '4'\n{MAIN}    write_json(network, [1]), os._exit(9)"
     assert run(tmp_path, killed)[0].returncode == 9
     assert (tmp_path / "deep/er/network.json").read_text() == "[\n  1\n]\n"
@@ -271,25 +256,17 @@ def test_an_input_that_changes_while_the_job_runs_is_noticed(tmp_path):
     assert not list((tmp_path / ".burstcast_cache").rglob("entry.json"))
 
 
-def test_leftovers_of_killed_jobs_are_removed(tmp_path):
-    leftover = tmp_path / "deep" / "er" / ".network.json.0123.partial"
-    leftover.parent.mkdir(parents=True)
-    leftover.write_text("half")
-    run(tmp_path, f"{MAIN}    pass")
-    assert not leftover.exists()
-
-
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGKILL])
 def test_a_stopped_job_cleans_up_and_a_killed_one_leaves_nothing_finished(tmp_path, number):
     waiting = """
     with atomic(network) as partial:
         partial.write_text("half")
         open("ready", "w").close()
-        time.sleep(30)
+        time.sleep(600)
     """
     with TemporaryFile() as output:
         job = started(tmp_path, MAIN + waiting, (output, output))
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + 300
         while not (tmp_path / "ready").exists():
             assert time.monotonic() < deadline
             time.sleep(0.02)
@@ -303,18 +280,6 @@ def test_a_stopped_job_cleans_up_and_a_killed_one_leaves_nothing_finished(tmp_pa
     assert files == []
 
 
-def test_importing_it_is_cheap():
-    code = (
-        "import sys, burstcast_workflow.harness.job\n"
-        "slow = ('scipy', 'pandas', 'pydantic', 'yaml', 'llvmlite', 'matplotlib', 'netCDF4')\n"
-        "print([name for name in slow if name in sys.modules])"
-    )
-    result = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert result.stdout.strip() == "[]"
-
-
 # -- the ends of logs ------------------------------------------------------------------------------
 
 
@@ -322,37 +287,34 @@ def write(path, text, age=0.0):
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text)
     os.utime(path, (time.time() - age, time.time() - age))
-    return path
+    return str(path)
 
 
 def failures(directory, age):
     return failure_summary(directory / "logs", directory / "slurm", time.time() - age)
 
 
-def test_failure_summary_has_the_ends_of_logs_of_failed_and_killed_jobs_in_the_order_of_time(
-    tmp_path,
-):
-    write(tmp_path / "logs" / "train" / "a.log", "starts\nINFO train (seed=1) is done: 1.00 s\n")
-    write(tmp_path / "logs" / "fine.log", "x is done: 1 s\n\n", age=5)
-    write(tmp_path / "logs" / "old.log", "ValueError: long ago\n", age=3600)
+def test_failure_summary_has_the_ends_of_logs_of_failed_and_killed_jobs_by_time(tmp_path):
+    logs = tmp_path / "logs"
+    write(logs / "train" / "a.log", "starts\nINFO train (seed=1) is done: 1.00 s\n")
+    write(logs / "fine.log", "x is done: 1 s\n\n", age=5)
+    write(logs / "old.log", "ValueError: long ago\n", age=3600)
     assert failures(tmp_path, 60) == ""
     lines = "".join(f"line {number}\n" for number in range(50))
-    failed = write(tmp_path / "logs" / "b.log", lines + "ValueError: bad\n", age=20)
-    killed = write(tmp_path / "logs" / "a.log", "", age=10)
+    failed = write(logs / "b.log", lines + "ValueError: bad\n", age=20)
+    killed = write(logs / "a.log", "", age=10)
     of_slurm = write(tmp_path / "slurm" / "group" / "7.log", "exceeded memory limit\n")
     text = failures(tmp_path, 60)
-    assert text.index(str(failed)) < text.index(str(killed)) < text.index(str(of_slurm))
+    assert text.index(failed) < text.index(killed) < text.index(of_slurm)
     # twelve lines of each in all
     for line in ("ValueError: bad", "(empty)", "exceeded memory limit", "line 49", "line 39\n"):
         assert line in text
     assert "line 38\n" not in text
     assert "fine.log" not in text
-
-
-def test_many_failures_are_listed_by_name_only(tmp_path):
+    # many are listed by name only
     for number in range(25):
-        write(tmp_path / "logs" / f"{number}.log", f"reason {number}\n", age=100 - number)
-    text = failures(tmp_path, 1000)
-    for line in ("reason 0", "15 more", "24.log"):
+        write(logs / f"{number}.log", f"reason {number}\n", age=1000 - number)
+    text = failures(tmp_path, 2000)
+    for line in ("reason 0", "17 more", "24.log"):
         assert line in text
     assert "reason 24" not in text

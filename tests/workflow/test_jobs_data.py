@@ -58,37 +58,22 @@ def problems(tmp_path, steps=20, samples=400, **changed):
     return ""
 
 
-def test_all_that_does_not_fit_is_one_list(tmp_path):
-    message = problems(tmp_path, steps=100)
+def test_all_that_does_not_fit_is_one_list_of_what_the_case_has(tmp_path):
+    assert not problems(tmp_path)
+    (tmp_path / "lengths.json").unlink()
+    message = problems(tmp_path, steps=100, **{"forecasters.quadratic.window_lt": 30})
     assert "a series of 400 samples has 4 Lyapunov times of 100 steps" in message
     for named in ("search.interval_lt", "classification.longest_prediction_time_lt", "horizon."):
         assert named in message
-    assert "quadratic" not in message
+    assert "quadratic.window_lt" in message
     assert "statistics" not in message
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "unasked"),
-    [
-        ("classification.longest_prediction_time_lt", 30, {}),
-        ("horizon.longest_lead_time_lt", 25, {}),
-        ("statistics.duration", 0.1, {"job.asked_of_series.long_runs": False}),
-        ("forecasters.quadratic.window_lt", 30, {"job.asked_of_series.kinds": ["esn"]}),
-        ("search.interval_lt", 25, {"job.asked_of_series.validations": []}),
-        ("classification.resolution_lt", 0.001, {}),
-    ],
-)
-def test_lengths_of_case_names_each_and_no_other_and_only_what_the_case_has(
-    tmp_path, name, value, unasked
-):
-    assert not problems(tmp_path)
-    (tmp_path / "lengths.json").unlink()
-    message = problems(tmp_path, **{name: value})
-    assert name in message
-    # a search needs a washout before its interval, too
-    assert message.count("; ") == (2 if name.startswith("search.") else 1)
-    if unasked:
+    for unasked, name, value in (
+        ({"job.asked_of_series.long_runs": False}, "statistics.duration", 0.1),
+        ({"job.asked_of_series.kinds": ["esn"]}, "forecasters.quadratic.window_lt", 30),
+        ({"job.asked_of_series.validations": []}, "search.interval_lt", 25),
+    ):
         assert not problems(tmp_path, **{name: value}, **unasked)
+        (tmp_path / "lengths.json").unlink()
 
 
 # -- units of time ---------------------------------------------------------------------------------
@@ -110,24 +95,13 @@ def computed(tmp_path, exponent):
     return str(path)
 
 
-def test_the_config_is_believed_without_a_file():
+def test_the_computed_exponent_is_the_unit_where_none_is_published_or_the_config_says_so(tmp_path):
     assert clock(0.0163).lyapunov_time == 61
-    assert clock(0.9, time_step=0.01, stride=2).lyapunov_time == 55
     assert clock(None, time_step=0.01, stride=2).sampling_interval == 0.02
-
-
-@pytest.mark.parametrize(
-    ("exponent", "time_step", "stride", "steps"),
-    [(0.0155, 0.25, 4, 64), (0.9, 0.01, 2, 55), (0.1, 0.1, 1, 100)],
-)
-def test_the_computed_exponent(tmp_path, exponent, time_step, stride, steps):
-    path = computed(tmp_path, exponent)
-    of_steps = {"time_step": time_step, "stride": stride, "file": path}
-    assert clock(None, **of_steps).lyapunov_time == steps
-    # where it sets the unit of time although there is a published one
-    assert clock(0.01, "computed", **of_steps).lyapunov_time == steps
-    published = round(1 / (0.01 * time_step * stride))
-    assert clock(0.01, **of_steps).lyapunov_time == published != steps
+    path = computed(tmp_path, 0.0155)
+    assert clock(None, file=path).lyapunov_time == 64
+    assert clock(0.01, "computed", file=path).lyapunov_time == 64
+    assert clock(0.01, file=path).lyapunov_time == 100
 
 
 @pytest.mark.parametrize(
@@ -192,17 +166,16 @@ def chosen(source, drawn, **settings):
 
 def test_drawn_series_have_the_share_and_the_test_series_stay(source):
     path, happens = source
-    shares = happens.mean(axis=1)
-    wanted = (0.2, float(shares.mean()))
-    rows = [chosen(path, {"shares": given, "threshold": 0.1}) for given in ([0.2], [0.2, "all"])]
+    shares, drawn = happens.mean(axis=1), {"shares": [0.2, "all"], "threshold": 0.1}
+    order = chosen(path, drawn)
     held = slice(TRAINING, TRAINING + TEST + 1)
-    for order, share in zip(rows, wanted, strict=True):
-        assert sorted(order.tolist()) == list(range(KEPT))
-        np.testing.assert_array_equal(order[held], np.arange(KEPT)[held])
-        assert abs(shares[order[:TRAINING]].mean() - share) < 0.005
-    assert not set(rows[0][:TRAINING]) & set(rows[1][:TRAINING])
-    other_root = chosen(path, {"shares": [0.2], "threshold": 0.1}, random_seed=8)
-    assert other_root[:TRAINING].tolist() != rows[0][:TRAINING].tolist()
+    assert sorted(order.tolist()) == list(range(KEPT))
+    np.testing.assert_array_equal(order[held], np.arange(KEPT)[held])
+    assert abs(shares[order[:TRAINING]].mean() - shares.mean()) < 0.005
+    first, other_root = (chosen(path, drawn | {"shares": [0.2]}, random_seed=n) for n in (7, 8))
+    assert abs(shares[first[:TRAINING]].mean() - 0.2) < 0.005
+    assert not set(first[:TRAINING]) & set(order[:TRAINING])
+    assert other_root[:TRAINING].tolist() != first[:TRAINING].tolist()
 
 
 def test_blocks_of_series_are_taken_where_none_are_drawn(source):

@@ -1,7 +1,6 @@
 """Files of many jobs: each is what it says it is, and so are the rows of tables made from it."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,8 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from burstcast.base.names import KEYS
-from burstcast.forecasts.alarm_sources import BASELINES, alarm_sources
-from burstcast.forecasts.windows import WindowForecasts
 from burstcast_workflow.harness.job import job_identity, provenance
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.gather import origins
@@ -71,19 +68,16 @@ def test_what_a_job_was_told_is_known_of_its_files(tmp_path):
         assert origins([path])[0].identity == {"rule": "control", **wildcards}
 
 
-def tables_of(case, parameters, declared):
-    return TablesOfCase({"case.parameters": parameters, "tables": declared}, {"case": case})
-
-
 def test_key_columns_of_a_case():
     declared = {"scores": {"columns": ["case", "reynolds*", "value"]}}
     rows = {"scores": [{"value": 1}]}
-    with_keys = tables_of("Re400", {"reynolds": 400}, declared).with_keys(rows)
-    assert with_keys == {"scores": [{"case": "Re400", "reynolds": 400, "value": 1}]}
-    (row,) = tables_of("lorenz", {"sigma": 10}, declared).with_keys(rows)["scores"]
-    assert row == {"case": "lorenz", "reynolds": None, "value": 1}
-    declared = {"scores": {"columns": ["value"]}}
-    assert tables_of("lorenz", {"sigma": 10}, declared).with_keys(rows) == rows
+    for case, parameters, reynolds in (
+        ("Re400", {"reynolds": 400}, 400),
+        ("lorenz", {"sigma": 10}, None),
+    ):
+        settings = {"case.parameters": parameters, "tables": declared}
+        made = TablesOfCase(settings, {"case": case}).with_keys(rows)
+        assert made == {"scores": [{"case": case, "reynolds": reynolds, "value": 1}]}
 
 
 def test_files_that_do_not_belong_together_are_refused(tmp_path):
@@ -101,44 +95,7 @@ def test_files_that_do_not_belong_together_are_refused(tmp_path):
         origins([tmp_path / "x.json"])
 
 
-# -- sources of alarms -----------------------------------------------------------------------------
-
-
-def forecasts(*names, ensembles=()):
-    """Forecasts of one point, with two members where there is an ensemble."""
-    values = np.zeros((1, 3))
-    members = {name: np.zeros((1, 2 if name in ensembles else 0, 3)) for name in names}
-    return {
-        name: WindowForecasts(values, values, np.zeros(1, dtype=bool), several, several)
-        for name, several in members.items()
-    }
-
-
-def test_committees_are_of_seeds_and_of_members_of_an_ensemble():
-    networks = ["esn-N2000-RV-seed0", "esn-N2000-RV-seed1"]
-    singles = [*networks, "analogues", "quadratic", "quadratic_filtered"]
-    sources = alarm_sources(forecasts(*singles, ensembles=("analogues", "quadratic_filtered")))
-    by_name = {source.identifier: source for source in sources}
-    # by which what raises alarms is compared: committees of networks come first
-    committees = {
-        "esn-N2000-RV-committee": networks,
-        "analogues-committee": ["analogues"],
-        "quadratic_filtered-committee": ["quadratic_filtered"],
-    }
-    assert list(by_name) == [*BASELINES, *singles, *committees]
-    assert [name for name, source in by_name.items() if source.committee] == list(committees)
-    for name, voters in committees.items():
-        assert list(by_name[name].forecasters) == voters
-        assert by_name[name].compared
-        assert by_name[name].name.keys["forecaster"] == f"{name.split('-')[0]}_committee"
-    for name in singles:
-        assert by_name[name].forecasters == (name,)
-        assert by_name[name].compared == (name not in networks)
-    assert [by_name[name].forecasters for name in BASELINES] == [(), ()]
-    # without an ensemble there is none
-    sources = alarm_sources(forecasts("esn-N2000-RV-seed0", "quadratic", "equations"))
-    assert not any(source.committee for source in sources)
-
+# -- columns --------------------------------------------------------------------------------------
 
 ROWS = [
     {"f_score": 0.5, "case": "a", "seed": 1, "nrmse_u": None},
@@ -160,24 +117,11 @@ def test_columns_as_declared_in_their_order_and_no_others():
         as_declared(ROWS, [*DECLARED, "recall"], "scores")
 
 
-def test_tables_and_their_percentiles_are_written_where_they_are_declared(tmp_path):
-    settings = {
-        "tables": {
-            "scores": {"columns": DECLARED, "percentiles": ["f_score"], "by": ["case", "reynolds"]},
-            "events": {"columns": ["case"]},
-        }
-    }
-    names = ("events", "scores_percentiles", "scores")
-    paths = [str(tmp_path / f"{name}.csv") for name in names]
-    tables = Tables(settings, {})
+def test_tables_are_written_where_they_are_declared(tmp_path):
+    settings = {"tables": {"scores": {"columns": DECLARED}, "events": {"columns": ["case"]}}}
+    paths = [str(tmp_path / f"{name}.csv") for name in settings["tables"]]
     with pytest.raises(ValueError, match=r"writes \['scores'\]; its rule declares \['events'"):
-        tables.write(paths, scores=ROWS)
-    tables.write(paths, scores=ROWS, events=[{"case": "a"}])
-    assert [Path(path).read_text().splitlines()[:2] for path in paths] == [
-        ["case", "a"],
-        ["case,metric,p25,p50,p75,networks", "a,f_score,0.5,0.5,0.5,1"],
-        ["case,seed,f_score", "a,1,0.5"],
-    ]
+        Tables(settings, {}).write(paths, scores=ROWS)
 
 
 def test_other_metrics_than_those_declared_are_refused(tmp_path):

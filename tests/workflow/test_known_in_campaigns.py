@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-import yaml
 from helpers_rebuilds import Project
 
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.files.tables import read_table
-from burstcast_workflow import open_campaign
 
 SAMPLES, BLOCK = 1100, 50
 NETWORKS = {"neurons": [40], "validation": ["RV"], "seeds": 2}
@@ -80,8 +78,7 @@ def write_record(directory, push):
 @pytest.fixture(scope="module")
 def project(tmp_path_factory, job_server):
     directory = tmp_path_factory.mktemp("known") / "project"
-    project = Project.create(directory, job_server, "plant.yaml")
-    (directory / "plant.yaml").write_text(yaml.safe_dump(CONFIG))
+    project = Project.create(directory, job_server, "plant.yaml", CONFIG)
     write_record(directory, plant()[1])
     return project
 
@@ -133,30 +130,6 @@ def test_what_is_known_in_advance_tells_events_that_nothing_else_does(results):
 
 
 @pytest.mark.long
-def test_forecasts_one_by_one_are_those_of_the_files(results, monkeypatch):
-    """Each forecast by hand, from the record itself."""
-    monkeypatch.chdir(results.parents[1])
-    states, push = plant()
-    columns = np.column_stack([push, np.sin(2 * np.pi * np.arange(SAMPLES) / 24)])
-    campaign = open_campaign("results/plant")
-    for kind in ("esn_aware-N40-RV-seed0", "quadratic_aware"):
-        forecasts = read_netcdf(results / f"plant/models/{kind}/forecast.nc")
-        points = read_netcdf(results / "plant/evaluation_set.nc", "series", "step")
-        forecaster = campaign.forecasters[f"plant/{kind}"]
-        for number in range(3, len(points["series"]), 40):
-            now = (10 + points["series"][number]) * BLOCK + points["step"][number]
-            memory = forecaster.start(
-                states[now - 7 : now + 1, :, np.newaxis], columns[now - 6 : now + 1, :, np.newaxis]
-            )
-            ahead = columns[now + 1 : now + 13, :, np.newaxis]
-            outputs, _ = forecaster.advance(memory, 12, ahead)
-            largest = [outputs[first - 1 : first + 2, 0, 0].max() for first in range(2, 12, 2)]
-            np.testing.assert_allclose(forecasts["largest"][number], largest, rtol=1e-7, atol=1e-9)
-        with pytest.raises(ValueError, match="push, day_sin: values over the whole forecast must"):
-            forecaster.advance(memory, 12)
-
-
-@pytest.mark.long
 def test_no_stage_has_runs_without_known_values(project, results):
     assert (results / "plant/networks/esn-N40-RV-seed0/long_term.nc").exists()
     assert not (results / "plant/networks/esn_aware-N40-RV-seed0/long_term.nc").exists()
@@ -182,14 +155,3 @@ def test_other_values_in_advance_are_other_forecasts(project, results):
         np.testing.assert_array_equal(first, second)
     scores = read_table(other / "tables/classification.csv").groupby("forecaster")["f_score"].mean()
     assert scores["quadratic_aware"] < 0.5
-
-
-@pytest.mark.long
-def test_a_gap_in_what_is_known_fails_with_its_row(project):
-    copied = project.copy(project.directory.parent / "gap")
-    push = plant()[1]
-    push[123] = np.nan
-    write_record(copied.directory, push)
-    outcome = copied.snakemake("results/plant/plant/ensemble.nc")
-    assert outcome.status == 1
-    assert "plant.csv: column 'push' has no number in row 124 of 1100" in outcome.text

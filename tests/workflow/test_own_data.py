@@ -1,13 +1,9 @@
 """Data of one's own: five lines, records with gaps, and what is far simpler than networks."""
 
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 import pytest
-import yaml
 from helpers_rebuilds import Project
 
 from burstcast.base.arrays import FloatArray
@@ -21,11 +17,18 @@ from burstcast_workflow.harness.storage import read_json
 
 FIVE_LINES = """\
 results: results/own
-campaign: [{cases: [own], forecasters: {FORECASTERS}}]
+campaign: [{{cases: [own], forecasters: {{{forecasters}}}}}]
 cases:
-  own: {event_threshold: {quantile: 0.95},
-        data: {files: [own.csv], observable: z, time_step: 0.02, blocks: {duration: 16}}}
+  own: {{event_threshold: {{quantile: 0.95}},
+        data: {data}}}
 """
+BLOCKS = "{files: [own.csv], observable: z, time_step: 0.02, blocks: {duration: 16}}"
+
+
+def configure(project, forecasters, data=BLOCKS):
+    text = FIVE_LINES.format(forecasters=forecasters, data=data)
+    assert len(text.splitlines()) == 5
+    (project.directory / "own.yaml").write_text(text)
 
 
 @pytest.fixture
@@ -33,16 +36,8 @@ def project(tmp_path, job_server):
     """A working copy with a table of three columns, times and a header, and nothing else."""
     project = Project.create(tmp_path / "project", job_server, "own.yaml")
     states = integrate(Lorenz63(), np.array([[1.0], [1.0], [20.0]]), 0.01, 2 * 14000, stride=2)
-    series = np.column_stack([0.02 * np.arange(len(states) - 1000), states[1000:, :, 0]])
-    header = {"delimiter": ",", "header": "time,x,y,z", "comments": ""}
-    np.savetxt(project.directory / "own.csv", series, **header)
+    project.write_series("own.csv", "x,y,z", 0.02, states[1000:, :, 0])
     return project
-
-
-def configure(project, forecasters):
-    text = FIVE_LINES.replace("FORECASTERS", forecasters)
-    assert len(text.splitlines()) == 5
-    (project.directory / "own.yaml").write_text(text)
 
 
 def test_own_data_with_five_lines_of_config(project):
@@ -128,174 +123,56 @@ def test_a_campaign_without_any_event_ends(tmp_path, job_server):
     assert {"forecast_skill", "control_tradeoff", "reliability", "horizon_by_size"} <= drawn
 
 
-# -- a record with dates and gaps ------------------------------------------------------------------
-
-DATA = {
-    **{"files": ["plant.csv"], "time_step": "1 hour", "observable": "load"},
-    **{"gaps": "cut", "blocks": {"duration": 24}},
-}
-HOURLY = {  # a Lyapunov time is one step
-    "washout_lt": 2,
-    "classification": {"resolution_lt": 1, "prediction_times_lt": [1, 2]},
-    "horizon": {"lead_time_step_lt": 1},
-    "probability": {"start_spacing_lt": 1},
-}
-CASE = {
-    **{"data": DATA, "event_threshold": 2, "training": {"series": 4}},
-    "lyapunov": {"given_exponent": 1},
-}
-LOST = (100, 101, 500)
+def test_mistakes_in_rows_are_told_before_any_job(project):
+    configure(project, "persistence: {}")
+    for steps, message in (
+        ([0, 1, 1], "own.csv, row 3: column 'time' stays at the time of row 2"),
+        (range(1001), "but the data have . series in all"),
+    ):
+        states = np.random.default_rng(1).normal(size=(len(steps), 3))
+        rows = [f"{0.02 * step},{x},{y},{z}" for step, (x, y, z) in zip(steps, states, strict=True)]
+        (project.directory / "own.csv").write_text("\n".join(["time,x,y,z", *rows, ""]))
+        outcome = project.snakemake("results/own/own/ensemble.nc")
+        assert outcome.status != 0
+        assert re.search(message, outcome.text), outcome.text[-2000:]
+        assert "The configuration has a mistake: case own: " in outcome.text
+        assert "import_data" not in outcome.text
 
 
-def table():
-    time = pd.date_range("2010-03-20", periods=1000, freq="h", tz="Europe/Berlin", name="time")
-    values = np.random.default_rng(1).normal(size=(1000, 2))
-    return pd.DataFrame(values, columns=["load", "heat"], index=time)
-
-
-@pytest.fixture(scope="module")
-def recorded(tmp_path_factory, job_server):
-    """A record by a clock that is put forward on 28 March, with its offsets from UTC."""
-    directory = tmp_path_factory.mktemp("record") / "recorded"
-    recorded = Project.create(directory, job_server, "plant.yaml")
-    forecasters = {"persistence": {}, "linear_inverse": {}}
-    config = {
-        "results": "results/plant",
-        "campaign": [{"cases": ["plant"], "forecasters": forecasters}],
-        "cases": {"plant": CASE},
-        **HOURLY,
-    }
-    (recorded.directory / "plant.yaml").write_text(yaml.safe_dump(config))
-    rows = table()
-    rows.drop(index=rows.index[list(LOST)]).to_csv(recorded.directory / "plant.csv")
-    return recorded
-
-
-def test_series_of_a_record(recorded):
-    outcome = recorded.made("results/plant/plant/ensemble.nc")
-    assert "gaps leave 3 parts of the record" not in outcome.text  # each is longer than a block
-    series = read_netcdf(recorded.directory / "results/plant/plant/ensemble.nc")
-    # 100, 398 and 499 hours make 4, 15 and 19 blocks of 25 samples
-    assert series["state"].shape == (4 + 15 + 19, 25, 2)
-    begin = pd.Timestamp("2010-03-20", tz="Europe/Berlin").timestamp() / 3600
-    assert series["start"][[0, 1, 4, 19]].tolist() == [begin, begin + 25, begin + 102, begin + 501]
-    np.testing.assert_array_equal(series["state"][4], table().to_numpy()[102:127])
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (
-            "time,load,heat\n2010-03-28T02:00,1,2\n2010-03-28T02:00,1,2\n",
-            r"plant.csv, row 2: column 'time' stays at the time of row 1",
-        ),
-        (
-            "time,load,heat\n2010-03-20T00:00,1,2\n2010-03-20T05:00,1,2\n2010-03-20T03:00,1,2\n",
-            r"plant.csv, row 3: .* goes back by 2 from the time of row 2.*write times in UTC",
-        ),
-        (
-            "time,load,heat\n2010-03-20T00:00,1,2\n2010-03-20T01:00,much,2\n",
-            "plant.csv, line 3: column 'load' has 'much', which is no number",
-        ),
-        (
-            "time,load,heat\n"
-            + "\n".join(
-                f"2010-03-{day:02}T{hour:02}:00,{day},{hour}"
-                for day in range(1, 4)
-                for hour in range(24)
-            ),
-            "but the data have . series in all",
-        ),
-    ],
-)
-def test_mistakes_in_rows_are_told_before_any_job(recorded, text, message):
-    copy = recorded.copy(recorded.directory.parent / "copy")
-    (copy.directory / "plant.csv").write_text(text)
-    outcome = copy.snakemake("results/plant/plant/ensemble.nc")
-    assert outcome.status != 0
-    assert re.search(message, outcome.text), outcome.text[-2000:]
-    assert "The configuration has a mistake: case plant: " in outcome.text
-    assert "import_data" not in outcome.text
-
-
-# -- two data sets of others -----------------------------------------------------------------------
+# -- data of others --------------------------------------------------------------------------------
 
 GROWTH = np.array([[1.0], [0.72], [1.53], [1.27]])
 COMPETITION = np.array(
     [[1, 1.09, 1.52, 0], [0, 1, 0.44, 1.36], [2.33, 0, 1, 0.47], [1.21, 0.51, 0.35, 1]]
 )
+EXPONENT = 0.0203
+SPECIES = (
+    "{files: [species.csv], observable: n1, time_step: 1, blocks: {duration: 800}}",
+    "esn: {neurons: [100], validation: [RV], seeds: 3}",
+)
 
 
-def four_species(state: FloatArray) -> FloatArray:
-    """Competition of four species: Vano et al., Nonlinearity 19 (2006), with their parameters."""
-    return GROWTH * state * (1 - COMPETITION @ state)
+def species(samples: int, step: float = 0.1, stride: int = 10) -> FloatArray:
+    """Competition of four species by the classical Runge-Kutta method, ``(samples, species)``.
 
-
-def bursting_neuron(state: FloatArray) -> FloatArray:
-    """Membrane potential, recovery, adaptation: Hindmarsh & Rose, Proc. R. Soc. B 221 (1984)."""
-    x, y, z = state
-    fast = y + 3 * x**2 - x**3 - z + 3.25, 1 - 5 * x**2 - y
-    return np.stack([*fast, 0.006 * (4 * (x + 1.6) - z)])
-
-
-@dataclass(frozen=True)
-class DataSet:
-    """Equations, how they are sampled, and what is known of them.
-
-    ``exponent`` is the leading one: Vano's, and that of perturbations followed for 64 series of
-    4000 time units, 0.01326 +- 0.00016.
+    Vano et al., Nonlinearity 19 (2006), with their parameters; the exponent is theirs.
     """
 
-    rates: Callable[[FloatArray], FloatArray]
-    start: tuple[float, ...]
-    series: int
-    samples: int
-    step: float
-    stride: int
-    header: str
-    neurons: int
-    data: str
-    exponent: float
+    def rates(state: FloatArray) -> FloatArray:
+        return GROWTH * state * (1 - COMPETITION @ state)
 
-    def integrate(self) -> FloatArray:
-        """Series ``(series, samples, component)`` by the classical Runge-Kutta method."""
-        generator = np.random.default_rng(1)
-        start = np.array(self.start)[:, np.newaxis]
-        state = start * (1 + 0.1 * generator.random((len(start), self.series)))
-        states = []
-        transient = 500 * self.stride
-        for number in range(transient + self.samples * self.stride):
-            if number >= transient and (number - transient) % self.stride == 0:
-                states.append(state)
-            first = self.rates(state)
-            second = self.rates(state + self.step / 2 * first)
-            third = self.rates(state + self.step / 2 * second)
-            fourth = self.rates(state + self.step * third)
-            state = state + self.step / 6 * (first + 2 * second + 2 * third + fourth)
-        return np.stack(states).transpose(2, 0, 1)
-
-
-FIVE_LINES_OF_OTHERS = """\
-results: results/own
-campaign: [{cases: [own], forecasters: {esn: {neurons: [NEURONS], validation: [RV], seeds: 3}}}]
-cases:
-  own: {event_threshold: {quantile: 0.95},
-        data: {files: ["own_*.csv"], DATA}}
-"""
-DATA_SETS = {
-    "four species": DataSet(
-        **{"rates": four_species, "start": (0.301, 0.459, 0.131, 0.356), "header": "n1,n2,n3,n4"},
-        **{"series": 1, "samples": 40_000, "step": 0.1, "stride": 10, "neurons": 100},
-        data="observable: n1, time_step: 1, blocks: {duration: 800}",
-        exponent=0.0203,
-    ),
-    "bursting neuron": DataSet(
-        **{"rates": bursting_neuron, "start": (-1.0, 0.3, 3.0), "header": "x,y,z"},
-        **{"series": 24, "samples": 4_000, "step": 0.05, "stride": 10, "neurons": 300},
-        data="observable: z, time_step: 0.5",
-        exponent=0.0133,
-    ),
-}
+    start = np.array([[0.301], [0.459], [0.131], [0.356]])
+    state = start * (1 + 0.1 * np.random.default_rng(1).random((4, 1)))
+    states = []
+    for number in range((500 + samples) * stride):
+        if number >= 500 * stride and number % stride == 0:
+            states.append(state[:, 0])
+        first = rates(state)
+        second = rates(state + step / 2 * first)
+        third = rates(state + step / 2 * second)
+        fourth = rates(state + step * third)
+        state = state + step / 6 * (first + 2 * second + 2 * third + fourth)
+    return np.stack(states)
 
 
 def logistic_f_score(case, threshold: float, windows: tuple[int, int]) -> float:
@@ -325,25 +202,19 @@ def logistic_f_score(case, threshold: float, windows: tuple[int, int]) -> float:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", DATA_SETS)
-def test_from_generation_to_summary(name, tmp_path, job_server):
-    data = DATA_SETS[name]
+def test_from_generation_to_summary(tmp_path, job_server):
+    data, networks = SPECIES
     project = Project.create(tmp_path / "project", job_server, "own.yaml")
-    config = FIVE_LINES_OF_OTHERS.replace("NEURONS", str(data.neurons)).replace("DATA", data.data)
-    assert len(config.splitlines()) == 5
-    (project.directory / "own.yaml").write_text(config)
-    for number, series in enumerate(data.integrate()):
-        rows = np.column_stack([data.step * data.stride * np.arange(len(series)), series])
-        header = {"delimiter": ",", "header": f"time,{data.header}", "comments": ""}
-        np.savetxt(project.directory / f"own_{number}.csv", rows, **header)
+    configure(project, networks, data)
+    project.write_series("species.csv", "n1,n2,n3,n4", 1.0, species(40_000))
     outcome = project.made()
     summary = outcome.text.partition("F-score")[2]
     assert "permanent alarm" in summary
     results = project.directory / "results/own"
 
     leading = read_json(results / "own/lyapunov.json")["leading"]
-    assert leading["low"] < data.exponent < leading["high"]
-    assert leading["mean"] == pytest.approx(data.exponent, rel=0.2)
+    assert leading["low"] < EXPONENT < leading["high"]
+    assert leading["mean"] == pytest.approx(EXPONENT, rel=0.2)
 
     table = read_table(results / "tables/classification.csv")
     at_one = table[table["prediction_time_lt"] == 1].groupby("forecaster")["f_score"].median()
@@ -356,6 +227,6 @@ def test_from_generation_to_summary(name, tmp_path, job_server):
     # networks that have learnt the system have its exponent, as far as a few runs tell
     spectrum = read_table(results / "tables/lyapunov_spectrum.csv")
     exponents = spectrum[(spectrum["forecaster"] == "esn") & (spectrum["number"] == 1)]
-    assert exponents["lyapunov_exponent"].median() == pytest.approx(data.exponent, rel=0.25)
+    assert exponents["lyapunov_exponent"].median() == pytest.approx(EXPONENT, rel=0.25)
     warnings = read_table(results / "tables/warnings.csv")
     assert "no_chaos_learnt" not in set(warnings["warning"])

@@ -4,13 +4,12 @@ import json
 import os
 import subprocess
 import sys
-from dataclasses import replace
-from pathlib import Path
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
 import yaml
-from helpers_rebuilds import TINY, Project
+from helpers_rebuilds import ROOT, Project
 
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.files.tables import read_table
@@ -18,11 +17,12 @@ from burstcast_workflow.harness.storage import read_json
 from burstcast_workflow.tracking.code import search_directories
 from burstcast_workflow.tracking.run import VARIABLE
 
+PRESET = ROOT / "workflow" / "presets" / "tiny.yaml"
+
 # No Jacobian, initial states from a sampler, a threshold as a quantile; what the class says of its
 # cases is in its own units, and its parameters come from a module beside it.
 MODULE = """
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -36,10 +36,9 @@ class Roessler(DynamicalSystem):
     b: float = B
     c: float = C
 
-    dimension: ClassVar[int] = 3
-    observable_name: ClassVar[str] = "x component"
-    observable_symbol: ClassVar[str] = "x"
-    case_defaults: ClassVar[dict] = {
+    dimension = 3
+    observable_name, observable_symbol = "x component", "x"
+    case_defaults = {
         "event_threshold": {"quantile": 0.9},
         "ensemble": {
             "time_step": 0.05, "sampling_stride": 4, "transient": 50.0, "duration": 300.0,
@@ -49,11 +48,7 @@ class Roessler(DynamicalSystem):
 
     def right_hand_side(self, state):
         x, y, z = state
-        derivative = np.empty_like(state)
-        derivative[0] = -y - D * z
-        derivative[1] = x + self.a * y
-        derivative[2] = self.b + z * (x - self.c)
-        return derivative
+        return np.stack([-y - D * z, x + self.a * y, self.b + z * (x - self.c)])
 
     def observable(self, state):
         return np.array(state[0])
@@ -92,54 +87,41 @@ RESULTS = "results/mine"
 TABLES = [f"{RESULTS}/tables/{name}.csv" for name in ("dataset", "classification", "horizon")]
 
 
+class Elsewhere(Project):
+    """A user's directory, in which the workflow of this repository runs."""
+
+    def run(self, *arguments, status=0, overlay=OVERLAY, **variables):
+        snakemake = ["-s", str(ROOT / "Snakefile"), *arguments]
+        outcome = self.snakemake(*snakemake, overlay=overlay, **variables)
+        assert outcome.status == status, outcome.text[-3000:]
+        assert status == 0 or "Traceback" not in outcome.text
+        return outcome
+
+    def rules(self, *targets, overlay=OVERLAY):
+        """Rules that would run."""
+        return set(self.run("--quiet", "rules", "-n", *(targets or TABLES), overlay=overlay).jobs)
+
+    @contextmanager
+    def edited(self, name, old, new):
+        with self.restored(f"my_flows/{name}"):
+            self.edit(f"my_flows/{name}", old, new)
+            yield
+
+
 @pytest.fixture(scope="module")
 def mine(tmp_path_factory, job_server):
-    """A user's directory, and a run there of the workflow that lies elsewhere."""
-    project = Project.create(tmp_path_factory.mktemp("burstcast") / "project", job_server)
     directory = tmp_path_factory.mktemp("user") / "campaign"
     (directory / "my_flows" / "constants").mkdir(parents=True)
     files = {"__init__.py": "", "classical.py": CONSTANTS, "roessler.py": MODULE}
     for name, text in {**files, "constants/d.txt": "1\n", "unused.py": "D = 1\n"}.items():
         (directory / "my_flows" / name).write_text(text)
-    user = replace(project, directory=directory, preset=str(project.directory / TINY))
-    run = Elsewhere(user, project)
-    outcome = run(*TABLES)
-    assert outcome.status == 0, outcome.text[-3000:]
-    return run
-
-
-def with_case(**changed):
-    """The campaign with a change of its case."""
-    return {**OVERLAY, "cases": {"roessler": {**OVERLAY["cases"]["roessler"], **changed}}}
-
-
-class Elsewhere:
-    """Runs of a project's workflow in a user's directory."""
-
-    def __init__(self, user: Project, project: Project) -> None:
-        self.user, self.project = user, project
-
-    def __call__(self, *arguments, overlay=OVERLAY):
-        """Run Snakemake there."""
-        return self.user.snakemake(
-            *("-s", str(self.project.directory / "Snakefile")),
-            *arguments,
-            overlay=overlay,
-            PYTHONPATH=self.project.environment()["PYTHONPATH"],
-        )
-
-    def planned(self, *targets):
-        """Rules that would run."""
-        outcome = self("--quiet", "rules", "-n", *(targets or TABLES))
-        assert outcome.status == 0, outcome.text
-        return set(outcome.jobs)
-
-    def edit(self, name, old, new):
-        self.user.edit(f"my_flows/{name}", old, new)
+    user = Elsewhere(directory, job_server, str(PRESET))
+    user.run(*TABLES)
+    return user
 
 
 def test_results_of_a_system_of_ones_own(mine):
-    results = mine.user.directory / RESULTS
+    results = mine.directory / RESULTS
     scores = read_table(results / "tables" / "classification.csv")
     perfect = scores[scores["forecaster"] == "equations"]
     assert (perfect["f_score"] == 1).all()
@@ -152,7 +134,7 @@ def test_results_of_a_system_of_ones_own(mine):
 
 
 def test_thresholds_as_quantiles_are_of_the_training_series(mine):
-    case = mine.user.directory / RESULTS / "roessler"
+    case = mine.directory / RESULTS / "roessler"
     observable = read_netcdf(case / "ensemble.nc", "observable")["observable"]
     threshold = read_json(case / "event_threshold.json")["event_threshold"]
     assert threshold == np.quantile(observable[:3], 0.9)
@@ -165,31 +147,26 @@ def test_thresholds_as_quantiles_are_of_the_training_series(mine):
     assert ((at >= threshold) & (before < threshold)).all()
 
 
-def test_edits_of_ones_own_modules_and_their_files_run_what_depends_on_them(mine):
-    assert mine.planned() == set()
-    mine.edit("unused.py", "D = 1", "D = 2")
-    mine.edit("classical.py", "A, B", "# the classical values\nA, B")
-    assert mine.planned() == set()
+def test_edits_run_what_depends_on_them(mine):
+    with (
+        mine.edited("unused.py", "D = 1", "D = 2"),
+        mine.edited("classical.py", "A, B", "# the classical values\nA, B"),
+    ):
+        assert mine.rules() == set()
     threshold = f"{RESULTS}/roessler/event_threshold.json"
     for name, old, new in (
         ("classical.py", "5.7", "5.8"),
         ("roessler.py", "self.b + z", "1.0 * self.b + z"),
         ("constants/d.txt", "1", "1.01"),
     ):
-        mine.edit(name, old, new)
-        planned, of_threshold = mine.planned(), mine.planned(threshold)
-        mine.edit(name, new, old)
-        assert {"simulate", "scan", "train", "forecast"} <= planned
-        # what does not integrate the equations does not depend on them
-        assert of_threshold == {"simulate", "event_threshold"}
-    assert mine.planned() == set()
-
-
-def test_files_that_ones_own_module_reads_are_there(mine):
-    outcome = mine("-n", overlay=with_case(files=["e.txt"]))
-    assert outcome.status == 1
-    assert "case roessler: files: there is no file e.txt in" in outcome.text
-    assert "Traceback" not in outcome.text
+        with mine.edited(name, old, new):
+            assert {"simulate", "scan", "train", "forecast"} <= mine.rules()
+            # what does not integrate the equations does not depend on them
+            assert mine.rules(threshold) == {"simulate", "event_threshold"}
+    case = {**OVERLAY["cases"]["roessler"], "event_threshold": {"quantile": 0.8}}
+    planned = mine.rules(overlay={**OVERLAY, "cases": {"roessler": case}})
+    assert {"event_threshold", "events", "horizon", "classification_table"} <= planned
+    assert not {"simulate", "scan", "train", "forecast", "evaluation_set"} & planned
 
 
 def test_own_modules_are_looked_for_here_and_beside_configs(tmp_path, monkeypatch):
@@ -201,57 +178,31 @@ def test_own_modules_are_looked_for_here_and_beside_configs(tmp_path, monkeypatc
 
 
 def test_a_mistake_in_ones_own_module_is_told_before_any_job(mine):
-    mine.edit("roessler.py", "np.empty_like(state)", "np.empty_like(state))")
-    outcome = mine("-n")
-    mine.edit("roessler.py", "np.empty_like(state))", "np.empty_like(state)")
-    assert outcome.status == 1
-    assert "case roessler: system: the module my_flows.roessler cannot be imported" in outcome.text
-    assert "roessler.py, line" in outcome.text
-    assert "Traceback" not in outcome.text
-
-
-def test_a_quantile_that_changes_runs_what_reads_the_threshold(mine):
-    overlay = with_case(event_threshold={"quantile": 0.8})
-    outcome = mine("--quiet", "rules", "-n", *TABLES, overlay=overlay)
-    assert {"event_threshold", "events", "horizon", "classification_table"} <= set(outcome.jobs)
-    assert not {"simulate", "scan", "train", "forecast", "evaluation_set"} & set(outcome.jobs)
+    with mine.edited("roessler.py", "np.stack([", "np.stack[("):
+        text = mine.run("-n", status=1).text
+    assert "case roessler: system: the module my_flows.roessler cannot be imported" in text
+    assert "roessler.py, line" in text
 
 
 def test_jobs_of_a_cluster_find_ones_own_modules(mine):
     """As Snakemake's executors call it on a node: the config and the directories of the claim."""
-    claim = json.loads((mine.user.directory / RESULTS / ".run.json").read_text())
-    assert str(mine.user.directory) in claim["directories"]
-    outcome = mine.user.snakemake(
-        *("-s", str(mine.project.directory / "Snakefile")),
+    claim = json.loads((mine.directory / RESULTS / ".run.json").read_text())
+    assert str(mine.directory) in claim["directories"]
+    outcome = mine.run(
         *("--mode", "remote", "--nolock", "--ignore-incomplete", "--force", "--no-hooks"),
         *("--target-jobs", "simulate:case=roessler", "--allowed-rules", "simulate"),
-        overlay=OVERLAY,
-        PYTHONPATH=mine.project.environment()["PYTHONPATH"],
         **{VARIABLE: f"{claim['token']} {RESULTS}"},
     )
-    assert outcome.status == 0, outcome.text[-3000:]
     assert "1 of 1 steps (100%) done" in outcome.text
 
 
-def test_modules_beside_the_config_are_found_from_elsewhere(mine, tmp_path):
-    elsewhere = replace(mine.user, directory=tmp_path)
-    outcome = elsewhere._request(
-        {
-            "arguments": [
-                *("-s", str(mine.project.directory / "Snakefile"), "-n", "--quiet", "rules"),
-                *("--configfile", mine.user.preset, str(mine.user.directory / "overlay.yaml")),
-            ]
-        },
-        {**elsewhere.environment(), "PYTHONPATH": mine.project.environment()["PYTHONPATH"]},
-    )
-    assert outcome.status == 0, outcome.text[-3000:]
-    assert outcome.jobs["simulate"] == 1
+def test_modules_beside_the_config_are_found_from_elsewhere(mine, tmp_path, job_server):
+    config = mine.directory / "overlay.yaml"
+    arguments = ["-s", ROOT / "Snakefile", "--configfile", PRESET, config]
+    assert planned_jobs(job_server, tmp_path, *arguments)["simulate"] == 1
 
 
 # -- as a module of another workflow ---------------------------------------------------------------
-
-ROOT = Path(__file__).parents[2]
-PRESET = ROOT / "workflow" / "presets" / "tiny.yaml"
 
 AS_MODULE = f"""
 configfile: {str(PRESET)!r}
@@ -263,44 +214,30 @@ module burstcast:
 use rule * from burstcast"""
 
 
-@pytest.fixture(scope="module")
-def planned_jobs(job_server):
+def planned_jobs(job_server, directory, *arguments):
     """How many jobs of each rule Snakemake plans in a directory."""
-
-    def planned(directory, *arguments):
-        outcome = job_server.snakemake(directory, "--dry-run", "--cores", "1", *arguments)
-        assert outcome.status == 0, outcome.text
-        return outcome.jobs
-
-    return planned
+    outcome = job_server.snakemake(directory, "-n", "--verbose", "--cores", "1", *arguments)
+    assert outcome.status == 0, outcome.text
+    return outcome.jobs
 
 
-@pytest.fixture(scope="module")
-def expected(planned_jobs, tmp_path_factory):
-    """What is planned where nothing has been computed yet, with the project's own Snakefile."""
-    arguments = ["-s", ROOT / "Snakefile", "--configfile", PRESET]
-    jobs = planned_jobs(tmp_path_factory.mktemp("elsewhere"), *arguments)
-    assert sum(jobs.values()) > 50
-    return jobs
-
-
-@pytest.mark.parametrize("prefix", ["", "flow_"])
-def test_another_workflow_takes_it_as_a_module(tmp_path, planned_jobs, expected, prefix):
-    naming = f" as {prefix}*" if prefix else ""
-    (tmp_path / "Snakefile").write_text(f"{AS_MODULE}{naming}\n", encoding="utf-8")
-    jobs = planned_jobs(tmp_path)
-    jobs.pop("flow_all", None)  # without the project's profile, Snakemake counts the target, too
-    assert jobs == {prefix + rule: count for rule, count in expected.items()}
-
-
-def test_a_snakefile_below_workflow(tmp_path, planned_jobs, expected):
-    arguments = ["-s", ROOT / "workflow" / "Snakefile", "--configfile", PRESET]
-    assert planned_jobs(tmp_path, *arguments) == expected
+def test_another_workflow_takes_it_as_a_module(tmp_path, job_server):
+    """With the project's own Snakefile, with that below workflow, and as a module."""
+    config = ["--configfile", PRESET]
+    expected = planned_jobs(job_server, tmp_path, "-s", ROOT / "Snakefile", *config)
+    assert sum(expected.values()) > 50
+    below = planned_jobs(job_server, tmp_path, "-s", ROOT / "workflow" / "Snakefile", *config)
+    assert below == expected
+    for prefix, naming in (("", ""), ("flow_", " as flow_*")):
+        (tmp_path / "Snakefile").write_text(f"{AS_MODULE}{naming}\n", encoding="utf-8")
+        jobs = planned_jobs(job_server, tmp_path)
+        jobs.pop("flow_all", None)  # without the project's profile, Snakemake counts the target
+        assert jobs == {prefix + rule: count for rule, count in expected.items()}
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("prefix", ["", "below"])
-def test_a_module_runs_and_its_results_are_known(tmp_path, planned_jobs, finished, prefix):
+def test_a_module_runs_and_its_results_are_known(tmp_path, job_server, finished, prefix):
     """Files say the stages that made them, whatever the rules are called; where they are, too."""
     where = f"\n    prefix: {prefix!r}" if prefix else ""
     module = AS_MODULE.replace("    config: config", f"    config: config{where}")
@@ -319,4 +256,4 @@ def test_a_module_runs_and_its_results_are_known(tmp_path, planned_jobs, finishe
     logs = [path.read_text() for path in (results / "logs").rglob("*.log")]
     assert len(logs) > 10
     assert all("the outputs are those of this job" in log for log in logs)
-    assert planned_jobs(tmp_path, str(table.relative_to(tmp_path))) == {}
+    assert planned_jobs(job_server, tmp_path, table.relative_to(tmp_path)) == {}

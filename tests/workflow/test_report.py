@@ -6,11 +6,8 @@ import pandas as pd
 from helpers_configs import campaign, paper_with
 
 from burstcast_workflow.campaign.loading import load
-from burstcast_workflow.figures.registry import figure_names
 from burstcast_workflow.figures.report import other_settings, report_of
 from burstcast_workflow.jobs.report import rows_of
-from burstcast_workflow.tables.declarations import SECTIONS
-from burstcast_workflow.tables.registry import table_names
 
 
 def test_the_papers_settings_are_no_others():
@@ -23,18 +20,6 @@ def test_the_papers_settings_are_no_others():
     settings = other_settings(here)
     assert ["search.grid", str(here["search"]["grid"]), str(paper["search"]["grid"])] in settings
     assert {path for path, *_ in settings} == {"search.grid", "case_defaults.density.range"}
-
-
-def test_every_figure_and_table_has_its_place_once():
-    paper = campaign()
-    report = report_of(paper)
-    figures = [figure for section in report["sections"] for figure in section["figures"]]
-    tables = [table for section in report["sections"] for table in section["tables"]]
-    assert sorted(figure["name"] for figure in figures) == sorted(figure_names(paper))
-    assert sorted(table["name"] for table in tables) == sorted(table_names(paper))
-    assert all(item["caption"] and item["title"] for item in [*figures, *tables])
-    titles = [section["title"] for section in report["sections"]]
-    assert titles == [title for title in SECTIONS.values() if title in titles]
 
 
 def test_the_paper_in_a_row_for_each_case():

@@ -1,13 +1,12 @@
 """Declarations of tables: the page, what jobs are told, and that tables keep to them."""
 
 import ast
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from helpers_configs import campaign
+from helpers_configs import ROOT, campaign
 
 from burstcast.base.files.tables import read_table
 from burstcast.base.names import KEYS
@@ -18,9 +17,8 @@ from burstcast.tables.wide import typeset as typeset_tables
 from burstcast.tables.wide import wide_tables
 from burstcast_workflow.tables import page, registry
 from burstcast_workflow.tables.declarations import COLUMNS, SECTIONS, TABLES
-from burstcast_workflow.tables.registry import plain, table_of, typeset, with_percentiles, written
+from burstcast_workflow.tables.registry import plain, table_of, typeset, with_percentiles
 
-ROOT = Path(__file__).parents[2]
 FILES = with_percentiles(TABLES)
 PAPER = campaign()
 
@@ -67,47 +65,6 @@ def test_every_sign_has_its_advice():
     functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
     assert functions - {"_sign"} == set(ADVICE) > set(OF_NETWORKS)
     assert not [text for text in ADVICE.values() if "neurons" in text or "seeds" in text]
-
-
-# -- what jobs are told ----------------------------------------------------------------------------
-
-
-def settings_of_jobs():
-    """Settings of the jobs of each table."""
-    records = {name: registry.joined(PAPER, with_percentiles([name])) for name in TABLES}
-    return {
-        name: (written([name]), record["columns"], record["latex"])
-        for name, record in records.items()
-    }
-
-
-WITH_RECALL = {"columns": [*TABLES["control"].columns, "recall"]}
-
-
-@pytest.mark.parametrize(
-    ("declared", "name", "change", "changed", "same"),
-    [
-        # another format runs the tables for papers that show it; another column its table alone
-        (COLUMNS, "f_score", {"format": ".4f"}, "classification", slice(2)),
-        (TABLES, "control", WITH_RECALL, "control", slice(2, 3)),
-    ],
-)
-def test_a_change_runs_what_shows_it(monkeypatch, declared, name, change, changed, same):
-    before = settings_of_jobs()
-    monkeypatch.setitem(declared, name, replace(declared[name], **change))
-    after = settings_of_jobs()
-    assert [table for table in TABLES if before[table] != after[table]] == [changed]
-    assert before[changed][same] == after[changed][same]
-
-
-def test_words_run_nothing(monkeypatch):
-    before = settings_of_jobs()
-    for name, column in COLUMNS.items():
-        monkeypatch.setitem(COLUMNS, name, replace(column, meaning="another", unit="another"))
-    for name, table in TABLES.items():
-        words = {"description": "Another.", "section": "warnings", "redefined": {}}
-        monkeypatch.setitem(TABLES, name, replace(table, **words))
-    assert settings_of_jobs() == before
 
 
 # -- what is written -------------------------------------------------------------------------------

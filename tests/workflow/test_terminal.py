@@ -50,14 +50,22 @@ def test_time_left_goes_from_earlier_seconds_to_measured_ones():
     assert progress.line(100.0) == "100%  3 of 3 jobs"
 
 
-def test_finished_jobs_correct_the_time_of_their_own_rule():
+def test_finished_jobs_correct_the_time_of_their_own_rule_and_the_share_never_falls():
     progress = Progress({**jobs(1.0, 1.0), 3: ("search", 8.0)}, cores=1, started=0.0)
-    finished(progress, (1, (0.0, 2.0)))
+    progress.start(1, 0.0)
+    assert [progress.remaining(now) for now in (0.0, 0.5)] == [10.0, 9.5]
+    progress.finish(1, 2.0)
     assert progress.share(2.0) == pytest.approx(2 / (2 + 2 + 8))
     finished(progress, (2, (2.0, 60.0)))
     assert progress.share(60.0) == pytest.approx(60 / 68)
     progress.start(3, 60.0)
     assert progress.remaining(64.0) == pytest.approx(4.0)
+    unequal = Progress(jobs(1.0, 1.0, 1.0), cores=1, started=0.0)
+    shares = []
+    for job, now in ((1, 1.0), (2, 100.0), (3, 101.0)):
+        finished(unequal, (job, (0.0, now)))
+        shares.append(unequal.share(now))
+    assert shares == sorted(shares)
 
 
 def test_nothing_is_said_before_anything_is_known():
@@ -67,21 +75,6 @@ def test_nothing_is_said_before_anything_is_known():
     finished(progress, (1, (0.0, 3.0)))
     # of a rule of which nothing is known: as all jobs in the mean
     assert progress.share(3.0) == pytest.approx(3 / (3 + 3 + 5))
-
-
-def test_the_share_never_falls():
-    progress, shares = Progress(jobs(1.0, 1.0, 1.0), cores=1, started=0.0), []
-    for job, now in ((1, 1.0), (2, 100.0), (3, 101.0)):
-        finished(progress, (job, (0.0, now)))
-        shares.append(progress.share(now))
-    assert shares == sorted(shares)
-    assert shares[-1] == 1.0
-
-
-def test_the_time_left_advances_while_jobs_run():
-    progress = Progress(jobs(10.0, 10.0), cores=1, started=0.0)
-    progress.start(1, 0.0)
-    assert [progress.remaining(now) for now in (0.0, 4.0, 500.0)] == [20.0, 16.0, 10.5]
 
 
 @pytest.fixture
@@ -144,19 +137,21 @@ def test_messages_that_a_person_wants(handler):
     ]
 
 
-@pytest.mark.parametrize("verbose", [False, True])
-def test_a_dry_run_is_its_reasons_and_all_jobs_on_demand(handler, verbose):
+@pytest.mark.parametrize(("verbose", "one_job"), [(False, True), (True, True), (False, False)])
+def test_a_dry_run_is_its_reasons_and_all_jobs_on_demand(handler, verbose, one_job):
     handler.common_settings.dryrun, handler.common_settings.verbose = True, verbose
     reason = "Params have changed since last execution: before: 'a = 1' now: 'a = 2' "
     job = {**JOB, "input": [], "reason": reason}
-    send(handler, event=LogEvent.JOB_INFO, **job, **OTHERS)
+    if one_job:
+        send(handler, event=LogEvent.JOB_INFO, **job, **OTHERS)
     send(handler, event=LogEvent.JOB_INFO, **{**job, "output": [], "rule_name": "all"}, **OTHERS)
     send(handler, "a warning", level=logging.WARNING)
     send(handler, "Job stats: ...", LogEvent.RUN_INFO, stats={"total": 1})
     send(handler, "This was a dry-run (flag -n). The order of jobs ...")
     output = handler._stream.getvalue()
     assert ("This was a dry-run" in output) == verbose
-    assert ("a 1 -> 2 (Re400): train (1)\nin all 1 job\n" in output) == (not verbose)
+    reasons = "a 1 -> 2 (Re400): train (1)\nin all 1 job\n" if one_job else "Nothing to be done\n"
+    assert (reasons in output) == (not verbose)
     assert "a warning" in output
 
 
@@ -170,14 +165,6 @@ def test_a_dry_run_that_tells_no_jobs_counts_them(handler):
     assert "train        2\ntotal        2\n" in output
     assert "Nothing to be done" not in output
     assert "in all" not in output
-
-
-def test_a_dry_run_of_targets_only_has_nothing_to_do(handler):
-    handler.common_settings.dryrun, handler.common_settings.verbose = True, False
-    target = {**JOB, "input": [], "output": [], "rule_name": "all", "reason": ""}
-    send(handler, event=LogEvent.JOB_INFO, **target, **OTHERS)
-    send(handler, "This was a dry-run (flag -n). The order of jobs ...")
-    assert handler._stream.getvalue() == "Nothing to be done\n"
 
 
 # what else Snakemake says of a job
@@ -244,7 +231,6 @@ def directory(tmp_path, monkeypatch):
         (["-n"], None),
         (["--configfile", "good.yaml", "-n"], None),
         (["table", "--cores", "2", "--configfiles", "good.yaml"], None),
-        (["--configfile", "none.yaml"], "--configfile none.yaml: there is no file of this name"),
         (["--configfile", "."], "--configfile .: there is a directory of this name"),
         (["--configfile=none.yaml"], "--configfile none.yaml: there is no file of this name"),
         (
@@ -259,22 +245,11 @@ def directory(tmp_path, monkeypatch):
 )
 def test_what_is_wrong_is_said_in_one_line(directory, arguments, message):
     problem = unreadable_config(arguments)
-    if message is None:
-        assert problem is None
-    else:
-        assert problem.startswith(message)
-        assert "\n" not in problem
-
-
-def test_the_workflows_own_config_is_looked_at_too(directory):
-    for text, message in (
-        (b"a: 1\nb: {\n", "config.yaml, line 3, column 1: no valid YAML: "),
-        (b"a: \xff\n", "config.yaml: cannot be read: "),
-    ):
-        (directory / "config.yaml").write_bytes(text)
-        assert unreadable_config([]).startswith(message)
-    (directory / "config.yaml").write_text("a: 1\n")
-    assert unreadable_config([]) is None
+    assert problem is None if message is None else problem.startswith(message)
+    assert "\n" not in (problem or "")
+    # the workflow's own config is looked at, too
+    (directory / "config.yaml").write_bytes(b"a: \xff\n")
+    assert unreadable_config([]).startswith("config.yaml: cannot be read: ")
 
 
 def test_snakemake_says_it_without_a_traceback(directory):

@@ -1,10 +1,8 @@
 """A measured campaign whose series have unequal lengths: files, arrays, and runs between gaps."""
 
 import numpy as np
-import pandas as pd
 import pytest
 import xarray
-import yaml
 from helpers_rebuilds import Project
 
 from burstcast.base.files.netcdf import read_netcdf
@@ -69,22 +67,19 @@ def series():
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory, job_server, series):
     """The campaign, all of it for the case of tables."""
-    project = Project.create(tmp_path_factory.mktemp("lab") / "lab", job_server, "lab.yaml")
-    place = project.directory
-    (place / "lab.yaml").write_text(yaml.safe_dump(CONFIG, sort_keys=False))
-    frames = [pd.DataFrame(states, columns=list("xyz")) for states in series]
-    for number, table in enumerate(frames):
-        table.assign(time=0.02 * np.arange(len(table))).to_csv(
-            place / f"lab_{number}.csv", index=False
-        )
+    place = tmp_path_factory.mktemp("lab") / "lab"
+    project = Project.create(place, job_server, "lab.yaml", CONFIG)
+    for number, states in enumerate(series):
+        project.write_series(f"lab_{number}.csv", "x,y,z", 0.02, states)
     filled = np.full((len(series), LONGEST, 3), np.nan)
     for row, states in enumerate(series):
         filled[row, : len(states)] = states
     axes = ("series", "time", "component")
     array = xarray.DataArray(filled, dims=axes, coords={"component": list("xyz")}, name="states")
     array.to_netcdf(place / "lab.nc")
-    record = pd.concat([table.reindex(range(len(table) + 3)) for table in frames])
-    record.assign(time=0.02 * np.arange(len(record))).to_csv(place / "gaps.csv", index=False)
+    lost = np.full((3, 3), np.nan)
+    record = np.concatenate([part for states in series for part in (states, lost)])
+    project.write_series("gaps.csv", "x,y,z", 0.02, record)
     names = ("classification", "horizon", "statistics", "probability_scores", "warnings")
     tables = [f"results/lab/lab/tables/{name}.csv" for name in (*names, "lead_times", "survival")]
     ensembles = [f"results/lab/{name}/ensemble.nc" for name in ("array", "gaps")]

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import yaml
 
 ROOT = Path(__file__).parents[3]
@@ -33,9 +34,7 @@ class Outcome:
 
     @property
     def jobs(self) -> dict[str, int]:
-        """Jobs of each rule in a dry run, without the targets."""
-        if re.search(r"^in all \d+ job", self.text, re.M):
-            return self._explained_jobs()
+        """Jobs of each rule in a dry run that is verbose, without the targets."""
         counted = re.search(r"^job +count\n[- ]+\n(.*?)^total ", self.text, re.M | re.S)
         if counted is None:
             assert "Nothing to be done" in self.text, self.text
@@ -46,20 +45,6 @@ class Outcome:
             for rule, count in counts.items()
             if rule not in ("all", "forecasters", "tables", "figures")
         }
-
-    def _explained_jobs(self) -> dict[str, int]:
-        """Jobs of the last line of the reasons; if there is one reason only, of this."""
-        counts = r"\w+ \(\d+\)(?:, \w+ \(\d+\))*"
-        line = re.search(
-            rf"(?:: (?P<only>{counts})\n)?^in all (?P<all>\d+) jobs?(?:: (?P<several>{counts}))?$",
-            self.text,
-            re.M,
-        )
-        assert line, self.text
-        rules = re.findall(r"(\w+) \((\d+)\)", line["several"] or line["only"])
-        jobs = {rule: int(count) for rule, count in rules}
-        assert sum(jobs.values()) == int(line["all"]), self.text
-        return jobs
 
 
 class JobServer:
@@ -85,9 +70,8 @@ class JobServer:
 
     def snakemake(self, directory: Path, *arguments: object) -> Outcome:
         """Run Snakemake with this project's code in any directory."""
-        request = {"arguments": list(map(str, arguments))}
-        environment = {**Project(directory).environment(), "PYTHONPATH": str(ROOT / "src")}
-        return Project(directory, self)._request(request, environment)
+        project, request = Project(directory, self), {"arguments": list(map(str, arguments))}
+        return project._request(request, project.environment())
 
 
 THREADS = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
@@ -116,19 +100,34 @@ class Project:
 
     @classmethod
     def create(
-        cls, directory: Path, server: JobServer | None = None, preset: str = TINY
+        cls,
+        directory: Path,
+        server: JobServer | None = None,
+        preset: str = TINY,
+        config: dict | None = None,
     ) -> "Project":
-        """Copy the project's sources, with their time stamps."""
+        """Copy the project's sources, with their time stamps; write the config of the preset."""
         directory.mkdir(parents=True)
+        unwanted = shutil.ignore_patterns("__pycache__")
         for part in PARTS:
-            source = ROOT / part
-            if source.is_dir():
-                shutil.copytree(
-                    source, directory / part, ignore=shutil.ignore_patterns("__pycache__")
-                )
+            if (ROOT / part).is_dir():
+                shutil.copytree(ROOT / part, directory / part, ignore=unwanted)
             else:
-                shutil.copy2(source, directory / part)
-        return cls(directory, server, preset)
+                shutil.copy2(ROOT / part, directory / part)
+        project = cls(directory, server, preset)
+        if config is not None:
+            project.configure(config)
+        return project
+
+    def configure(self, config: dict) -> None:
+        """Write the config of its preset."""
+        (self.directory / self.preset).write_text(yaml.safe_dump(config, sort_keys=False))
+
+    def write_series(self, name: str, names: str, step: float, states: np.ndarray) -> None:
+        """Write a table of states ``(samples, component)`` with times and a header."""
+        rows = np.column_stack([step * np.arange(len(states)), states])
+        header = {"header": f"time,{names}", "comments": "", "delimiter": ","}
+        np.savetxt(self.directory / name, rows, fmt="%.17g", **header)
 
     def copy(self, directory: Path) -> "Project":
         """Copy everything with its time stamps: results and Snakemake's records, too."""
@@ -145,10 +144,11 @@ class Project:
         return copy
 
     def environment(self) -> dict[str, str]:
-        paths = [str(self.directory / "src")]
+        """Variables of its runs: its own code, or the repository's where it has none."""
+        own = self.directory / "src"
+        paths = [str(own if own.exists() else ROOT / "src"), str(HERE / "server")]
         without = ("BURSTCAST_CACHE", "BURSTCAST_RUN")
         variables = {name: value for name, value in os.environ.items() if name not in without}
-        paths.append(str(HERE / "server"))
         if self.server is not None:
             variables["BURSTCAST_TEST_JOB_SERVER"] = self.server.address
         return {**variables, **THREADS, **NOTEBOOK, "PYTHONPATH": ":".join(paths)}
@@ -157,20 +157,15 @@ class Project:
         """Run Snakemake with the preset and what is laid over it."""
         options = self.options(*arguments, overlay=overlay)
         environment = {**self.environment(), **variables}
-        if self.server is None:
-            command = [sys.executable, "-m", "snakemake", *options]
-            result = subprocess.run(
-                command,
-                cwd=self.directory,
-                env=environment,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
-                check=False,
-                timeout=900,
-            )
-            return Outcome(result.returncode, result.stdout)
-        return self._request({"arguments": options}, environment)
+        if self.server is not None:
+            return self._request({"arguments": options}, environment)
+        result = subprocess.run(
+            [sys.executable, "-m", "snakemake", *options],
+            **{"cwd": self.directory, "env": environment, "timeout": 900},
+            **{"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True},
+            check=False,
+        )
+        return Outcome(result.returncode, result.stdout)
 
     def made(self, *targets: str, overlay: dict | None = None) -> Outcome:
         """Run Snakemake, which makes what it is asked for."""
@@ -193,12 +188,6 @@ class Project:
             status = connection.recv(1)
         return Outcome(status[0] if status else 137, output)
 
-    def loaded_modules(self) -> dict[str, set[str]]:
-        """Modules of the project that importing scripts and modules loads, by their names."""
-        outcome = self._request({"loaded": True}, self.environment())
-        assert outcome.status == 0, outcome.text
-        return {name: set(modules) for name, modules in json.loads(outcome.text).items()}
-
     def options(self, *arguments: str, overlay: dict | None = None) -> list[str]:
         """Options of Snakemake; the overlay becomes a file."""
         configs = [self.preset]
@@ -212,16 +201,12 @@ class Project:
 
     def dry_run(self, *arguments: str, overlay: dict | None = None) -> dict[str, int]:
         """Jobs of each rule that would run."""
-        outcome = self.snakemake("--verbose", "-n", *arguments, overlay=overlay)
-        assert outcome.status == 0, outcome.text
-        return outcome.jobs
+        return self.made("--verbose", "-n", *arguments, overlay=overlay).jobs
 
     def planned(self, overlay: dict | None = None) -> set[str]:
         """Jobs that would run, by the paths of their logs, or of new files, which have none."""
-        outcome = self.snakemake("--summary", overlay=overlay)
-        assert outcome.status == 0, outcome.text
-        rows = [line.split("\t") for line in outcome.text.splitlines() if line.count("\t") == 5]
-        names, *rows = rows
+        lines = self.made("--summary", overlay=overlay).text.splitlines()
+        names, *rows = [line.split("\t") for line in lines if line.count("\t") == 5]
         assert names[3:] == ["log-file(s)", "status", "plan"], names
         below_results = re.compile(r"results/\w+/(?:logs/)?")
         return {
@@ -230,23 +215,18 @@ class Project:
             if plan == "update pending"
         }
 
-    def reasons(self, *targets: str, overlay: dict | None = None) -> str:
-        """What a dry run says would run again, and why."""
-        outcome = self.snakemake("-n", *targets, overlay=overlay)
-        assert outcome.status == 0, outcome.text
-        return outcome.text
-
     @property
     def results(self) -> Path:
         return self.directory / RESULTS
 
-    def tables(self) -> dict[str, str]:
-        """Digests of all tables."""
-        return digests(self.results / "tables")
+    def bits(self) -> dict[str, str]:
+        """Digests of all results but logs, which have times in them."""
+        made = digests(self.results)
+        return {name: digest for name, digest in made.items() if not name.startswith("logs/")}
 
-    def logs(self, results: str = RESULTS) -> dict[str, int]:
+    def logs(self) -> dict[str, int]:
         """When each job's log was written: a job writes it when it runs."""
-        logs = self.directory / results / "logs"
+        logs = self.results / "logs"
         return {
             str(path.relative_to(logs)): path.stat().st_mtime_ns for path in logs.rglob("*.log")
         }

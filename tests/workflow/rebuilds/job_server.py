@@ -12,12 +12,6 @@ import signal
 import socket
 import sys
 import traceback
-from collections.abc import Callable
-from importlib import import_module
-from importlib.abc import Loader, MetaPathFinder
-from importlib.machinery import ModuleSpec
-from pathlib import Path
-from types import ModuleType
 
 # what scripts import, without the project's modules
 import matplotlib.figure
@@ -82,9 +76,7 @@ def _handle(connection: socket.socket) -> None:
 
 def _run(request: dict) -> int:
     try:
-        if "loaded" in request:
-            _print_loaded()
-        elif "script" in request:
+        if "script" in request:
             sys.argv = [request["script"]]
             sys.path.insert(0, os.path.dirname(request["script"]))
             pretended = os.environ.get("BURSTCAST_TEST_PRETEND")
@@ -119,69 +111,6 @@ def _pretend(script: str) -> None:
 
     for output in job.output:
         note(output, EMPTY)
-
-
-# -- modules that scripts load ---------------------------------------------------------------------
-
-HARNESS = "burstcast_workflow.harness"
-REGISTRIES = (
-    *("systems", "forecasters", "networks/validation_strategies"),
-    *("control/strategies", "tables/makers"),
-)
-
-
-class EmptyHarness(MetaPathFinder, Loader):
-    """Finds modules of the harness that have every name, with nothing behind it."""
-
-    def find_spec(self, name: str, *_: object) -> ModuleSpec | None:
-        ours = name == HARNESS or name.startswith(f"{HARNESS}.")
-        return ModuleSpec(name, self, is_package=name == HARNESS) if ours else None
-
-    def exec_module(self, module: ModuleType) -> None:
-        # a class, or what decorates a function
-        take_anything = {"__init__": lambda *_, **__: None}
-        module.__dict__["__getattr__"] = lambda name: type(name, (), take_anything)
-
-
-def _loaded(load: Callable[..., object], *arguments: str) -> list[str]:
-    """Modules that something loads, found in a fork so that scripts do not see each other's."""
-    read, write = os.pipe()
-    if os.fork() == 0:
-        os.close(read)
-        sys.meta_path.insert(0, EmptyHarness())
-        load(*arguments)
-        names = [name for name in sys.modules if name.partition(".")[0].startswith("burstcast")]
-        with open(write, "w") as stream:
-            json.dump(names, stream)
-        os._exit(0)
-    os.close(write)
-    with open(read) as stream:
-        return json.load(stream)
-
-
-def _import_script(script: str) -> None:
-    sys.path.insert(0, os.path.dirname(script))
-    runpy.run_path(script, run_name="not a job")
-
-
-def _print_loaded() -> None:
-    """Print which modules of the project scripts load, and modules that are found by name.
-
-    The harness is replaced by something empty: what it loads is not what a result depends on.
-    """
-    scripts, library = Path("workflow/scripts").resolve(), Path("src/burstcast")
-    loaded = {
-        str(script.relative_to(scripts)): _loaded(_import_script, str(script))
-        for script in sorted(scripts.rglob("*.py"))
-    }
-    modules = [
-        ".".join(path.relative_to("src").with_suffix("").parts)
-        for package in REGISTRIES
-        for path in sorted((library / package).glob("*.py"))
-        if path.name != "__init__.py"
-    ]
-    loaded.update({name: _loaded(import_module, name) for name in modules})
-    print(json.dumps(loaded))
 
 
 if __name__ == "__main__":

@@ -102,131 +102,97 @@ class Recomputation:
         names = ["spectral_radius", "input_scaling", "tikhonov", "objective", "solver"]
         return pd.DataFrame(rows)[[*KEYS, *names]]
 
-    def alarms(self) -> Iterator[tuple[dict[str, Any], Path, bool]]:
-        """Forecasts with their keys; then, for each case, whoever raises an alarm always."""
-        cases = {}
-        for keys, path in self.files("forecast.nc"):
-            cases[keys["case"]] = {name: keys[name] for name in ("case", "reynolds")}, path
-            yield keys, path, False
-        for keys, path in cases.values():
-            yield {**dict.fromkeys(KEYS), **keys, "forecaster": "permanent_alarm"}, path, True
+    def points(self) -> Iterator[tuple[dict[str, Any], np.ndarray, np.ndarray, np.ndarray]]:
+        """Whether an event happens and is predicted at each scored point, and its series.
 
-    def events(
-        self, case: str, path: Path, time: float, always: bool = False
-    ) -> tuple[np.ndarray, ...]:
-        """Whether an event happens and is predicted at each scored point, and its series."""
-        settings = self.config["classification"]
-        threshold = self.records[case]["event_threshold"]
-        truth, forecast = variables(self.results / case / "evaluation_set.nc"), variables(path)
-        first = round(time / settings["resolution_lt"]) - 1
-        last = first + round(settings["window_lt"] / settings["resolution_lt"])
-        scored = truth["washout_maximum"] < threshold
-        happened, predicted = (
-            (data["first"][:, first] < threshold)
-            & (data["largest"][:, first:last].max(axis=1) >= threshold)
-            for data in (truth, forecast)
-        )
-        predicted = predicted | always
-        return happened[scored], predicted[scored], truth["series"][scored], truth["series"]
+        With the keys of each forecast at each prediction time; then, for each case, of whoever
+        raises an alarm always.
+        """
+        settings, files = self.config["classification"], [*self.files("forecast.nc")]
+        always = {
+            keys["case"]: (self.of_case(keys["case"], "permanent_alarm"), path)
+            for keys, path in files
+        }
+        for keys, path in (*files, *always.values()):
+            threshold = self.records[keys["case"]]["event_threshold"]
+            truth = variables(self.results / keys["case"] / "evaluation_set.nc")
+            scored, forecast = truth["washout_maximum"] < threshold, variables(path)
+            for time in settings["prediction_times_lt"]:
+                first = round(time / settings["resolution_lt"]) - 1
+                last = first + round(settings["window_lt"] / settings["resolution_lt"])
+                happened, predicted = (
+                    (data["first"][:, first] < threshold)
+                    & (data["largest"][:, first:last].max(axis=1) >= threshold)
+                    for data in (truth, forecast)
+                )
+                predicted = predicted | (keys["forecaster"] == "permanent_alarm")
+                of_time = {**keys, "prediction_time_lt": time}
+                series = np.append(truth["series"][scored], truth["series"].max())
+                yield of_time, happened[scored], predicted[scored], series
 
     def classification(self) -> pd.DataFrame:
         rows = []
-        for keys, path, always in self.alarms():
-            for time in self.config["classification"]["prediction_times_lt"]:
-                happened, predicted, _, _ = self.events(keys["case"], path, time, always)
-                counts = confusion_matrix(happened, predicted, labels=[False, True])
-                (negative, false), (missed, positive) = counts.tolist()
-                rows.append(
-                    {
-                        **keys,
-                        "prediction_time_lt": time,
-                        "true_positive": positive,
-                        "false_positive": false,
-                        "false_negative": missed,
-                        "true_negative": negative,
-                        **_scores(happened, predicted, None),
-                    }
-                )
+        for keys, happened, predicted, _ in self.points():
+            counts = confusion_matrix(happened, predicted, labels=[False, True]).ravel()
+            names = ("true_negative", "false_positive", "false_negative", "true_positive")
+            counted = dict(zip(names, counts.tolist(), strict=True))
+            rows.append({**keys, **counted, **_scores(happened, predicted, None)})
         return pd.DataFrame(rows)
 
     def classification_intervals(self) -> pd.DataFrame:
         """Scores with every point weighted by how often a resample holds its series."""
         rows = []
-        for keys, path, always in self.alarms():
-            for time in self.config["classification"]["prediction_times_lt"]:
-                happened, predicted, series, every = self.events(keys["case"], path, time, always)
-                weights = self.drawn(int(every.max()) + 1, keys["case"], _text(time))
-                resamples = pd.DataFrame(
-                    [_scores(happened, predicted, weight[series]) for weight in weights]
-                )
-                rows += [
-                    {
-                        **keys,
-                        "prediction_time_lt": time,
-                        "metric": metric,
-                        **self.interval(resamples[metric].dropna()),
-                    }
-                    for metric in resamples
-                ]
+        for keys, happened, predicted, (*series, last) in self.points():
+            weights = self.drawn(last + 1, keys["case"], _text(keys["prediction_time_lt"]))
+            resamples = pd.DataFrame(
+                [_scores(happened, predicted, weight[series]) for weight in weights]
+            )
+            for metric in resamples:
+                interval = self.interval(resamples[metric].dropna())
+                rows.append({**keys, "metric": metric, **interval})
         return pd.DataFrame(rows)
+
+    def horizons(self) -> Iterator[tuple[dict[str, Any], str, np.ndarray, np.ndarray]]:
+        """Horizons of each forecaster, with its keys and name, and weights of resampled events."""
+        for keys, path in self.files("horizon.nc"):
+            values = variables(path)["prediction_horizon_lt"]
+            events = variables(self.results / keys["case"] / "events.nc")
+            assert len(values) == len(events["step"])
+            yield keys, path.parent.name, values, self.drawn(len(values), keys["case"], "events")
 
     def horizon(self) -> pd.DataFrame:
         rows = []
-        for keys, path in self.files("horizon.nc"):
-            horizons = pd.Series(variables(path)["prediction_horizon_lt"], dtype=float)
-            events = variables(self.results / keys["case"] / "events.nc")
-            assert len(horizons) == len(events["step"])
+        for keys, _, values, _ in self.horizons():
+            averages = pd.Series(values, dtype=float).agg(["mean", "median"]).tolist()
             rows.append(
-                {
-                    **keys,
-                    "events": len(horizons),
-                    "mean_horizon_lt": horizons.mean(),
-                    "median_horizon_lt": horizons.median(),
-                }
+                {**keys, "events": len(values), **dict(zip(_AVERAGES, averages, strict=True))}
             )
         return pd.DataFrame(rows)
 
     def horizon_intervals(self) -> pd.DataFrame:
         """Averages of what each bootstrap sample of the events holds."""
-        rows = []
-        for keys, path in self.files("horizon.nc"):
-            horizons = variables(path)["prediction_horizon_lt"]
-            weights = self.drawn(len(horizons), keys["case"], "events")
-            for metric, average in _AVERAGES.items():
-                averages = [average(np.repeat(horizons, weight)) for weight in weights]
-                rows.append({**keys, "metric": metric, **self.interval(averages)})
-        return pd.DataFrame(rows)
+        return pd.DataFrame(
+            {
+                **{**keys, "metric": metric},
+                **self.interval([average(np.repeat(values, weight)) for weight in weights]),
+            }
+            for keys, _, values, weights in self.horizons()
+            for metric, average in _AVERAGES.items()
+        )
 
     def horizon_differences(self) -> pd.DataFrame:
         """Differences of averages of the same events, of networks the median over the seeds."""
-        horizons: dict[str, dict[tuple, list[tuple[str, np.ndarray]]]] = {}
-        for keys, path in self.files("horizon.nc"):
-            kind = keys["forecaster"], keys["neurons"], keys["validation"]
-            mine = horizons.setdefault(keys["case"], {}).setdefault(kind, [])
-            mine.append((path.parent.name, variables(path)["prediction_horizon_lt"]))
+        kinds: dict[tuple, list[tuple]] = {}
+        for keys, *horizons in self.horizons():
+            kind = tuple(keys[name] for name in ("case", "forecaster", "neurons", "validation"))
+            kinds.setdefault(kind, []).append(horizons)
         rows = []
-        for case, kinds in horizons.items():
-            names = [members[0][0] for members in kinds.values()]
-            for place, members in enumerate(kinds.values()):
-                if len(members) > 1:
-                    names[place] = f"median of {names[place].rpartition('-seed')[0]}"
-            count = len(next(iter(kinds.values()))[0][1])
-            weights = [np.ones(count, int), *self.drawn(count, case, "events")]
-            for metric, average in _AVERAGES.items():
-                of = [
-                    [
-                        np.median([average(np.repeat(values, weight)) for _, values in members])
-                        for weight in weights
-                    ]
-                    if count
-                    else [np.nan]
-                    for members in kinds.values()
-                ]
-                for i, j in itertools.combinations(range(len(of)), 2):
-                    difference = np.subtract(of[i], of[j])
-                    row = {"compared": names[i], "other": names[j], "metric": metric}
-                    row |= {"value": difference[0], **self.interval(difference[1:])}
-                    rows.append({"case": case, **row})
+        for (kind, one), (other_kind, other) in itertools.combinations(kinds.items(), 2):
+            for metric, average in _AVERAGES.items() if kind[0] == other_kind[0] else ():
+                difference = _medians(one, average) - _medians(other, average)
+                row = {"case": kind[0], "compared": _shared_name(one), "other": _shared_name(other)}
+                interval = self.interval(difference[1:])
+                rows.append({**row, "metric": metric, "value": difference[0], **interval})
         return pd.DataFrame(rows)
 
     def dataset(self) -> pd.DataFrame:
@@ -265,6 +231,11 @@ class Recomputation:
             )
         return pd.DataFrame(rows)
 
+    def of_case(self, case: str, forecaster: str = "data") -> dict[str, Any]:
+        """Keys of the rows of a case that are of none of its forecasters."""
+        reynolds = self.records[case]["parameters"].get("reynolds")
+        return dict.fromkeys(KEYS) | {"case": case, "reynolds": reynolds, "forecaster": forecaster}
+
     def statistics(self) -> pd.DataFrame:
         """Kantorovich metric, logarithmic error and discarded share; profiles are tested apart."""
         rows = []
@@ -276,39 +247,22 @@ class Recomputation:
             shares = {f"{name}_fraction": (fates == n).mean() for n, name in enumerate(names, 1)}
             shares["discarded_fraction"] = (fates != 0).mean()
             rows.append({**keys, **shares, **_distances(true, run)})
-        for case, record in self.records.items():
-            true = variables(self.results / case / "statistics_data.nc")
-            training = variables(self.results / case / "statistics_training.nc")
-            floor = variables(self.results / case / "statistics_floor.nc")
-            keys = dict.fromkeys(KEYS) | {
-                "case": case,
-                "reynolds": record["parameters"].get("reynolds"),
-            }
-            rows.append({**keys, "forecaster": "training", **_distances(true, training)})
-            rows += [
-                {
-                    **keys,
-                    "forecaster": "floor",
-                    "seed": split,
-                    "kantorovich": floor["kantorovich"][split],
-                    "mean_log_error": floor["mean_log_error"][split],
-                }
-                for split in range(self.config["statistics"]["floor_splits"])
-            ]
+        for case in self.records:
+            true, training, floor = (
+                variables(self.results / case / f"statistics_{name}.nc")
+                for name in ("data", "training", "floor")
+            )
+            rows.append({**self.of_case(case, "training"), **_distances(true, training)})
+            for split in range(self.config["statistics"]["floor_splits"]):
+                values = {name: floor[name][split] for name in ("kantorovich", "mean_log_error")}
+                rows.append({**self.of_case(case, "floor"), "seed": split, **values})
         return pd.DataFrame(rows)
-
-    def of_data(self) -> Iterator[tuple[str, dict[str, Any]]]:
-        """Cases, and the keys of their own rows."""
-        for case, record in self.records.items():
-            reynolds = record["parameters"].get("reynolds")
-            row = {"case": case, "reynolds": reynolds, "forecaster": "data"}
-            yield case, dict.fromkeys(KEYS) | row
 
     def survival(self) -> pd.DataFrame:
         """Escapes counted run by run after the first quarter, with exact tails of counts."""
         lifetimes = []
-        for case, keys in self.of_data():
-            ensemble = variables(self.results / case / "ensemble.nc")
+        for case in self.records:
+            keys, ensemble = self.of_case(case), variables(self.results / case / "ensemble.nc")
             kept = set(ensemble["series"].tolist())
             ends = [number not in kept for number in range(len(ensemble["lifetime"]))]
             length = len(ensemble["time"]) - 1
@@ -341,8 +295,11 @@ class Recomputation:
 
     def spectra(self) -> Iterator[tuple[dict[str, Any], np.ndarray]]:
         """Exponents of each run, of the data and of the forecasters."""
-        for case, keys in self.of_data():
-            yield keys, variables(self.results / case / "lyapunov_spectrum.nc")["exponents"]
+        for case in self.records:
+            yield (
+                self.of_case(case),
+                variables(self.results / case / "lyapunov_spectrum.nc")["exponents"],
+            )
         for keys, path in self.files("lyapunov_spectrum.nc"):
             yield keys, variables(path)["exponents"]
 
@@ -415,10 +372,21 @@ class Recomputation:
             )
         return pd.DataFrame(rows)
 
-    def tables(self) -> dict[str, pd.DataFrame]:
-        """All of them, by name; those of stages that are off are left out."""
-        made = {name: getattr(self, name)() for name in TABLES}
-        return {name: table for name, table in made.items() if len(table)}
+
+def _medians(members: list[tuple], average: Any) -> np.ndarray:
+    """Medians over members of averages of their horizons: of all events, of each resample."""
+    _, values, weights = members[0]
+    if not len(values):
+        return np.full(1, np.nan)
+    samples = [np.ones(len(values), int), *weights]
+    return np.array(
+        [np.median([average(np.repeat(each[1], sample)) for each in members]) for sample in samples]
+    )
+
+
+def _shared_name(members: list[tuple]) -> str:
+    name = str(members[0][0])
+    return f"median of {name.rpartition('-seed')[0]}" if len(members) > 1 else name
 
 
 def percentiles(table: pd.DataFrame, metrics: list[str], extra: list[str]) -> pd.DataFrame:

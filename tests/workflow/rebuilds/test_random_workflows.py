@@ -64,12 +64,6 @@ def compute(*, settings: Settings, made: str, too: str, **files):
     with open("ran.txt", "a") as file:
         file.write(f"{{Path(made).parent.name}} ")
 """
-WAYS = (
-    ("import {module}", "{module}.VALUE"),
-    ("from {module} import VALUE as {last}_value", "{last}_value"),
-    ("from {package} import {last}", "{last}.VALUE"),
-    ("def {last}_late():\n    import {module} as late\n    return late.VALUE", "{last}_late()"),
-)
 MODULES = ("lib/pack/one.py", "lib/pack/two.py", "lib/pack/deep/three.py")
 
 
@@ -91,13 +85,9 @@ class Workflow:
             settings = {
                 f"x.p{number}": chance.randrange(9) for number in range(chance.randrange(4))
             }
-            used = {
-                module: chance.choice(WAYS)
-                for module in chance.sample(MODULES, chance.randrange(3))
-            }
-            self.rules.append(
-                {"inputs": inputs, "settings": settings, "modules": used, "script": 0}
-            )
+            used = chance.sample(MODULES, chance.randrange(3))
+            rule = {"inputs": inputs, "settings": settings, "modules": used, "script": 0}
+            self.rules.append(rule)
         self.former = [self.texts()]
 
     def some_inputs(self, place):
@@ -111,15 +101,12 @@ class Workflow:
         for package in ("lib/pack", "lib/pack/deep"):
             texts[f"{package}/__init__.py"] = ""
         for module, value in self.values.items():
-            lines, values = imported(
-                self.imports[module], dict.fromkeys(self.imports[module], WAYS[1])
-            )
-            texts[module] = (
-                f"{lines}\n# {self.comment}\nVALUE = {' + '.join([str(value), *values])}\n"
-            )
+            lines, values = imported(self.imports[module])
+            total = " + ".join([str(value), *values])
+            texts[module] = f"{lines}\n# {self.comment}\nVALUE = {total}\n"
         rules, everything = [], []
         for place, rule in enumerate(self.rules):
-            lines, values = imported(rule["modules"], rule["modules"])
+            lines, values = imported(rule["modules"])
             names = sorted(rule["settings"])
             script = SCRIPT.format(imports=lines, names=names, values=", ".join(values))
             texts[f"scripts/s{place}.py"] = f"# {self.comment}\n{script}{rule['script'] or ''}\n"
@@ -158,10 +145,7 @@ class Workflow:
         elif kind == "more settings":
             rule["settings"][f"x.p{chance.randrange(6)}"] = chance.randrange(9)
         elif kind == "imports":
-            rule["modules"] = {
-                module: chance.choice(WAYS)
-                for module in chance.sample(MODULES, chance.randrange(3))
-            }
+            rule["modules"] = chance.sample(MODULES, chance.randrange(3))
         elif kind == "inputs":
             place = self.rules.index(rule)
             rule["inputs"][0] = self.some_inputs(place)
@@ -188,16 +172,13 @@ KINDS = (
 )
 
 
-def imported(modules, ways):
-    """Lines that import modules, and expressions of their values."""
-    lines, values = [], []
-    for path in modules:
-        module = ".".join(Path(path).with_suffix("").parts[1:])
-        package, _, last = module.rpartition(".")
-        names = {"module": module, "package": package, "last": last}
-        line, value = (text.format(**names) for text in ways[path])
-        lines.append(line)
-        values.append(value)
+def imported(modules):
+    """Lines that import modules, and the names of their values (other ways: test_tracking_code)."""
+    names = [".".join(Path(path).with_suffix("").parts[1:]) for path in modules]
+    values = [f"{name.rpartition('.')[2]}_value" for name in names]
+    lines = [
+        f"from {name} import VALUE as {value}" for name, value in zip(names, values, strict=True)
+    ]
     return "\n".join(lines), values
 
 
