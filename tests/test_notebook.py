@@ -124,4 +124,4 @@ def test_the_page_says_what_the_notebook_does(cells):
     quick = ten_lines.replace("members=6", "members=2, grid=2, bayesian_points=0")
     exec(quick.replace("neurons=100", "neurons=40"), names)
     assert names["probability"].shape == (30,)
-    assert {"f_score", "brier_skill"} <= set(names["scores"])
+    assert {"alarm_f_score", "brier_skill"} <= set(names["scores"])

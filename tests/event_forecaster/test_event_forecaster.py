@@ -241,8 +241,8 @@ def test_scores_are_those_of_alarms_counted_one_by_one(fitted, tested):
     scores = fitted.scores(tested)
     assert 5 < events < forecasts
     assert (scores["forecasts"], scores["events"]) == (forecasts, events)
-    assert scores["recall"] == pytest.approx(hits / events)
-    assert scores["precision"] == pytest.approx(float(ratio(hits, alarms)), nan_ok=True)
+    assert scores["alarm_recall"] == pytest.approx(hits / events)
+    assert scores["alarm_precision"] == pytest.approx(float(ratio(hits, alarms)), nan_ok=True)
     assert fitted.score(tested) == pytest.approx(2 * hits / (alarms + events))
 
 

@@ -118,7 +118,7 @@ def test_a_score_of_alarms_and_a_score_by_name(fitted, tested):
     alarm = probability >= fitted.alarms_[0.5].threshold
     accuracy = float((alarm == happened).mean())
     assert EventScorer("accuracy")(fitted, tested) == pytest.approx(accuracy)
-    for name in ("brier_skill", "f_score"):
+    for name in ("brier_skill", "alarm_f_score"):
         assert EventScorer(name)(fitted, tested) == fitted.scores(tested)[name]
 
 

@@ -235,7 +235,7 @@ def test_scores_have_intervals_over_series_or_blocks_of_time(series):
     tested = lorenz(series, 900, 3)
     plain, intervals = forecaster.scores(tested), forecaster.scores(tested, interval=True)
     assert intervals.keys() == plain.keys() - {"forecasts", "events"}
-    for name in ("f_score", "brier_skill", "base_rate", "permanent_f_score"):
+    for name in ("alarm_f_score", "brier_skill", "base_rate", "permanent_f_score"):
         assert intervals[name].value == pytest.approx(plain[name], abs=1e-12)
         assert intervals[name].low <= plain[name] <= intervals[name].high
     assert intervals["base_rate"].low < intervals["base_rate"].high

@@ -103,6 +103,27 @@ def as_published(rows, kind):
     )
 
 
+def intervals_of(rows):
+    """Intervals of two networks around the medians of percentile rows."""
+    ends = rows.assign(low=0.9 * rows["p50"], high=1.02 * rows["p50"])
+    ends = ends.drop(columns=["p25", "p50", "p75", "networks"])
+    return pd.concat([ends.assign(seed=0), ends.assign(seed=1)])
+
+
+def published_scores():
+    """Arguments of the figure of published scores: plain networks, and networks with squares."""
+    plain = percentile_rows(SCORES, prediction_times=PREDICTION_TIMES)
+    squares = plain[plain["neurons"] == 500].assign(forecaster="esn_quadratic", p50=0.99)
+    horizons = percentile_rows({"mean_horizon_lt": 4.5})
+    scores = pd.concat([plain, squares])
+    theirs = [as_published(plain, "classification"), as_published(horizons, "horizon")]
+    return {
+        **{"scores": scores, "score_intervals": intervals_of(scores)},
+        **{"horizons": horizons, "horizon_intervals": intervals_of(horizons)},
+        **{"validation": "RV", "published": pd.concat(theirs).assign(p50=0.5)},
+    }
+
+
 # -- arguments of every figure, and the figures drawn from them ------------------------------------
 
 TIME = np.linspace(0.0, 8.0, 401)
@@ -530,6 +551,7 @@ ARGUMENTS = {
         "percentiles": percentile_rows(SCORES, prediction_times=PREDICTION_TIMES),
         **{"fixed_neurons": 1000, "fixed_prediction_time_lt": 3, "sizes_validation": "RV"},
     },
+    "published_scores": published_scores,
     "horizon_schematic": lambda: {
         **{"longest_lead_time_lt": 10, "lead_time_step_lt": 0.5, "tolerance": 0.2, "symbol": "k"}
     },
@@ -545,7 +567,7 @@ ARGUMENTS = {
         **{"neurons": 2000, "prediction_times_lt": [2.0, 3.0]},
     },
     "forecast_skill": lambda: {
-        "scores": score_rows("f_score", "brier_skill"),
+        "scores": score_rows("alarm_f_score", "brier_skill"),
         **{"neurons": 2000, "validation": "RV"},
     },
     "reliability": lambda: {

@@ -28,6 +28,7 @@ from helpers_figures import (
     percentile_rows,
     plane_event,
     plane_states,
+    published_scores,
     ranking_rows,
     reliability_rows,
     reynolds_rows,
@@ -320,8 +321,30 @@ def test_prediction_times_that_are_not_in_the_table_are_not_shown():
     assert times_shown(table, [3.0]) == [2.0]
 
 
+def test_published_scores_lie_beside_ours_with_intervals_of_a_network():
+    figure = drawn("published_scores")
+    words = set(texts(figure))
+    # of 500, 1000 and 1500 neurons, those that double, and 500 with squares
+    assert {"500 neurons", "1000 neurons", "500 neurons, quadratic", "published"} <= words
+    assert "1500 neurons" not in words
+    arguments = published_scores()
+    for axes, metric in zip(figure.axes, ("precision", "recall", "f_score"), strict=False):
+        ours = arguments["scores"]
+        for kind, neurons in (("esn", 500.0), ("esn", 1000.0), ("esn_quadratic", 500.0)):
+            of = {"forecaster": kind, "neurons": neurons, "metric": metric, "validation": "RV"}
+            medians_of = list(medians.select(ours, **of)["p50"])
+            assert lines_with(axes, medians_of) == 1
+        assert (
+            lines_with(axes, [0.5] * len(PREDICTION_TIMES)) == 2
+        )  # nothing is published of squares
+    (band,) = figure.axes[3].collections[0].get_paths()
+    low, high = band.vertices[:, 1].min(), band.vertices[:, 1].max()
+    reached = arguments["horizons"].query("validation == 'RV'")["p50"]
+    assert (low, high) == pytest.approx((0.9 * reached.min(), 1.02 * reached.max()))
+
+
 def test_every_forecaster_has_a_curve_of_skill_beside_three_others_at_most():
-    scores = score_rows("f_score", "brier_skill")
+    scores = score_rows("alarm_f_score", "brier_skill")
     votes = scores.assign(probability="votes", value=scores["value"] / 2)
     new = scores[scores["forecaster"] == "analogues"].assign(forecaster="lstm", value=0.42)
     everything = pd.concat([scores, votes, new])
@@ -329,7 +352,7 @@ def test_every_forecaster_has_a_curve_of_skill_beside_three_others_at_most():
     curves = [len(axes.get_lines()) for axes in figure.axes]
     assert max(curves) <= 4
     assert sum(curves) == 2 * everything["forecaster"].nunique()
-    calibrated = everything.query("metric == 'f_score' and probability == 'calibrated'")
+    calibrated = everything.query("metric == 'alarm_f_score' and probability == 'calibrated'")
     for kind in ("equations_filtered", "lstm"):
         values = list(calibrated[calibrated["forecaster"] == kind]["value"])
         assert sum(lines_with(axes, values) for axes in figure.axes[::2]) == 1
