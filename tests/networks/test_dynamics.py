@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -59,6 +60,29 @@ def test_trajectories_depend_on_nothing_else(reservoir, backend, leak_rate, read
     np.testing.assert_array_equal(dynamics.open_loop(inputs[:0], states), states)
     nothing, none = dynamics.closed_loop(weights, RANGE, states[:, :0], 5)
     assert (nothing.shape, none.shape) == ((5, 4, 0), (reservoir.neurons, 0))
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_panels_hold_the_states_and_end_at_breakpoints(reservoir, signal, backend):
+    dynamics = Dynamics(reservoir, 0.5, 1.0, backend)
+    inputs = signal[:101]
+    start = np.full((reservoir.neurons, 5), 0.1)
+    panels = list(
+        dynamics.state_panels(inputs, start, breakpoints=[70, 33, 33, 0], columns_per_panel=102)
+    )
+    ends = [0, 20, 33, 53, 70, 90, 101]
+    assert [(panel.start, panel.stop) for panel in panels] == [*pairwise(ends)]
+    for panel in panels:
+        last = dynamics.open_loop(inputs[: panel.stop], start)
+        np.testing.assert_array_equal(panel.states[:, -1], last)
+        assert panel.columns.flags.c_contiguous
+        assert np.shares_memory(panel.columns, panel.states)
+        np.testing.assert_array_equal(panel.columns[:, 7], panel.states[:, 1, 2])
+    states = start
+    for step, current in enumerate(inputs):
+        states = dynamics.open_loop(current[None], states)
+        panel = next(panel for panel in panels if panel.start <= step < panel.stop)
+        np.testing.assert_array_equal(panel.states[:, step - panel.start], states)
 
 
 def test_tanh_is_accurate_to_a_few_units_in_the_last_place():

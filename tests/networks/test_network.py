@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.network import EchoStateNetwork
@@ -86,6 +88,16 @@ def test_distribution_of_the_weights():
     assert (np.abs(share - 0.1) < 5 * np.sqrt(0.09 / neurons)).all()
     assert weight.min() < -0.99
     assert 0.99 < weight.max() <= np.abs(weight).max() <= 1
+
+
+@given(count=st.integers(1, 3000), probability=st.floats(1e-3, 1.0), seed=st.integers(0, 2**32 - 1))
+@settings(max_examples=50)
+def test_positions_are_distinct_and_inside(count, probability, seed):
+    position = _bernoulli_positions(count, probability, np.random.default_rng(seed))
+    assert (np.diff(position) > 0).all()
+    assert position.size == 0 or (position[0] >= 0 and position[-1] < count)
+    if probability == 1.0:
+        assert position.size == count
 
 
 def test_every_position_is_equally_likely():

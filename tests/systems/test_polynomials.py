@@ -51,6 +51,21 @@ def test_quadrature_is_exact_for_polynomials(intervals):
         assert integral == pytest.approx(1 / (power + 1), rel=1e-10)
 
 
+def test_noise_biases_no_coefficient():
+    """dx/dt = 3 - x^2 from many starts, with noise of a fifth of the standard deviation."""
+    system = PolynomialSystem(np.array([[3.0], [0.0], [-1.0]]), 2, Lorenz63())
+    start = np.linspace(-1.0, 2.5, 2000)[np.newaxis]
+    true = integrate(system, start, 0.05, 30).transpose(2, 0, 1)
+    deviation = 0.2 * true.std(axis=(0, 1))
+    observed = true + deviation * np.random.default_rng(9).standard_normal(true.shape)
+    corrected, plain = (
+        polynomial_coefficients(observed, noise_deviation, 0.05, 2, 10, 4.0)
+        for noise_deviation in (deviation, 0 * deviation)
+    )
+    np.testing.assert_allclose(corrected[:, 0], [3.0, 0.0, -1.0], atol=0.01)
+    assert np.abs(plain[:, 0] - [3.0, 0.0, -1.0]).max() > 0.1
+
+
 def test_a_polynomial_system_is_the_sum_of_its_terms():
     generator = np.random.default_rng(6)
     coefficients = generator.normal(size=(20, 3)) * (generator.random((20, 3)) < 0.5)
