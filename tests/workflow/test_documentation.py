@@ -24,7 +24,7 @@ NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
 # the one has a test of its own, the other takes data from packages that no test installs
 ELSEWHERE = ("tutorial.md", "real_records.md")
 TAKES_LONG = "test test-long test-slurm bench check"
-# Programs of the reader: what computes is planned, what belongs to a cluster or the system is not run.
+# Programs of the reader: what computes is planned; those of a cluster or the system do nothing.
 PROGRAMS = {
     "snakemake": """
         #!{python}
