@@ -13,7 +13,6 @@ from burstcast.base.resampling import bootstrap_weights, percentile_interval
 from burstcast.statistics.analysis_of_variance import (
     analysis_of_variance,
     mean_and_margin,
-    slope_and_margin,
 )
 
 
@@ -102,16 +101,9 @@ def test_a_design_with_holes_is_refused(values):
         analysis_of_variance(values)
 
 
-def test_an_interval_of_a_mean_is_that_of_students_test_and_a_slope_that_of_scipy():
+def test_an_interval_of_a_mean_is_that_of_students_test():
     values = [0.1, 0.4, 0.2, 0.7]
     expected = scipy.stats.ttest_1samp(values, 0.0).confidence_interval(0.95)
     mean, margin = mean_and_margin(values, 0.95)
     assert (mean - margin, mean + margin) == pytest.approx((expected.low, expected.high))
     assert np.isnan(mean_and_margin([0.5], 0.95)[1])
-    generator = np.random.default_rng(1)
-    x, y = generator.normal(size=7), generator.normal(size=7)
-    expected = scipy.stats.linregress(x, y)
-    slope, margin = slope_and_margin(x, y, 0.9)
-    assert slope == pytest.approx(expected.slope)
-    assert margin == pytest.approx(expected.stderr * scipy.stats.t.ppf(0.95, 5))
-    assert np.isnan(slope_and_margin([0.0, 1.0], [1.0, 2.0], 0.9)).all()

@@ -8,7 +8,7 @@ from burstcast.base.names import parsed
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.registry import (
     kind_class,
-    make_forecaster,
+    make_kind,
     options_of_kind,
     trajectory_kinds,
 )
@@ -172,7 +172,7 @@ def test_only_the_bound_is_given_the_truth_and_aware_kinds_the_inputs(forecaster
 
 def test_who_learns_from_noise_and_who_sees_the_truth_reads_none(ensemble):
     kinds = ("equations", "esn", "esn_true_washout", "equations_noisy")
-    truth, esn, same, noisy = (make_forecaster(kind, {}) for kind in kinds)
+    truth, esn, same, noisy = (make_kind(kind, {}) for kind in kinds)
     states, learnt = job().training_states(str(ensemble)), networks().learnt(ensemble).observed
     np.testing.assert_array_equal(job().learnt_rows(truth, str(ensemble)), states)
     np.testing.assert_array_equal(job().learnt_rows(esn, str(ensemble)), learnt)

@@ -16,7 +16,7 @@ from burstcast.base.files.tables import read_table
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasters.base import ForecastingCase
-from burstcast.forecasters.registry import make_classifier
+from burstcast.forecasters.registry import make_kind
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_precursor.yaml").read_text())
@@ -194,7 +194,7 @@ def test_a_reservoir_is_read_out_as_the_library_does_it(results, by_hand):
     training = read_netcdf(results / "Re400/training_set.nc")
     kept = training["washout_maximum"] < THRESHOLD
     points = LabelledPoints(training["washout"][kept], happened, rows)
-    fitted = make_classifier("esn_direct", options).fit(points, case)
+    fitted = make_kind("esn_direct", options).fit(points, case)
     tested = read_netcdf(results / "Re400/evaluation_set.nc", "washout")["washout"]
     forecast = read_netcdf(place / "forecast.nc")["probability"]
     np.testing.assert_allclose(forecast, fitted.probabilities(tested), rtol=1e-9)

@@ -19,7 +19,6 @@ from burstcast.base.discovery import (
     own_class,
     suggestion,
 )
-from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasters.base import Forecaster, ForecasterKind
 
 _OTHERS = ("base", "check", "registry")
@@ -98,11 +97,6 @@ def make_kind_of(kind: type[ForecasterKind], options: Mapping[str, Any]) -> Fore
     return made("forecaster", kind_name(kind), "option", kind, options)
 
 
-def make_forecaster(kind: str, options: Mapping[str, Any]) -> Forecaster:
-    """Make an unfitted forecaster of a kind that forecasts trajectories (`make_kind`)."""
-    return as_forecaster(make_kind(kind, options))
-
-
 def as_forecaster(kind: ForecasterKind) -> Forecaster:
     """A forecaster of trajectories; refuses classifiers."""
     if not isinstance(kind, Forecaster):
@@ -111,14 +105,6 @@ def as_forecaster(kind: ForecasterKind) -> Forecaster:
             "kind that forecasts states"
         )
     return kind
-
-
-def make_classifier(kind: str, options: Mapping[str, Any]) -> EventClassifier:
-    """Make an unfitted classifier of events (`make_kind`); refuses forecasters of trajectories."""
-    classifier = make_kind(kind, options)
-    if not isinstance(classifier, EventClassifier):
-        raise ValueError(f"{kind} forecasts trajectories, from which probabilities follow")
-    return classifier
 
 
 def kind_name(kind: type[ForecasterKind]) -> str:

@@ -84,17 +84,3 @@ def mean_and_margin(values: Sequence[float], confidence: float) -> tuple[float, 
     count = len(values)
     error = np.std(values, ddof=1) / np.sqrt(count) if count > 1 else np.nan
     return float(np.mean(values)), float(student_quantile(count - 1, confidence) * error)
-
-
-def slope_and_margin(
-    x: Sequence[float], y: Sequence[float], confidence: float
-) -> tuple[float, float]:
-    """Slope of the line of least squares, and half the width of its Student interval."""
-    count = len(x)
-    if count < 3:
-        return float("nan"), float("nan")
-    across = np.asarray(x) - np.mean(x)
-    slope = float(across @ np.asarray(y) / (across @ across))
-    left = np.asarray(y) - np.mean(y) - slope * across
-    error = np.sqrt(left @ left / (count - 2) / (across @ across))
-    return slope, float(student_quantile(count - 2, confidence) * error)
