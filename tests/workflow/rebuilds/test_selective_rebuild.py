@@ -200,7 +200,7 @@ GROUPS = {
         calibrate/* probability_scores/* reliability_table/* lead_times/*
         joined_forecasts joined_horizon joined_warnings joined_probabilities figure/reliability
         figure/classification_scores figure/horizon_by_size figure/forecast_skill
-        figure/error_growth""",
+        figure/error_growth figure/published_scores""",
     "OF_CONTROL": """control_table/* control_density_table/* control_strategies_table/*
         joined_control figure/control_tradeoff figure/control_density figure/control_frontier""",
     "OF_LONG_RUNS": """statistics_table/* survival_table/* lyapunov_spectrum_table/*
