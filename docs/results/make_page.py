@@ -41,17 +41,20 @@ def supported(*holds: bool, caller: Callable[[], str]) -> str:
 
 
 def wrapped(page: str) -> str:
-    """A page whose paragraphs and points have lines of 100 columns at most."""
+    """A page whose paragraphs and points have lines of 100 columns at most.
+
+    None begins with a per cent sign, which Sphinx would take for a comment.
+    """
     lines = TextWrapper(100, break_on_hyphens=False, break_long_words=False)
     points = TextWrapper(100, "", "  ", break_on_hyphens=False, break_long_words=False)
     blocks = []
-    for block in re.split(r"\n{2,}", page.strip()):
+    for block in re.split(r"\n{2,}", re.sub(r"\s%", "\0%", page.strip())):
         if block.startswith("* "):
             block = "\n".join(map(points.fill, re.split(r"\n(?=\* )", block)))
         elif not block.startswith(("|", "#", "!", "<")):
             block = lines.fill(block)
         blocks.append(block)
-    return "\n\n".join(blocks) + "\n"
+    return "\n\n".join(blocks).replace("\0", " ") + "\n"
 
 
 def trio(tables: Tables, times: tuple[float, ...] = (1.0, 3.0, 5.0)) -> Part:

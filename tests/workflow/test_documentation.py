@@ -140,6 +140,7 @@ def test_lines_are_short_and_links_and_names_lead_somewhere(name):
     page, text = ROOT / name, (ROOT / name).read_text()
     wide = [line for line in text.splitlines() if len(line) > 100]
     assert [line for line in wide if not line.lstrip().startswith("|")] == []
+    assert not re.search(r"^ *%", text, re.M)  # Sphinx would take it for a comment
     links = re.findall(r"\]\(([^)#\s]+)\)|^\[[^\]]+\]: (\S+)", text, re.M)
     for link in (first or second for first, second in links):
         if not link.startswith("http"):
