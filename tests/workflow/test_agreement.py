@@ -153,6 +153,7 @@ def chosen(project: Project) -> list[str]:
         str(path.relative_to(project.results))
         for pattern in CHOSEN
         for path in project.results.glob(f"Re400/{pattern}")
+        if not path.name.startswith(".")
     )
 
 
