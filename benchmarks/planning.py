@@ -36,7 +36,7 @@ def campaign(reynolds_numbers: int, sizes: int, seeds: int) -> dict[str, object]
                 "forecasters": {"esn": {"neurons": neurons, "validation": ["SSV"], "seeds": seeds}},
             }
         ],
-        # without published exponents the Lyapunov time would be computed, which is also planned
+        # without given exponents the Lyapunov time would be computed, which is also planned
         "case_defaults": {"lyapunov": {"given_exponent": 0.0135}},
         "statistics": {"forecasters": {"esn": None}},
         "control": {"forecasters": {"esn": None, "equations": None}},

@@ -396,7 +396,7 @@ class EventForecaster(Estimator):
         They are "alarm_f_score", "alarm_precision", "alarm_recall", "brier_skill", "roc_area", ...
         (`burstcast.forecasts.probability_scores`), the "permanent_f_score" of an alarm at every
         starting point, and the numbers of "forecasts" and "events". NaN where a score is not
-        defined, such as a recall without events. Starting points are those of `outcomes`.
+        defined, such as a recall without events. Starting points: see `outcomes`.
 
         ``interval``: Whether scores have confidence intervals of 95 %, as tuples ``(value, low,
         high)``. They resample series, or blocks of time where there are fewer than ten series.
