@@ -132,6 +132,15 @@ def networks_of(tables: Tables) -> list[dict[str, Any]]:
     return [{str(key): value for key, value in row.items()} for row in networks.to_dict("records")]
 
 
+def _margin(of_sets: Any, of_test: Any, sets: Any) -> Any:
+    """Half of an interval from the variances over training sets and over test series.
+
+    Degrees of freedom of the sum of both are Welch and Satterthwaite's.
+    """
+    degrees = (of_sets + of_test) ** 2 / (of_sets**2 / (sets - 1))
+    return student.ppf((1 + CONFIDENCE) / 2, degrees) * np.sqrt(of_sets + of_test)
+
+
 def inside_counts(authors: Tables, paper: Tables, neurons: int | None = None) -> dict[str, int]:
     """Published values inside intervals around the paper's campaign, and the authors' choices.
 
@@ -139,7 +148,7 @@ def inside_counts(authors: Tables, paper: Tables, neurons: int | None = None) ->
 
     Both by one rule. ``narrow``: 1.96 standard errors of one network over the test series.
     ``wide``: what a further training set and two choices of the test series give, ours and the
-    authors'. Degrees of freedom of the sum of both variances are Welch and Satterthwaite's.
+    authors'.
     """
     counts = dict.fromkeys(("values", "narrow", "narrow_authors", "wide", "wide_authors"), 0)
     networks = networks_of(authors)
@@ -153,8 +162,7 @@ def inside_counts(authors: Tables, paper: Tables, neurons: int | None = None) ->
             if np.isnan([published, median, *values]).any():
                 continue
             of_sets, of_test = values.var(ddof=1) * (1 + 1 / len(values)), 2 * error**2
-            degrees = (of_sets + of_test) ** 2 / (of_sets**2 / (len(values) - 1))
-            wide = student.ppf((1 + CONFIDENCE) / 2, degrees) * np.sqrt(of_sets + of_test)
+            wide = _margin(of_sets, of_test, len(values))
             narrow = {"narrow": 1.96 * error}
             narrow["narrow_authors"] = 1.96 * score.error(authors, **network)
             counts["values"] += 1
@@ -293,14 +301,12 @@ def hierarchical(tables: Tables, score: Score, **where: Any) -> pd.DataFrame:
     """Means over training sets with the interval over all that is random.
 
     ``low``, ``high``: What other training sets, with other seeds, and other test series would give,
-    which all networks of a campaign share. Degrees of freedom are Welch and Satterthwaite's.
+    which all networks of a campaign share.
     """
     means = over_sets(tables, score, **where)
     kinds = means[["forecaster", "neurons"]].to_dict("records")
     of_test = np.square([score.error(tables, **{str(k): v for k, v in of.items()}) for of in kinds])
-    of_sets = means["std"] ** 2 / means["count"]
-    degrees = (of_sets + of_test) ** 2 * (means["count"] - 1) / of_sets**2
-    half = student.ppf((1 + CONFIDENCE) / 2, degrees) * np.sqrt(of_sets + of_test)
+    half = _margin(means["std"] ** 2 / means["count"], of_test, means["count"])
     return means.assign(low=means["mean"] - half, high=means["mean"] + half)
 
 

@@ -16,6 +16,7 @@ import pandas as pd
 
 from burstcast.base.files.tables import read_table
 from burstcast.control.setting_names import option_words
+from burstcast.figures.parts.medians import with_intervals
 from burstcast.figures.parts.published import intervals_of_control, published_percentiles
 
 KEPT = Path(__file__).parent
@@ -69,9 +70,7 @@ class Tables:
         ends = self.rows(f"{name}_intervals", metric=metric, **where)
         if ends.empty or rows.empty:
             return rows.assign(low=np.nan, high=np.nan)
-        keys = [column for column in rows if column in ends]
-        middle = ends.groupby(keys, dropna=False)[["low", "high"]].median().reset_index()
-        return rows.merge(middle, on=keys, how="left")
+        return with_intervals(rows, ends)
 
     def row(self, name: str, metric: str, **where: Any) -> Any:
         """The one row of `medians` with these values, whose columns are its attributes."""

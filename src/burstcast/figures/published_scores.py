@@ -93,7 +93,8 @@ def _draw(
 ) -> None:
     """Draw the rows of some networks, ours as a line and the published ones as markers."""
     rows = medians.select(ours, **of)
-    medians.draw(axes, rows, x, {**look, "marker": "."}, label=label)
+    band = rows.assign(p25=rows["low"], p75=rows["high"])
+    medians.draw(axes, band, x, {**look, "marker": "."}, label=label)
     if theirs is not None:
         beside = medians.select(theirs, **of)
         beside = beside[beside[x].isin(rows[x])].drop(columns=["p25", "p75"])

@@ -45,14 +45,13 @@ def select(table: pd.DataFrame, **values: object) -> pd.DataFrame:
 
 
 def with_intervals(percentiles: pd.DataFrame, intervals: pd.DataFrame) -> pd.DataFrame:
-    """Rows of a percentile table with the interval of a single network in place of quartiles.
+    """Rows of a percentile table with the interval of a single network, ``low`` and ``high``.
 
     Its ends are medians over the networks.
     """
     keys = [column for column in percentiles if column in intervals]
     ends = intervals.groupby(keys, dropna=False)[["low", "high"]].median().reset_index()
-    rows = percentiles.drop(columns=["p25", "p75"]).merge(ends, on=keys, how="left")
-    return rows.rename(columns={"low": "p25", "high": "p75"})
+    return percentiles.merge(ends, on=keys, how="left")
 
 
 def validations(networks: pd.DataFrame, **values: object) -> Iterator[tuple[str, Any, Any]]:
