@@ -108,6 +108,7 @@ class Lyapunov(TimeUnit):
     series: Whole = setting(
         "trajectories that the exponents are averaged over", ge=2, at_most="ensemble.series"
     )
+    exponents: Whole = setting("the leading ones; all where there are fewer", ge=1)
     perturbation: Positive = setting(
         "initial distance of neighbouring trajectories",
         "attractor sizes",

@@ -100,7 +100,7 @@ def case_record(config: Configuration, name: str) -> Config:
 
 WITHOUT_UNITS: Any = {
     "ensemble": {"series"},
-    "lyapunov": {"time_unit", "series", "perturbation", "saturation"},
+    "lyapunov": {"time_unit", "series", "exponents", "perturbation", "saturation"},
     "training": True,
     "density": {"bins"},
     "controlled_density": {"bins"},

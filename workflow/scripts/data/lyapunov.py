@@ -18,9 +18,6 @@ from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
 from burstcast_workflow.jobs.data import check_kept_series, kept_series
 from burstcast_workflow.jobs.systems import System
 
-MOST_EXPONENTS = 24
-"""Of a system with more components, so many leading exponents: enough for its dimension."""
-
 
 class Exponents(System):
     """Lyapunov exponents of the case."""
@@ -29,6 +26,7 @@ class Exponents(System):
     time_step: float = at("case.ensemble.time_step")
     sampling_stride: int = at("case.ensemble.sampling_stride")
     series: int = at("case.lyapunov.series")
+    exponents: int = at("case.lyapunov.exponents")
     perturbation: float = at("case.lyapunov.perturbation")
     saturation: float = at("case.lyapunov.saturation")
     orthonormalisation_interval: float = at("case.lyapunov.orthonormalisation_interval")
@@ -54,7 +52,7 @@ def lyapunov(*, ensemble: str, exponents: str, spectrum: str, settings: Exponent
         steps - alignment,
         interval,
         alignment_steps=alignment,
-        exponents=min(system.dimension, MOST_EXPONENTS),
+        exponents=min(system.dimension, settings.exponents),
     )
     size = attractor_size(states.reshape(-1, states.shape[2]).T)
     growth = perturbation_growth(
