@@ -1,6 +1,8 @@
 """The code of jobs: closures of imports, hashes, own modules, versions of libraries."""
 
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -201,3 +203,14 @@ def test_a_copy_of_the_project_has_the_same_code(tmp_path):
     entries = here.entries(script, {"burstcast.systems": ["mfe"]})
     assert sources(modules=()).changed(entries) == []
     assert len(entries) > 20
+
+
+def test_the_environment_does_not_depend_on_what_else_is_loaded():
+    """SciPy has a BLAS of its own, and keys of the cache are compared between processes."""
+    code = "from burstcast_workflow.tracking.environment import environment; print(environment())"
+    environments = [
+        subprocess.run([sys.executable, "-c", text], capture_output=True, check=True).stdout
+        for text in (code, f"import scipy.linalg; {code}")
+    ]
+    assert environments[0] == environments[1]
+    assert b"threads" in environments[0]

@@ -3,6 +3,7 @@
 import platform
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any
 
 from threadpoolctl import threadpool_info
@@ -19,7 +20,7 @@ def environment() -> dict[str, Any]:
         "python": ".".join(platform.python_version_tuple()[:2]),
         "machine": platform.machine(),
         "instructions": numpy.show_config(mode="dicts").get("SIMD Extensions"),
-        "blas": blas_kernels(),
+        "blas": numpy_blas(),
     }
 
 
@@ -32,15 +33,19 @@ def library_version(library: str) -> str:
         return "not installed"
 
 
-def blas_kernels() -> list[str]:
-    """BLAS libraries of this process: version, kernel for this processor, and threads.
+def numpy_blas() -> list[str]:
+    """NumPy's BLAS: version, kernel for this processor, and threads.
 
     OpenBLAS chooses the kernel by the processor's model or ``OPENBLAS_CORETYPE``; another one adds
-    in another order.
+    in another order. A wheel of SciPy brings a BLAS that belongs to SciPy's version: whether it is
+    loaded already depends on the order of imports.
     """
+    import numpy  # noqa: F401  loads it
+
+    loaded = [library for library in threadpool_info() if library["user_api"] == "blas"]
+    of_wheel = [library for library in loaded if "/numpy" in Path(library["filepath"]).as_posix()]
     return sorted(
         f"{library['internal_api']} {library['version']} {library.get('architecture', '')}, "
         f"threads {library['num_threads']}"
-        for library in threadpool_info()
-        if library["user_api"] == "blas"
+        for library in of_wheel or loaded
     )

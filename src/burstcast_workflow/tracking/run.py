@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from burstcast_workflow.tracking.environment import blas_kernels
+from burstcast_workflow.tracking.environment import numpy_blas
 
 VARIABLE = "BURSTCAST_RUN"
 """Environment variable that tells jobs their run: its token, and the results directory."""
@@ -43,7 +43,7 @@ def begin(
         {
             "token": token,
             "revision": revision,
-            "linear algebra": blas_kernels(),
+            "linear algebra": numpy_blas(),
             "config": config,
             "code": code,
             "directories": directories,
