@@ -1,8 +1,8 @@
 """Jobs that a dry run would start, grouped by what they would run for.
 
 Snakemake lists each job with its reason. Parameters of burstcast's rules are texts: a setting
-``path = value``, a module of the code ``module @hash``, a library ``library ==version``, or names
-``names of files: hash``, so that the reason has what changed, before and now.
+``path = value``, a module of the code ``module @hash``, or a library ``library ==version``, so that
+the reason has what changed, before and now.
 """
 
 import ast
@@ -15,13 +15,12 @@ from typing import Any
 
 _LITERAL = re.compile(r"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"")
 _PARAMETERS = "Params have changed since last execution: "
-_OTHER_FILES = "made from other files"
 _REASONS = (
     (re.compile(r"Forced execution"), "asked for by an option"),
     (re.compile(r"Missing output files: "), "results are missing"),
     (re.compile(r"Incomplete output files: "), "interrupted before it was complete"),
     (re.compile(r"Updated input files: (?P<files>[^;]+)"), "changed: {files}"),
-    (re.compile(r"Set of input files has changed"), _OTHER_FILES),
+    (re.compile(r"Set of input files has changed"), "made from other files"),
     (re.compile(r"Code has changed"), "the code has changed"),
     (re.compile(r"Software environment definition has changed"), "another software environment"),
 )
@@ -70,8 +69,6 @@ def own_causes(job: PlannedJob) -> Iterator[tuple[str, str]]:
         if match := pattern.search(reason):
             yield text.format(**match.groupdict()).strip(), ""
     if parameters:
-        if "names of files: " in parameters:
-            yield _OTHER_FILES, ""
         before, _, now = parameters.partition(" now: ")
         yield from differences(_literals(before), _literals(now))
 

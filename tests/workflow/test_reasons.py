@@ -36,7 +36,6 @@ def causes(reason):
         ([], ["a @1"], ["code of a"]),
         (*([f"m{n} @{m}" for n in range(9)] for m in (1, 2)), ["code of m0, m1, m2 and 6 more"]),
         (["numpy ==2.1"], ["numpy ==2.2"], ["numpy 2.1 -> 2.2"]),
-        (["names of files: 1a"], ["names of files: 2b"], ["made from other files"]),
         (["file:own:my a.csv @1"], ["file:own:my a.csv @2"], ["code of file:own:my a.csv"]),
         ([""], ["a = 1"], ["a none -> 1"]),
         (['a = "x"'], [f'a = "{"y" * 99}"'], [f"a x -> {'y' * 57}..."]),

@@ -28,7 +28,6 @@ from burstcast_workflow.harness.settings import Setting
 from burstcast_workflow.stages.stages import Stages, any_of_regex
 from burstcast_workflow.tables.declarations import TABLES as DECLARED
 from burstcast_workflow.tracking.code import Sources
-from burstcast_workflow.tracking.results import names_of_files
 
 SCRIPTS = ROOT / "workflow" / "scripts"
 SOURCE = ROOT / "src"
@@ -90,10 +89,8 @@ def wildcards_of(rule):
 
 
 def texts_of(params, wildcards):
-    """Parameters as Snakemake hands them to a job without files."""
-    assert [*params].count(names_of_files) == 1
-    takes = {True: [wildcards, {}, {}], False: [wildcards]}
-    return [text(*takes[text is names_of_files]) if callable(text) else text for text in params]
+    """Parameters as Snakemake hands them to a job."""
+    return [text(wildcards) if callable(text) else text for text in params]
 
 
 def of_job(rule, wildcards=None):

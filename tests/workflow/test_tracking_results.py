@@ -11,7 +11,6 @@ from burstcast_workflow.tracking.results import (
     damaged,
     date_after,
     digest,
-    names_of_files,
     note,
 )
 
@@ -117,16 +116,3 @@ def test_a_directory_is_an_input_by_its_files(tmp_path):
     assert checked(str(store)) == before
     (store / "u/1").rename(store / "u/2")
     assert checked(str(store)) != before
-
-
-def test_names_and_order_of_files_are_a_parameter_and_where_they_are_is_not():
-    files = {"state": ["results/tiny/a.nc", "results/tiny/b.nc"], "time": "results/c.json"}
-    same = {"state": ["elsewhere/tiny/a.nc", "/tiny/b.nc"], "time": ["results/c.json"]}
-    others = [
-        {**files, "state": files["state"][::-1]},
-        {"state": files["time"], "time": files["state"]},
-        {"state": files["state"]},
-    ]
-    texts = [names_of_files(None, *two) for two in ((files, {}), (same, {}), ({}, files))]
-    assert texts[0] == texts[1] != texts[2]
-    assert len({names_of_files(None, other, {}) for other in (files, *others)}) == 4

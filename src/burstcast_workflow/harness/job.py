@@ -56,15 +56,7 @@ from burstcast_workflow.project import packages_of, project_root
 from burstcast_workflow.tracking.cache import Entry
 from burstcast_workflow.tracking.code import Sources, make_importable
 from burstcast_workflow.tracking.environment import LIBRARIES, environment, library_version
-from burstcast_workflow.tracking.results import (
-    checked,
-    date_after,
-    digest,
-    file_name,
-    files_by_name,
-    forget,
-    note,
-)
+from burstcast_workflow.tracking.results import checked, date_after, digest, forget, note
 from burstcast_workflow.tracking.run import plan
 
 __all__ = [
@@ -173,7 +165,7 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
         settings=declared,
         code=code,
         inputs=inputs,
-        names={name: [*map(file_name, paths)] for name, paths in files_by_name(snakemake.output)},
+        names={name: [*map(_name, _listed(files))] for name, files in snakemake.output.items()},
         environment=environment(),
         libraries=sources.libraries(entry.partition(" ")[0] for entry in code),
     )
@@ -239,8 +231,8 @@ def _checked_code(
 def _contents(inputs: Any) -> dict[str, list[list[str]]]:
     """Names and digests of inputs, by the names of the rule's inputs."""
     return {
-        name: [[file_name(path), checked(path)] for path in paths]
-        for name, paths in files_by_name(inputs)
+        name: [[_name(file), checked(file)] for file in _listed(files)]
+        for name, files in inputs.items()
     }
 
 
@@ -251,6 +243,15 @@ def _keep(snakemake: Any) -> list[str]:
     for path, content in zip(snakemake.output, digests, strict=True):
         note(path, content)
     return digests
+
+
+def _listed(files: str | list[str]) -> list[str]:
+    return [files] if isinstance(files, str) else files
+
+
+def _name(path: str) -> str:
+    """Name of a file and of its directory: in no campaign a file lies in the results themselves."""
+    return "/".join(Path(path).parts[-2:])
 
 
 def provenance(identity: Mapping[str, Any], settings: Mapping[str, Any]) -> Provenance:

@@ -26,7 +26,6 @@ from burstcast_workflow.harness.job import function_of, settings_taken
 from burstcast_workflow.harness.settings import THRESHOLDS, TIME_UNIT, cases_of_thresholds
 from burstcast_workflow.tables.registry import cases_of, made_by, written
 from burstcast_workflow.tracking.code import Sources
-from burstcast_workflow.tracking.results import names_of_files
 
 Paths: TypeAlias = str | list[str]
 OfJob: TypeAlias = Callable[..., Any]
@@ -43,9 +42,6 @@ def of_job(function: OfJob) -> OfJob:
     """
     overwrite_function_params(function, _PARAMETERS)
     return function
-
-
-overwrite_function_params(names_of_files, inspect.signature(names_of_files).parameters)
 
 
 def _once(function: OfJob) -> OfJob:
@@ -290,5 +286,4 @@ class Stages:
             *(_one(texts, path) for path in dict.fromkeys(paths)),
             *always,
             *(_one(reached, entry) for entry in sometimes),
-            names_of_files,
         ]

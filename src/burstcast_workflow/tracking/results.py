@@ -1,4 +1,4 @@
-"""Results of jobs: what they are called, what their job wrote, and whether they still are that.
+"""Results of jobs: what their job wrote, and whether they still are that.
 
 Beside each result lies ``.<name>.sha256`` with the digest of what its job wrote, and the size, time
 and inode that the file had then. A file is only read again where one of these three differs.
@@ -7,40 +7,15 @@ and inode that the file had then. A file is only read again where one of these t
 import hashlib
 import os
 import secrets
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 _SUFFIX = ".sha256"
-NAMES_OF_FILES = "names of files:"
 
 
 class DamagedResultError(ValueError):
     """A result is not what its job wrote."""
-
-
-def file_name(path: str) -> str:
-    """Name of a file and of its directory: in no campaign a file lies in the results themselves."""
-    return "/".join(Path(path).parts[-2:])
-
-
-def files_by_name(files: Any) -> Iterator[tuple[str, list[str]]]:
-    """Paths of a job's inputs or outputs, by their names in the rule."""
-    for name, paths in files.items():
-        yield name, [paths] if isinstance(paths, str) else list(paths)
-
-
-def names_of_files(wildcards: Any, input: Any, output: Any) -> str:  # noqa: A002 - Snakemake's
-    """A parameter of jobs: the order of their files, and their names in the rule.
-
-    Snakemake compares only which inputs a job has.
-    """
-    names = [
-        [(name, [*map(file_name, paths)]) for name, paths in files_by_name(files)]
-        for files in (input, output)
-    ]
-    return f"{NAMES_OF_FILES} {hashlib.sha256(repr(names).encode()).hexdigest()[:12]}"
 
 
 def digest(path: str | Path) -> str:

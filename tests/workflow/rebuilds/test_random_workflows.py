@@ -29,7 +29,6 @@ from pathlib import Path
 from burstcast_workflow.tracking.cache import tidy
 from burstcast_workflow.start import check_results
 from burstcast_workflow.tracking.code import Sources
-from burstcast_workflow.tracking.results import names_of_files
 from burstcast_workflow.tracking.run import begin
 
 ROOT = Path(str(workflow.current_basedir))
@@ -38,7 +37,7 @@ sources = Sources(lambda name: ROOT / "scripts" / name, ROOT / "none", {"own": (
 
 def of_script(script, **values):
     settings = [f"{name} = {json.dumps(value)}" for name, value in values.items()]
-    return [*settings, *sources.entries(script, {}), names_of_files]
+    return [*settings, *sources.entries(script, {})]
 
 onstart:
     begin("results", {}, sources.all_entries(), [], "")
