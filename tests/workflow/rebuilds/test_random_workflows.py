@@ -81,7 +81,7 @@ class Workflow:
         self.comment, self.cases = 0, ["a", "b"]
         self.rules = []
         for place in range(chance.randint(3, 6)):
-            inputs = [self.some_inputs(place) for _ in range(chance.randint(1, 2))]
+            inputs = self.some_inputs(place)
             settings = {
                 f"x.p{number}": chance.randrange(9) for number in range(chance.randrange(4))
             }
@@ -93,7 +93,7 @@ class Workflow:
     def some_inputs(self, place):
         """Numbers of sources, which are negative, and of earlier rules."""
         numbers = list(range(-len(self.sources), place))
-        return [self.random.choice(numbers) for _ in range(self.random.randint(1, 2))]
+        return self.random.sample(numbers, self.random.randint(1, min(4, len(numbers))))
 
     def texts(self):
         """Texts of all files, by name."""
@@ -110,10 +110,9 @@ class Workflow:
             names = sorted(rule["settings"])
             script = SCRIPT.format(imports=lines, names=names, values=", ".join(values))
             texts[f"scripts/s{place}.py"] = f"# {self.comment}\n{script}{rule['script'] or ''}\n"
-            inputs = ", ".join(
-                f"in{number}={[self.file(place) for place in files]}"
-                for number, files in enumerate(rule["inputs"])
-            )
+            # Snakemake sees which inputs a job has, and neither their names nor their order
+            files = [self.file(place) for place in sorted(rule["inputs"])]
+            inputs = f"in0={files[::2]}, in1={files[1::2]}"
             settings = f"**{rule['settings']}"
             rules.append(
                 f"rule r{place}:\n    input: {inputs}\n"
@@ -147,8 +146,7 @@ class Workflow:
         elif kind == "imports":
             rule["modules"] = chance.sample(MODULES, chance.randrange(3))
         elif kind == "inputs":
-            place = self.rules.index(rule)
-            rule["inputs"][0] = self.some_inputs(place)
+            rule["inputs"] = self.some_inputs(self.rules.index(rule))
         elif kind == "script":
             rule["script"] = f"\nCONSTANT = {chance.randrange(9)}"
         elif kind == "comment":
