@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from burstcast.base.files.netcdf import Variable, write_netcdf
+from burstcast.base.files.units import NUMBER
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.encoders.base import EncodingCase
 from burstcast.data.encoders.channels import StateChannels, check_encoding, encoding_case
@@ -14,6 +16,7 @@ from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lyapunov import lyapunov_spectrum
 from burstcast.systems.registry import make_system
 from kolmogorov_flow import KolmogorovFlow
+from tolerance import rows_of
 
 FLOW = KolmogorovFlow()
 FEW = KolmogorovFlow(20.0, 2, 5)
@@ -240,3 +243,35 @@ def test_invariants_from_sensors_are_those_of_the_estimate(training):
 def test_what_has_no_invariants_is_refused(space, options, message):
     with pytest.raises(ValueError, match=message):
         check_encoding(INVARIANTS, encoding_case(space, None, options), 0.01, 180)
+
+
+def test_scores_with_a_tolerance_take_an_early_crossing_for_a_hit(tmp_path):
+    """Three series of one point each: an eighth of a Lyapunov time early, in vain, and missed."""
+
+    def written(path, crossings, **more):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        first, largest = np.zeros((3, 31)), np.zeros((3, 31))
+        for point, window in crossings.items():
+            largest[point, window] = first[point, window + 1] = 1.0
+        shape = ("point", "window")
+        arrays = {"first": (shape, first), "largest": (shape, largest), **more}
+        variables = {name: Variable(*array, NUMBER, "of a test") for name, array in arrays.items()}
+        write_netcdf(path, variables, {})
+
+    # the window of a prediction time of 1 has the stored windows 7 to 14
+    case = tmp_path / "invariants"
+    written(case / "evaluation_set.nc", {0: 7, 2: 9}, series=(("point",), np.arange(3)))
+    written(case / "networks" / "early" / "forecast.nc", {0: 6, 1: 10})
+    rows = {
+        (row["forecaster"], row["tolerance_lt"]): row
+        for row in rows_of(case)
+        if row["prediction_time_lt"] == 1
+    }
+    scores = {key: (row["base_rate"], row["f_score"]) for key, row in rows.items()}
+    assert scores == {
+        ("permanent_alarm", 0): (2 / 3, 0.8),
+        ("permanent_alarm", 0.125): (2 / 3, 0.8),
+        ("early", 0): (2 / 3, 0.0),
+        ("early", 0.125): (2 / 3, 0.5),
+    }
+    assert rows["early", 0.125]["low"] == 0 < rows["early", 0.125]["high"] == 1

@@ -1,0 +1,87 @@
+"""F of crossings with a tolerance in time: an alarm a little too early or too late is no miss.
+
+An event counts as forecast if the forecast has a crossing in the event's window, or in this window
+moved to either side by the tolerance; an alarm is false if the flow has none in any of the three.
+
+::
+
+    PYTHONPATH=examples/kolmogorov python examples/kolmogorov/tolerance.py RESULTS > tolerance.csv
+"""
+
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.files.netcdf import read_netcdf
+from burstcast.base.resampling import bootstrap_weights, percentile_interval
+from burstcast.forecasts.classification import ratio
+from burstcast.forecasts.windows import WindowSummaries, crosses
+from kolmogorov_flow import KolmogorovFlow
+
+RESOLUTION_LT = 0.125
+"""Length of the stored windows, and the tolerance, in Lyapunov times."""
+PREDICTION_TIMES_LT = (0.5, 1.0, 1.5, 2.0)
+_WINDOWS = round(1 / RESOLUTION_LT)
+_THRESHOLD = float(str(KolmogorovFlow.case_defaults["event_threshold"]))
+
+
+def crossings(summaries: WindowSummaries, time_lt: float, tolerance: int) -> list[BoolArray]:
+    """Crossings in the window at a prediction time, and in those moved by the tolerance."""
+    first = round(time_lt / RESOLUTION_LT) - 1
+    moved = (0, -tolerance, tolerance) if tolerance else (0,)
+    return [crosses(summaries, first + by, _WINDOWS, _THRESHOLD) for by in moved]
+
+
+def f_score(outcomes: Iterable[FloatArray]) -> FloatArray:
+    """F of the sums of true positives, false positives and false negatives."""
+    true_positive, false_positive, false_negative = outcomes
+    both = 2 * true_positive
+    return ratio(both, both + false_positive + false_negative)
+
+
+def rows_of(case: Path) -> Iterator[dict[str, Any]]:
+    """Scores of each forecast of a case."""
+    arrays = read_netcdf(case / "evaluation_set.nc", "first", "largest", "series")
+    truth, series = WindowSummaries(arrays["first"], arrays["largest"]), arrays["series"]
+    of_series = (series == np.unique(series)[:, None]).astype(np.float64)
+    weights = bootstrap_weights(len(of_series), 1000, np.random.default_rng(0))
+    always = WindowSummaries.always_crossing(truth.first.shape)
+    forecasts = {"permanent_alarm": always}
+    for path in sorted(case.glob("*/*/forecast.nc")):
+        arrays = read_netcdf(path)
+        if "first" in arrays:
+            forecasts[path.parent.name] = WindowSummaries(arrays["first"], arrays["largest"])
+    for forecaster, forecast in forecasts.items():
+        for time_lt in PREDICTION_TIMES_LT:
+            for tolerance in (0, 1):
+                events = crossings(truth, time_lt, tolerance)
+                alarms = crossings(forecast, time_lt, tolerance)
+                outcomes = [
+                    events[0] & np.any(alarms, axis=0),
+                    alarms[0] & ~np.any(events, axis=0),
+                    events[0] & ~np.any(alarms, axis=0),
+                ]
+                counts = [of_series @ outcome for outcome in outcomes]
+                samples = f_score(weights @ count for count in counts)
+                low, high = percentile_interval(samples, 0.95)
+                yield {
+                    "case": case.name,
+                    "forecaster": forecaster,
+                    "prediction_time_lt": time_lt,
+                    "tolerance_lt": tolerance * RESOLUTION_LT,
+                    "base_rate": events[0].mean(),
+                    "f_score": float(f_score(count.sum() for count in counts)),
+                    "low": low,
+                    "high": high,
+                }
+
+
+if __name__ == "__main__":
+    results = Path(sys.argv[1])
+    scores = pd.DataFrame(list(rows_of(results / "invariants")))
+    scores.to_csv(sys.stdout, index=False)
