@@ -2,6 +2,7 @@
 
 An event counts as forecast if the forecast has a crossing in the event's window, or in this window
 moved to either side by the tolerance; an alarm is false if the flow has none in any of the three.
+As in the table `classification`, starting points at which an event is under way are not scored.
 
 ::
 
@@ -46,9 +47,11 @@ def f_score(outcomes: Iterable[FloatArray]) -> FloatArray:
 
 def rows_of(case: Path) -> Iterator[dict[str, Any]]:
     """Scores of each forecast of a case."""
-    arrays = read_netcdf(case / "evaluation_set.nc", "first", "largest", "series")
+    names = ("first", "largest", "series", "washout_maximum")
+    arrays = read_netcdf(case / "evaluation_set.nc", *names)
     truth, series = WindowSummaries(arrays["first"], arrays["largest"]), arrays["series"]
-    of_series = (series == np.unique(series)[:, None]).astype(np.float64)
+    scored = arrays["washout_maximum"] < _THRESHOLD
+    of_series = (series == np.unique(series)[:, None]) * scored.astype(np.float64)
     weights = bootstrap_weights(len(of_series), 1000, np.random.default_rng(0))
     always = WindowSummaries.always_crossing(truth.first.shape)
     forecasts = {"permanent_alarm": always}
@@ -74,7 +77,7 @@ def rows_of(case: Path) -> Iterator[dict[str, Any]]:
                     "forecaster": forecaster,
                     "prediction_time_lt": time_lt,
                     "tolerance_lt": tolerance * RESOLUTION_LT,
-                    "base_rate": events[0].mean(),
+                    "base_rate": events[0][scored].mean(),
                     "f_score": float(f_score(count.sum() for count in counts)),
                     "low": low,
                     "high": high,

@@ -246,11 +246,14 @@ def test_what_has_no_invariants_is_refused(space, options, message):
 
 
 def test_scores_with_a_tolerance_take_an_early_crossing_for_a_hit(tmp_path):
-    """Three series of one point each: an eighth of a Lyapunov time early, in vain, and missed."""
+    """Three series of a point: a forecast an eighth of a Lyapunov time early, in vain, and missed.
+
+    At the point of a fourth series an event is under way.
+    """
 
     def written(path, crossings, **more):
         path.parent.mkdir(parents=True, exist_ok=True)
-        first, largest = np.zeros((3, 31)), np.zeros((3, 31))
+        first, largest = np.zeros((4, 31)), np.zeros((4, 31))
         for point, window in crossings.items():
             largest[point, window] = first[point, window + 1] = 1.0
         shape = ("point", "window")
@@ -260,7 +263,9 @@ def test_scores_with_a_tolerance_take_an_early_crossing_for_a_hit(tmp_path):
 
     # the window of a prediction time of 1 has the stored windows 7 to 14
     case = tmp_path / "invariants"
-    written(case / "evaluation_set.nc", {0: 7, 2: 9}, series=(("point",), np.arange(3)))
+    maxima = ("point",), np.array([0.0, 0.0, 0.0, 1.0])
+    of_points = {"series": (("point",), np.arange(4)), "washout_maximum": maxima}
+    written(case / "evaluation_set.nc", {0: 7, 2: 9, 3: 9}, **of_points)
     written(case / "networks" / "early" / "forecast.nc", {0: 6, 1: 10})
     rows = {
         (row["forecaster"], row["tolerance_lt"]): row
