@@ -193,7 +193,8 @@ def execute_script(self, fname, edit=False):
     """Run a script as Snakemake does, in a fork instead of a new process."""
     child = os.fork()
     if child == 0:
-        # a thread of Snakemake's may have held the locks of the streams
+        # a thread of Snakemake's may hold the locks of its streams, which are left as they are
+        _streams = sys.stdout, sys.stderr
         sys.stdout, sys.stderr = (os.fdopen(os.dup(number), "w") for number in (1, 2))
         try:
             sys.argv = [fname]
