@@ -1,13 +1,22 @@
 """What tests of the library make up: forecasters, systems, forecasts and their outcomes."""
 
+import io
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
+from PIL import Image
 
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasts.outcomes import outcomes_by_series
+
+ROOT = Path(__file__).parents[1]
 
 
 class MadeUpForecaster(Forecaster):
@@ -96,3 +105,38 @@ def assert_depends_on_its_washout_alone(forecaster, washout, steps, case):
     outputs = np.full((1, whole.shape[1], 1), 11.0)
     assert restored.diverged(outputs).tolist() == forecaster.diverged(outputs).tolist()
     return whole
+
+
+def assert_same_picture(made: bytes, kept):
+    """But for edges, which other libraries may draw otherwise; ``kept``: path of a picture."""
+    pictures = (Image.open(file).convert("L") for file in (io.BytesIO(made), kept))
+    now, then = (np.asarray(picture, dtype=float) for picture in pictures)
+    assert now.shape == then.shape
+    assert (np.abs(now - then) > 64).mean() < 1e-3
+
+
+def copied_repository(directory):
+    """A copy of all files that git knows, and of new ones; the directory."""
+    listed = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
+    for name in said_by(listed, ROOT).splitlines():
+        if (ROOT / name).exists():
+            (directory / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, directory / name)
+    return directory
+
+
+def said_by(arguments, cwd, status=0, **environment):
+    """What a command says on both channels."""
+    result = subprocess.run(
+        list(map(str, arguments)),
+        **{"cwd": cwd, "env": {**os.environ, **environment}, "text": True, "check": False},
+        **{"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT},
+    )
+    assert result.returncode == status, result.stdout
+    return result.stdout
+
+
+def code_cells(path):
+    """Cells of a notebook that hold code."""
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    return [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]

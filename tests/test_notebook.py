@@ -8,14 +8,11 @@ import matplotlib
 import numpy as np
 import pytest
 
+from helpers_library import code_cells
+
 DOCS = Path(__file__).parents[1] / "docs"
 NOTEBOOKS = sorted(DOCS.glob("*.ipynb"))
 NUMBER = r"[-+]?\d+(?:\.\d+)?"
-
-
-def code_cells(path):
-    notebook = json.loads(path.read_text(encoding="utf-8"))
-    return [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
 
 
 def printed(cells):

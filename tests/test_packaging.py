@@ -1,12 +1,9 @@
 """How others get burstcast: container, conda, catalog; the library alone, without a compiler."""
 
 import json
-import os
 import pkgutil
 import re
 import shlex
-import shutil
-import subprocess
 import sys
 import tomllib
 import warnings
@@ -22,6 +19,7 @@ from packaging.version import Version
 import burstcast
 from burstcast.base.compiled.backends import usable_backend
 from burstcast_workflow.campaign.loading import load
+from helpers_library import said_by
 
 ROOT = Path(__file__).parents[1]
 PROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
@@ -70,7 +68,7 @@ def test_jobs_of_a_conda_environment_find_burstcast_where_snakemake_does():
         "import snakemake.api; from snakemake.common import get_snakemake_searchpaths as f; "
         "print(*f(), sep='\\n')"
     )
-    assert str(ROOT / "src") in run(sys.executable, "-c", code)[0].splitlines()
+    assert str(ROOT / "src") in said_by([sys.executable, "-c", code], ROOT).splitlines()
 
 
 def instructions():
@@ -177,14 +175,8 @@ SOURCE = Path(burstcast.__file__).parents[1]
 OTHERS = ["snakemake", "pydantic", "matplotlib", "skimage", "burstcast_workflow"]
 
 
-IMPORT_ALL = """
+ALONE = """
 import importlib, importlib.util, json, sys
-names, others = json.loads(sys.argv[1])
-assert not [name for name in others if importlib.util.find_spec(name)]
-for name in names:
-    importlib.import_module(name)
-"""
-SAVE_AND_LOAD = """
 import numpy as np
 import burstcast
 
@@ -202,6 +194,10 @@ forecaster = burstcast.EventForecaster(
 forecaster.fit(series).save("saved.nc")
 found = burstcast.EventForecaster.load("saved.nc")
 assert np.array_equal(found.predict_proba(series), forecaster.predict_proba(series))
+names, others = json.loads(sys.argv[1])
+assert not [name for name in others if importlib.util.find_spec(name)]
+for name in names:
+    importlib.import_module(name)
 """
 
 
@@ -215,8 +211,8 @@ def required(name, packages):
 
 
 @pytest.fixture(scope="module")
-def environment(tmp_path_factory):
-    """Environment of a Python that finds the library and what it requires, and nothing else."""
+def alone(tmp_path_factory):
+    """A directory in which Python finds the library and what it requires, and nothing else."""
     directory = tmp_path_factory.mktemp("site")
     (listed,) = re.findall(r"^dependencies = \[(.*?)^\]", PROJECT, re.MULTILINE | re.DOTALL)
     packages: dict[str, object] = {}
@@ -226,38 +222,15 @@ def environment(tmp_path_factory):
     for module in packages.values():
         for part in {file.parts[0] for file in module.files} - {"..", "__pycache__"}:
             (directory / part).symlink_to(module.locate_file(part))
-    return {**os.environ, "PYTHONPATH": str(directory)}
+    return str(directory)
 
 
-def run(*command, **settings):
-    """What a command prints, and what it says on the other stream."""
-    result = subprocess.run(command, capture_output=True, text=True, check=False, **settings)
-    assert result.returncode == 0, result.stderr
-    return result.stdout, result.stderr
-
-
-def test_the_library_stands_alone_saves_and_loads(environment, tmp_path):
+def test_the_library_stands_alone_saves_and_loads(alone, tmp_path):
     packages = pkgutil.walk_packages(burstcast.__path__, "burstcast.")
     names = [module.name for module in packages if not module.name.startswith("burstcast.figures")]
     assert len(names) > 50
-    for code in ([IMPORT_ALL, json.dumps([names, OTHERS])], [SAVE_AND_LOAD]):
-        run(sys.executable, "-S", "-c", *code, env=environment, cwd=tmp_path)
-
-
-@pytest.mark.long
-def test_a_plain_installation_saves_and_loads(tmp_path):
-    for name in run("git", "ls-files", cwd=ROOT)[
-        0
-    ].splitlines():  # building writes into the sources
-        if (ROOT / name).exists():
-            (tmp_path / "source" / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(ROOT / name, tmp_path / "source" / name)
-    python = tmp_path / "venv" / "bin" / "python"
-    run(sys.executable, "-m", "venv", tmp_path / "venv")
-    install = [python, "-m", "pip", "install", "-q", "--disable-pip-version-check"]
-    run(*install, "-c", ROOT / "requirements.lock", "./source", cwd=tmp_path)
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    run(python, "-c", SAVE_AND_LOAD, env=environment, cwd=tmp_path)
+    program = [sys.executable, "-S", "-c", ALONE, json.dumps([names, OTHERS])]
+    said_by(program, tmp_path, PYTHONPATH=alone)
 
 
 # -- without a compiler ----------------------------------------------------------------------------
@@ -280,9 +253,9 @@ def test_with_a_compiler_nothing_is_said():
             "from burstcast_workflow.campaign.loading import load\n"
             "from burstcast_workflow.tracking.environment import LIBRARIES, library_version\n"
             "config = load(yaml.safe_load(open('config.yaml')), defaults='config.yaml')\n"
-            "print(config['forecasters']['esn']['backend'])\n"
+            "print('backend:', config['forecasters']['esn']['backend'])\n"
             "print(*map(library_version, LIBRARIES))\n",
-            "scipy",
+            "backend: scipy",
         ),
         (
             "import numpy as np, burstcast\n"
@@ -302,9 +275,9 @@ def test_with_a_compiler_nothing_is_said():
     ids=["the workflow", "the library"],
 )
 def test_without_a_compiler_scipy_takes_over(code, output):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
-    printed, said = run(sys.executable, "-c", f"{WITHOUT}\n{code}", cwd=ROOT, env=environment)
-    assert output in printed
+    code = f"{WITHOUT}\n{code}"
+    said = said_by([sys.executable, "-c", code], ROOT, PYTHONPATH=str(ROOT / "src"))
+    assert output in said
     assert "reservoirs are computed by scipy, which is several times slower" in said
 
 
@@ -313,7 +286,7 @@ def test_without_a_compiler_scipy_takes_over(code, output):
 
 @pytest.mark.long  # a minute
 def test_a_short_benchmark_measures_and_predicts():
-    text, _ = run(sys.executable, ROOT / "benchmarks" / "bench.py", "--quick")
+    text = said_by([sys.executable, ROOT / "benchmarks" / "bench.py", "--quick"], ROOT)
     rows = re.findall(
         r"^\| ([a-z -]+) \|.*\| 1000 \| ([\d.]+) \|", text, re.MULTILINE | re.IGNORECASE
     )

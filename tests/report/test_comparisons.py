@@ -1,27 +1,22 @@
 """Comparisons of the page, on made-up campaigns whose parts are known."""
 
-from itertools import product
-
+import drawings
 import numpy as np
 import pandas as pd
 import pytest
 from comparisons import (
-    HORIZON,
     TRUE,
-    Score,
-    costs,
     differences,
     f_score,
     gaps,
     inside_counts,
-    onsets,
     over_sets,
-    own_ranks,
-    scatter,
 )
-from drawings import RV, draw_late_actuator, draw_published_scores, draw_readouts
-from kept_tables import KEPT, Tables, published_rows, published_value
+from kept_tables import KEPT, Tables, published_value
 from scipy import stats
+
+from burstcast.figures.parts.style import render
+from helpers_library import assert_same_picture
 
 SETS = (-0.02, 0.01, 0.03, -0.01, -0.01)  # effects of training sets on F; they sum to zero
 SEEDS = (-0.005, 0.005)
@@ -119,115 +114,23 @@ def test_the_gap_is_split_by_true_washouts(authors, own_choices):
     assert gaps("our", own_choices, f_score(2.0)) == []
 
 
-def test_sources_of_scatter_stand_beside_each_other(authors):
-    spread = {"standard_deviation_over_training_sets": 0.02, "standard_deviation_over_seeds": 0.03}
-    row = {"case": "Re400", "forecaster": "esn", **NETWORK, "prediction_time_lt": 3.0}
-    row |= {"metric": "f_score", "mean": 0.5, **spread}
-    other = {**row, "prediction_time_lt": 2.0, "mean": 0.7}
-    path = authors.directory / "training_realisations.csv"
-    pd.DataFrame([row, other]).to_csv(path, index=False)
-    rows = rows_of(scatter(authors, (f_score(3.0),)))
-    cells = ["0.500", "0.020", "0.030", f"{ERROR:.3f}"]
-    assert rows == {"500 neurons, F-score, 3 LT ahead": cells}
+def test_intervals_are_over_training_sets(authors):
+    (row,) = over_sets(authors, f_score(3.0)).to_dict("records")
+    low, high = stats.t.interval(0.95, 4, 0.5, stats.sem(SETS))
+    of_row = [row[name] for name in ("mean", "low", "high", "min", "max")]
+    assert of_row == pytest.approx([0.5, low, high, 0.48, 0.53])
+    assert row["readout"] == "as in the paper"
 
 
-def test_how_often_the_own_training_set_is_best(tmp_path):
-    ours = {2.0: 0.9, 3.0: 0.2, 4.0: 0.6}
-    rows = [
-        {"case": case, "forecaster": "esn", **NETWORK, "seed": seed, "prediction_time_lt": time}
-        | {"f_score": (value if shift is None else 0.6 + shift) + (0.05, -0.05)[seed]}
-        for case, shift in (("Re400", None), ("Re400-training1", 0.1), ("Re400-training2", -0.1))
-        for time, value in ours.items()
-        for seed in (0, 1)
-    ]
-    text = own_ranks(campaign(tmp_path / "sets", rows), (2.0, 3.0, 4.0))
-    assert text == "the best in 1 and the worst in 1 of 3 F-scores"
-
-
-@pytest.fixture
-def readouts(tmp_path):
-    """Two kinds of networks, of two sizes, three training sets, two seeds."""
-    generator = np.random.default_rng(0)
-    names = ["case", "forecaster", "neurons", "seed", "prediction_time_lt"]
-    cases = ("Re400", "Re400-training1", "Re400-training2")
-    kinds = ("esn_quadratic", "esn", "equations")
-    table = pd.DataFrame(product(cases, kinds, (500, 2000), (0, 1), (1.0, 3.0)), columns=names)
-    scores, horizons = generator.uniform(0.2, 0.9, len(table)), generator.uniform(1, 5, len(table))
-    table = table.assign(reynolds=400, validation="RV", f_score=scores, mean_horizon_lt=horizons)
-    table.to_csv(tmp_path / "classification.csv", index=False)
-    last = table[table["prediction_time_lt"] == 3]
-    last.to_csv(tmp_path / "horizon.csv", index=False)
-    return Tables(tmp_path), last
-
-
-def test_intervals_are_over_training_sets(readouts):
-    tables, rows = readouts
-    means = over_sets(tables, f_score(3.0))
-    assert means["readout"].tolist() == ["as in the paper"] * 2 + ["squares"] * 2
-    for row in means.to_dict("records"):
-        of = rows[(rows["forecaster"] == row["forecaster"]) & (rows["neurons"] == row["neurons"])]
-        sets = of.groupby("case")["f_score"].mean()
-        low, high = stats.t.interval(0.95, 2, sets.mean(), stats.sem(sets))
-        expected = [sets.mean(), low, high, sets.min(), sets.max()]
-        assert [row[name] for name in ("mean", "low", "high", "min", "max")] == pytest.approx(
-            expected
-        )
-
-
-def test_the_figure_has_a_curve_for_each_readout(readouts):
-    tables, rows = readouts
-    for panel in draw_readouts(tables).axes:
-        curves = {line.get_label(): line.get_xdata().tolist() for line in panel.get_lines()}
-        assert curves == dict.fromkeys(("as in the paper", "squares"), sorted(set(rows["neurons"])))
-
-
-@pytest.mark.skipif(not Tables(KEPT / "aware"), reason="the campaign is not kept")
-def test_figures_of_kept_campaigns_show_their_numbers():
-    paper, aware = Tables(KEPT / "paper"), Tables(KEPT / "aware")
-    precision, *_, horizon = draw_published_scores(paper).axes
-    medians = paper.medians("classification", "precision", case="Re400", neurons=500, **RV)
-    ours = precision.get_lines()[0].get_ydata()
-    assert ours == pytest.approx(medians.sort_values("prediction_time_lt")["p50"])
-    published = published_rows("horizon", "mean_horizon_lt", reynolds=400, **RV)
-    theirs = horizon.get_lines()[1].get_ydata()
-    assert theirs == pytest.approx(published.sort_values("neurons")["p50"])
-    left, _ = draw_late_actuator(aware).axes
-    rules = aware.runs("control_choices", case="Re400", strength=1.0, noise=0.01)
-    best = rules[rules["strategy"] == "reactive"].groupby("delay_lt")["left"].min()
-    assert left.get_lines()[0].get_ydata() == pytest.approx(100 * best)
-
-
-def test_only_cases_with_the_same_series_are_ranked_beside_each_other(tmp_path):
-    means = {"turbulence": 0.12, "sensors": 0.12, "viscous": 0.1, "viscous_sensors": 0.1}
-    cases = {"case": means.keys(), "series_kept": 9, "mean_observable": means.values()}
-    pd.DataFrame(cases).to_csv(tmp_path / "dataset.csv", index=False)
-    same = {"event": "onset", "metric": "average_precision", "neurons": None, "validation": None}
-    same |= {"seed": None, "prediction_time_lt": 1.0, "value": 0.5, "low": 0.1, "high": 1.0}
-    ranked = ("sensors", "turbulence", "viscous_sensors")
-    rows = pd.DataFrame(
-        product(ranked, ("equations_filtered", "climatology")), columns=["case", "alarm"]
-    )
-    rows.assign(**same, forecaster=rows["alarm"]).to_csv(tmp_path / "ranking.csv", index=False)
-    shown = onsets(Tables(tmp_path), "turbulence")
-    assert shown[["case", "alarm"]].to_numpy().tolist() == [
-        ["sensors", "equations_filtered"],
-        ["any", "climatology"],
-        ["turbulence", "equations_filtered"],
-    ]
-
-
-def test_the_most_expensive_rules_and_the_sum(tmp_path):
-    rules = {"rule": ["cheap", "dear", "middle"], "minutes": [1, 9, 3]}
-    table = pd.DataFrame({**rules, "jobs": 2, "memory_mib": 5})
-    table.to_csv(tmp_path / "rule_costs.csv", index=False)
-    assert rows_of(costs(Tables(tmp_path), 2)) == {
-        **{"dear": ["2", "9", "5"], "middle": ["2", "3", "5"]},
-        "**all**": ["6", "13", "5"],
-    }
-
-
-def test_scores_name_their_tables():
-    assert HORIZON.published(**NETWORK) == published_value(
-        "horizon", "mean_horizon_lt", reynolds=400, **NETWORK
-    )
-    assert np.isnan(Score("none", "horizon", "none").published(**NETWORK))
+@pytest.mark.parametrize(
+    ("draw", "name", "campaigns"),
+    [
+        (drawings.draw_readouts, "readout", ["readout"]),
+        (drawings.draw_late_actuator, "late_actuator", ["aware"]),
+        (drawings.draw_published_scores, "published_scores", ["paper"]),
+        (drawings.draw_forecasters, "forecasters", ["paper", "readout", "beyond_the_paper"]),
+    ],
+)
+def test_figures_are_those_of_the_kept_tables(draw, name, campaigns):
+    figure = draw(*(Tables(KEPT / campaign) for campaign in campaigns))
+    assert_same_picture(render(figure, "png"), KEPT.parent / "images" / f"{name}.png")

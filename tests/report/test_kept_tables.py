@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from kept_tables import Tables, best, name_of, part, table, text
+from kept_tables import Tables, part, table, text
 
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
@@ -112,83 +112,13 @@ def test_nothing_is_not_the_same(campaign, where, message, results, capsys):
 # -- rows and cells --------------------------------------------------------------------------------
 
 
-def test_the_first_alternative_whose_numbers_are_known():
-    template = "{p50:.2f} ({low:.1f})||{p50:.2f}||none"
-    assert text(template, {"p50": 1.0, "low": 2.0}) == "1.00 (2.0)"
-    assert text(template, {"p50": 1.0, "low": np.nan}) == "1.00"
-    assert text(template, {"p50": None, "low": 2.0}) == "none"
-    assert text("{p50}", {"p50": np.nan}) == ""
-    shares = (0.1234, 0.04217, 0.0, 1.5, -0.00123)
-    assert [text("{x:share}", {"x": x}) for x in shares] == ["12", "4.2", "0", "150", "-0.12"]
+def test_mistakes_in_templates_and_conditions_are_told(tmp_path):
+    assert text("{p50:.2f} ({low})||{p50:.2f}||none", {"p50": 1.0, "low": np.nan}) == "1.00"
     with pytest.raises(KeyError):  # a column that no table has is a mistake, not a gap
         text("{p5}||x", {"p50": 1.0})
-
-
-def test_cells_of_several_tables_share_their_rows():
-    first = pd.DataFrame({"size": [10, 20, 10], "time": [1, 1, 2], "f": [0.5, 0.6, 0.4]})
-    second = pd.DataFrame({"size": [30, 10], "h": [np.nan, 4.0]})
-    parts = (
-        part(first, "{size}", {"{time} LT": "{f:.1f}"}),
-        part(second, "{size}", {"H": "{h:.0f}"}),
-    )
-    lines = ["| n | 1 LT | 2 LT | H |", "| --- | --- | --- | --- |"]
-    assert table("n", *parts).splitlines() == [
-        *lines,
-        "| 10 | 0.5 | 0.4 | 4 |",
-        "| 20 | 0.6 |  |  |",
-    ]
+    rows = pd.DataFrame({"size": [10, 10], "f": [0.5, 0.4]})
     with pytest.raises(ValueError, match=r"two cells for 10, f: 0\.5 and 0\.4"):
-        table("n", part(first, "{size}", {"f": "{f}"}))
-
-
-def test_names_of_forecasters():
-    network = {"neurons": 500.0, "validation": "RV"}
-    assert name_of({"forecaster": "esn", **network}) == "500 neurons, RV"
-    assert name_of({"forecaster": "esn_aware", **network}) == "aware network, 500 neurons, RV"
-    assert name_of({"forecaster": "esn_committee", **network}) == "committee: 500 neurons, RV"
-    assert name_of({"forecaster": "esn_direct", "neurons": np.nan}) == "esn direct"
-    members = {"forecaster": "quadratic_filtered_committee", "neurons": None}
-    assert name_of(members) == "members of learnt equations, filtered"
-
-
-def test_medians_have_the_interval_of_one_network(tmp_path):
-    keys = {"case": "A", "forecaster": "esn", "neurons": 5, "validation": "RV", "metric": "f"}
-    middle = {"p25": 0.1, "p50": 0.2, "p75": 0.3, "networks": 3}
-    rows = [{**keys, **middle}, {**keys, **middle, "case": "B", "p50": np.nan}]
-    pd.DataFrame(rows).to_csv(tmp_path / "scores_percentiles.csv", index=False)
-    ends = [{**keys, "seed": n, "low": low, "high": 1} for n, low in enumerate((0.0, 0.5, 0.1))]
-    pd.DataFrame(ends).to_csv(tmp_path / "scores_intervals.csv", index=False)
-    row = Tables(tmp_path).row("scores", "f", forecaster="esn")
-    assert (row.case, row.p50, row.low, row.high) == ("A", 0.2, 0.1, 1)
+        table("n", part(rows, "{size}", {"f": "{f}"}))
     with pytest.raises(LookupError, match=r"scores: 0 rows of f with \{'case': 'B'\}, not one"):
         Tables(tmp_path).row("scores", "f", case="B")
-    assert not Tables(tmp_path / "none")
-
-
-def run(forecaster, left, acting, **conditions):
-    """Rows of one run of control."""
-    keys = {"case": "A", "forecaster": forecaster, "neurons": None, "validation": None}
-    keys |= {"strategy": "reactive", "options": None, "starts": "quiet", "noise": 0.01}
-    keys |= {"strength": 1, "delay_lt": 0, **conditions}
-    values = {"relative_exceedance": left, "control_fraction": acting, "effort": 7}
-    ends = {"low": 0.0, "high": 1.0}
-    return [{**keys, "metric": name, "value": value, **ends} for name, value in values.items()]
-
-
-def test_a_run_of_control_is_a_row(tmp_path):
-    rows = [
-        *run("equations", 0.2, 0.1, strength=0.5, delay_lt=1.0, noise=0.1),
-        *run("none", 0.1, 0.4, options="watch=a1 aware=True", starts="unselected"),
-        *run("none", 0.1, 0.3, options="watch=a1 aware=True", starts="unselected", level=2),
-    ]
-    pd.DataFrame(rows).to_csv(tmp_path / "runs.csv", index=False)
-    runs = Tables(tmp_path).runs("runs", case="A")
-    assert list(runs["condition"])[:2] == [
-        "strength 0.5, 1 LT late, 10 % noise",
-        "unselected states",
-    ]
-    assert list(runs["means"])[:2] == ["reactive", "reactive, on a1, aware"]
-    assert runs[["left", "left_low", "acting", "effort"]].iloc[0].tolist() == [0.2, 0.0, 0.1, 7]
-    assert best(runs, ["forecaster"])["acting"].tolist() == [0.1, 0.3]
-    empty = Tables(tmp_path).runs("runs", case="B")
-    assert empty.empty
+    assert not Tables(tmp_path)

@@ -230,11 +230,6 @@ class OneMachineSlurm:
         )
         subprocess.run([*node, "state=resume"])  # unless it has come back by itself
 
-    def cancel_run(self, name: str) -> None:
-        """Kill all jobs of a run of Snakemake, and wait until they are gone."""
-        subprocess.run(["scancel", "--name", name], check=True)
-        self._wait_for(lambda: self._ask("squeue", "--noheader", "--name", name) == "", name)
-
     def logs(self) -> str:
         """Ends of the daemons' logs."""
         return "\n".join(

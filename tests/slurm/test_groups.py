@@ -7,13 +7,15 @@ import os
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 
+from helpers_library import ROOT, said_by
+
 pytestmark = pytest.mark.slurm
 
-PROFILE = Path(__file__).parents[2] / "profiles" / "slurm"
+SOURCE = ROOT / "src"
+PROFILE = ROOT / "profiles" / "slurm"
 OPTIONS = (
     f"--workflow-profile {PROFILE} --slurm-no-account --default-resources mem_mb=300 "
     "--slurm-init-seconds-before-status-checks 3 --seconds-between-status-checks 2 --latency-wait 5"
@@ -77,8 +79,6 @@ class Submitted:
 
     def __init__(self, directory):
         self.directory = directory
-        source = Path(__file__).parents[2] / "src"
-        self.environment = {**os.environ, "PYTHONPATH": str(source)}
         (directory / "scripts").mkdir()
         (directory / "scripts" / "step.py").write_text(SCRIPT)
         (directory / "Snakefile").write_text(SNAKEFILE)
@@ -86,16 +86,14 @@ class Submitted:
     def run(self, *arguments, fails=False):
         """Run it on this machine, without Slurm; what it said."""
         command = [sys.executable, "-m", "snakemake", "--cores", "1", *TRIGGERS, *arguments]
-        options = {"cwd": self.directory, "env": self.environment, "text": True}
-        result = subprocess.run(command, capture_output=True, check=False, **options)
-        assert (result.returncode != 0) == fails, result.stdout + result.stderr
-        return result.stdout + result.stderr
+        return said_by(command, self.directory, int(fails), PYTHONPATH=str(SOURCE))
 
     def submit(self):
         self.log = self.directory / "snakemake.log"
         with self.log.open("w") as log:
             command = [sys.executable, "-m", "snakemake", *OPTIONS]
-            options = {"cwd": self.directory, "env": self.environment}
+            environment = {**os.environ, "PYTHONPATH": str(SOURCE)}
+            options = {"cwd": self.directory, "env": environment}
             return subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, **options)
 
     def hang(self, number):

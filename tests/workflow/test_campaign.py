@@ -31,23 +31,6 @@ def of(case, identifier):
     return CaseForecaster(case, parsed(identifier))
 
 
-def test_the_papers_forecasters():
-    assert PAPER.case_names == ("Re400", "Re600", "Re800", "Re1000")
-    assert [case.parameters["reynolds"] for case in PAPER.cases.values()] == [400, 600, 800, 1000]
-    assert [case.steps_per_lyapunov_time for case in PAPER.cases.values()] == [61, 74, 79, 82]
-    assert len(PAPER.networks) == len(set(PAPER.networks)) == (6 + 3) * 2 * 10
-    at_400 = PAPER.select(case="Re400", kind="esn")
-    assert {network.name.neurons for network in at_400} == {500, 1000, 1500, 2000, 2500, 3000}
-    seeds = [network.name.seed for network in PAPER.select(case="Re1000", validation="RV")]
-    assert seeds == [*range(10)]
-    assert PAPER.networks[0].directory == "Re400/networks/esn-N500-RV-seed0"
-    assert [other.directory for other in PAPER.forecasters if other not in PAPER.networks] == [
-        f"{case}/models/{kind}"
-        for case in PAPER.case_names
-        for kind in ("equations", "equations_noisy")
-    ]
-
-
 def test_blocks_that_overlap_share_their_forecasters():
     chosen = networks([100, 200], seeds=2) | {"equations": {}, "equations_noisy": None}
     both = {**networks([100], ["RV", "SSV"]), "equations": {}}
@@ -364,16 +347,6 @@ def test_only_forecasters_that_know_the_parameters_are_given_them():
     assert "forecasters.aware" not in plain
     assert aware["forecasters.aware"]["own"] == [600]
     assert plain["control.cost"] is True
-
-
-def test_who_has_trajectories():
-    campaign = Campaign(load(tiny_campaign("precursor")))
-    assert [classifier.directory for classifier in campaign.classifiers] == [
-        "modes_4/classifiers/precursor",
-        "Re400/classifiers/esn_direct",
-        "Re400/classifiers/precursor",
-    ]
-    assert [model.name.kind for model in campaign.trajectory_forecasters] == ["equations_noisy"]
 
 
 def test_channels_are_known_beforehand():

@@ -1,6 +1,5 @@
 """A finished campaign: opened in a notebook, and what it says at the end of a run."""
 
-import json
 import re
 import shutil
 from pathlib import Path
@@ -22,6 +21,7 @@ from burstcast_workflow.summary import (
     warnings_summary,
     where_results_lie,
 )
+from helpers_library import code_cells
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -112,11 +112,9 @@ def test_the_notebook_reads_a_campaign(finished, tmp_path, monkeypatch, capsys):
     (tmp_path / "results").mkdir()
     (tmp_path / "results" / "quick").symlink_to(finished.results)
     monkeypatch.chdir(tmp_path)
-    notebook = json.loads((DOCS / "campaign.ipynb").read_text(encoding="utf-8"))
     names: dict[str, object] = {}
-    for cell in notebook["cells"]:
-        if cell["cell_type"] == "code":
-            exec("".join(cell["source"]), names)
+    for cell in code_cells(DOCS / "campaign.ipynb"):
+        exec("".join(cell["source"]), names)
     output = capsys.readouterr().out.partition("p25")[0]
     table = pd.read_csv(finished.results / "tables" / "classification.csv")
     rows = table[table["prediction_time_lt"] == table["prediction_time_lt"].min()]

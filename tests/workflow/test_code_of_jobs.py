@@ -1,8 +1,8 @@
 """The code of the project: closures tell what a job depends on, and jobs load little."""
 
 import ast
-import subprocess
 import sys
+from collections.abc import Iterator
 from fnmatch import fnmatch
 from functools import cache
 from pathlib import Path
@@ -12,15 +12,13 @@ import pytest
 from burstcast.figures.registry import available_figures
 from burstcast_workflow.project import PACKAGES
 from burstcast_workflow.tracking.code import Sources
-from forbidden_code import docstrings_read, forbidden_imports, forbidden_reads, offered_late
+from helpers_library import said_by
 
 ROOT = Path(__file__).parents[2]
-SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*/*.py"))
+STAGES = ROOT / "workflow" / "scripts"
+SCRIPTS = sorted(STAGES.glob("*/*.py"))
 SOURCE = ROOT / "src"
 SOURCES = sorted(SOURCE.rglob("*.py"))
-
-
-STAGES = ROOT / "workflow" / "scripts"
 
 
 def sources_of(scripts: Path) -> Sources:
@@ -38,12 +36,6 @@ def names(entries) -> frozenset[str]:
 def modules_of(path: Path) -> frozenset[str]:
     """Modules that a script reaches."""
     return names(sources_of(path.parent).entries(path.name, {}))
-
-
-def output_of(code: str, *arguments: object) -> str:
-    """What a program in a process of its own prints."""
-    command = [sys.executable, "-c", code, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
 def test_all_packages_are_those_of_the_project():
@@ -73,7 +65,8 @@ OF_HARNESS = (
 
 def test_closures_have_what_scripts_load():
     """What they load when they are imported; what functions import is in them, too."""
-    loaded = [line.split() for line in output_of(LOADED, *SCRIPTS).splitlines()]
+    lines = said_by([sys.executable, "-c", LOADED, *SCRIPTS], ROOT).splitlines()
+    loaded = [line.split() for line in lines]
     assert [Path(script) for script, *_ in loaded] == SCRIPTS
     for script, *modules in loaded:
         closure = names(SEEN.entries(str(Path(script).relative_to(STAGES)), {}))
@@ -83,16 +76,52 @@ def test_closures_have_what_scripts_load():
         assert not [name for name in missing if name.startswith("burst")], script
 
 
+# Code that hashes do not see: imports by computed names, code from text, names from nowhere.
+UNSEEN = {
+    *("importlib", "imp", "pkgutil", "runpy", "zipimport", "*"),
+    *("__import__", "compile", "eval", "exec"),
+}
+# Docstrings and sources, which are no code.
+WORDS = {
+    *("__doc__", "getdoc", "get_docstring", "getsource", "getsourcelines", "getcomments"),
+}
+# Functions that pass docstrings on to people: a figure's caption.
+PASS_WORDS_ON = {"burstcast.figures.registry": "caption"}
+LATE = {"burstcast", "burstcast_workflow"}  # what they offer is imported when it is asked for
+
+
+def used(path: Path, without: str = "") -> Iterator[str]:
+    """Names that a file uses and imports; with a point before them those of attributes.
+
+    ``without``: name of a function whose body is left out.
+    """
+    nodes = [ast.parse(path.read_bytes(), str(path))]
+    while nodes:
+        node = nodes.pop()
+        nodes += [] if getattr(node, "name", None) == without else ast.iter_child_nodes(node)
+        match node:
+            case ast.Name(id=name):
+                yield name
+            case ast.Attribute(value=ast.Name(id=owner), attr=name) if owner in LATE:
+                yield from (f"{owner}.{name}", f".{name}")
+            case ast.Attribute(attr=name):
+                yield f".{name}"
+            case ast.Import(names=modules):
+                yield from (each.name.partition(".")[0] for each in modules)
+                yield from (f"{each.name}.{each.asname}" for each in modules if each.asname)
+            case ast.FunctionDef(name=name):
+                yield f"def {name}"
+            case ast.ImportFrom(module=str(module), names=names) if module != "importlib.metadata":
+                yield from (module.partition(".")[0], *(each.name for each in names))
+                yield from (f"{module}.{each.name}" for each in names if module in LATE)
+
+
 def test_closures_see_all_code_of_the_project():
     # what finds modules by their names, what compares the code that runs with its text, and the
     # command, which no job imports
     others = ("discovery.py", "code.py", "command_line.py")
     for path in SOURCES + SCRIPTS:
-        assert path.name in others or forbidden_imports(path) == [], path
-
-
-# Functions that pass docstrings on to people: a figure's caption, where a source is.
-PASS_WORDS_ON = {"burstcast.figures.registry": {"caption"}}
+        assert path.name in others or not UNSEEN & {*used(path)}, path
 
 
 def test_no_job_depends_on_docstrings_or_on_what_packages_offer_late():
@@ -105,26 +134,27 @@ def test_no_job_depends_on_docstrings_or_on_what_packages_offer_late():
         for path in sorted((SOURCE / "burstcast").rglob("registry.py"))
     }
     assert len(registries) > 5
-    paths = {}
-    for script in SCRIPTS:
-        for module in names(SEEN.entries(str(script.relative_to(STAGES)), registries)):
-            paths[module] = script if module.endswith(".py") else place(module)
-    assert len(paths) > 200
-    for module, path in paths.items():
-        allowed = frozenset(PASS_WORDS_ON.get(module, ()))
-        assert docstrings_read(path, allowed) == [], module
-        # these offer what notebooks begin with, and no job asks for that
-        packages = "burstcast", "burstcast_workflow"
-        for package in packages if module not in packages else ():
-            assert offered_late(path, SOURCE / package) == [], module
-    for module, functions in PASS_WORDS_ON.items():  # none in vain
-        for function in functions:
-            assert docstrings_read(paths[module], frozenset(functions - {function})), function
+    reached = {
+        module
+        for script in SCRIPTS
+        for module in names(SEEN.entries(str(script.relative_to(STAGES)), registries))
+    }
+    assert len(reached) > 200
+    words = WORDS | {f".{name}" for name in WORDS}
+    for module in reached - LATE:
+        path = STAGES / module if module.endswith(".py") else place(module)
+        of_file = {*used(path, PASS_WORDS_ON.get(module, ""))}
+        assert not words & of_file, module
+        taken = {name for name in of_file if name.partition(".")[0] in LATE and "." in name}
+        assert [name for name in taken if not place(name).exists()] == [], module
+        assert not {"def __getattr__", "def __dir__"} & of_file, module
+    for module in PASS_WORDS_ON:  # none in vain
+        assert words & {*used(place(module))}, module
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
 def test_a_script_depends_on_what_concerns_its_numbers_alone(path):
-    assert forbidden_reads(path) == []  # only what parameters carry
+    assert "snakemake" not in used(path)  # only what parameters carry
     modules = modules_of(path)
     assert not {module for module in modules if module.startswith("burstcast_workflow.config")}
     # of the harness, which is left out, its version
@@ -238,7 +268,7 @@ from burstcast_workflow.tables.registry import MAKERS
 jobs = [*map(function_of, Path(sys.argv[1]).glob("*/*.py")), *map(maker, MAKERS), *FIGURES]
 print(len(jobs), *sys.modules)
 """
-    count, *names = output_of(code, STAGES).split()
+    count, *names = said_by([sys.executable, "-c", code, STAGES], ROOT).split()
     assert int(count) > 60
     scipy = {"scipy.ndimage", "scipy.optimize", "scipy.special"}
     assert not {"skimage.measure", "sklearn", "skopt", *scipy} & {*names}
@@ -248,7 +278,8 @@ def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_wit
     script = STAGES / "evaluation" / "forecast.py"
     body = ast.parse(script.read_text(encoding="utf-8")).body
     imports = [ast.unparse(node) for node in body if isinstance(node, ast.Import | ast.ImportFrom)]
-    loaded = output_of("\n".join([*imports, "import sys", "print(*sys.modules)"])).split()
+    code = "\n".join([*imports, "import sys", "print(*sys.modules)"])
+    loaded = said_by([sys.executable, "-c", code], ROOT).split()
     heavy = {"llvmlite", "pandas", "matplotlib", "skopt", "sklearn", "pydantic", "yaml"}
     assert not (heavy | {"scipy.stats", "scipy.optimize"}) & {*loaded}
 

@@ -4,7 +4,6 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
 import sysconfig
 import zipfile
@@ -29,22 +28,9 @@ from burstcast_workflow.project import (
     project_root,
     snakefile,
 )
+from helpers_library import copied_repository, said_by
 
 ROOT = Path(__file__).parents[2]
-
-
-def said_by(arguments, cwd, status=0, **environment):
-    """What a command says on both channels."""
-    result = subprocess.run(
-        list(map(str, arguments)),
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, **environment},
-    )
-    assert result.returncode == status, result.stdout + result.stderr
-    return result.stdout + result.stderr
 
 
 # -- what is where ---------------------------------------------------------------------------------
@@ -268,12 +254,7 @@ def test_a_run_says_its_revision_and_files_do_not(finished):
 def installed(tmp_path_factory):
     """The programs of an environment with a wheel of burstcast, and the libraries that are here."""
     directory = tmp_path_factory.mktemp("wheel")
-    copy = directory / "source"
-    tracked = said_by(["git", "ls-files"], ROOT).splitlines()
-    for name in tracked:
-        if (ROOT / name).exists():
-            (copy / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(ROOT / name, copy / name)
+    copy = copied_repository(directory / "source")
     for arguments in (["init", "-q"], ["add", "-A"], ["commit", "-qm", "sources"]):
         said_by([*GIT, *arguments], copy)
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check"]
@@ -322,17 +303,3 @@ def test_the_tiny_campaign_runs_from_a_wheel_in_an_empty_directory(installed, tm
     assert "code of burstcast.base.events (Re400)" in said_by(why, study, **environment)
     output = said_by(["burstcast", "archive", *options], study, **environment)
     assert re.search(r"tiny.zip: \d\d files", output)
-
-
-@pytest.mark.long
-def test_an_installed_workflow_is_taken_as_a_module(installed, tmp_path):
-    (tmp_path / "Snakefile").write_text(
-        "from burstcast_workflow.project import project_root\n"
-        "configfile: project_root() / 'workflow/presets/tiny.yaml'\n"
-        "module burstcast:\n    snakefile: project_root() / 'Snakefile'\n    config: config\n"
-        "use rule * from burstcast as flow_*\n"
-    )
-    environment = {"PATH": f"{installed}:{os.environ['PATH']}", "PYTHONPATH": ""}
-    command = [installed / "python", "-m", "snakemake", "--dry-run", "--cores", "1"]
-    plan = said_by(command, tmp_path, **environment)
-    assert re.search(r"^flow_train +4$", plan, re.MULTILINE)

@@ -13,7 +13,7 @@ from burstcast.forecasters._options import SECTIONS
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import ConfigError, load, misread
 from burstcast_workflow.config.model import Configuration
-from burstcast_workflow.config.reference import schema_of, section_of, settings, text
+from burstcast_workflow.config.reference import schema_of, section_of, settings
 from burstcast_workflow.figures.registry import figure_names
 
 CHOICE = re.compile(r"(statistics|control)\.forecasters\.")
@@ -101,11 +101,6 @@ def test_kinds_are_a_list_or_a_mapping(config):
     assert load(config) == expected
 
 
-def test_the_reference_of_all_settings_is_up_to_date(config):
-    """Made by: burstcast settings > docs/settings.md."""
-    assert (ROOT / "docs" / "settings.md").read_text(encoding="utf-8") == text(config)
-
-
 # -- canonical form --------------------------------------------------------------------------------
 
 
@@ -154,24 +149,6 @@ def test_all_mistakes_are_reported_at_once(config):
         assert sum(there) == 1, (name, messages)
     with pytest.raises(ConfigError, match=r"has 10 mistakes:\n  1\. .*\n  2\. .*\n  3\. "):
         load(config)
-
-
-@pytest.mark.parametrize(
-    "values",
-    [
-        {"cases.Re400.data": {"file": "x"}},
-        {"campaign.0.forecasters": {"esn": {"neurons": 500}}},
-        {"campaign.0": "Re400"},
-        {"control.strategies": [{"strategy": "reactive", "settings": {"level": []}}]},
-        {"control.strategies": [{"strategy": "receding_horizon", "forecasters": {3: {}}}]},
-        {"case_defaults.ensemble": 3, "cases": [], "search": None, "campaign": {}},
-    ],
-)
-def test_invalid_sections_are_the_only_mistakes_reported(config, values):
-    for name, value in values.items():
-        put(config, name, value)
-    messages = problems(config)
-    assert all(any(text.startswith(name[:8]) for name in values) for text in messages), messages
 
 
 # -- keys that are there twice ---------------------------------------------------------------------
@@ -231,7 +208,6 @@ def test_what_yaml_reads_otherwise_than_it_looks(config, tmp_path, text, message
 # -- the JSON Schema of configs --------------------------------------------------------------------
 
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
-KINDS = {"esn": {"neurons": [500], "validation": ["RV"], "seeds": 3}}
 
 
 def test_the_kept_schema_is_that_of_the_model():
@@ -258,16 +234,3 @@ def test_what_ships_is_sound_and_has_the_figures_of_the_method(path):
     loaded = load(paper_with(read(path)))
     assert loaded["results"] == f"results/{'paper' if paper else path.stem}"
     assert set(figure_names(Campaign(loaded))) >= OF_THE_METHOD
-
-
-@pytest.mark.parametrize(
-    ("overlay", "valid"),
-    [
-        ({"horizon": {"evnts": 3}}, False),
-        ({"campaign": [{"forecasters": ["equations", KINDS]}]}, True),
-        ({"campaign": [{"forecasters": {"equations": {}, **KINDS}}]}, True),
-        ({"campaign": [{"forecasters": [{"esn": {"seeds": 0}}]}]}, False),
-    ],
-)
-def test_the_schema_finds_mistakes(overlay, valid):
-    assert VALIDATOR.is_valid(overlay) == valid

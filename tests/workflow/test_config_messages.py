@@ -35,6 +35,25 @@ PLANS = {
 OVERLAYS = {"measured": MEASURED, "lorenz": {"cases": {"lorenz": {"system": "lorenz63"}}}}
 FILES = dict.fromkeys([f"lab/run_{number}.csv" for number in (10, 9, 1)], "time,u,v\n0,1,2")
 FILES |= {"README.md": "", "lab/numbers.csv": "1,2\n3,4"}
+FILES["flows.py"] = """
+import numpy as np
+
+from burstcast.systems.lorenz63 import Lorenz63
+
+
+class Silent(Lorenz63):
+    case_defaults = {"event_threshold": 40, "ensemble": {"time_step": 0.01}}
+
+class Wrong(Lorenz63):
+    case_defaults = {"event_treshold": 40, "density": {"range": [5, 1]}}
+
+class OfNumpy(Lorenz63):
+    case_defaults = {"event_threshold": np.float64(40)}
+
+class Stepping(Lorenz63):
+    def flow_map(self, state, time_step):
+        return state
+"""
 
 
 def config_of(table):
@@ -82,6 +101,12 @@ campaign.0.forecasters: [equations, equatoins] | forecasters.equatoins: unknown 
 campaign.0.forecasters: esn | .forecasters: must be a list of kinds, or a mapping of kinds
 figures.example_forecaster: esn_aware-N1000-RV-seed0 | network of kind esn, no variant
 case_defaults.ensemble: [] | case_defaults.ensemble: must be a mapping of settings
+cases: [] | cases: must be a mapping of settings
+search: null | search: must be a mapping of settings
+campaign: {} | campaign: Input should be a valid list
+campaign.0: Re400 | campaign[0]: must be a mapping of settings
+campaign.0.forecasters.esn.neurons: 500 | campaign[0].forecasters.esn.neurons: Input should be a
+cases.Re400.data: {file: x} | cases.Re400.data.file: unknown setting; did you mean files?
 results: README.md | results: this is a file
 results: 'a{b}' | results: must be the path of a directory, without braces
 results: . | of their own
@@ -151,9 +176,22 @@ TABLES["lorenz"] = """
 cases.lorenz.ensemble: {initial_state: null} | lorenz63 draws no initial states: give one
 cases.lorenz.ensemble: {perturbation: null} | are needed beside ensemble.initial_state
 cases.lorenz.files: [table.csv] | case lorenz: files belong to a system or encoder of your own
+cases.lorenz: {system: "flows:Silent", ensemble: {sampling_stride: 2}} |
+  case lorenz: ensemble.initial_state, ensemble.perturbed_component, ensemble.perturbation,
+  ensemble.transient, ensemble.duration, density.range, fixed_point, controlled_density.range are
+  missing: the class Silent says nothing of them in its case_defaults, and config.yaml's are in
+  units of another system; say them in cases.lorenz
+cases.lorenz.system: "flows:Wrong" | case_defaults of the class Wrong (system flows:Wrong): |
+  event_treshold: unknown setting; did you mean event_threshold? |
+  density.range: the first number must be below the second (got [5, 1])
+cases.lorenz.system: "flows:OfNumpy" | event_threshold is np.float64(40.0) of type numpy.float64
+cases.lorenz: {system: "flows:Stepping", actuation: {force: [1, 0, 0]}} |
+  case lorenz: actuation: a force is added to a right-hand side, but Stepping has an integrator of
+  its own: let the actuation change a parameter
 """
 TABLES["paper reactive"] = """
 control.strategies: [strategy: receding_horizn] | strategies[0].strategy: must be a strategy
+plan.settings.level: [] | control.strategies[0].settings.level: List should have at least 1 item
 plan.settings.level: [high] | strategies[0].settings: setting 'level' of | must be a finite number
 plan.settings.decision_interval_lt: [0.001] | control.strategies[0]: the interval | must last a step
 plan.cases: [Re40] | control.strategies[0].cases | did you mean Re400
@@ -167,6 +205,7 @@ plan.strategy: prediction_triggered, plan.settings: {prediction_time_lt: [0.5], 
   plan.forecasters: {equations: {}} | control.strategies[0]: control is not defined
 """
 TABLES["paper receding_horizon"] = """
+plan.forecasters: {3: {}} | control.strategies[0].forecasters: the key 3 must be text
 plan.settings.vote_share: [0.5] | committees; say committee: true
 plan.committee: true, plan.settings.vote_share: [0.5, 5] | above 0, and 1 at most |
   control.strategies[0].settings.vote_share has 5
@@ -299,6 +338,7 @@ def test_a_mistake_is_told_in_these_words_and_no_other_is(
     table, line, parts, directory, monkeypatch
 ):
     monkeypatch.chdir(directory)
+    monkeypatch.syspath_prepend(directory)
     with pytest.raises(ConfigError) as caught:
         load(changed(table, line))
     messages = caught.value.problems

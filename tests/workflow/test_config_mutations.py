@@ -5,8 +5,10 @@ The number of mutations is BURSTCAST_MUTATIONS (500), their seed BURSTCAST_SEED 
 
 import copy
 import datetime
+import functools
 import json
 import math
+import operator
 import os
 import random
 
@@ -48,9 +50,7 @@ def places(node: object, path: Place = ()) -> list[Place]:
 
 
 def at(node, path: Place):
-    for key in path:
-        node = node[key]
-    return node
+    return functools.reduce(operator.getitem, path, node)
 
 
 def mutated(config: dict, chance: random.Random) -> tuple[dict, list[str]]:

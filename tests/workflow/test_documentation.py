@@ -1,22 +1,19 @@
 """README, docs and site: commands run, links lead somewhere, pages show what is kept."""
 
-import io
 import pkgutil
 import re
 import shutil
-import subprocess
 import sys
 from textwrap import dedent
 
-import numpy as np
 import pandas as pd
 import pytest
 import yaml
 from helpers_configs import ROOT
 from helpers_rebuilds import Project
-from PIL import Image
 
 from burstcast.figures.registry import available_figures
+from helpers_library import assert_same_picture, said_by
 
 PAGES = sorted(ROOT.glob("README.md")) + sorted((ROOT / "docs").glob("*.md"))
 PAGES += sorted((ROOT / "docs" / "results").glob("*.md"))
@@ -114,11 +111,7 @@ def run_in(project, command):
     """What a command of the documentation says, where it succeeds."""
     environment = project.environment()
     environment["PATH"] = f"{project.directory}/.venv/bin:{environment['PATH']}"
-    options = {"cwd": project.directory, "env": environment, "text": True}
-    shell = ["bash", "-eu", "-c", command]
-    result = subprocess.run(shell, capture_output=True, check=False, **options)
-    assert result.returncode == 0, result.stdout + result.stderr
-    return result.stdout
+    return said_by(["bash", "-eu", "-c", command], project.directory, **environment)
 
 
 @pytest.mark.long
@@ -162,9 +155,8 @@ def test_the_readme_is_short_and_every_page_in_the_index():
 
 def test_the_page_of_references_has_each_work_that_is_cited_and_no_other():
     script = ROOT / "docs" / "site" / "references.py"
-    made = subprocess.run([sys.executable, script], capture_output=True, check=True).stdout
     page = (ROOT / "docs" / "references.md").read_text()
-    assert page.encode() == made
+    assert page == said_by([sys.executable, script], ROOT)
     works = re.findall(r"^@\w+\{(\w+),$", (ROOT / "docs" / "references.bib").read_text(), re.M)
     assert re.findall(r"^## (\w+)$", page, re.M) == sorted(works)
     cited = r"\]\((?:docs/)?references\.md#(\w+)\)"
@@ -232,14 +224,7 @@ def test_the_gallery_has_every_figure_once_and_those_of_the_kept_tables(build):
     for name in ("forecast_skill", "control_frontier"):
         preset, picture = drawn[name]
         assert preset == "beyond_the_paper"
-        kept = ROOT / "docs" / "images" / f"{name}.png"
-        now, then = (
-            np.asarray(Image.open(file).convert("L"), dtype=float)
-            for file in (io.BytesIO(picture), kept)
-        )
-        assert now.shape == then.shape
-        # other libraries may draw edges otherwise
-        assert (np.abs(now - then) > 64).mean() < 1e-3
+        assert_same_picture(picture, ROOT / "docs" / "images" / f"{name}.png")
 
 
 @pytest.mark.long

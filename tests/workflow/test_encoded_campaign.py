@@ -1,6 +1,5 @@
 """Campaigns of a flow that sensors see and encoders encode: from the config to the ranking."""
 
-import dataclasses
 import json
 import shutil
 
@@ -8,15 +7,13 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from helpers_configs import ROOT, tiny_with
+from helpers_configs import ROOT
 from helpers_rebuilds import Project
 from sklearn.metrics import average_precision_score
 
 from burstcast.base import random_streams
 from burstcast.base.files.netcdf import read_attributes, read_netcdf
 from burstcast.base.files.tables import read_table
-from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.campaign.loading import load
 from kolmogorov_flow import KolmogorovFlow
 
 EXAMPLE = ROOT / "examples" / "kolmogorov"
@@ -127,11 +124,6 @@ def test_control_through_sensors_and_encoders(results):
         acting = flows["actuated_integration_steps"].mean() / span["integration_steps"]
         assert 0 < acting < 1
     assert uncontrolled == [uncontrolled[0]] * 3
-
-
-def test_the_flow_is_that_of_the_case():
-    flow = Campaign(load(tiny_with(OVERLAY))).cases["sensors"].source_system
-    assert KolmogorovFlow(**flow["parameters"]) == dataclasses.replace(FLOW)
 
 
 def test_edits_of_ones_own_encoder_run_what_it_encodes(project):

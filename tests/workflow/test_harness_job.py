@@ -125,22 +125,6 @@ def test_success(tmp_path):
     assert 0.2 <= json.loads(entry.read_text())["seconds"] < 60
 
 
-def test_provenance_has_versions_and_nothing_of_time_machine_or_path(tmp_path):
-    records = []
-    for name in ("first", "second"):
-        (tmp_path / name).mkdir()
-        run(tmp_path / name, f"{MAIN}    write_json(network, settings.provenance)")
-        records.append((tmp_path / name / "deep" / "er" / "network.json").read_bytes())
-    assert records[0] == records[1]
-    record = json.loads(records[0])
-    libraries = {"numpy", "scipy", "llvmlite", "scikit-learn", "scikit-optimize"}
-    assert set(record) == {"source", "rule", "identity", "settings", "python"} | libraries
-    assert record["source"].startswith("burstcast ")
-    assert record["identity"] == '{"case": "Re400", "rule": "train", "seed": 3}'
-    assert record["settings"] == '{"name": "Re400", "number": 3}'
-    assert all(isinstance(value, str) for value in record.values())
-
-
 def test_failure_is_one_line_and_a_traceback_in_the_log(tmp_path):
     result, log = run(tmp_path, f'{MAIN}    raise ValueError("series are\\n  too short")')
     assert (result.returncode, result.stdout) == (1, "")

@@ -4,52 +4,36 @@ import json
 
 import numpy as np
 import pytest
+from helpers_configs import tiny_with
 from helpers_rebuilds import loaded_script
 
 from burstcast.base.files.netcdf import Variable, read_netcdf, write_netcdf
+from burstcast_workflow.campaign.campaign import Campaign
+from burstcast_workflow.campaign.job_settings import settings_of_job
+from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.harness.settings import exponent_in
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.jobs.time_unit import Clock
 
 # -- lengths ---------------------------------------------------------------------------------------
 
-FITTING = {
-    "case.ensemble.time_step": 0.1,
-    "case.ensemble.sampling_stride": 1,
-    "case.lyapunov.time_unit": "computed",
-    "case.lyapunov.given_exponent": None,
-    "case.training.series": 3,
-    "case.recycle_validation.series": 2,
-    "case.recycle_validation.intervals_per_series": 2,
-    "washout_lt": 1,
-    "search.interval_lt": 3,
-    "search.single_shot_lead_steps": 5,
-    "classification.start_spacing_lt": 1,
-    "classification.resolution_lt": 0.1,
-    "classification.longest_prediction_time_lt": 4,
-    "classification.window_lt": 1,
-    "probability.start_spacing_lt": 1,
-    "horizon.longest_lead_time_lt": 5,
-    "horizon.lead_time_step_lt": 0.5,
-    "statistics.fixed_point_interval_lt": 2,
-    "statistics.duration": None,
-    "forecasters.quadratic.window_lt": 2,
-    "job.asked_of_series.kinds": ["esn", "quadratic"],
-    "job.asked_of_series.validations": ["RV"],
-    "job.asked_of_series.long_runs": True,
-}
+LENGTHS = loaded_script("data/lengths.py")
+ASKED = "job.asked_of_series"
+FITTING = settings_of_job(
+    Campaign(load(tiny_with())), LENGTHS.LengthsOfCase.paths(), {"case": "Re400"}
+) | {"case.lyapunov.time_unit": "computed", "statistics.duration": None}
 
 
 def problems(tmp_path, steps=20, samples=400, **changed):
     """Message of the job over a series of so many samples, and so many steps of a Lyapunov time."""
-    script = loaded_script("data/lengths.py")
     ensemble, lengths = tmp_path / "ensemble.nc", tmp_path / "lengths.json"
-    write_netcdf(ensemble, {"time": Variable(("time",), np.arange(samples) * 0.1, "1", "t")}, {})
-    settings = script.LengthsOfCase(
-        {**FITTING, **changed}, {"case": "A"}, computed_exponent=10 / steps
+    write_netcdf(ensemble, {"time": Variable(("time",), np.arange(samples) * 1.0, "1", "t")}, {})
+    settings = LENGTHS.LengthsOfCase(
+        {**FITTING, **changed}, {"case": "A"}, computed_exponent=1 / steps
     )
+    lengths.unlink(missing_ok=True)
     try:
-        script.lengths_of_case(ensemble=str(ensemble), lengths=str(lengths), settings=settings)
+        LENGTHS.lengths_of_case(ensemble=str(ensemble), lengths=str(lengths), settings=settings)
     except ValueError as error:
         assert not lengths.exists()
         return str(error)
@@ -60,20 +44,20 @@ def problems(tmp_path, steps=20, samples=400, **changed):
 
 def test_all_that_does_not_fit_is_one_list_of_what_the_case_has(tmp_path):
     assert not problems(tmp_path)
-    (tmp_path / "lengths.json").unlink()
-    message = problems(tmp_path, steps=100, **{"forecasters.quadratic.window_lt": 30})
-    assert "a series of 400 samples has 4 Lyapunov times of 100 steps" in message
+    message = problems(tmp_path, steps=200, **{"forecasters.quadratic.window_lt": 30})
+    assert "a series of 400 samples has 2 Lyapunov times of 200 steps" in message
     for named in ("search.interval_lt", "classification.longest_prediction_time_lt", "horizon."):
         assert named in message
     assert "quadratic.window_lt" in message
     assert "statistics" not in message
-    for unasked, name, value in (
-        ({"job.asked_of_series.long_runs": False}, "statistics.duration", 0.1),
-        ({"job.asked_of_series.kinds": ["esn"]}, "forecasters.quadratic.window_lt", 30),
-        ({"job.asked_of_series.validations": []}, "search.interval_lt", 25),
+    for asked, value, name, too_much in (
+        ("long_runs", False, "statistics.duration", 0.1),
+        ("kinds", ["esn"], "forecasters.quadratic.window_lt", 30),
+        ("validations", [], "search.interval_lt", 25),
     ):
-        assert not problems(tmp_path, **{name: value}, **unasked)
-        (tmp_path / "lengths.json").unlink()
+        assert problems(tmp_path, **{name: too_much})
+        unasked = {ASKED: {**FITTING[ASKED], asked: value}}
+        assert not problems(tmp_path, **{name: too_much}, **unasked)
 
 
 # -- units of time ---------------------------------------------------------------------------------
@@ -104,12 +88,9 @@ def test_the_computed_exponent_is_the_unit_where_none_is_published_or_the_config
     assert clock(0.01, file=path).lyapunov_time == 100
 
 
-@pytest.mark.parametrize(
-    ("exponent", "reason"), [(-0.01, "must be positive"), (0, "positive"), (2, "shorter than one")]
-)
-def test_an_exponent_without_a_time_unit_names_the_settings(tmp_path, exponent, reason):
-    with pytest.raises(ValueError, match=rf"lyapunov\.given_exponent.*: .*{reason}"):
-        _ = clock(None, file=computed(tmp_path, exponent)).lyapunov_time
+def test_an_exponent_without_a_time_unit_names_the_settings(tmp_path):
+    with pytest.raises(ValueError, match=r"lyapunov\.given_exponent.*: .*must be positive"):
+        _ = clock(None, file=computed(tmp_path, -0.01)).lyapunov_time
 
 
 # -- other training series -------------------------------------------------------------------------

@@ -6,12 +6,7 @@ import pytest
 from burstcast.base.files.netcdf import Variable, read_attributes
 from burstcast.base.names import parsed
 from burstcast.forecasters.esn import NetworkForecaster
-from burstcast.forecasters.registry import (
-    kind_class,
-    make_kind,
-    options_of_kind,
-    trajectory_kinds,
-)
+from burstcast.forecasters.registry import make_kind, options_of_kind
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.training import train
@@ -57,19 +52,14 @@ def job(settings=SETTINGS, case="lorenz", forecaster=IDENTIFIER):
 
 @pytest.fixture
 def ensemble(tmp_path):
-    path = tmp_path / "ensemble.nc"
-    write(path, np.random.default_rng(1).normal(size=(7, 90, 3)).cumsum(axis=1))
-    return path
-
-
-def write(path, states):
-    of_series = (1, *states.shape[1:])
-    axes = ("series", "time", "component")
+    path, axes = tmp_path / "ensemble.nc", ("series", "time", "component")
+    states = np.random.default_rng(1).normal(size=(7, 90, 3)).cumsum(axis=1)
     variables = {
-        "series": Variable(("series",), np.arange(len(states)), "1", "number"),
-        "state": Variable(axes, states, "1", "state", chunks=of_series),
+        "series": Variable(("series",), np.arange(7), "1", "number"),
+        "state": Variable(axes, states, "1", "state", chunks=(1, 90, 3)),
     }
     write_netcdf(path, variables, {})
+    return path
 
 
 @pytest.fixture
@@ -85,36 +75,6 @@ def network(ensemble):
         network=EchoStateNetwork(dynamics, readout, training.input_range),
         seed=seed,
     )
-
-
-@pytest.fixture(params=trajectory_kinds())
-def forecaster(request, network, ensemble):
-    """One of each kind, and the settings of its job."""
-    cls = kind_class(request.param)
-    identifier = IDENTIFIER.replace("esn", request.param) if cls.has_search else request.param
-    settings = job(forecaster=identifier)
-    if issubclass(cls, NetworkForecaster):
-        return cls(**vars(network)), settings
-    observed = networks().learnt(ensemble).observed
-    return settings.unfitted().fit(observed, settings.forecasting_case()), settings
-
-
-def test_read_forecaster_gives_back_what_write_forecaster_was_given(forecaster, tmp_path):
-    made, settings = forecaster
-    path = str(tmp_path / "forecaster.nc")
-    write_forecaster(path, made, {"source": "test"})
-    back = settings.read_forecaster(path)
-    assert type(back) is type(made)
-    assert back.options | {"divergence_bound": None} == made.options | {"divergence_bound": None}
-    washout = np.random.default_rng(5).normal(size=(12, 3, 3))
-    outputs = [model.advance(model.start(washout), 20)[0] for model in (made, back)]
-    assert np.isfinite(outputs[0]).all()
-    assert outputs[0].tobytes() == outputs[1].tobytes()
-    # and it would be written as it was
-    records = [model.record() for model in (made, back)]
-    assert records[0].attributes == records[1].attributes
-    arrays = [{key: array.tobytes() for key, array in record.arrays.items()} for record in records]
-    assert arrays[0] == arrays[1]
 
 
 def test_a_network_is_restored_with_the_bound_and_the_backend_that_the_job_is_told(
@@ -155,19 +115,20 @@ def test_what_forecasters_may_know_of_their_case_and_their_options():
         job(given, forecaster="analogues").unfitted()
 
 
-def test_only_the_bound_is_given_the_truth_and_aware_kinds_the_inputs(forecaster):
-    made, settings = forecaster
+def test_only_the_bound_is_given_the_truth_and_aware_kinds_the_inputs():
     observed, true, inputs = np.zeros((2, 4, 3)), np.ones((2, 4, 3)), np.full((2, 9, 1), 5.0)
-    kind = settings.forecaster.partition("-")[0]
-    expected = true if kind in ("equations", "esn_true_washout") else observed
-    assert seen(made, observed, true) is expected
-    given = seen(made, observed, true, inputs)
-    if not kind.startswith("equations"):
-        assert given is expected
-        return
-    np.testing.assert_array_equal(given[:, :4, :3], expected)
-    np.testing.assert_array_equal(given[..., 3:], 5.0)
-    assert given.shape == (2, 10, 4)
+    for kind, expected, shape in (
+        ("equations", true, (2, 10, 4)),
+        ("equations_filtered", observed, (2, 10, 4)),
+        ("esn_true_washout", true, (2, 4, 3)),
+        ("esn", observed, (2, 4, 3)),
+    ):
+        forecaster = make_kind(kind, {})
+        assert seen(forecaster, observed, true) is expected
+        given = seen(forecaster, observed, true, inputs)
+        assert given.shape == shape
+        np.testing.assert_array_equal(given[:, :4, :3], expected)
+        np.testing.assert_array_equal(given[..., 3:], 5.0)
 
 
 def test_who_learns_from_noise_and_who_sees_the_truth_reads_none(ensemble):

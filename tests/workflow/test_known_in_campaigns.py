@@ -66,8 +66,8 @@ def plant():
     return states, push
 
 
-def write_record(directory, push):
-    states, _ = plant()
+def write_record(directory):
+    states, push = plant()
     stamps = np.datetime64("2020-01-01T00") + np.arange(SAMPLES).astype("timedelta64[h]")
     phase = np.sin(2 * np.pi * np.arange(SAMPLES) / 24)  # the record begins at midnight
     rows = zip(stamps.astype("datetime64[m]"), *states.T, push, phase, strict=True)
@@ -79,7 +79,7 @@ def write_record(directory, push):
 def project(tmp_path_factory, job_server):
     directory = tmp_path_factory.mktemp("known") / "project"
     project = Project.create(directory, job_server, "plant.yaml", CONFIG)
-    write_record(directory, plant()[1])
+    write_record(directory)
     return project
 
 
@@ -136,22 +136,3 @@ def test_no_stage_has_runs_without_known_values(project, results):
     forecasters = set(read_table(results / "tables/statistics.csv")["forecaster"])
     assert forecasters <= {"esn", "floor", "training"}
     assert project.dry_run(*TARGETS) == {}
-
-
-@pytest.mark.long
-def test_other_values_in_advance_are_other_forecasts(project, results):
-    """Of a push that is wrong in the test series alone, training and climatology know nothing."""
-    copied = project.copy(project.directory.parent / "copy")
-    push = plant()[1]
-    push[10 * BLOCK :] = np.roll(push[10 * BLOCK :], 37)
-    write_record(copied.directory, push)
-    copied.made(*TARGETS)
-    other = copied.directory / "results/plant"
-    for name, same in (("esn", True), ("esn_aware", False)):
-        places = [place / f"plant/networks/{name}-N40-RV-seed0" for place in (results, other)]
-        first, second = (read_netcdf(place / "forecast.nc")["largest"] for place in places)
-        assert np.array_equal(first, second) == same
-        first, second = (read_netcdf(place / "forecaster.nc")["weights"] for place in places)
-        np.testing.assert_array_equal(first, second)
-    scores = read_table(other / "tables/classification.csv").groupby("forecaster")["f_score"].mean()
-    assert scores["quadratic_aware"] < 0.5

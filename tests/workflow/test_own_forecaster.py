@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 from helpers_configs import ROOT, TINY, tiny_with
+from helpers_rebuilds import Project
 
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.files.tables import read_table
@@ -57,7 +57,6 @@ def place(tmp_path_factory):
     (directory / "my_models.py").write_text(MODULE)
     (directory / "classifiers").mkdir()
     (directory / "classifiers/base_rate.py").write_text(CLASSIFIER)
-    (directory / "mine.yaml").write_text(yaml.safe_dump(OVERLAY))
     return directory
 
 
@@ -127,10 +126,8 @@ def test_a_campaign_runs_with_them(place, job_server):
     """The class of the page scores as the built-in kind, and the classifier is calibrated."""
     tables = ["classification", "horizon", "probability_scores"]
     targets = [f"results/mine/tables/{table}.csv" for table in tables]
-    options = ["--cores", "2", "--workflow-profile", ROOT / "profiles/default"]
-    snakemake = ["-s", ROOT / "Snakefile", *targets, *options, "--configfile", TINY, "mine.yaml"]
-    outcome = job_server.snakemake(place, *snakemake)
-    assert outcome.status == 0, outcome.text[-3000:]
+    elsewhere = Project(place, job_server, str(TINY), ("-s", str(ROOT / "Snakefile")))
+    elsewhere.made(*targets, overlay=OVERLAY)
     classification, horizon, probability = (
         read_table(place / target).set_index("forecaster") for target in targets
     )

@@ -10,7 +10,6 @@ from types import SimpleNamespace
 import pytest
 import yaml
 from helpers_configs import ROOT, paper_with
-from helpers_rebuilds import loaded_script
 from snakemake import iocontainers
 from snakemake.api import SnakemakeApi
 from snakemake.exceptions import WorkflowError
@@ -23,6 +22,7 @@ from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.jobs import FigureJobs
 from burstcast_workflow.figures.registry import FIGURES, settings_of
+from burstcast_workflow.harness.job import function_of, settings_taken
 from burstcast_workflow.harness.job import parameters as parameters_of
 from burstcast_workflow.harness.settings import Setting
 from burstcast_workflow.stages.stages import Stages, any_of_regex
@@ -144,14 +144,6 @@ def test_the_page_of_the_architecture_shows_the_rules():
 # -- scripts ---------------------------------------------------------------------------------------
 
 
-@cache
-def main_of(path):
-    """Function that a script runs: its last, since a job starts where the decorator stands."""
-    last = ast.parse(path.read_text(encoding="utf-8")).body[-1]
-    assert [ast.unparse(decorator) for decorator in last.decorator_list] == ["job"]
-    return getattr(loaded_script(str(path.relative_to(SCRIPTS))), last.name)
-
-
 @pytest.mark.parametrize("rule", STAGES)
 def test_a_script_takes_the_files_of_its_rule_and_its_settings(rule):
     made = workflow().rules[rule]
@@ -160,7 +152,10 @@ def test_a_script_takes_the_files_of_its_rule_and_its_settings(rule):
     if script_of(rule) == TABLES:
         assert {*files_of(maker(rule)), "tables"} == {*files}
         return
-    arguments = inspect.signature(main_of(script_of(rule))).parameters
+    function = function_of(script_of(rule))
+    # the last of its script, since a job starts where the decorator stands
+    assert ast.parse(script_of(rule).read_text()).body[-1].name == function.__name__
+    arguments = inspect.signature(function).parameters
     assert {*arguments} - {"settings"} == {*files}
     required = inspect.Parameter.KEYWORD_ONLY, inspect.Parameter.empty
     assert {(each.kind, each.default) for each in arguments.values()} == {required}
@@ -208,11 +203,6 @@ def test_a_figure_has_its_settings_and_its_own_module_and_what_that_reaches(name
 # -- settings --------------------------------------------------------------------------------------
 
 
-def class_of(rule):
-    """Class of the settings of a rule's script."""
-    return inspect.signature(main_of(script_of(rule))).parameters["settings"].annotation
-
-
 def fields_read(function, cls, seen):
     """Fields that a function reads of settings of a class, in what it is handed on to as well."""
     if function in seen:
@@ -245,8 +235,9 @@ def fields_of(cls):
 @pytest.mark.parametrize("rule", STAGES)
 def test_a_script_reads_every_setting_that_it_declares_and_a_job_is_given(rule):
     """Those that do not concern the job are left out."""
-    cls = class_of(rule)
-    assert fields_read(main_of(script_of(rule)), cls, set()) == fields_of(cls)
+    function = function_of(script_of(rule))
+    cls = settings_taken(function)
+    assert fields_read(function, cls, set()) == fields_of(cls)
     of_maker = {*paths_of(maker(rule))} if script_of(rule) == TABLES else set()
     given = set(of_job(rule)[0]) - set(cls.paths())
     assert [path for path in given if not covered(path, of_maker)] == []

@@ -2,12 +2,10 @@
 
 import io
 import logging
-import subprocess
-import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from helpers_configs import ROOT
 from snakemake.settings.enums import Quietness
 from snakemake_interface_logger_plugins.common import LogEvent
 
@@ -212,8 +210,6 @@ def test_a_silent_minute_ends_with_what_runs(handler, monkeypatch):
 
 # -- configs that cannot be read -------------------------------------------------------------------
 
-ROOT = Path(__file__).parents[2]
-
 
 @pytest.fixture
 def directory(tmp_path, monkeypatch):
@@ -252,11 +248,8 @@ def test_what_is_wrong_is_said_in_one_line(directory, arguments, message):
     assert unreadable_config([]).startswith("config.yaml: cannot be read: ")
 
 
-def test_snakemake_says_it_without_a_traceback(directory):
-    run = [str(Path(sys.executable).with_name("snakemake")), "-n", "--configfile"]
-    outcome = subprocess.run(
-        [*run, str(directory / "bad.yaml")], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    assert outcome.returncode == 1
-    assert "Traceback" not in outcome.stderr
-    assert f"{directory / 'bad.yaml'}, line 3, column 3: no valid YAML: " in outcome.stderr
+def test_snakemake_says_it_without_a_traceback(directory, job_server):
+    outcome = job_server.snakemake(ROOT, "-n", "--configfile", directory / "bad.yaml")
+    assert outcome.status == 1
+    assert "Traceback" not in outcome.text
+    assert f"{directory / 'bad.yaml'}, line 3, column 3: no valid YAML: " in outcome.text

@@ -1,15 +1,14 @@
 """The cache of actions: what is taken from it, what is not, and what it does in trouble."""
 
-import logging
 import os
 import shutil
 import subprocess
-import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from helpers_rebuilds import mounted
 
 from burstcast_workflow.tracking import cache
 from burstcast_workflow.tracking.cache import Entry, seconds_of_rules, tidy
@@ -137,52 +136,35 @@ def test_where_no_links_are_possible_there_are_copies(tmp_path, place, monkeypat
     assert taken(tmp_path / "two") == "12"
 
 
-def mounted(directory, size):
-    directory.mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", f"size={size}", "none", directory]
-    if subprocess.run(command, capture_output=True, check=False).returncode:
-        pytest.skip("a disk of a given size needs the right to mount one")
-
-
 def test_on_another_file_system_which_is_full_nothing_is_kept_and_nothing_fails(
     tmp_path, place, caplog
 ):
-    mounted(place, "64k")
-    try:
+    with mounted(place, "64k"):
         computed(tmp_path / "one")
         assert taken(tmp_path / "two") == "12"
         computed(tmp_path / "large", content=["x" * 100_000, "y"], key=2)
         assert "nothing is put into the cache" in caplog.text
         assert taken(tmp_path / "three", key=2) is None
         assert taken(tmp_path / "three") == "12"
-    finally:
-        subprocess.run(["umount", "-l", place], check=True)
 
 
 def test_a_full_disk_of_results_leaves_no_half_of_a_result(tmp_path, caplog):
     computed(tmp_path / "one", content=["x" * 100_000, "y"])
-    mounted(tmp_path / "two", "64k")
-    try:
+    with mounted(tmp_path / "two", "64k"):
         assert taken(tmp_path / "two") is None
         assert "nothing is taken from the cache" in caplog.text
         assert not list((tmp_path / "two").iterdir())
-    finally:
-        subprocess.run(["umount", "-l", tmp_path / "two"], check=True)
 
 
 def test_a_cache_that_cannot_be_written_is_read(tmp_path, place):
     computed(tmp_path / "one")
-    mounted(tmp_path / "other", "1m")
-    try:
+    with mounted(tmp_path / "other", "1m"):
         shutil.copytree(place, tmp_path / "other" / "cache")
-        remount = ["mount", "-o", "remount,ro", tmp_path / "other"]
-        subprocess.run(remount, check=True)
+        subprocess.run(["mount", "-o", "remount,ro", tmp_path / "other"], check=True)
         os.environ[cache.VARIABLE] = str(tmp_path / "other" / "cache")
         assert taken(tmp_path / "two") == "12"
         computed(tmp_path / "three", key=3)
         assert taken(tmp_path / "four", key=3) is None
-    finally:
-        subprocess.run(["umount", "-l", tmp_path / "other"], check=True)
 
 
 def test_what_was_unused_for_longest_goes_and_what_results_link_to_costs_nothing(tmp_path, place):
@@ -230,24 +212,3 @@ def test_seconds_of_rules_are_medians_and_damaged_entries_do_not_count(tmp_path,
     assert seconds_of_rules() == {"train": 2.0, "scan": 7.5}
     record.write_text("[]")
     assert seconds_of_rules() == {"train": 2.0}
-
-
-def test_two_processes_share_it(tmp_path, place, caplog):
-    caplog.set_level(logging.WARNING)
-    code = f"""
-import sys
-sys.path.insert(0, {str(Path(__file__).parent)!r})
-from pathlib import Path
-from test_tracking_cache import computed, taken
-for key in range(30):
-    if not taken(Path(sys.argv[1]), key=key):
-        computed(Path(sys.argv[1]), key=key)
-    assert taken(Path(sys.argv[1]) / "again", key=key) == "12"
-"""
-    environment = {**os.environ, cache.VARIABLE: str(place)}
-    running = [
-        subprocess.Popen([sys.executable, "-c", code, tmp_path / name], env=environment)
-        for name in ("one", "two")
-    ]
-    assert [process.wait(300) for process in running] == [0, 0]
-    assert len(list(place.glob("*/*"))) == 30

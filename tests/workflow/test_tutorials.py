@@ -1,10 +1,7 @@
 """Tutorials and records of docs as they are written."""
 
 import doctest
-import os
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -15,6 +12,7 @@ from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.files.tables import read_table
 from burstcast_workflow.commands.command_line import main
 from burstcast_workflow.harness.storage import read_json
+from helpers_library import copied_repository, said_by
 
 # -- a system of one's own -------------------------------------------------------------------------
 
@@ -155,11 +153,7 @@ def of(name):
 
 def shell(command, records):
     """Run a command of the page as a reader would, with one core."""
-    environment = {name: text for name, text in os.environ.items() if name != "VIRTUAL_ENV"}
-    options = {"cwd": records, "env": {**environment, **THREADS}, "text": True}
-    result = subprocess.run(["bash", "-ec", command], capture_output=True, check=False, **options)
-    assert result.returncode == 0, f"{command}: {result.stdout[-2000:]}{result.stderr[-3000:]}"
-    return result.stdout
+    return said_by(["env", "-u", "VIRTUAL_ENV", "bash", "-ec", command], records, **THREADS)
 
 
 def rows(text):
@@ -195,13 +189,7 @@ def test_the_page_names_what_there_is():
 @pytest.fixture(scope="module")
 def records(tmp_path_factory):
     """A fresh copy of the repository with its own environment and the extracted records."""
-    records = tmp_path_factory.mktemp("records") / "burstcast"
-    records.mkdir()
-    listed = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
-    files = subprocess.run(listed, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    for file in files.splitlines():
-        (records / file).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy2(ROOT / file, records / file)
+    records = copied_repository(tmp_path_factory.mktemp("records") / "burstcast")
     for command in OF_RECORDS:
         if not any(name in command for name in NAMES):
             shell(command, records)

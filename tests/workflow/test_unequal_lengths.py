@@ -1,8 +1,7 @@
-"""A measured campaign whose series have unequal lengths: files, arrays, and runs between gaps."""
+"""A measured campaign whose series have unequal lengths."""
 
 import numpy as np
 import pytest
-import xarray
 from helpers_rebuilds import Project
 
 from burstcast.base.files.netcdf import read_netcdf
@@ -17,7 +16,7 @@ from burstcast_workflow import open_campaign
 from burstcast_workflow.harness.storage import read_json
 
 LENGTHS = (700, 801, 350, 801, 120, 801, 640, 60, 801, 500)
-TRAINING, LONGEST = 6, 801
+TRAINING = 6
 STEPS = 55
 """Samples in a Lyapunov time."""
 CONFIG = {
@@ -30,19 +29,13 @@ CONFIG = {
                 **{"nvar": {}, "precursor": {}},
             },
         },
-        {"cases": ["array", "gaps"], "forecasters": {"persistence": {}}},
     ],
     "cases": {
-        name: {
-            "data": {"files": files, "observable": "z", "time_step": 0.02, **data},
+        "lab": {
+            "data": {"files": ["lab_*.csv"], "observable": "z", "time_step": 0.02},
             **{"event_threshold": {"quantile": 0.9}, "training": {"series": TRAINING}},
             "lyapunov": {"given_exponent": 0.9},
         }
-        for name, files, data in (
-            ("lab", ["lab_*.csv"], {}),
-            ("array", ["lab.nc"], {}),
-            ("gaps", ["gaps.csv"], {"gaps": "cut", "blocks": {"duration": 16, "shortest": 6}}),
-        )
     },
     "washout_lt": 0.5,
     "search": {"grid": 2, "bayesian_points": 1, "interval_lt": 2},
@@ -71,40 +64,21 @@ def lab(tmp_path_factory, job_server, series):
     project = Project.create(place, job_server, "lab.yaml", CONFIG)
     for number, states in enumerate(series):
         project.write_series(f"lab_{number}.csv", "x,y,z", 0.02, states)
-    filled = np.full((len(series), LONGEST, 3), np.nan)
-    for row, states in enumerate(series):
-        filled[row, : len(states)] = states
-    axes = ("series", "time", "component")
-    array = xarray.DataArray(filled, dims=axes, coords={"component": list("xyz")}, name="states")
-    array.to_netcdf(place / "lab.nc")
-    lost = np.full((3, 3), np.nan)
-    record = np.concatenate([part for states in series for part in (states, lost)])
-    project.write_series("gaps.csv", "x,y,z", 0.02, record)
     names = ("classification", "horizon", "statistics", "probability_scores", "warnings")
     tables = [f"results/lab/lab/tables/{name}.csv" for name in (*names, "lead_times", "survival")]
-    ensembles = [f"results/lab/{name}/ensemble.nc" for name in ("array", "gaps")]
-    outcome = project.made(*tables, *ensembles, "results/lab/lab/lengths.json")
+    outcome = project.made(*tables, "results/lab/lab/lengths.json")
     return project, outcome.text
 
 
-def test_series_of_files_arrays_and_gaps(lab, series):
+def test_series_are_those_of_the_files(lab, series):
     project, text = lab
     assert "10 series have 60 to 801 samples" in text
-    assert "gaps leave 10 parts of the record; 2 of them, with 180 of 5574 rows" in text
     place = project.directory / "results/lab"
-    from_files, from_array, from_gaps = (
-        read_netcdf(place / name / "ensemble.nc") for name in ("lab", "array", "gaps")
-    )
-    assert from_files["length"].tolist() == list(LENGTHS)
-    for row, states in enumerate(series):
-        stored = from_files["state"][row]
+    ensemble = read_netcdf(place / "lab/ensemble.nc")
+    assert ensemble["length"].tolist() == list(LENGTHS)
+    for stored, states in zip(ensemble["state"], series, strict=True):
         np.testing.assert_array_equal(stored[: len(states)], states)
         assert np.isnan(stored[len(states) :]).all()
-    for name in ("state", "observable", "length"):
-        np.testing.assert_array_equal(from_array[name], from_files[name])
-    kept = [row for row, length in enumerate(LENGTHS) if length > 300]
-    assert from_gaps["length"].tolist() == [LENGTHS[row] for row in kept]
-    np.testing.assert_array_equal(from_gaps["state"], from_files["state"][kept])
     opened = open_campaign(place).series("lab", 0, 3)
     assert [len(states) for states in opened] == list(LENGTHS[:3])
 

@@ -1,7 +1,6 @@
 """Working copies of the project in which the tests edit and run the workflow."""
 
 import hashlib
-import importlib.util
 import json
 import os
 import re
@@ -16,7 +15,10 @@ from pathlib import Path
 from types import ModuleType
 
 import numpy as np
+import pytest
 import yaml
+
+from burstcast.base.discovery import imported_file
 
 ROOT = Path(__file__).parents[3]
 HERE = Path(__file__).parent
@@ -81,13 +83,7 @@ NOTEBOOK = {"MPLBACKEND": "module://matplotlib_inline.backend_inline"}
 
 def loaded_script(name: str) -> ModuleType:
     """A script of the workflow, imported: its function does not run as a job."""
-    path = ROOT / "workflow" / "scripts" / name
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec
-    assert spec.loader
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return imported_file(ROOT / "workflow" / "scripts" / name)
 
 
 @dataclass(frozen=True)
@@ -97,6 +93,7 @@ class Project:
     directory: Path
     server: JobServer | None = None  # what runs its jobs; or processes of their own, as for users
     preset: str = TINY  # the config that its runs lay over config.yaml
+    workflow: tuple[str, ...] = ()  # option for a workflow that lies elsewhere
 
     @classmethod
     def create(
@@ -197,7 +194,7 @@ class Project:
         cores = (
             [] if "-n" in arguments else ["--cores", os.environ.get("BURSTCAST_TEST_CORES", "2")]
         )
-        return [*arguments, *cores, "--configfile", *configs]
+        return [*self.workflow, *arguments, *cores, "--configfile", *configs]
 
     def dry_run(self, *arguments: str, overlay: dict | None = None) -> dict[str, int]:
         """Jobs of each rule that would run."""
@@ -245,6 +242,13 @@ class Project:
                 else:
                     path.write_text(text)
 
+    @contextmanager
+    def edited(self, name: str, old: str, new: str) -> Iterator[None]:
+        """Replace the one place of a text in a file, and take it back."""
+        with self.restored(name):
+            self.edit(name, old, new)
+            yield
+
     def edit(self, name: str, old: str, new: str) -> None:
         """Replace the one place of a text in a file."""
         path = self.directory / name
@@ -271,3 +275,16 @@ def jobs_since(before: dict[str, int], after: dict[str, int]) -> set[str]:
 def rules_of(logs: set[str]) -> set[str]:
     """Rules that logs belong to: their directories, or their names."""
     return {name.split("/")[0].removesuffix(".log") for name in logs}
+
+
+@contextmanager
+def mounted(directory: Path, size: str) -> Iterator[None]:
+    """A disk of a given size in the place of a directory."""
+    directory.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", f"size={size}", "none", str(directory)]
+    if subprocess.run(command, capture_output=True, check=False).returncode:
+        pytest.skip("a disk of a given size needs the right to mount one")
+    try:
+        yield
+    finally:
+        subprocess.run(["umount", "-l", directory], check=True)

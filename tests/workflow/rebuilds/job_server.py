@@ -88,6 +88,8 @@ def _run(request: dict) -> int:
             sys.argv = ["snakemake", *request["arguments"]]
             snakemake.cli.main(request["arguments"])
     except SystemExit as leave:
+        if isinstance(leave.code, str):  # which Python itself writes
+            print(leave.code, file=sys.stderr)
         return leave.code if isinstance(leave.code, int) else int(leave.code is not None)
     except BaseException:
         traceback.print_exc()

@@ -2,19 +2,13 @@
 
 Python imports this file at its start where its directory is in PYTHONPATH. Scripts are handed over
 to a process that has the libraries loaded (see job_server), since these tests run thousands of
-jobs, whose time is the import of libraries; or their memory is limited.
+jobs, whose time is the import of libraries.
 """
 
 import os
 import sys
 
 _is_job = "/.snakemake/scripts/tmp" in sys.orig_argv[-1]
-_memory = os.environ.get("BURSTCAST_TEST_JOB_MEMORY")
-if _is_job and _memory:
-    import resource
-
-    resource.setrlimit(resource.RLIMIT_AS, (int(_memory), int(_memory)))
-
 _address = os.environ.get("BURSTCAST_TEST_JOB_SERVER")
 if _is_job and _address:
     import json
