@@ -8,6 +8,8 @@ from hypothesis.extra import numpy as npst
 
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasts.outcomes import outcomes_by_series
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
 
 
 class MadeUpForecaster(Forecaster):
@@ -35,6 +37,17 @@ def textbook_step(dynamics, current, state):
     recurrent = dynamics.spectral_radius * reservoir.recurrent.toarray() @ state
     reached = np.tanh(dynamics.input_scaling * input_matrix @ fed + recurrent)
     return np.array([(1 - leak) * x + leak * y for x, y in zip(state, reached, strict=True)])
+
+
+def lorenz_states(count, seed=3):
+    """States of the Lorenz equations at random, ``(3, count)``."""
+    return np.random.default_rng(seed).normal(size=(3, count)) + np.array([[1.0], [1.0], [25.0]])
+
+
+def lorenz_series(count, first, stop):
+    """Series of the Lorenz equations from a sample up to another, ``(count, stop - first, 3)``."""
+    states = integrate(Lorenz63(), lorenz_states(count), 0.01, 2 * (stop - 1), stride=2)
+    return states[first:].transpose(2, 0, 1)
 
 
 class FirstObserved:

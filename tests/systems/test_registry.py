@@ -11,11 +11,7 @@ import pytest
 from burstcast.base.discovery import UnsoundError
 from burstcast.data.dataset import initial_states
 from burstcast.systems.base import DynamicalSystem, has_own
-from burstcast.systems.check import (
-    _initial_states,
-    check_system,
-    interface_problems,
-)
+from burstcast.systems.check import _initial_states, check_system, interface_problems
 from burstcast.systems.compiled import hindrance
 from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
 from burstcast.systems.integration import integrate
@@ -222,19 +218,6 @@ def test_the_jacobian_is_the_complex_step_derivative(name):
         expected = system.right_hand_side(perturbed).imag / 1e-30
         result = system.jacobian(states)[:, component]
         np.testing.assert_allclose(result, expected, rtol=1e-13, atol=1e-12)
-
-
-# -- the Lorenz equations --------------------------------------------------------------------------
-
-
-def test_textbook_values_and_fixed_points():
-    state = np.array([1.0, 2.0, 3.0])
-    derivative = Lorenz63(sigma=10.0, rho=28.0, beta=2.0).right_hand_side(state)
-    assert np.array_equal(derivative, [10.0, 23.0, -4.0])
-    system = Lorenz63()
-    distance = math.sqrt(system.beta * (system.rho - 1.0))
-    points = np.array([[0, distance, -distance], [0, distance, -distance], [0, 27.0, 27.0]])
-    np.testing.assert_allclose(system.right_hand_side(points), 0.0, atol=1e-13)
 
 
 # -- the check of a system -------------------------------------------------------------------------
