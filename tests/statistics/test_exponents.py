@@ -6,12 +6,10 @@ from itertools import product
 import numpy as np
 import pytest
 
-from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.persistence import Persistence
-from burstcast.forecasters.quadratic import QuadraticModel
 from burstcast.forecasters.registry import kind_class, trajectory_kinds
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.network import EchoStateNetwork
@@ -104,14 +102,6 @@ def test_network_that_has_learnt_lorenz_has_its_exponents():
     assert kaplan_yorke_dimension(mean) == pytest.approx(2.062, abs=0.005)
 
 
-def test_equations_that_are_learnt_have_the_exponents_of_lorenz():
-    series = lorenz_series(6, 2000)
-    case = ForecastingCase(Lorenz63(), 0.01, 2, 50)
-    model = QuadraticModel(window_lt=0.1, noise=0.0).fit(series, case)
-    result = spectrum(model, series[:, -10:], 2000).exponents.mean(axis=0)
-    np.testing.assert_allclose(result, [0.906, 0.0, -14.57], rtol=0, atol=0.1)
-
-
 def test_kinds_say_whether_they_linearise():
     kinds = {kind for kind in trajectory_kinds() if kind_class(kind).linearises()}
     assert {"esn", "equations", "equations_noisy", "quadratic"} <= kinds
@@ -182,21 +172,6 @@ class FourSpecies(Lorenz63):
         return self.growth * state * (1 - self.competition @ state)
 
 
-class BurstingNeuron(Lorenz63):
-    """Hindmarsh-Rose equations: 0.0133 by brute force (two trajectories, 64 series)."""
-
-    def right_hand_side(self, state):
-        x, y, z = state
-        return np.stack(
-            [y + 3 * x**2 - x**3 - z + 3.25, 1 - 5 * x**2 - y, 0.006 * (4 * (x + 1.6) - z)]
-        )
-
-
-def ten_near(*state):
-    deviations = np.random.default_rng(1).normal(size=(len(state), 10))
-    return np.array(state)[:, np.newaxis] + 0.003 * np.abs(state).max() * deviations
-
-
 def test_lorenz_is_found_in_series_also_with_noise_and_of_one_component():
     series = lorenz_series()
     result = estimate(series, STEP)
@@ -208,21 +183,14 @@ def test_lorenz_is_found_in_series_also_with_noise_and_of_one_component():
     assert estimate(series[:, :, :1], STEP).exponent == pytest.approx(0.906, rel=0.12)
 
 
-@pytest.mark.parametrize(
-    ("system", "start", "step", "samples", "exponent"),
-    [
-        (FourSpecies(), ten_near(0.301, 0.459, 0.131, 0.356), 0.1, 3000, 0.0203),
-        (BurstingNeuron(), ten_near(-1.0, 0.0, 3.0), 0.05, 4500, 0.0133),
-    ],
-)
-def test_weak_chaos_is_not_hidden_by_what_lies_along_the_flow(
-    system, start, step, samples, exponent
-):
-    """By distances that are not taken across the flow, the first is 0.015 (0.0144 to 0.0157)."""
-    series = integrate(system, start, step, 10 * (samples - 1), 10)[500:].transpose(2, 0, 1)
-    result = estimate(series, 10 * step)
-    assert result.exponent == pytest.approx(exponent, rel=0.15)
-    assert result.low < exponent < result.high
+def test_weak_chaos_is_not_hidden_by_what_lies_along_the_flow():
+    """By distances that are not taken across the flow, it is 0.015 (0.0144 to 0.0157)."""
+    state = np.array([[0.301], [0.459], [0.131], [0.356]])
+    start = state + 0.003 * 0.459 * np.random.default_rng(1).normal(size=(4, 10))
+    series = integrate(FourSpecies(), start, 0.1, 10 * 2999, 10)[500:].transpose(2, 0, 1)
+    result = estimate(series, 1.0)
+    assert result.exponent == pytest.approx(0.0203, rel=0.15)
+    assert result.low < 0.0203 < result.high
 
 
 def test_growth_that_is_known():
