@@ -23,7 +23,7 @@ from burstcast.forecasts.alarms import (
     useless_votes,
 )
 from burstcast.forecasts.calibration import isotonic
-from burstcast.forecasts.classification import SCORES, ratio
+from burstcast.forecasts.classification import SCORES
 from burstcast.forecasts.event_probabilities import EventProbabilities
 from burstcast.forecasts.lead_times import lead_time_scores, lead_times
 from burstcast.forecasts.outcomes import Outcomes
@@ -41,12 +41,6 @@ def test_alarms_and_their_scores_are_those_of_the_points(sample, threshold):
     for score, reference in zip(SCORES, (precision_score, recall_score, f1_score), strict=True):
         expected = reference(happened, alarm, zero_division=np.nan)
         np.testing.assert_allclose(getattr(counts, score), expected, rtol=1e-14)
-
-
-def test_ratios_of_arrays_and_numbers():
-    np.testing.assert_array_equal(ratio([1, 0, 3], [2, 0, 0]), [0.5, np.nan, np.nan])
-    assert ratio(1, 4) == 0.25
-    assert np.isnan(ratio(1, 0))
 
 
 @given(samples())
