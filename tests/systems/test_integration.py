@@ -252,4 +252,3 @@ def test_the_equations_of_the_pair():
         x, y, other = state[i], state[2 + i], state[1 - i]
         np.testing.assert_allclose(states_at[i], x * (a - x) * (x - 1) - y + k * (other - x))
         np.testing.assert_allclose(states_at[2 + i], b[i] * x - c * y)
-    assert compiled_steps((FitzHughNagumoPair(),), 0.5, True) is not None

@@ -20,12 +20,7 @@ from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lorenz96 import Lorenz96
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.polynomials.system import PolynomialSystem
-from burstcast.systems.registry import (
-    available_systems,
-    make_system,
-    parameters_of,
-    system_module,
-)
+from burstcast.systems.registry import available_systems, make_system, parameters_of, system_module
 from burstcast_workflow.commands.command_line import main
 from kolmogorov_flow import KolmogorovFlow
 
