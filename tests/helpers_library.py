@@ -88,6 +88,18 @@ def informative_sample():
     return probability, happened, generator.integers(0, 40, 1000)
 
 
+def assert_perturbations_grow_as_differences(forecaster, memory):
+    """Perturbations that are advanced with a memory, ``(rows, batch)``, by central differences."""
+    tangent = np.random.default_rng(2).normal(size=(len(memory), 2, memory.shape[1]))
+    there, grown = forecaster.advance_tangent(memory, tangent, 5)
+    np.testing.assert_array_equal(there, forecaster.advance(memory, 5)[1])
+    for number in range(2):
+        ahead, behind = (
+            forecaster.advance(memory + sign * 1e-6 * tangent[:, number], 5)[1] for sign in (1, -1)
+        )
+        np.testing.assert_allclose(grown[:, number], (ahead - behind) / 2e-6, rtol=1e-3, atol=1e-5)
+
+
 def assert_depends_on_its_washout_alone(forecaster, washout, steps, case):
     """Not on pauses, nor on its batch at any step, nor on having been in a file; the forecast."""
     start = forecaster.start(washout)
