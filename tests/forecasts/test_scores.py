@@ -186,17 +186,13 @@ def test_a_ratio_of_sums_is_resampled_series_by_series():
     assert [low, high] == pytest.approx(np.quantile(ratios, [0.05, 0.95]).tolist())
 
 
-def bars(probability, happened, series, resamples=400):
-    outcomes = count_by_series(probability, happened, series, 40)
-    generator = np.random.default_rng(1)
-    weights = bootstrap_weights(40, resamples, generator)
-    return reliability_diagram(outcomes, 5, weights, 0.9, generator)
-
-
 def test_the_bars_have_the_width_of_a_binomial_distribution():
     # one probability, series of the same size: the count of events is binomial
     probability, series = np.full(4000, 0.3), np.repeat(np.arange(40), 100)
-    diagram = bars(probability, np.zeros(4000, dtype=bool), series, 2000)
+    outcomes = count_by_series(probability, np.zeros(4000, dtype=bool), series, 40)
+    generator = np.random.default_rng(1)
+    weights = bootstrap_weights(40, 2000, generator)
+    diagram = reliability_diagram(outcomes, 5, weights, 0.9, generator)
     deviation = np.sqrt(0.3 * 0.7 / 4000)
     assert diagram.low[1] == pytest.approx(0.3 - 1.645 * deviation, abs=0.1 * deviation)
     assert diagram.high[1] == pytest.approx(0.3 + 1.645 * deviation, abs=0.1 * deviation)

@@ -11,7 +11,6 @@ from hypothesis.extra import numpy as npst
 from numpy.testing import assert_array_equal
 
 from burstcast.base.exogenous import with_inputs
-from burstcast.base.files.netcdf import read_netcdf, write_netcdf
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
@@ -187,14 +186,6 @@ DATA = {
 POINTS = ForecastPoints(DATA, {"esn": FORECASTS, "precursor": PROBABILITIES}, 1.0, 0.5)
 
 
-def test_a_file_gives_back_what_was_written(tmp_path):
-    write_netcdf(tmp_path / "forecast.nc", PROBABILITIES.variables(), {})
-    result = forecasts_from(read_netcdf(tmp_path / "forecast.nc"))
-    assert isinstance(result, EventProbabilities)
-    np.testing.assert_array_equal(result.at(2.0, 0.1), PROBABILITIES.probability[:, 1])
-    np.testing.assert_array_equal(result.at(0.5, 0.1), PROBABILITIES.probability[:, 0])
-
-
 @pytest.mark.parametrize("event", [(1.0, 0.1), (0.5, 0.125)])
 def test_another_event_is_refused(event):
     with pytest.raises(ValueError, match=r"events beyond 0.1 and prediction times \[0.5, 2.0\]"):
@@ -273,6 +264,9 @@ def test_forecasts_come_back_from_their_files(members):
     result = forecasts_from(held(forecast_variables(forecasts, "x")))
     for name, values in vars(forecasts).items():
         assert_array_equal(getattr(result, name), values)
+    again = forecasts_from(held(PROBABILITIES.variables()))
+    for column, time in enumerate((0.5, 2.0)):
+        assert_array_equal(again.at(time, 0.1), PROBABILITIES.probability[:, column])
 
 
 def test_events_are_summed_up():
