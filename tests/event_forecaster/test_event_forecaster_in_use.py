@@ -95,6 +95,7 @@ def test_each_sample_has_the_probability_of_the_batch(forecaster, tmp_path):
         if number == 40:
             forecaster.save(tmp_path / "watching.nc")
             forecaster = burstcast.EventForecaster.load(tmp_path / "watching.nc")
+            assert forecaster.probability() == probabilities[0.5][-1]
         forecaster.update(sample, 1.7e9 + INTERVAL * (number + 0.05 * (number % 2)))
         for lead, values in probabilities.items():
             values.append(forecaster.probability(lead))
