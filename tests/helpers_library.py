@@ -15,6 +15,8 @@ from PIL import Image
 
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasts.outcomes import outcomes_by_series
+from burstcast.systems.integration import integrate
+from burstcast.systems.lorenz63 import Lorenz63
 
 ROOT = Path(__file__).parents[1]
 
@@ -44,6 +46,17 @@ def textbook_step(dynamics, current, state):
     recurrent = dynamics.spectral_radius * reservoir.recurrent.toarray() @ state
     reached = np.tanh(dynamics.input_scaling * input_matrix @ fed + recurrent)
     return np.array([(1 - leak) * x + leak * y for x, y in zip(state, reached, strict=True)])
+
+
+def lorenz_states(count, seed=3):
+    """States of the Lorenz equations at random, ``(3, count)``."""
+    return np.random.default_rng(seed).normal(size=(3, count)) + np.array([[1.0], [1.0], [25.0]])
+
+
+def lorenz_series(count, first, stop):
+    """Series of the Lorenz equations from a sample up to another, ``(count, stop - first, 3)``."""
+    states = integrate(Lorenz63(), lorenz_states(count), 0.01, 2 * (stop - 1), stride=2)
+    return states[first:].transpose(2, 0, 1)
 
 
 class FirstObserved:
@@ -82,6 +95,18 @@ def informative_sample():
     probability = np.round(generator.beta(0.4, 1.5, 1000), 2)
     happened = generator.random(1000) < 0.7 * probability + 0.05
     return probability, happened, generator.integers(0, 40, 1000)
+
+
+def assert_perturbations_grow_as_differences(forecaster, memory):
+    """Perturbations that are advanced with a memory, ``(rows, batch)``, by central differences."""
+    tangent = np.random.default_rng(2).normal(size=(len(memory), 2, memory.shape[1]))
+    there, grown = forecaster.advance_tangent(memory, tangent, 5)
+    np.testing.assert_array_equal(there, forecaster.advance(memory, 5)[1])
+    for number in range(2):
+        ahead, behind = (
+            forecaster.advance(memory + sign * 1e-6 * tangent[:, number], 5)[1] for sign in (1, -1)
+        )
+        np.testing.assert_allclose(grown[:, number], (ahead - behind) / 2e-6, rtol=1e-3, atol=1e-5)
 
 
 def assert_depends_on_its_washout_alone(forecaster, washout, steps, case):

@@ -9,23 +9,10 @@ from typing import Literal, Optional
 import pytest
 
 from burstcast.base.discovery import checked_values, own_class
-from burstcast.data.encoders.registry import encoder_class
 from burstcast.forecasters.base import Forecaster, fitted
 from burstcast.forecasters.nvar import NVAR
-from burstcast.forecasters.registry import (
-    all_kinds,
-    kind_class,
-    kind_module,
-    kind_name,
-    make_kind,
-)
+from burstcast.forecasters.registry import all_kinds, kind_class, kind_module, kind_name, make_kind
 from burstcast.systems.base import DynamicalSystem
-
-
-def test_an_unknown_kind_says_how_ones_own_are_named():
-    with pytest.raises(ValueError, match=r"mean 'pod'\?\); .* is named <module>:<class>"):
-        encoder_class("podd")
-
 
 # -- forecasters -----------------------------------------------------------------------------------
 
@@ -36,7 +23,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from burstcast.forecasters.base import Forecaster, fitted
+from burstcast.forecasters.base import fitted
 from burstcast.forecasters.nvar import NVAR
 
 
@@ -46,20 +33,6 @@ class Damped(NVAR):
     shape: Literal["round", "flat"] = "round"
     depth: int | None = None
     spare: np.ndarray = fitted()
-
-
-class Begun(Forecaster):
-    def start(self, washout):
-        return washout
-
-
-@dataclass(frozen=True)
-class Broken(NVAR):
-    def __post_init__(self):
-        raise KeyError("rate")
-
-
-LARGEST = 3
 """
 
 
@@ -95,17 +68,13 @@ def test_a_forecaster_of_ones_own_is_made_with_its_options(own_models):
 @pytest.mark.parametrize(
     ("name", "options", "message"),
     [
-        ("own_model:Damped", {}, "there is no module own_model here or among what is installed"),
         (
             "own_models:Dampd",
             {},
             r"no class Dampd \(did you mean 'Damped'\?\); its forecasters are",
         ),
-        ("own_models:LARGEST", {}, "LARGEST of own_models .* is no forecaster: it must be a sub"),
         ("own_models:np", {}, r"subclass of burstcast\.forecasters\.base\.ForecasterKind"),
         ("own_models:", {}, "own_models .* has no class"),
-        ("own_models:Begun", {}, "Begun of own_models lacks advance, fit"),
-        ("own_models:Broken", {}, "own_models:Broken cannot be made: KeyError: 'rate'"),
         ("own_models:Damped", {"lags": 0}, "lags must be 1 at least, not 0"),
         (
             "own_models:Damped",

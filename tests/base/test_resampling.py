@@ -10,10 +10,7 @@ from hypothesis import strategies as st
 
 from burstcast.base.resampled_score import ResampledScore, median_score
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
-from burstcast.statistics.analysis_of_variance import (
-    analysis_of_variance,
-    mean_and_margin,
-)
+from burstcast.statistics.analysis_of_variance import analysis_of_variance, mean_and_margin
 
 
 def test_bootstrap_weights_are_draws_with_replacement():

@@ -32,11 +32,6 @@ def test_actuated_system_changes_parameters_and_adds_a_force_by_its_strength(str
     assert FLOW.reynolds == 400.0
 
 
-def test_jacobian_does_not_know_the_force():
-    forced = ForcedSystem(FLOW, [1.0] * 9)
-    np.testing.assert_array_equal(forced.jacobian(STATES), FLOW.jacobian(STATES))
-
-
 @pytest.mark.parametrize(
     ("system", "parameters", "force", "strength", "message"),
     [

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from helpers_control import EQUATIONS, FLOW, SCHEDULE, alarms_of, experiment, run
+from helpers_control import EQUATIONS, FLOW, SCHEDULE, experiment, run
 
 from burstcast.control.strategies.probability_triggered import ProbabilityTriggered
 from burstcast.control.strategies.reactive import Reactive
@@ -99,20 +99,15 @@ def test_noise_is_added_before_the_encoder():
     np.testing.assert_allclose(first, expected[rows], atol=1e-12)
 
 
-def test_an_alarm_holds_whatever_later_decisions_say():
+def test_a_probability_as_high_as_the_limit_in_the_chosen_windows_is_an_alarm():
     given = dataclasses.replace(
         experiment(), sensor=encoded(IdentityEncoder(), component_names(FLOW))
     )
     strategy = ProbabilityTriggered(decision_interval_lt=0.25, probability=0.5, hold_lt=0.75)
-    flows = run(strategy, given, Recorded(0.06))
-    expected, alarms = np.zeros_like(flows.actuated), np.array(alarms_of(flows))
-    for look in range(alarms.shape[1]):
-        now = flows.timing.first_look + look * 5
-        expected[alarms[:, look], now + 1 : now + 1 + 15] = True
-    np.testing.assert_array_equal(flows.actuated, expected)
-    assert 0 < flows.actuated.mean() < 1
     just = dataclasses.replace(strategy, probability=0.6)
-    np.testing.assert_array_equal(run(just, given, Recorded(0.06)).actuated, expected)
+    flows, as_high = (run(each, given, Recorded(0.06)) for each in (strategy, just))
+    assert 0 < flows.actuated.mean() < 1
+    np.testing.assert_array_equal(as_high.actuated, flows.actuated)
     both = dataclasses.replace(strategy, windows=2.0)
     assert run(both, given, Recorded(0.06)).looks.alarm.all()
 

@@ -55,7 +55,7 @@ STRATEGIES = st.one_of(
 )
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(
     *(schedules(), STRATEGIES, st.sampled_from([0.02, 0.9]), st.booleans()),
     *(st.sampled_from([1, 4, 100]), st.integers(0, 2**32 - 1)),

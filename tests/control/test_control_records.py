@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers_control import FLOW, RAISED, simulation_of
+from helpers_control import FLOW, simulation_of
 
 from burstcast.base.names import ForecasterName
 from burstcast.base.resampling import bootstrap_weights
@@ -169,19 +169,6 @@ def test_flow_intervals_bound_nothing_by_the_rule_of_three():
 
 
 # -- the energy budget -----------------------------------------------------------------------------
-
-FORCE = [0.001, 0, -0.002, 0, 0, 0, 0, 0, 0.0]
-
-
-@pytest.mark.parametrize(
-    "system", [FLOW, RAISED, actuated_system(FLOW, {"reynolds": 800.0}, FORCE)]
-)
-def test_energy_budget_is_the_change_along_the_right_hand_side(system):
-    """The quadratic terms exchange energy only, and a force adds its work to the input."""
-    state = np.random.default_rng(0).normal(size=(9, 500))
-    budget = system.energy_budget(state)
-    change = (state * system.right_hand_side(state)).sum(axis=0)
-    np.testing.assert_allclose(budget.input - budget.dissipation, change, atol=1e-13)
 
 
 @pytest.mark.parametrize("reynolds", [400.0, 2000.0])

@@ -1,29 +1,16 @@
 """Strategies by name, their settings, what their policies decide at a look, and votes."""
 
-import math
-from dataclasses import dataclass, replace
-from itertools import product
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from helpers_control import (
-    EQUATIONS,
-    FLOW,
-    PAPER,
-    SCHEDULE,
-    STEPS,
-    Script,
-    asked,
-    experiment,
-    look_at,
-    run,
-)
+from helpers_control import EQUATIONS, PAPER, SCHEDULE, Script, asked, experiment, look_at
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
 from burstcast.base import random_streams
-from burstcast.control import policy as policy_module
 from burstcast.control.controllers import controlling_policy, votes
 from burstcast.control.policy import Members, at_random, by_vote
 from burstcast.control.setting_names import as_columns, options_in
@@ -35,10 +22,7 @@ from burstcast.control.strategies.registry import (
     make_strategy,
     strategy_class,
 )
-from burstcast.forecasters.equations_filtered import FilteredEquations
-from burstcast.forecasters.equations_noisy import EquationsFromObservation
 from burstcast.systems.measured import MeasuredSeries
-from helpers_library import MadeUpForecaster
 
 SETTINGS = {
     "planned": {"horizon_lt": 3.0, "decision_interval_lt": 0.25},
@@ -105,31 +89,6 @@ def test_settings_are_checked_before_there_are_flows(name, changes, of_schedule,
     make_strategy(name, SETTINGS[name]).check(SCHEDULE)
 
 
-class NoProbability:
-    """A classifier that expects no event."""
-
-    def probabilities(self, washouts):
-        return np.zeros((len(washouts), 1))
-
-
-def test_quiet_flows_of_all_strategies_are_the_same():
-    schedule = replace(SCHEDULE, quiet_lt=3.0)
-    given = experiment(8, schedule)
-    rows, uncontrolled = [], []
-    for name, settings in SETTINGS.items():
-        strategy = make_strategy(name, settings)
-        forecaster = NoProbability() if strategy.by_probability else EQUATIONS
-        flows = run(strategy, given, forecaster)
-        assert flows.timing.counted_from == 4 + 60
-        assert flows.controlled_states is flows.cost is None  # not asked for
-        rows.append(flows.rows.tolist())
-        uncontrolled.append(flows.uncontrolled)
-    assert 0 < len(rows[0]) < 8
-    assert rows.count(rows[0]) == len(SETTINGS)
-    for other in uncontrolled[1:]:
-        np.testing.assert_array_equal(other, uncontrolled[0])
-
-
 # -- timing ----------------------------------------------------------------------------------------
 
 
@@ -174,11 +133,7 @@ PLANE = MeasuredSeries(["height"], "height")
 
 def heights(given, **changes):
     """An experiment that observes one number."""
-
-    class Height:
-        space = PLANE
-
-    return replace(given, sensor=Height(), **changes)
+    return replace(given, sensor=SimpleNamespace(space=PLANE), **changes)
 
 
 def holds_event(name, observable, threshold, per_lt=20):
@@ -250,81 +205,11 @@ def test_shares_are_no_more_than_all(share):
 
 # -- control by a vote -----------------------------------------------------------------------------
 
-NOISE = 0.02
-
-
-def strategy(name, share):
-    return make_strategy(name, {**SETTINGS[name], "vote_share": share})
-
-
-@dataclass(frozen=True)
-class Biased(MadeUpForecaster):
-    """The equations from a state that is wrong by a factor."""
-
-    factor: float
-
-    def start(self, washout):
-        return EQUATIONS.start(washout * self.factor)
-
-    def advance(self, memory, steps):
-        return EQUATIONS.advance(memory, steps)
-
-
-def committee(chosen, given, forecasters):
-    return controlling_policy("committee", chosen, given, forecasters)
-
-
-def filtered():
-    model = EquationsFromObservation(system=FLOW, **STEPS)
-    return FilteredEquations(members=18, model=model, errors=np.full(9, NOISE))
-
-
-def washouts(flows, noise=0.0):
-    states = experiment(flows).washouts.transpose(1, 2, 0)
-    errors = np.random.default_rng(3).normal(scale=noise, size=states.shape)
-    return np.ascontiguousarray(states + errors)
-
 
 def test_a_strategy_without_votes_takes_no_committee():
     reactive = make_strategy("reactive", SETTINGS["reactive"])
     with pytest.raises(TypeError, match="Reactive has no vote_share"):
-        committee(reactive, experiment(2), [EQUATIONS, EQUATIONS])
-
-
-@pytest.mark.parametrize("name", VOTING)
-@pytest.mark.parametrize(
-    "asks",
-    [[Biased(factor) for factor in (0.9, 1.0, 1.1, 1.2)], [Biased(1.02)], None],
-    ids=["networks", "one", "members of a filter"],
-)
-def test_a_committee_votes_by_its_share(name, asks):
-    """Any, a quarter, half, all of them: against each member of each flow alone."""
-    flows, noise = (40, 0.0) if asks else (12, NOISE)
-    given, washout = replace(experiment(flows), threshold=0.05), washouts(flows, noise)
-    count, number = np.zeros(flows, dtype=int), len(asks or []) or filtered().members
-    for flow, forecaster in product(range(flows), asks or [filtered()]):
-        seen = washout[:, :, flow : flow + 1]
-        for memory in forecaster.ensemble(seen).swapaxes(0, -2):
-            forecast, _ = forecaster.advance(np.ascontiguousarray(memory), 40)
-            observable = FLOW.observable(forecast.transpose(1, 0, 2))[:, 0]
-            count[flow] += holds_event(name, observable, 0.05)
-    assert any(votes > 0 for votes in count)
-    assert any(votes < number for votes in count)
-    for share in (1 / number, 0.25, 0.5, 0.75, 1.0):
-        policy = committee(strategy(name, share), given, asks or [filtered()])
-        assert asked(policy, washout) == (count >= math.ceil(share * number)).tolist()
-
-
-def test_members_of_many_flows_are_asked_a_few_at_a_time(monkeypatch):
-    given = replace(experiment(12), threshold=0.05)
-    policy = committee(strategy("receding_horizon", 0.5), given, [filtered()])
-    washout = washouts(12, NOISE)
-    together = asked(policy, washout)
-    assert 0 < sum(together) < 12
-    for few in (1, 5, 12):
-        monkeypatch.setattr(policy_module, "FLOWS_PER_CALL", few)
-        assert asked(policy, washout) == together
-    assert asked(policy, washout[:, :, :0]) == []
+        controlling_policy("committee", reactive, experiment(2), [EQUATIONS, EQUATIONS])
 
 
 def test_members_without_rows_of_their_memory_are_side_by_side_too():

@@ -15,12 +15,10 @@ from helpers_control import (
     rotors,
     run,
     simulation_of,
-    turbulent_washouts,
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from burstcast.control.controllers import controlling_policy
 from burstcast.control.example import simulate_event, suppressed_event_times
 from burstcast.control.loop import Looks
 from burstcast.control.records import FlowSample, Span, record_flows
@@ -139,7 +137,7 @@ def plain_counts(flows, flow):
     return counts
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(flows=RANDOM_FLOWS, laminar=LAMINAR)
 def test_count_windows_and_totals_are_those_of_a_plain_loop(flows, laminar):
     counts, records = count_windows(flows), record_flows(flows, laminar)
@@ -212,7 +210,7 @@ def plain_judgement(flow, strategy, schedule, threshold):
     return alarms
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1),
     time=st.sampled_from([1.0, 1.5, 2.0]),
@@ -247,29 +245,10 @@ def test_judge_alarms_is_a_plain_loop(seed, time, share, duration, frequency):
                 assert looks.judged[name][looks.flow == number].tolist() == [*expected], name
 
 
-@pytest.mark.long
-def test_the_equations_reduce_exceedance_and_chance_does_not():
-    def counted(flows):
-        sample = FlowSample(record_flows(flows, 0.48), Span.of(flows.timing))
-        return totals(sample, count_windows(flows), flows.left_out)
-
-    schedule = replace(PAPER, span_lt=10.0, washout=1)
-    washouts = turbulent_washouts(FLOW, 200, schedule, seed=8, steps=1600)
-    given = experiment(200, schedule, threshold=0.1, washouts=washouts)
-    perfect = counted(run(STRATEGY, given))
-    policy = controlling_policy("random", STRATEGY, given, [], perfect["alarm_rate"], 4)
-    chance = counted(STRATEGY.simulate(given, policy, noise=None))
-    assert perfect["false_alarms"] == 0
-    assert perfect["exceedance_uncontrolled"] == pytest.approx(0.13, abs=0.04)
-    assert perfect["reduction"] > 0.6
-    assert abs(chance["control_fraction"] - perfect["control_fraction"]) < 0.03
-    assert abs(chance["reduction"]) < 0.25
-
-
 # -- the suppressed event that is shown ------------------------------------------------------------
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(flows=RANDOM_FLOWS, laminar=LAMINAR)
 def test_largest_suppressed_event_is_that_of_a_plain_search(flows, laminar):
     expected, largest = None, 0.0

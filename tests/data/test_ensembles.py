@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from hypothesis.extra import numpy as npst
 
 from burstcast.base import random_streams
-from burstcast.base.events import upward_crossings
 from burstcast.data import dataset
 from burstcast.data.delay_coordinates import delay_coordinates, delayed_name
 from burstcast.data.ensemble_files import ensemble_variables
@@ -24,6 +22,7 @@ from burstcast.data.starting_points import (
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow.harness.settings import cases_of_thresholds, with_thresholds
+from helpers_library import lorenz_series
 
 # -- made and observed -----------------------------------------------------------------------------
 
@@ -141,20 +140,13 @@ def test_times_and_shares_of_an_ensemble():
 # -- estimated noise -------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def series():
-    start = np.random.default_rng(3).normal(size=(3, 4)) + np.array([[1.0], [1.0], [25.0]])
-    return integrate(Lorenz63(), start, 0.01, 2 * 3000, stride=2)[501:].transpose(2, 0, 1)
-
-
-@pytest.mark.parametrize("noise", [0.001, 0.01, 0.1])
-def test_the_noise_of_a_chaotic_system_is_found(noise, series):
-    added = noise * series.std(axis=(0, 1)) * np.array([1.0, 2.0, 0.5])
-    observed = series + added * np.random.default_rng(5).standard_normal(series.shape)
-    np.testing.assert_allclose(estimate_noise(observed), added, rtol=0.05)
-
-
-def test_what_needs_no_estimate_of_noise(series):
+def test_noise_is_estimated_or_given():
+    """Of a chaotic system, and of polynomials, which have none."""
+    series = lorenz_series(4, 501, 3001)
+    for noise in (0.001, 0.01, 0.1):
+        added = noise * series.std(axis=(0, 1)) * np.array([1.0, 2.0, 0.5])
+        observed = series + added * np.random.default_rng(5).standard_normal(series.shape)
+        np.testing.assert_allclose(estimate_noise(observed), added, rtol=0.05)
     time = np.linspace(-1, 1, 60)[:, np.newaxis]
     smooth = np.concatenate([time**7 - time, 2 - time**4], axis=1)[np.newaxis]
     assert (estimate_noise(smooth) < 1e-14).all()
@@ -184,15 +176,10 @@ def test_starting_points_are_as_many_as_leave_room(series, length, spacing, wash
     assert len(points) == len(pairs)
 
 
-@given(npst.arrays(np.float64, (3, 12), elements=st.sampled_from([0.0, 0.09, 0.1, 0.2])))
-def test_crossings_are_those_of_each_series(observable):
-    crossings = crossing_points(observable, 0.1)
-    pairs = np.argwhere(upward_crossings(observable, 0.1))
-    np.testing.assert_array_equal(np.stack([crossings.series, crossings.step], axis=1), pairs)
-
-
 def test_horizon_events_are_the_first_that_leave_room():
-    crossings = SeriesPoints(np.array([0, 0, 1, 1, 2, 3]), np.array([9, 50, 10, 90, 11, 70]))
+    observable = np.zeros((4, 95))
+    observable[[0, 0, 1, 1, 2, 3], [9, 50, 10, 90, 11, 70]] = 0.1
+    crossings = crossing_points(observable, 0.1)
     events = horizon_events(crossings, 0, 10, 4)
     assert events.series.tolist() == [0, 1, 1, 2]
     assert events.step.tolist() == [50, 10, 90, 11]

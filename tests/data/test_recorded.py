@@ -46,17 +46,6 @@ def listed(runs, name="u"):
     return [run.columns[name].tolist() for run in runs]
 
 
-def test_missing_rows_and_empty_cells_cut():
-    time, u = [0, 5, 10, 20, 25, 30, 35], [1, 2, 3, 4, 5, NAN, 7]
-    parts = runs_without_gaps(record(time, u=u, v=[1] * 7), STEP)
-    assert listed(parts) == [[1, 2, 3], [4, 5], [7]]
-    rows = ["1 to 3", "4 to 5", "7 to 7"]
-    assert [run.name for run in parts] == [f"a.csv, rows {ends}" for ends in rows]
-    # the same of a column without times, where no row is missing
-    run = Run("a.nc", {"u": np.array([1, 2, NAN, 4])})
-    assert listed(runs_without_gaps(run, STEP)) == [[1, 2], [4]]
-
-
 def test_times_off_the_grid_begin_another_run():
     for time, expected in (
         ([0, 5, 12, 17], [[1, 2], [3, 4]]),  # a sensor that was started again two minutes later
@@ -81,16 +70,15 @@ def test_against_brute_force(steps, holes, jitter):
     values = np.where([row in holes for row in range(len(place))], NAN, 2.0 * place)
     time = STEP * (place + np.array(jitter[: len(place)]))
     parts = runs_without_gaps(record(time, u=values), STEP)
-    runs: list[list[float]] = []
-    last = None
-    for step, value in zip(place, values, strict=True):
-        if np.isnan(value):
-            continue
-        if last is None or step - last > 1:
-            runs.append([])
-        runs[-1].append(value)
-        last = step
-    assert listed(parts) == runs
+    rows = [row for row in range(len(place)) if row not in holes]
+    apart = [n for n in range(1, len(rows)) if place[rows[n]] - place[rows[n - 1]] > 1]
+    expected = [part for part in np.split(rows, apart) if len(part)]
+    assert listed(parts) == [values[part.astype(int)].tolist() for part in expected]
+    names = [f"a.csv, rows {part[0] + 1:.0f} to {part[-1] + 1:.0f}" for part in expected]
+    assert [part.name for part in parts] == names
+    # the same of a column without times, where no row is missing
+    run = Run("a.nc", {"u": np.array([1, 2, NAN, 4])})
+    assert listed(runs_without_gaps(run, STEP)) == [[1, 2], [4]]
 
 
 @pytest.mark.parametrize(
@@ -163,19 +151,7 @@ def write(path, lost=(), **columns):
     return str(path)
 
 
-def test_known_columns_are_cut_with_the_record(tmp_path):
-    """Gaps of a known column cut the record; its values stay beside those of their rows."""
-    rain = np.arange(30) % 4.0
-    rain[11] = NAN
-    path = write(tmp_path / "a.csv", rain=rain)
-    recorded = recorded_series([path], DATA, SPACE)
-    assert recorded.states[:, 0, 0].tolist() == [0, 5, 12, 17, 22]
-    np.testing.assert_array_equal(recorded.covariates[..., 0], 2 * (recorded.states[..., 0] % 4))
-    assert recorded.start.tolist() == [18262, 18267, 18274, 18279, 18284]  # days since 1970
-    ends = "4 of 29 rows, at the ends of 2 of 2 runs, are too few for a series and left out"
-    assert recorded.messages == (ends,)
-    with pytest.raises(ValueError, match=r"column 'rain' has no number in row 12 of 30"):
-        recorded_series([path], {**DATA, "gaps": None}, SPACE)
+RAIN = np.where(np.arange(30) == 11, NAN, np.arange(30) % 4.0)
 
 
 @pytest.mark.parametrize(
@@ -187,11 +163,18 @@ def test_known_columns_are_cut_with_the_record(tmp_path):
         ),
         ((7, 1, 1), [3, 7, 8, 8, 2], [0, 4, 12, 20, 28], ["5 series have 2 to 8 samples"]),
         ((7, 3, 3), [7, 8, 8], [4, 12, 22], ["gaps leave", "3 series have 7 to 8 samples"]),
+        (
+            *((4, 1, None), [5] * 4, [4, 12, 17, 22]),
+            ["gaps leave", "5 of 25 rows, at the ends of 2 of 2 runs, are too few for a series"],
+        ),
     ],
 )
-def test_series_of_unequal_lengths(tmp_path, blocks, lengths, starts, messages):
-    """Whole runs between gaps, or blocks and what is left of a run; all rows are accounted for."""
-    path = write(tmp_path / "a.csv", lost=[3, 11])  # runs of 3, 7 and 18 days
+def test_series_of_runs_and_of_blocks(tmp_path, blocks, lengths, starts, messages):
+    """Whole runs between gaps, or blocks and what is left of a run; all rows are accounted for.
+
+    Gaps of a known column cut the record, too; its values stay beside those of their rows.
+    """
+    path = write(tmp_path / "a.csv", lost=[3], rain=RAIN)  # runs of 3, 7 and 18 days
     blocks = dict(zip(("duration", "gap", "shortest"), blocks, strict=True))
     recorded = recorded_series([path], {**DATA, "blocks": blocks}, SPACE)
     assert (~np.isnan(recorded.states[..., 0])).sum(axis=1).tolist() == lengths
@@ -203,7 +186,7 @@ def test_series_of_unequal_lengths(tmp_path, blocks, lengths, starts, messages):
     for message, beginning in zip(recorded.messages, messages, strict=True):
         assert message.startswith(beginning)
     if blocks["duration"] is None:
-        cut = measured_series(path, "1 day", ["u"], shortest=3, cut_gaps=True)
+        cut = measured_series(path, "1 day", ["u", "rain"], shortest=3, cut_gaps=True)
         assert [series[:, 0].tolist() for series in cut] == [[*range(4, 11)], [*range(12, 30)]]
 
 
@@ -224,6 +207,7 @@ def test_an_array_of_several_series_may_end_with_nan():
     ("columns", "lost", "changes", "message"),
     [
         ({}, [7], {"gaps": None}, r"a\.csv, row 8: column 'time' goes on by 2 from row 7"),
+        ({"rain": RAIN}, [], {"gaps": None}, "column 'rain' has no number in row 12 of 30"),
         ({}, [], {"time_step": "2 days"}, "no two rows are the time step"),
         ({}, [], {"blocks": {"duration": 40, "gap": 0}}, "no rows without a gap between them"),
         ({"u": np.full(30, 3.5)}, [], {}, "the component 'u' is 3.5 in all of the series of"),
@@ -345,11 +329,7 @@ def test_blocks_lie_end_to_end_with_gaps(length, samples, gap):
     assert len(set(cut.flat)) == cut.size  # no sample twice
 
 
-def test_runs_are_cut_into_blocks_of_a_duration():
-    runs = [run("a", 11), run("b", 30)]
-    assert series(runs, ["u"], "u", Blocks(5, 2, 5)).shape == (2 + 5, 5, 1)
-    whole = series(runs, ["u"], "u")
-    assert (~np.isnan(whole[..., 0])).sum(axis=1).tolist() == [11, 30]
+def test_blocks_of_a_duration():
     assert Blocks.of(10.0, 2.0, None, 0.5) == Blocks(21, 4, 21)
     assert Blocks.of(0.3, 0.0, 0.2, 0.1) == Blocks(4, 1, 3)
     assert Blocks.of(None, 0.25, 1.0, 0.1) == Blocks(None, 3, 11)  # at least the gap
@@ -494,21 +474,11 @@ def parts(path):
     (path / "raw_2.csv").write_text("time,u\n2,3\n")
 
 
-def labelled(path):
-    (path / "raw.csv").write_text("run,time,u\nb,0,1\nb,1,2\na,0,3\na,1,4\n")
-
-
-def matlab(path):
-    scipy.io.savemat(path / "raw.mat", {"data": [[1, 2], [3, 4]], "t": [0, 1]})
-
-
-def realisations(path):
-    np.save(path / "raw.npy", [[[1.0, 2], [3, 4]]])
-
-
 TWO = {"u": [1, 3], "v": [2, 4]}
 MINUTES = "time,u\n2020-01-01T00:00,1\n2020-01-01T00:06,2\n2020-01-01T00:15,4\n"
 NEWEST = ",u\n2009-08-02,1\n2009-08-01,2\n"
+LABELLED = "run,time,u\nb,0,1\nb,1,2\na,0,3\na,1,4\n"
+MATLAB, NUMPY = {"data": [[1, 2], [3, 4]], "t": [0, 1]}, [[[1.0, 2], [3, 4]]]
 CASES = [
     ("raw.csv: Zeit", text("raw.csv", "Zeit;Höhe\n0;1,5\n1;2\n"), "lab.csv", 1, {"Höhe": [1.5, 2]}),
     ("raw.dat:", text("raw.dat", "# u v\n1 2\n3 4\n"), "lab.csv", 0.02, TWO),
@@ -525,10 +495,10 @@ CASES = [
     ("raw.csv: every 5", text("raw.csv", MINUTES), "lab.csv", "5 minutes", {"u": [1, 2, 3, 4]}),
     ("raw.csv: gaps", gaps, "lab.csv", 1, {"u": [*range(8), *[NAN] * 4, *range(12, 20)]}),
     ("raw_1.csv", parts, "lab.csv", 1, {"u": [1, 2, 3]}),
-    ("raw.csv: a column run", labelled, "run_a.csv", 1, {"u": [3, 4]}),
+    ("raw.csv: a column run", text("raw.csv", LABELLED), "run_a.csv", 1, {"u": [3, 4]}),
     ("raw.csv: daily", daily, "lab.csv", "1 day", {"heat": [*[0] * 1000, *[5] * 500]}),
-    ("raw.mat", matlab, "lab.csv", 1, TWO),
-    ("raw.npy: many", realisations, "lab.nc", 0.02, TWO),
+    ("raw.mat", lambda path: scipy.io.savemat(path / "raw.mat", MATLAB), "lab.csv", 1, TWO),
+    ("raw.npy: many", lambda path: np.save(path / "raw.npy", NUMPY), "lab.nc", 0.02, TWO),
 ]
 
 

@@ -92,15 +92,6 @@ def test_a_saved_forecaster_forecasts_the_same_bits(kind, saved, tested, tmp_pat
     assert loaded.probability() == pytest.approx(forecaster.predict_proba(seen)[0, 1], rel=1e-12)
 
 
-def test_networks_may_leak_and_square(saved):
-    forecaster, _ = saved["esn"]
-    for member, chosen in zip(forecaster.members_, forecaster.hyperparameters_, strict=True):
-        dynamics = member.network.dynamics
-        assert dynamics.readout == "quadratic"
-        assert dynamics.leak_rate == chosen.get("leak_rate", 1)
-        assert dynamics.leak_rate in (1, 0.6)
-
-
 FORMS = [
     {"prediction_times": 1},
     {"prediction_times": (1, 1.0, 0.5)},

@@ -1,5 +1,6 @@
 """`EventForecaster` with a kind by its name, as a class or as an object, of burstcast or not."""
 
+import dataclasses
 import importlib
 import sys
 
@@ -36,9 +37,14 @@ class Extrapolated(Forecaster):
     names: tuple[str, ...] = ("x",)
     low: np.ndarray = fitted()
     high: np.ndarray = fitted()
+    samples: int = fitted()
+    spread: float = fitted()
+    origin: str = fitted()
 
     def fit(self, training, case):
-        return self.with_fitted(low=training.min(axis=(0, 1)), high=training.max(axis=(0, 1)))
+        low, high = training.min(axis=(0, 1)), training.max(axis=(0, 1))
+        others = {"samples": training.shape[1], "spread": training.std(), "origin": "noisy series"}
+        return self.with_fitted(low=low, high=high, **others)
 
     def start(self, washout):
         return np.ascontiguousarray(washout[-self.degree - 1 :])
@@ -125,8 +131,19 @@ def test_a_class_of_ones_own_is_saved_without_its_code(own_module, training, tes
     assert_array_equal(
         EventForecaster(**{**PLAIN, **by_name}).fit(training).forecast(seen), expected
     )
+    # the default record holds arrays, numbers and texts
+    record = fitted.members_[0].record()
+    spread = pytest.approx(training.std())
+    numbers = {"samples": 900, "spread": spread, "origin": "noisy series"}
+    assert (record.arrays.keys(), record.attributes) == ({"low", "high"}, numbers)
+    assert [type(record.attributes[name]) for name in numbers] == [int, float, str]
+    for content in ([1.0, 2.0], {"a": 1.0}, kind):
+        message = rf"Extrapolated.origin is {type(content).__name__}, .* or define record and resto"
+        with pytest.raises(TypeError, match=message):
+            dataclasses.replace(fitted.members_[0], origin=content).record()
     fitted.save(path)
     loaded = EventForecaster.load(path, kind=own_module.Extrapolated)
+    assert {name: getattr(loaded.members_[0], name) for name in numbers} == numbers
     assert loaded.options == {"degree": 3, "names": ["x", "z"]}
     assert loaded._kind == kind
     assert_array_equal(loaded.forecast(seen), expected)

@@ -79,15 +79,6 @@ def overlapping_texts(texts):
     return pairs
 
 
-def texts_outside(figure, texts):
-    """Texts that the edge of the figure cuts."""
-    return [
-        text.words
-        for text in texts
-        if min(text.frame.min) < -1 or (text.frame.max > figure.bbox.max + 1).any()
-    ]
-
-
 def as_published(rows, kind):
     """Percentiles in the form of the published ones."""
     training = rows["forecaster"] == "training"
@@ -471,25 +462,16 @@ def reliability_rows():
     rows = []
     for (kind, good), probability in product(ALARMS.items(), ("calibrated", "votes")):
         levels = {"esn_committee": 11, "esn": 0, "climatology": 1}.get(kind, 2)
-        bins_used = np.linspace(0, 10, levels).astype(int)
+        used = np.isin(np.arange(11), np.linspace(0, 10, levels).astype(int))
+        mean = np.where(used, np.linspace(0, 1, 11), np.nan)
         size = SIZE if kind == "esn_committee" else NO_SIZE
         keys = {"case": "Re400", "forecaster": kind, "probability": probability, **size}
-        for number, mean in enumerate(np.linspace(0, 1, 11)):
-            frequency = mean * (good if probability == "votes" else 0.95)
-            shown = (mean, frequency, max(0.0, mean - 0.1), min(1.0, mean + 0.1))
-            used = number in bins_used
-            names = (
-                "mean_probability",
-                "observed_frequency",
-                "consistency_low",
-                "consistency_high",
-            )
-            values = dict(zip(names, shown, strict=True)) if used else dict.fromkeys(names, np.nan)
-            count = (7000 if number == 0 else 40) if used else 0
-            rows.append(
-                {**keys, "prediction_time_lt": 3.0, "bin": number, "forecasts": count, **values}
-            )
-    return pd.DataFrame(rows)
+        table = {"bin": np.arange(11), "forecasts": used * np.array([7000, *[40] * 10])}
+        table |= {"mean_probability": mean, "consistency_low": np.maximum(0, mean - 0.1)}
+        table |= {"consistency_high": np.minimum(1, mean + 0.1)}
+        table["observed_frequency"] = mean * (good if probability == "votes" else 0.95)
+        rows.append(pd.DataFrame({**keys, "prediction_time_lt": 3.0, **table}))
+    return pd.concat(rows, ignore_index=True)
 
 
 def plane_states():

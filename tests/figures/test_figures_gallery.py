@@ -5,7 +5,7 @@ import sys
 
 import matplotlib
 import pytest
-from helpers_figures import GALLERY, drawn_texts, overlapping_texts, texts_outside
+from helpers_figures import GALLERY, drawn_texts, overlapping_texts
 
 from burstcast.figures.parts.style import DOUBLE_COLUMN, render
 from burstcast.figures.registry import available_figures
@@ -18,7 +18,8 @@ def test_figure_is_legible_at_print_size(name):
     texts = drawn_texts(figure)
     assert min(text.size for text in texts) >= 6.0
     assert overlapping_texts(texts) == []
-    assert texts_outside(figure, texts) == []
+    for text in texts:  # the edge of the figure cuts none
+        assert min(*text.frame.min, *(figure.bbox.max - text.frame.max)) >= -1, text.words
 
 
 @pytest.mark.parametrize("file_format", ["pdf", "png", "svg"])

@@ -29,15 +29,6 @@ def published():
     return read_table(RESOURCE)
 
 
-def test_training_rows_are_a_forecaster_of_their_own(published):
-    table = published_percentiles(published, "statistics")
-    training = table[table["forecaster"] == "training"]
-    profiles = {f"nrmse_{name}" for name in ("u", "uu", "uv")}
-    assert set(training["metric"]) == {"kantorovich", "mean_log_error", *profiles}
-    assert training[["validation", "neurons"]].isna().all(axis=None)
-    assert set(table["forecaster"]) == {"training", "esn"}
-
-
 @pytest.mark.parametrize("table", KINDS)
 def test_every_published_value_belongs_to_a_table_of_ours(published, table):
     rows = published_percentiles(published, table)

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from burstcast.base.exogenous import carry, of_memory, of_washout, with_inputs
-from burstcast.control.actuation import ActuatorShare
-from burstcast.data.records import recorded_series
 from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasters._parameter_factors import factored_training
 from burstcast.forecasters.base import ForecastingCase
@@ -22,16 +20,19 @@ from burstcast.forecasts.horizon import HorizonSearch, prediction_horizons
 from burstcast.forecasts.window_forecasts import window_forecasts
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.factored import network_under
-from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.reservoir import ReservoirSeed
 from burstcast.networks.training import TrainingSeries, train
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.measured import MeasuredSeries
-from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.parameters import Parameters, SystemParameters, integrate_scheduled
 from burstcast.systems.polynomials.basis import monomials
-from helpers_library import MadeUpForecaster, assert_depends_on_its_washout_alone
+from helpers_library import (
+    MadeUpForecaster,
+    assert_depends_on_its_washout_alone,
+    assert_perturbations_grow_as_differences,
+    lorenz_states,
+)
 
 RHO = SystemParameters.of(Lorenz63(), ["rho"])
 CASE = ForecastingCase(Lorenz63(), 0.0025, 8, 50, RHO)
@@ -40,10 +41,6 @@ FILTERED = FilteredAwareQuadraticModel(transform="identity")
 NETWORK = AwareNetworkForecaster(transform="identity")
 PLAIN = replace(CASE, parameters=None)
 TRAINED, WASHOUT, AHEAD = (25.0, 28.0, 32.0), 30, 60
-
-
-def states(batch, seed):
-    return np.random.default_rng(seed).normal(size=(3, batch)) + np.array([[1.0], [1.0], [25.0]])
 
 
 def noisy(true, seed):
@@ -55,7 +52,8 @@ def noisy(true, seed):
 def training():
     """Four series at each of three values, observed, with the values: ``(series, time, 4)``."""
     flows = [
-        integrate(Lorenz63(rho=rho), states(4, int(rho)), 0.0025, 8 * 1600, 8) for rho in TRAINED
+        integrate(Lorenz63(rho=rho), lorenz_states(4, int(rho)), 0.0025, 8 * 1600, 8)
+        for rho in TRAINED
     ]
     true = np.concatenate(flows, axis=2)[100:]
     values = np.repeat(TRAINED, 4)[:, np.newaxis, np.newaxis]
@@ -68,7 +66,7 @@ def switched():
     generator = np.random.default_rng(11)
     changes = generator.random((WASHOUT - 1 + AHEAD, 20)) < 0.1
     schedule = np.array([26.5, 30.0])[np.cumsum(changes, axis=0) % 2][:, np.newaxis]
-    start = integrate(Lorenz63(), states(20, 5), 0.0025, 4000, 4000)[-1]
+    start = integrate(Lorenz63(), lorenz_states(20, 5), 0.0025, 4000, 4000)[-1]
     true = integrate_scheduled(RHO, schedule, start, 0.0025, 8)
     return schedule, true, noisy(true, 2)
 
@@ -140,36 +138,30 @@ EQUATIONS = (EquationsFromTruth, EquationsFromObservation, FilteredEquations)
     ids=lambda kind: kind.__name__,
 )
 def scheduled(request, models, network, training):
-    """A forecaster of each kind that uses a schedule, and its case."""
+    """A forecaster of each kind that uses a schedule."""
     if request.param is AwareNetworkForecaster:
-        return network[1], network[0]
-    return models.get(request.param) or request.param().fit(training[..., :3], CASE), CASE
+        return network
+    return models.get(request.param) or request.param().fit(training[..., :3], CASE)
 
 
 def test_forecasts_under_a_schedule_depend_on_nothing_else(scheduled, switched):
-    model, case = scheduled
-    schedule, _, observed = switched
+    model, (schedule, _, observed) = scheduled, switched
     washout, past, ahead = observed[:WASHOUT], schedule[: WASHOUT - 1], schedule[WASHOUT - 1 :]
     told = washout_under(washout, schedule)
-    whole = assert_depends_on_its_washout_alone(model, told, AHEAD, case)
+    whole = assert_depends_on_its_washout_alone(model, told, AHEAD, CASE)
     assert not np.array_equal(forecast(model, washout), whole)
+    # without a schedule, the case's own values are in force
+    expected = forecast(model, washout, RHO.constant(WASHOUT - 1 + AHEAD, 20))
+    np.testing.assert_allclose(forecast(model, washout), expected, rtol=0, atol=1e-6)
     # as well in a memory that has no schedule yet
     first, memory = model.advance(carry(model.start(washout_under(washout, past)), ahead[:17]), 17)
     second, _ = model.advance(carry(memory, ahead[17:]), AHEAD - 17)
     assert np.array_equal(np.concatenate([first, second]), whole)
 
 
-@pytest.mark.parametrize("kind", [AwareQuadraticModel, AwareNetworkForecaster])
-def test_perturbations_grow_as_differences_do(kind, models, network, switched):
-    model = network[1] if kind is AwareNetworkForecaster else models[kind]
-    memory = model.start(switched[2][:WASHOUT])
-    tangent = np.random.default_rng(2).normal(size=(len(memory), 2, 20))
-    there, grown = model.advance_tangent(memory, tangent, 5)
-    assert np.array_equal(there, model.advance(memory, 5)[1])
-    for number in range(2):
-        ahead = model.advance(memory + 1e-6 * tangent[:, number], 5)[1]
-        behind = model.advance(memory - 1e-6 * tangent[:, number], 5)[1]
-        np.testing.assert_allclose(grown[:, number], (ahead - behind) / 2e-6, rtol=1e-3, atol=1e-5)
+def test_perturbations_grow_as_differences_do(models, network, switched):
+    for model in (models[AwareQuadraticModel], network):
+        assert_perturbations_grow_as_differences(model, model.start(switched[2][:WASHOUT]))
 
 
 def test_the_degree_in_the_parameter_is_an_option(training):
@@ -200,46 +192,34 @@ def network(training):
     plain = TrainingSeries(training, np.ptp(training[..., :3], axis=(0, 1)))
     series = factored_training(plain, RHO, NETWORK)
     dynamics = Dynamics(seed.reservoir(3), 0.2, 1.0)
-    readout = train(dynamics, series, washout=WASHOUT, tikhonov=1e-9)
-    trained = EchoStateNetwork(dynamics, readout, series.input_range)
-    return CASE, NETWORK.with_fitted(network=trained, seed=seed, **series.knowledge)
+    return NETWORK.trained(dynamics, seed, series, washout=WASHOUT, tikhonov=1e-9)
 
 
 def test_a_network_that_is_told_forecasts_under_unseen_values(network, switched):
-    _, model = network
     schedule, true, observed = switched
     washout = observed[:WASHOUT]
-    error = typical_error(forecast(model, washout, schedule, 30), true)
+    error = typical_error(forecast(network, washout, schedule, 30), true)
     assert error < 0.05
-    assert typical_error(forecast(model, washout, steps=30), true) > 3 * error
+    assert typical_error(forecast(network, washout, steps=30), true) > 3 * error
     # the washout needs no schedule: one memory serves all plans
     past = schedule[: WASHOUT - 1]
-    assert np.array_equal(model.start(washout_under(washout, past)), model.start(washout))
-
-
-def test_a_network_under_the_case_s_own_values_is_a_plain_one(network, switched):
-    _, model = network
-    _, _, observed = switched
-    plain = network_under(model.network, model.factors(np.array([[28.0]]))[0])
-    memory = model.start(observed[:WASHOUT])
-    assert np.array_equal(model.advance(memory, 40)[0], plain.forecast(memory, 40)[0])
+    assert np.array_equal(network.start(washout_under(washout, past)), network.start(washout))
 
 
 def test_a_network_is_refitted_with_its_factors(network, training, switched):
-    case, model = network
-    memory = model.start(switched[2][:WASHOUT])
-    refitted = next(model.leave_one_out(training, case, WASHOUT)).network
-    others = TrainingSeries(training[1:], model.network.input_range)
+    trained, memory = network.network, network.start(switched[2][:WASHOUT])
+    refitted = next(network.leave_one_out(training, CASE, WASHOUT)).network
+    others = TrainingSeries(training[1:], trained.input_range)
     factored = factored_training(others, RHO, NETWORK)
-    readout = train(model.network.dynamics, factored, washout=WASHOUT, tikhonov=1e-9)
+    readout = train(trained.dynamics, factored, washout=WASHOUT, tikhonov=1e-9)
     outputs, expected = (
         network_under(each, np.zeros(1)).forecast(memory, 5)[0]
-        for each in (refitted, replace(model.network, readout=readout))
+        for each in (refitted, replace(trained, readout=readout))
     )
     np.testing.assert_allclose(outputs, expected, atol=1e-3)
     with pytest.raises(ValueError, match="have inputs"):
-        next(model.leave_one_out(training[..., :3], case, WASHOUT))
-    assert repr(model).endswith("by rho)")
+        next(network.leave_one_out(training[..., :3], CASE, WASHOUT))
+    assert repr(network).endswith("by rho)")
 
 
 # -- schedules, of kinds that use them and of all others -------------------------------------------
@@ -255,15 +235,6 @@ def test_the_equations_told_of_the_schedule_forecast_perfectly(switched):
     plain = EquationsFromTruth().fit(np.empty((0, 2, 3)), PLAIN)
     with pytest.raises(ValueError, match="the case has no parameters"):
         plain.advance(carry(true[0], schedule[:20]), 20)
-
-
-@pytest.mark.parametrize("kind", [EquationsFromObservation, FilteredEquations])
-def test_the_case_s_own_values_are_in_force_without_a_schedule(kind, switched):
-    _, _, observed = switched
-    training, washout = observed.transpose(2, 0, 1), observed[:WASHOUT]
-    expected = forecast(kind().fit(training, CASE), washout, RHO.constant(WASHOUT - 1 + AHEAD, 20))
-    assert np.array_equal(expected, forecast(kind().fit(training, CASE), washout))
-    assert np.array_equal(expected, forecast(kind().fit(training, PLAIN), washout))
 
 
 def test_members_have_the_schedule_of_their_own_trajectory(switched):
@@ -284,24 +255,8 @@ def test_members_have_the_schedule_of_their_own_trajectory(switched):
         np.testing.assert_allclose(single[:3], members[:3, :, 0].mean(axis=1))
 
 
-def test_the_share_of_a_force_is_a_parameter_like_any_other():
-    flow = MoehlisFaisstEckhardt(400.0)
-    share = ActuatorShare.of(flow, {}, [0, 0, 0.01, 0, 0, 0, 0, 0, 0])
-    model = EquationsFromTruth().fit(np.empty((0, 2, 9)), ForecastingCase(flow, 0.25, 4, 61, share))
-    start = 0.1 * np.ones((9, 2))
-    on = np.concatenate([share.constant(20, 1), share.constant(20, 1, [1.0])], axis=2)
-    outputs, _ = model.advance(carry(start, on), 20)
-    free, _ = model.advance(start, 20)
-    assert np.array_equal(outputs[..., 0], free[..., 0])
-    assert not np.allclose(outputs[..., 1], free[..., 1], atol=0.01)
-
-
 # -- columns of a record that are known in advance -------------------------------------------------
 SPACE = MeasuredSeries(("x", "y", "z"), "z")
-DATA = {
-    **{"components": ["x", "y", "z"], "known": ["rho"], "time_step": 0.02},
-    **{"blocks": None, "gaps": None},
-}
 # what is known of rho in a record: its column, and no value of the case's own
 MEASURED = replace(CASE, system=SPACE, parameters=Parameters(("rho",), ()))
 
@@ -317,18 +272,6 @@ def simulated():
     return tuple(np.ascontiguousarray(array.transpose(2, 0, 1)) for array in (states, schedule))
 
 
-@pytest.fixture(scope="module")
-def record(simulated, tmp_path_factory):
-    """The same as files: a row has the value that was in force up to it."""
-    directory, paths = tmp_path_factory.mktemp("record"), []
-    for number, (states, schedule) in enumerate(zip(*simulated, strict=True)):
-        column = np.concatenate([[99.0], schedule[:, 0]])  # of the first row nothing is used
-        rows = np.column_stack([0.02 * np.arange(len(states)), states, column])
-        paths.append(str(directory / f"{number}.csv"))
-        np.savetxt(paths[-1], rows, "%.17g", ",", header="time,x,y,z,rho", comments="")
-    return recorded_series(paths, DATA, SPACE)
-
-
 def trained(kind, case, states, schedules):
     if kind == "quadratic_aware":
         return LEARNT.fit(with_inputs(states, schedules), case)
@@ -339,17 +282,12 @@ def trained(kind, case, states, schedules):
     return NETWORK.trained(dynamics, seed, series, washout=20, tikhonov=1e-9)
 
 
-def test_a_record_of_a_simulated_flow_is_that_flow_with_its_schedule(simulated, record):
-    states, schedules = simulated
-    np.testing.assert_array_equal(record.states, states)
-    np.testing.assert_array_equal(record.covariates[:, 1:], schedules)
-
-
 @pytest.mark.parametrize("kind", ["quadratic_aware", "esn_aware"])
-def test_forecasts_from_the_record_are_those_of_the_simulated_case(simulated, record, kind):
+def test_forecasts_of_a_record_are_those_of_the_simulated_case(simulated, kind):
     states, schedules = simulated
-    simulated_model = trained(kind, CASE, states[:4], schedules[:4])
-    measured_model = trained(kind, MEASURED, record.states[:4], record.covariates[:4, 1:])
+    simulated_model, measured_model = (
+        trained(kind, case, states[:4], schedules[:4]) for case in (CASE, MEASURED)
+    )
     for name, array in simulated_model.record().arrays.items():
         np.testing.assert_array_equal(measured_model.record().arrays[name], array, err_msg=name)
     starts = [(row, step) for row in (4, 5) for step in range(40, 700, 60)]

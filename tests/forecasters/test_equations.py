@@ -20,15 +20,11 @@ from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.polynomials.basis import monomials
 from burstcast.systems.polynomials.system import PolynomialSystem
+from helpers_library import lorenz_series
 from kolmogorov_flow import KolmogorovFlow
 
 LORENZ = ForecastingCase(Lorenz63(), 0.01, 1, 60)
 FLOW = ForecastingCase(MoehlisFaisstEckhardt(reynolds=400.0), 0.25, 4, 61)
-
-
-def lorenz_series(series=4, samples=2000):
-    start = np.random.default_rng(3).normal(size=(3, series)) + np.array([[1.0], [1.0], [25.0]])
-    return integrate(LORENZ.system, start, 0.01, samples + 500)[500:].transpose(2, 0, 1)
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +94,7 @@ def test_a_window_shorter_than_a_step_is_refused():
     with pytest.raises(
         ValueError, match=r"window_lt is 0\.01 Lyapunov times, which is shorter than one step"
     ):
-        QuadraticModel(window_lt=0.01).fit(lorenz_series(), LORENZ)
+        QuadraticModel(window_lt=0.01).fit(lorenz_series(4, 500, 600), LORENZ)
 
 
 # -- filters ---------------------------------------------------------------------------------------
@@ -110,8 +106,7 @@ KINDS = (FilteredEquations, FilteredQuadraticModel)
 @pytest.fixture(scope="module")
 def true():
     """Chaotic trajectories, (500, 3, 60), sampled at 0.02."""
-    start = np.random.default_rng(3).normal(size=(3, 60)) + np.array([[1.0], [1.0], [25.0]])
-    return integrate(FILTERED.system, start, 0.01, 2 * 1000, stride=2)[501:]
+    return lorenz_series(60, 501, 1001).transpose(1, 2, 0)
 
 
 @pytest.fixture(scope="module")
@@ -178,32 +173,35 @@ def test_around_a_linear_model_it_is_the_kalman_filter(observed):
 # -- encoded states --------------------------------------------------------------------------------
 
 KOLMOGOROV = KolmogorovFlow(40.0, 4, 5)
-GRID = {"points": [6, 6]}
 STRIDE = 10
 FILTER = FilteredEquations(noise=0.01, members=12, inflation=1.1)
 
 
-def with_observable(channels, states):
+def with_observable(flow, channels, states):
     """Channels of series, and the observable as the last of them."""
-    observable = KOLMOGOROV.observable(np.moveaxis(states, -1, 0))[..., np.newaxis]
+    observable = flow.observable(np.moveaxis(states, -1, 0))[..., np.newaxis]
     return np.concatenate([channels, observable], axis=-1)
 
 
-@pytest.fixture(scope="module")
-def setting():
-    """Series of the flow, what sensors see of them, and the case of a forecaster."""
-    start = KOLMOGOROV.sample_initial_states(6, np.random.default_rng(6))
-    states = integrate(KOLMOGOROV, start, 0.05, 6000, STRIDE)[-300:].transpose(2, 0, 1)
-    case = encoding_case(KOLMOGOROV, GRID, {})
+def encoded(flow, sensors, states, *times):
+    """What sensors see of series and the observable, the channels, and the case of a forecaster."""
+    case = encoding_case(flow, sensors, {})
     readings = case.readings_of_series(states)
     scales = component_scales(readings)
     seen = observed_series(readings, 0, 0.01, scales, 1, "sensors")
     case = replace(case, noise=0.01 * scales.standard_deviation)
     channels = StateChannels.fit("identity", states, seen, case)
     space = MeasuredSeries(channel_names("identity", case), "observable")
-    encoding = {"source": KOLMOGOROV, "maps": channels.maps(states)}
-    forecasting = ForecastingCase(space, 0.05, STRIDE, 17, **encoding)
-    return states, with_observable(seen, states), channels, forecasting
+    forecasting = ForecastingCase(space, *times, source=flow, maps=channels.maps(states))
+    return with_observable(flow, seen, states), channels, forecasting
+
+
+@pytest.fixture(scope="module")
+def setting():
+    """Series of the flow, what sensors see of them, and the case of a forecaster."""
+    start = KOLMOGOROV.sample_initial_states(6, np.random.default_rng(6))
+    states = integrate(KOLMOGOROV, start, 0.05, 4000, STRIDE)[-300:].transpose(2, 0, 1)
+    return states, *encoded(KOLMOGOROV, {"points": [6, 6]}, states, 0.05, STRIDE, 17)
 
 
 def test_a_forecast_is_that_of_the_decoded_state(setting):
@@ -214,7 +212,7 @@ def test_a_forecast_is_that_of_the_decoded_state(setting):
     for row in range(2):
         estimate = case.maps.gain @ seen[row, 4, :-1] + case.maps.constant
         later = integrate(KOLMOGOROV, estimate[:, None], 0.05, 3 * STRIDE, STRIDE)[1:, :, 0]
-        expected = with_observable(channels.case.readings_of_series(later), later)
+        expected = with_observable(KOLMOGOROV, channels.case.readings_of_series(later), later)
         np.testing.assert_allclose(outputs[:, :, row], expected, atol=1e-9)
 
 
@@ -257,22 +255,13 @@ def test_an_ensemble_of_full_size_finds_components_that_are_hidden():
     start = np.array([1.0, 0.0, 0.07066, -0.07076, *5 * [0.0]])[:, np.newaxis]
     start = start + 0.01 * np.random.default_rng(3).normal(size=(9, 6))
     states = integrate(flow, start, 0.25, 2400, 4)[-400:].transpose(2, 0, 1)
-    case = encoding_case(flow, {"components": names}, {})
-    readings = case.readings_of_series(states)
-    np.testing.assert_array_equal(readings, states[..., :7])
-    scales = component_scales(readings)
-    seen = observed_series(readings, 0, 0.01, scales, 1, "sensors")
-    case = replace(case, noise=0.01 * scales.standard_deviation)
-    maps = StateChannels.fit("identity", states, seen, case).maps(states)
-    observable = flow.observable(states.transpose(2, 0, 1))[..., np.newaxis]
-    space = MeasuredSeries(channel_names("identity", case), "observable")
-    forecasting = ForecastingCase(space, 0.25, 4, 61, source=flow, maps=maps)
-    unfitted = FilteredEquations(noise=0.01, members=40, inflation=1.02)
-    filtered = unfitted.fit(np.concatenate([seen, observable], axis=2), forecasting)
-    washout = np.concatenate([seen, observable], axis=2)[:, 100:130].transpose(1, 2, 0)
-    error = np.abs(filtered.start(washout) - states[:, 129].T).mean(axis=1)
-    assert (error[:7] < scales.standard_deviation * 0.01).all()
-    assert (error[7:] < 0.05 * states[..., 7:].std(axis=(0, 1))).all()
+    seen, channels, case = encoded(flow, {"components": names}, states, 0.25, 4, 61)
+    np.testing.assert_array_equal(channels.case.readings_of_series(states), states[..., :7])
+    filtered = FilteredEquations(noise=0.01, members=40, inflation=1.02).fit(seen, case)
+    error = filtered.start(seen[:, 100:130].transpose(1, 2, 0)) - states[:, 129].T
+    share = np.abs(error).mean(axis=1) / states.std(axis=(0, 1))
+    assert (share[:7] < 0.01).all()
+    assert (share[7:] < 0.05).all()
     for wrong in (["a1", "a1"], ["a10"]):
         with pytest.raises(ValueError, match=r"components must be some of a1, a2, .*, each once"):
             encoding_case(flow, {"components": wrong}, {})

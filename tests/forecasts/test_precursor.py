@@ -11,15 +11,6 @@ from burstcast.forecasts.windows import WindowForecasts, WindowSummaries
 OPTIONS = PrecursorTraining()
 
 
-def points(count, seed):
-    """Features, true probabilities of two windows, and what happened."""
-    generator = np.random.default_rng(seed)
-    features = generator.normal(size=(count, 3))
-    logits = [2.0 * features[:, 0] - 1.0, features[:, 1] ** 2 - features[:, 2] - 2.0]
-    true = 1.0 / (1.0 + np.exp(-np.stack(logits, axis=1)))
-    return features, true, generator.random(true.shape) < true
-
-
 def test_features_are_the_present_and_the_lags():
     washouts = np.arange(24.0).reshape(2, 4, 3)
     result = precursor_features(washouts, (1, 3))
@@ -29,7 +20,8 @@ def test_features_are_the_present_and_the_lags():
 
 
 def test_nothing_to_tell_apart_is_refused():
-    features, _, happened = points(100, 5)
+    generator = np.random.default_rng(5)
+    features, happened = generator.normal(size=(100, 3)), generator.random((100, 2)) < 0.5
     happened[:, 1] = False
     with pytest.raises(ValueError, match=r"none of the 100 .* in prediction window 1"):
         Precursor.fit(features, happened, OPTIONS)
@@ -78,10 +70,8 @@ def test_without_events_nothing_is_ranked():
 def forecasts(first, largest, members=0):
     """Forecasts of three points in two windows."""
     first, largest = np.array(first, dtype=float), np.array(largest, dtype=float)
-    none = np.empty((len(first), 0, first.shape[1]))
-    if members:
-        none = np.empty((len(first), members, first.shape[1]))
-    return WindowForecasts(first, largest, np.zeros(len(first), dtype=bool), none, none.copy())
+    of_members = np.empty((2, len(first), members, first.shape[1]))
+    return WindowForecasts(first, largest, np.zeros(len(first), dtype=bool), *of_members)
 
 
 def test_onsets_are_no_events_under_way_and_members_are_averaged():

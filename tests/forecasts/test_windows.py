@@ -11,7 +11,6 @@ from hypothesis.extra import numpy as npst
 from numpy.testing import assert_array_equal
 
 from burstcast.base.exogenous import with_inputs
-from burstcast.base.files.netcdf import read_netcdf, write_netcdf
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
@@ -32,9 +31,9 @@ from burstcast.forecasts.forecast_points import ForecastPoints
 from burstcast.forecasts.observed_points import observed_points
 from burstcast.forecasts.window_forecasts import window_forecasts
 from burstcast.forecasts.windows import WindowForecasts, crosses, summarise, window_boundaries
-from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.parameters import SystemParameters
+from helpers_library import lorenz_series
 
 THRESHOLD = 0.1
 
@@ -44,12 +43,6 @@ def crosses_by_hand(values, first, last, threshold):
     window = [values[step] for step in range(first, last + 1)]
     reaches = any(value >= threshold for value in window)
     return bool(all(map(np.isfinite, window)) and window[0] < threshold and reaches)
-
-
-def test_boundaries_at_the_papers_reynolds_number():
-    # windows of half a Lyapunov time up to 5 + 1 of them; 61 steps each
-    boundaries = window_boundaries(0.5, 11, 61)
-    assert boundaries == (30, 61, 91, 122, 152, 183, 213, 244, 274, 305, 335, 366)
 
 
 @given(
@@ -89,10 +82,12 @@ def test_windows_beyond_the_forecast_are_refused(first, length):
 CASE = ForecastingCase(Lorenz63(), 0.01, 2, 50)
 BOUNDARIES = (3, 8, 20)
 FILTER = FilteredEquations(noise=0.02, members=6)
+RHO = SystemParameters.of(Lorenz63(), ["rho"])
 MEMBERS = {
-    "equations_filtered": (FILTER, 6),
-    "analogues": (Analogues(neighbours=4), 4),
-    "linear_inverse": (LinearInverseModel(), 1),
+    "equations_filtered": (FILTER, 6, CASE),
+    "under schedules": (FILTER, 6, replace(CASE, parameters=RHO)),
+    "analogues": (Analogues(neighbours=4), 4, CASE),
+    "linear_inverse": (LinearInverseModel(), 1, CASE),
 }
 
 
@@ -103,9 +98,7 @@ def first_component(states):
 @pytest.fixture(scope="module")
 def training():
     """Three series of 300 steps."""
-    start = np.random.default_rng(3).normal(size=(3, 3)) + np.array([[1.0], [1.0], [25.0]])
-    states = integrate(CASE.system, start, 0.01, 2 * 400, stride=2)[101:]
-    return np.ascontiguousarray(states.transpose(2, 0, 1))
+    return np.ascontiguousarray(lorenz_series(3, 101, 401))
 
 
 @pytest.fixture(scope="module")
@@ -117,12 +110,15 @@ def washouts(training):
 
 
 @pytest.mark.parametrize("batches", [(1, 1), (5, 30), (12, 7), ()])
-@pytest.mark.parametrize(("kind", "number"), MEMBERS.values(), ids=MEMBERS)
+@pytest.mark.parametrize(("kind", "number", "case"), MEMBERS.values(), ids=MEMBERS)
 def test_forecasts_are_those_of_each_memory_alone(
-    kind, number, batches, training, washouts, monkeypatch
+    kind, number, case, batches, training, washouts, monkeypatch
 ):
-    """Whatever the batches are."""
-    forecaster = kind.fit(training, CASE)
+    """Whatever the batches are; under schedules, each point keeps its own one."""
+    forecaster = kind.fit(training, case)
+    if case.parameters:
+        schedule = np.random.default_rng(6).choice([24.0, 28.0], size=(12, 9 + BOUNDARIES[-1], 1))
+        washouts = with_inputs(washouts, schedule)
     for name, size in zip(("POINTS_PER_BATCH", "TRAJECTORIES_PER_BATCH"), batches, strict=False):
         monkeypatch.setattr(module, name, size)
     result = window_forecasts(forecaster, first_component, washouts, BOUNDARIES)
@@ -147,24 +143,6 @@ def test_forecasts_that_are_lost_have_diverged(training, washouts):
     with np.errstate(invalid="ignore"):
         result = window_forecasts(model, first_component, lost, BOUNDARIES)
     assert np.flatnonzero(result.diverged).tolist() == [5]
-
-
-def test_forecasts_under_a_schedule_are_those_of_each_point_by_itself(monkeypatch):
-    """Cut into batches, members side by side: each point keeps its own schedule."""
-    parameters = SystemParameters.of(Lorenz63(), ["rho"])
-    case = replace(CASE, parameters=parameters)
-    generator = np.random.default_rng(6)
-    washouts = generator.normal(size=(7, 12, 3)) + np.array([1.0, 1.0, 25.0])
-    schedule = generator.choice([24.0, 28.0], size=(7, 11 + BOUNDARIES[-1], 1))
-    model = FILTER.fit(generator.normal(size=(2, 60, 3)), case)
-    monkeypatch.setattr(module, "POINTS_PER_BATCH", 3)
-    monkeypatch.setattr(module, "TRAJECTORIES_PER_BATCH", 5)
-    informed = with_inputs(washouts, schedule)
-    result = window_forecasts(model, case.system.observable, informed, BOUNDARIES)
-    for point in range(7):
-        outputs, _ = model.advance(model.start(informed[point][..., np.newaxis]), BOUNDARIES[-1])
-        expected = summarise(case.system.observable(outputs.transpose(1, 0, 2)), BOUNDARIES)
-        assert np.array_equal(result.largest[point], expected.largest[0])
 
 
 # -- points with what is observed ------------------------------------------------------------------
@@ -206,14 +184,6 @@ DATA = {
     "observable_now": np.zeros(6),
 }
 POINTS = ForecastPoints(DATA, {"esn": FORECASTS, "precursor": PROBABILITIES}, 1.0, 0.5)
-
-
-def test_a_file_gives_back_what_was_written(tmp_path):
-    write_netcdf(tmp_path / "forecast.nc", PROBABILITIES.variables(), {})
-    result = forecasts_from(read_netcdf(tmp_path / "forecast.nc"))
-    assert isinstance(result, EventProbabilities)
-    np.testing.assert_array_equal(result.at(2.0, 0.1), PROBABILITIES.probability[:, 1])
-    np.testing.assert_array_equal(result.at(0.5, 0.1), PROBABILITIES.probability[:, 0])
 
 
 @pytest.mark.parametrize("event", [(1.0, 0.1), (0.5, 0.125)])
@@ -294,6 +264,9 @@ def test_forecasts_come_back_from_their_files(members):
     result = forecasts_from(held(forecast_variables(forecasts, "x")))
     for name, values in vars(forecasts).items():
         assert_array_equal(getattr(result, name), values)
+    again = forecasts_from(held(PROBABILITIES.variables()))
+    for column, time in enumerate((0.5, 2.0)):
+        assert_array_equal(again.at(time, 0.1), PROBABILITIES.probability[:, column])
 
 
 def test_events_are_summed_up():

@@ -48,19 +48,14 @@ def states(dynamics, training):
     return collect(dynamics, training, washout=WASHOUT, keep=[300]).states[300]
 
 
-def states_after(dynamics, training):
-    """Reservoir states at each step, ``(series, steps, neurons)``, one input after the other."""
-    scaled = training.observed.transpose(1, 2, 0) / training.input_range[:, np.newaxis]
-    state, result = None, []
-    for step in range(training.length - 1):
-        state = dynamics.open_loop(scaled[step : step + 1], state)
-        result.append(state.T)
-    return np.stack(result, axis=1)
-
-
 def dense_readout(dynamics, training, rows=slice(None)):
     """Ridge regression on all features written out, the bias column among them."""
-    states = states_after(dynamics, training)[rows, WASHOUT - 1 :]
+    scaled = training.observed.transpose(1, 2, 0) / training.input_range[:, np.newaxis]
+    state, after = None, []  # one input after the other
+    for step in range(training.length - 1):
+        state = dynamics.open_loop(scaled[step : step + 1], state)
+        after.append(state.T)
+    states = np.stack(after, axis=1)[rows, WASHOUT - 1 :]
     factors = training.factors[rows, WASHOUT - 1 :]
     driven = states[:, :, driven_neurons(dynamics.reservoir)]
     blocks = [
@@ -115,21 +110,13 @@ def test_the_closed_loop_under_a_schedule_is_that_of_a_plain_loop(
     np.testing.assert_allclose(last, state, atol=1e-6)
 
 
-def test_loops_do_not_depend_on_their_batch_not_even_where_one_diverges(
-    dynamics, training, readout, states
-):
+def test_a_loop_that_diverges_changes_no_other(dynamics, training, readout, states):
     factors = training.factors[:, 299:349].transpose(1, 2, 0)
     network = EchoStateNetwork(dynamics, readout, training.input_range)
-    together, last = forecast_under(network, states, factors)
-    lost = np.where(np.arange(5) == 2, np.nan, states)
-    result, _ = forecast_under(network, lost, factors)
+    together, _ = forecast_under(network, states, factors)
+    result, _ = forecast_under(network, np.where(np.arange(5) == 2, np.nan, states), factors)
     assert np.isnan(result[..., 2]).all()
-    for index in (0, 1, 3, 4):
-        only = slice(index, index + 1)
-        alone, alone_last = forecast_under(network, states[:, only], factors[..., only])
-        assert np.array_equal(alone[..., 0], together[..., index])
-        assert np.array_equal(alone_last[:, 0], last[:, index])
-        assert np.array_equal(result[..., index], together[..., index])
+    np.testing.assert_array_equal(np.delete(result, 2, axis=2), np.delete(together, 2, axis=2))
 
 
 def test_neurons_that_are_not_driven_are_those_that_settle():

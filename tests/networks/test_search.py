@@ -1,6 +1,5 @@
 """Grids, the Bayesian search, and the standard errors of its objectives."""
 
-import itertools
 import math
 
 import numpy as np
@@ -28,7 +27,7 @@ def bowl(point):
     return -6 + 4 * (rho - BEST[0]) ** 2 + (sigma - BEST[1]) ** 2
 
 
-def search(space=PAPER, points=5, seed=1, objective=bowl):
+def search(space=PAPER, points=5, seed=1, objective=bowl, surrogate=()):
     """Points of the Bayesian search after a 4 x 4 grid."""
     result = []
 
@@ -37,7 +36,7 @@ def search(space=PAPER, points=5, seed=1, objective=bowl):
         return objective(point)
 
     grid = [(point, objective(point)) for point in space.grid(4)]
-    bayesian_search(space, grid, points, evaluate, seed)
+    bayesian_search(space, grid, points, evaluate, seed, *surrogate)
     return result
 
 
@@ -45,9 +44,6 @@ def test_the_papers_grid():
     grid = PAPER.grid(4)
     assert len(set(grid)) == 16
     assert grid[0] == HyperparameterPoint(0.1, 0.1)
-    assert {(point.spectral_radius, point.input_scaling) for point in grid} >= set(
-        itertools.product((0.1, 1.0), (0.1, 10.0))
-    )
     rho = sorted({point.spectral_radius for point in grid})
     sigma = sorted({point.input_scaling for point in grid})
     np.testing.assert_allclose(rho, 10 ** np.array([-1, -2 / 3, -1 / 3, 0]))
@@ -172,18 +168,11 @@ def test_the_surrogate_has_the_settings_that_it_is_given(monkeypatch):
         return GaussianProcessRegressor(**arguments)
 
     monkeypatch.setattr("burstcast.networks.bayesian_search.GaussianProcessRegressor", recorded)
-    grid = [(point, bowl(point)) for point in PAPER.grid(4)]
     authors = SurrogateSettings((0.1, 3.0), (0.01, 10.0), 0.2, 10)
-    paths = []
-    for seed, surrogate in ((1, SurrogateSettings()), (1, authors), (2, authors)):
-        result = []
-
-        def evaluate(point, result=result):
-            result.append(point)
-            return bowl(point)
-
-        bayesian_search(PAPER, grid, 2, evaluate, seed, surrogate)
-        paths.append(result)
+    paths = [
+        search(points=2, seed=seed, surrogate=[surrogate])
+        for seed, surrogate in ((1, SurrogateSettings()), (1, authors), (2, authors))
+    ]
     kernel, other = (evaluation["kernel"] for evaluation in made[:2])
     # by hand, of the kernels of skopt: bounds in logarithms, the constant first
     np.testing.assert_allclose(np.exp(kernel.bounds), [[1e-2, 1e3], [1e-2, 1e2], [1e-2, 1e2]])

@@ -78,35 +78,27 @@ def brute_force(states):
 
 def script_of(kinds, steps, seed=0):
     """Series of given kinds, with a second component that moves as the first one does."""
-    generator = np.random.default_rng(seed)
-    time = np.arange(steps)
+    generator, time, interval = np.random.default_rng(seed), np.arange(steps), FIXED_POINT.interval
     columns = []
     for kind in kinds:
-        values = generator.uniform(0.1, 0.4, steps)
-        event = int(generator.integers(0, steps))
-        if kind == "laminar":
-            values[event:] = 0.5
-        elif kind == "diverging":
-            values[event:] = generator.choice([np.nan, np.inf, -np.inf, 1e200])
-        elif kind == "laminar then diverging":
-            values[event] = 0.7
-            values[min(event + 3, steps - 1) :] = np.nan
-        elif kind == "at the threshold":
-            values[event] = 0.48
-        elif kind == "just beyond the threshold":
-            values[event] = np.nextafter(0.48, 1)
-        elif kind == "settling":
-            values = 0.2 + 0.1 * np.exp(-time / 3) * np.cos(time)
-        elif kind == "settling low":
-            values = 0.04 + 0.1 * np.exp(-time / 3)
-        elif kind == "settling late":
-            values[-FIXED_POINT.interval :] = 0.3
-        elif kind == "settling too late":
-            values[-FIXED_POINT.interval + 1 :] = 0.3
-        elif kind == "resting and leaving":
-            values[: steps // 4] = 0.3
-        elif kind == "resting":
-            values[:] = 0.3
+        values, event = generator.uniform(0.1, 0.4, steps), int(generator.integers(0, steps))
+        lost = generator.choice([np.nan, np.inf, -np.inf, 1e200])
+        soon = slice(min(event + 3, steps - 1), None)
+        changes = {
+            "laminar": [(slice(event, None), 0.5)],
+            "diverging": [(slice(event, None), lost)],
+            "laminar then diverging": [(event, 0.7), (soon, np.nan)],
+            "at the threshold": [(event, 0.48)],
+            "just beyond the threshold": [(event, np.nextafter(0.48, 1))],
+            "settling": [(slice(None), 0.2 + 0.1 * np.exp(-time / 3) * np.cos(time))],
+            "settling low": [(slice(None), 0.04 + 0.1 * np.exp(-time / 3))],
+            "settling late": [(slice(-interval, None), 0.3)],
+            "settling too late": [(slice(1 - interval, None), 0.3)],
+            "resting and leaving": [(slice(steps // 4), 0.3)],
+            "resting": [(slice(None), 0.3)],
+        }
+        for where, value in changes.get(kind, ()):
+            values[where] = value
         columns.append(np.stack([values, -values], axis=1))
         if kind == "both at once":
             columns[-1][event] = 0.5, np.nan

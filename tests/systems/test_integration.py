@@ -10,9 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from burstcast.control.actuation import (
-    actuated_system,
-)
+from burstcast.control.actuation import actuated_system
 from burstcast.systems import integration
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.check import check_system
@@ -21,10 +19,7 @@ from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
 from burstcast.systems.flow_map import FlowMap
 from burstcast.systems.forced import ForcedSystem, forced_system
 from burstcast.systems.integration import integrate, integrate_observed
-from burstcast.systems.lyapunov import (
-    lyapunov_spectrum,
-    perturbation_growth,
-)
+from burstcast.systems.lyapunov import lyapunov_spectrum, perturbation_growth
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.stiff import StiffSystem
 from helpers_library import FirstObserved
@@ -257,4 +252,3 @@ def test_the_equations_of_the_pair():
         x, y, other = state[i], state[2 + i], state[1 - i]
         np.testing.assert_allclose(states_at[i], x * (a - x) * (x - 1) - y + k * (other - x))
         np.testing.assert_allclose(states_at[2 + i], b[i] * x - c * y)
-    assert compiled_steps((FitzHughNagumoPair(),), 0.5, True) is not None

@@ -18,6 +18,7 @@ from burstcast.systems.polynomials.regression import (
     polynomial_coefficients,
 )
 from burstcast.systems.polynomials.system import PolynomialSystem
+from helpers_library import lorenz_series
 
 
 @given(dimension=st.integers(1, 5), degree=st.integers(1, 3))
@@ -121,7 +122,7 @@ def test_the_noise_of_factored_moments_is_taken_out():
     exact = moments(true, np.zeros(2))
     noisy = [
         moments(true + deviation * generator.standard_normal(true.shape), deviation)
-        for _ in range(1500)
+        for _ in range(600)
     ]
     for name in ("gram", "cross"):
         samples = np.array([getattr(factors_of, name) for factors_of in noisy])
@@ -130,16 +131,10 @@ def test_the_noise_of_factored_moments_is_taken_out():
         assert (np.abs(samples.mean(axis=0) - expected) <= 5 * error + 1e-9).all()
 
 
-def lorenz(count):
-    """Series of Lorenz's system, sampled every 0.02 time units."""
-    start = np.random.default_rng(3).normal(size=(3, count)) + np.array([[1.0], [1.0], [25.0]])
-    return integrate(Lorenz63(), start, 0.01, 1200, stride=2)[200:].transpose(2, 0, 1)
-
-
 @pytest.mark.parametrize("value", [-0.4, 0.7])
 def test_without_factors_the_equations_are_the_plain_ones(value):
     """No factor: bit for bit. A constant one: its terms cannot be told apart, their sum can."""
-    series = lorenz(4)
+    series = lorenz_series(4, 200, 601)
     noise = np.full(3, 1e-3)
     plain = polynomial_coefficients(series, noise, 0.02, 2, 5, 4.0)
     none = factored_coefficients(series, noise, 0.02, 2, 5, 4.0, np.empty((4, 400, 0)))
@@ -173,7 +168,7 @@ def test_too_few_constant_or_restless_series_are_refused(series, factors, messag
 @pytest.mark.parametrize("centre", [(1e4, -3e5, 2e6), (0.0, 1e5, 0.0)])
 def test_the_zero_of_a_unit_does_not_matter(centre):
     """The vector field on the attractor is the same, whatever offset the components have."""
-    series = lorenz(6)
+    series = lorenz_series(6, 200, 601)
     noise = np.zeros(3)
     plain = polynomial_coefficients(series, noise, 0.02, 2, 8, 4.0)
     moved = polynomial_coefficients(series + np.array(centre), noise, 0.02, 2, 8, 4.0)

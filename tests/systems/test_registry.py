@@ -3,7 +3,7 @@
 import math
 import re
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -11,19 +11,16 @@ import pytest
 from burstcast.base.discovery import UnsoundError
 from burstcast.data.dataset import initial_states
 from burstcast.systems.base import DynamicalSystem, has_own
-from burstcast.systems.check import (
-    _initial_states,
-    check_system,
-    interface_problems,
-)
+from burstcast.systems.check import _initial_states, check_system, interface_problems
 from burstcast.systems.compiled import hindrance
 from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
+from burstcast.systems.forced import ForcedSystem
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lorenz96 import Lorenz96
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.polynomials.system import PolynomialSystem
-from burstcast.systems.registry import available_systems, make_system, system_module
+from burstcast.systems.registry import available_systems, make_system, parameters_of, system_module
 from burstcast_workflow.commands.command_line import main
 from kolmogorov_flow import KolmogorovFlow
 
@@ -175,6 +172,7 @@ EVERY = {
     "narrow shear flow": MoehlisFaisstEckhardt(250.0, 3.0, 7.0),
     "polynomials": PolynomialSystem(TERMS, 3, Lorenz63()),
     "flow in a plane": KolmogorovFlow(),
+    "pushed shear flow": ForcedSystem(MoehlisFaisstEckhardt(800.0), [0.001, 0, -0.002, *[0] * 6]),
 }
 
 
@@ -212,6 +210,20 @@ def test_trajectories_are_independent_bit_for_bit(one_of_all):
         np.testing.assert_array_equal(further, whole[..., :36].reshape(further.shape))
 
 
+def test_energy_budgets_are_closed_and_images_of_solutions_are_solutions(one_of_all):
+    """A force adds its work to the input."""
+    system, states = one_of_all
+    rates, budget = system.right_hand_side(states), system.energy_budget(states)
+    if budget is not None:
+        change = (states * rates).sum(axis=0)
+        np.testing.assert_allclose(budget.input - budget.dissipation, change, atol=1e-10)
+    for symmetry in system.symmetries():
+        image = symmetry.transform(states)
+        assert not np.array_equal(image, states)
+        moved = system.right_hand_side(image)
+        np.testing.assert_allclose(moved, symmetry.transform(rates), atol=1e-10)
+
+
 @pytest.mark.parametrize("name", sorted({*EVERY} - {"flow in a plane"}))  # it has an FFT
 def test_the_jacobian_is_the_complex_step_derivative(name):
     system = EVERY[name]
@@ -224,17 +236,27 @@ def test_the_jacobian_is_the_complex_step_derivative(name):
         np.testing.assert_allclose(result, expected, rtol=1e-13, atol=1e-12)
 
 
-# -- the Lorenz equations --------------------------------------------------------------------------
+# -- the Lorenz 96 model ---------------------------------------------------------------------------
 
 
-def test_textbook_values_and_fixed_points():
-    state = np.array([1.0, 2.0, 3.0])
-    derivative = Lorenz63(sigma=10.0, rho=28.0, beta=2.0).right_hand_side(state)
-    assert np.array_equal(derivative, [10.0, 23.0, -4.0])
-    system = Lorenz63()
-    distance = math.sqrt(system.beta * (system.rho - 1.0))
-    points = np.array([[0, distance, -distance], [0, distance, -distance], [0, 27.0, 27.0]])
-    np.testing.assert_allclose(system.right_hand_side(points), 0.0, atol=1e-13)
+def test_the_budget_is_of_the_forcing_and_the_damping():
+    system, states = Lorenz96(7.5, 11), np.random.default_rng(4).normal(3.0, 4.0, (11, 6))
+    budget = system.energy_budget(states)
+    np.testing.assert_allclose(budget.input, 7.5 * states.sum(axis=0), rtol=1e-12)
+    np.testing.assert_allclose(2 * 11 * system.observable(states), budget.dissipation, rtol=1e-12)
+    # volumes shrink at the rate of the damping
+    np.testing.assert_allclose(np.trace(system.jacobian(states)), -11.0)
+
+
+def test_a_parameter_that_is_a_number_of_variables():
+    assert make_system("lorenz96", {}) == Lorenz96(8.0, 40)
+    system = make_system("lorenz96", {"variables": 10.0, "forcing": 9})
+    assert parameters_of(system) == {"forcing": 9.0, "variables": 10}
+    assert system.dimension == len(system.component_names) == 10
+    assert [symmetry.order for symmetry in system.symmetries()] == [10]
+    for name, value, message in (("variables", 3, "4 at least"), ("forcing", np.inf, "finite")):
+        with pytest.raises(ValueError, match=f"{name} must be {message}"):
+            replace(system, **{name: value})
 
 
 # -- the check of a system -------------------------------------------------------------------------
