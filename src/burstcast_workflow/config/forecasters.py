@@ -4,7 +4,14 @@ from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, ConfigDict, Field, create_model, model_validator
+from pydantic import (
+    AfterValidator,
+    ConfigDict,
+    Field,
+    create_model,
+    model_serializer,
+    model_validator,
+)
 
 from burstcast.base.compiled.backends import usable_backend
 from burstcast.base.names import ForecasterName
@@ -30,7 +37,6 @@ from burstcast_workflow.config.kinds import (
     with_defaults,
     wrong,
 )
-from burstcast_workflow.harness.canonical import canonical
 
 SIZES = "campaign.forecasters.esn.neurons"
 STRATEGIES = "campaign.forecasters.esn.validation"
@@ -229,10 +235,11 @@ class EchoStateNetwork(Section):
 class Variant(EchoStateNetwork):
     """Settings of networks that differ from `forecasters.esn`."""
 
-    def dump(self) -> dict[str, Any]:
-        """Explicitly given settings, in canonical form."""
-        plain: dict[str, Any] = canonical(self.model_dump(exclude_unset=True))
-        return plain
+    @model_serializer(mode="wrap")
+    def _given(self, serialise: Any) -> dict[str, Any]:
+        """Explicitly given settings."""
+        settings = serialise(self)
+        return {name: settings[name] for name in self.model_fields_set}
 
 
 @with_defaults(vars(SECTIONS["observation"]()))
