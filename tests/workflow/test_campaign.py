@@ -232,6 +232,7 @@ def test_modules_that_a_job_is_about(wildcards, kinds, strategies):
         "burstcast.forecasters": kinds.split(),
         "burstcast.control.strategies": [],
         "burstcast.networks.validation_strategies": strategies.split(),
+        "burstcast.data.encoders": [],
     }
 
 

@@ -9,7 +9,6 @@ from burstcast.data.starting_points import starting_points
 from burstcast.statistics.warning_signs import FEW_POSITIVES
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.lengths import plans_of
-from burstcast_workflow.config.case import Simulated
 from burstcast_workflow.config.case_checks import factors_of
 
 
@@ -42,7 +41,7 @@ def few_points(campaign: Campaign) -> str:
     config, lacking = campaign.config, []
     for name, case in campaign.cases.items():
         steps, samples = case.steps_per_lyapunov_time, case.samples
-        if not isinstance(case, Simulated) or steps is None or samples is None:
+        if not case.has_equations or steps is None or samples is None:
             continue
         washout = durations.steps(config.washout_lt, steps)
         reach = durations.steps(config.classification.reach_lt, steps)
@@ -54,10 +53,8 @@ def few_points(campaign: Campaign) -> str:
         ):
             spacing = durations.steps(spacing_lt, steps)
             points = len(starting_points(series, samples, spacing, washout, reach))
-            if points < FEW_POSITIVES:
-                few.append(f"{points} to {use}")
-        if few:
-            lacking.append(f"{name} has {' and '.join(few)}")
+            few += [f"{points} to {use}"] if points < FEW_POSITIVES else []
+        lacking += [f"{name} has {' and '.join(few)}"] if few else []
     if not lacking:
         return ""
     return (

@@ -4,6 +4,8 @@ from collections.abc import Container, Iterable
 from dataclasses import replace
 from typing import Any
 
+from snakemake.io import report
+
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.control_plans import CONDITIONS
 from burstcast_workflow.tables.declarations import (
@@ -11,6 +13,7 @@ from burstcast_workflow.tables.declarations import (
     ENSEMBLE,
     OPTIONAL,
     PERCENTILES,
+    SECTIONS,
     TABLES,
     Column,
     Layout,
@@ -92,6 +95,17 @@ def latex_names(campaign: Campaign) -> list[str]:
     return [*typeset(name for name in TABLES if cases_of(campaign, name))]
 
 
+def in_report(table: str) -> Any:
+    """The file of a table of the whole campaign, which the report has, as an output of a rule."""
+    return report(
+        f"<results>/tables/{table}.csv",
+        caption="../report/table.rst",
+        category=SECTIONS[table_of(table).section],
+        subcategory="Tables",
+        labels={"table": table},
+    )
+
+
 # -- settings of jobs ------------------------------------------------------------------------------
 
 MAKERS = [*dict.fromkeys(table.script for table in TABLES.values() if table.of_cases)]
@@ -114,24 +128,19 @@ def kinds_of(campaign: Campaign) -> list[str]:
 
 
 def written(names: Iterable[str], unused: Container[str] = ()) -> dict[str, Any]:
-    """Declarations for a job that writes tables: columns, metrics, and those with percentiles.
-
-    Columns that a campaign has no use for are left out.
-    """
-    return {name: _written(TABLES[name], unused) for name in names}
-
-
-def _written(table: Table, unused: Container[str]) -> dict[str, Any]:
-    columns = {
-        "columns": [
-            name for name in (*table.keys, *table.columns) if plain([name])[0] not in unused
-        ]
-    }
-    if "metric" in table.columns:
-        columns["metrics"] = table.metrics
-    if not table.percentiles:
-        return columns
-    return {**columns, "percentiles": table.percentiles, "by": plain([*ENSEMBLE, *table.group_by])}
+    """Declarations for a job that writes tables, without columns that the campaign does not use."""
+    declarations: dict[str, Any] = {}
+    for name in names:
+        table = TABLES[name]
+        columns = [*table.keys, *table.columns]
+        used = [column for column in columns if column.removesuffix(OPTIONAL) not in unused]
+        declarations[name] = {"columns": used}
+        if "metric" in columns:
+            declarations[name]["metrics"] = table.metrics
+        if table.percentiles:
+            by = plain([*ENSEMBLE, *table.group_by])
+            declarations[name] |= {"percentiles": table.percentiles, "by": by}
+    return declarations
 
 
 def joined(campaign: Campaign, names: Iterable[str]) -> dict[str, Any]:
