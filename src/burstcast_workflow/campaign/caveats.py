@@ -33,11 +33,7 @@ def extrapolations(campaign: Campaign) -> Iterator[str]:
 
 
 def few_points(campaign: Campaign) -> str:
-    """Describe cases with too few starting points of forecasts for any score; "" if there are none.
-
-    That is fewer than the events that a score takes (`FEW_POSITIVES`), as far as Lyapunov times are
-    known.
-    """
+    """Cases with fewer starting points than the events of any score, in words; "" without such."""
     config, lacking = campaign.config, []
     for name, case in campaign.cases.items():
         steps, samples = case.steps_per_lyapunov_time, case.samples

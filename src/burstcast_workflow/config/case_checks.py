@@ -74,7 +74,7 @@ def problems_of_case(config: Configuration, name: str) -> Iterator[str]:
 
 def _source(config: Configuration, name: str, data: Data) -> Iterator[str]:
     """Mistakes in where measured series come from."""
-    yield from problems_of_entry(config.entry_of(name))
+    yield from problems_of_entry(config.entry_of(name), data)
     simulated = config.simulated_cases
     if data.case is not None and data.case not in simulated:
         yield (

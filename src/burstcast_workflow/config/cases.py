@@ -105,10 +105,7 @@ _ORTHONORMALISATION_STEPS = 5
 
 
 def own_modules(config: Mapping[str, Any]) -> dict[str, list[str] | None]:
-    """Modules of the user's own systems, encoders and forecasters, and the files that they read.
-
-    The files are None where no case of the module has the setting ``files``.
-    """
+    """Modules of the user's own, and the files that they read: None without a setting of them."""
     sound = Configuration.model_validate(config)
     modules: dict[str, list[str] | None] = {
         kind_module(kind): None for block in sound.campaign for kind in block.forecasters.own

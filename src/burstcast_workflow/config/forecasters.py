@@ -46,9 +46,6 @@ class NoAxes(Section):
     """There is one forecaster of this kind: {}."""
 
 
-Alone = NoAxes | None
-
-
 class OwnForecaster(Section):
     """A forecaster of one's own, `<module>:<class>`: its options, and a label beside them."""
 
@@ -138,7 +135,7 @@ if TYPE_CHECKING:
     AllKinds = Chosen
 else:  # a new module of burstcast.forecasters is one kind more
     AllKinds = create_model(
-        "AllKinds", __base__=Chosen, **dict.fromkeys(all_kinds(), (Alone, None))
+        "AllKinds", __base__=Chosen, **dict.fromkeys(all_kinds(), (NoAxes | None, None))
     )
 
 

@@ -113,10 +113,7 @@ def is_encoded(entry: Config) -> bool:
 
 
 def _encoding_of(entry: Config, source: Mapping[str, Any]) -> tuple[str, EncodingCase]:
-    """Kind of the encoder of an entry of ``cases``, and its inputs.
-
-    ``source``: System and parameters of the case that it is encoded from.
-    """
+    """Kind of the encoder of an entry of ``cases``, and its inputs from the source's state."""
     space = make_space(source["system"], source.get("parameters", {}))
     probes, encoder = entry.get("sensors"), entry.get("encoder")
     if probes is not None:
@@ -148,9 +145,8 @@ def space_of(record: Mapping[str, Any]) -> StateSpace | None:
     return None
 
 
-def problems_of_entry(entry: Config) -> Iterator[str]:
+def problems_of_entry(entry: Config, data: Data) -> Iterator[str]:
     """Forbidden and required settings of measured series in ``cases``."""
-    data = Data.model_validate(entry["data"])
     if bool(data.files) == (data.case is not None):
         yield "data needs files: [...], or else the name of another case of the campaign (case)"
         return
@@ -212,16 +208,13 @@ def problems_of_data(case: Measured) -> Iterator[str]:
     try:
         # the observable is of the present
         appended = make_measured({**case.parameters, "components": names}).dimension > len(names)
+        quantities = [Quantity(text) for text in (*data.components, *[data.observable] * appended)]
+        for quantity in quantities if data.case else ():
+            quantity.columns([*data.columns, OBSERVABLE])
     except ValueError as error:
         yield f"data.components, data.observable: {error}"
         return
-    quantities = [Quantity(text) for text in (*data.components, *[data.observable] * appended)]
     if data.case is not None:
-        try:
-            for quantity in quantities:
-                quantity.columns([*data.columns, OBSERVABLE])
-        except ValueError as error:
-            yield f"data.components, data.observable: {error}"
         return
     yield from (f"data.{text}" for text in problems_of_columns(data.dump(), _columns(data)))
     try:

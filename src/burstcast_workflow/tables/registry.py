@@ -16,7 +16,6 @@ from burstcast_workflow.tables.declarations import (
     SECTIONS,
     TABLES,
     Column,
-    Layout,
     Table,
 )
 
@@ -155,27 +154,25 @@ def joined(campaign: Campaign, names: Iterable[str]) -> dict[str, Any]:
 
 def typeset(names: Iterable[str]) -> dict[str, Any]:
     """Declarations for a job that typesets tables: layouts by the name of the LaTeX file."""
-    return {
-        name: _typeset(source, layout)
-        for source in names
-        if source in TABLES  # percentiles are typeset with their table
-        for name, layout in TABLES[source].latex.items()
-    }
-
-
-def _typeset(source: str, layout: Layout) -> dict[str, Any]:
-    percentiles = TABLES[source].percentiles
-    metrics = layout.metrics or percentiles
-    shown = {name: COLUMNS[name] for name in [*metrics, *layout.more_rows]}
-    return {
-        "source": f"{source}_percentiles" if percentiles else source,
-        "caption": f"{layout.caption} {_MEDIANS}" if percentiles else layout.caption,
-        "metrics": metrics,
-        "columns": layout.columns,
-        "more_rows": layout.more_rows,
-        "where": layout.where,
-        # of control, which are shown where they differ
-        "conditions": CONDITIONS if "strategy" in layout.more_rows else [],
-        "heads": {name: column.head for name, column in shown.items() if column.head},
-        "formats": {name: shown[name].format for name in metrics if shown[name].format},
-    }
+    layouts: dict[str, Any] = {}
+    for source in names:
+        if source not in TABLES:
+            continue  # percentiles are typeset with their table
+        percentiles = TABLES[source].percentiles
+        for name, layout in TABLES[source].latex.items():
+            metrics = layout.metrics or percentiles
+            shown = {column: COLUMNS[column] for column in [*metrics, *layout.more_rows]}
+            formats = {metric: shown[metric].format for metric in metrics}
+            layouts[name] = {
+                "source": f"{source}_percentiles" if percentiles else source,
+                "caption": f"{layout.caption} {_MEDIANS}" if percentiles else layout.caption,
+                "metrics": metrics,
+                "columns": layout.columns,
+                "more_rows": layout.more_rows,
+                "where": layout.where,
+                # of control, which are shown where they differ
+                "conditions": CONDITIONS if "strategy" in layout.more_rows else [],
+                "heads": {key: column.head for key, column in shown.items() if column.head},
+                "formats": {metric: text for metric, text in formats.items() if text},
+            }
+    return layouts
