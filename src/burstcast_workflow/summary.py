@@ -1,7 +1,6 @@
 """Summary and warnings of a finished campaign, shown at the end of a run."""
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -115,44 +114,33 @@ def warnings_summary(tables: Path) -> str:
     warnings = found_warnings(tables_in(tables))
     if not warnings:
         return ""
-    lines = [
-        f"  {warning.whose}: {warning.finding}. Try: {warning.advice}." for warning in warnings
-    ]
+    lines = ["  {whose}: {finding}. Try: {advice}.".format(**warning) for warning in warnings]
     left_out = len(lines) - MOST_WARNINGS
     lines = lines[:MOST_WARNINGS] + ([f"  ... and {left_out} more"] if left_out > 0 else [])
     return "\n".join([f"What to look at twice ({tables / _WARNINGS}.csv):", *lines])
 
 
-@dataclass(frozen=True)
-class FoundWarning:
-    """A sign that results are less than they seem: whose, what was found, and what to try."""
-
-    whose: str
-    finding: str
-    advice: str
-
-
-def found_warnings(tables: Mapping[str, Path]) -> list[FoundWarning]:
-    """Signs that results are less than they seem; what is said of several is one.
+def found_warnings(tables: Mapping[str, Path]) -> list[dict[str, str]]:
+    """Signs that results are less than they seem: whose, finding, advice; one for several.
 
     The first of each kind come first, so that no kind is missing where not all are shown.
     """
     table = _read(tables, _WARNINGS)
     if table is None:
         return []
-    forecasters: dict[tuple[str, ...], list[str]] = {}
-    for row in table.astype(object).to_dict("records"):
-        key = row["warning"], row["finding"], row["advice"], row["case"]
-        forecasters.setdefault(key, []).append(_described(row))
-    first: list[FoundWarning] = []
-    others: list[FoundWarning] = []
-    kinds: set[str] = set()
-    for (kind, finding, advice, case), names in forecasters.items():
-        listed = "; ".join(filter(None, names))
-        whose = f"{case}, {listed}" if listed else case
-        (others if kind in kinds else first).append(FoundWarning(whose, finding, advice))
-        kinds.add(kind)
-    return first + others
+    names = [_described(row) for row in table.astype(object).to_dict("records")]
+    keys = ["warning", "finding", "advice", "case"]
+    warnings = table.assign(forecaster=names).groupby(keys, sort=False)["forecaster"]
+    joined = warnings.agg(lambda listed: "; ".join(filter(None, listed))).reset_index()
+    joined = joined.iloc[joined["warning"].duplicated().argsort(kind="stable")]
+    return [
+        {
+            "whose": ", ".join(filter(None, [row["case"], row["forecaster"]])),
+            "finding": row["finding"],
+            "advice": row["advice"],
+        }
+        for row in joined.to_dict("records")
+    ]
 
 
 def _read(tables: Mapping[str, Path], name: str) -> pd.DataFrame | None:

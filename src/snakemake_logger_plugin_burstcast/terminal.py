@@ -66,11 +66,6 @@ def interrupted() -> bool:
     return _interruption.is_set()
 
 
-def _without_places(text: str) -> str:
-    """A message that burstcast's rules raise, without where they do."""
-    return _PLACE.sub("", _RAISED.sub("", text)) if _RAISED.match(text) else text
-
-
 class Progress:
     """Progress of a run on some cores, and the time left.
 
@@ -313,8 +308,9 @@ class TerminalHandler(LogHandlerBase):
                 self._say(f"{self._progress.line(now)}  {self._running()}")
 
     def _say(self, text: str) -> None:
-        """Write lines that stay, above the line of progress."""
+        """Write lines that stay, above the line of progress, without where rules raise messages."""
         self._written_at = time.monotonic()
-        text = _without_places(text)
+        if _RAISED.match(text):
+            text = _PLACE.sub("", _RAISED.sub("", text))
         self._stream.write(f"\r\x1b[K{text}\n" if self._live else f"{text}\n")
         self._stream.flush()

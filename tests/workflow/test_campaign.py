@@ -15,7 +15,7 @@ from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import Job, settings_of_cases, settings_of_job
 from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.campaign.members import CaseForecaster
-from burstcast_workflow.config.case import Encoded, Simulated
+from burstcast_workflow.config.case import Measured, Simulated
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.model import Choice
 from burstcast_workflow.harness.canonical import canonical, canonical_json
@@ -215,6 +215,7 @@ def test_modules_that_a_job_is_about(wildcards, kinds, strategies):
         "burstcast.forecasters": kinds.split(),
         "burstcast.control.strategies": [],
         "burstcast.networks.validation_strategies": strategies.split(),
+        "burstcast.data.encoders": [],
     }
 
 
@@ -357,7 +358,7 @@ def test_channels_are_known_beforehand():
     assert {name: case.space.dimension for name, case in campaign.cases.items()} == dimensions
     assert campaign.cases["invariants"].parameters["components"] == invariants
     kinds = {name: type(case) for name, case in campaign.cases.items()}
-    assert kinds == dict.fromkeys(dimensions, Encoded) | {"turbulence": Simulated}
+    assert kinds == dict.fromkeys(dimensions, Measured) | {"turbulence": Simulated}
     assert campaign.cases["sensors"].source is campaign.cases["turbulence"]
 
 

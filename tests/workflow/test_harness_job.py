@@ -148,9 +148,12 @@ def main_with(parameters):
             "UndeclaredSettingError: train reads the setting neurons, which does not concern it; "
             "its settings are: name, number (log:",
         ),
-        (main_with("*, network, settings"), "TypeError: main takes no argument data"),
-        (main_with("*, data, settings"), "TypeError: main takes no argument network"),
-        (main_with("*, data, network, other"), "missing 1 required keyword-only argument: 'other'"),
+        (main_with("*, network, settings"), "unexpected keyword argument 'data'"),
+        (main_with("*, data, settings"), "unexpected keyword argument 'network'"),
+        (
+            main_with("*, data, network, settings, other"),
+            "missing 1 required keyword-only argument: 'other'",
+        ),
         (
             f'script.write_text("import burstcast.systems; EDITED = 1")\n{MAIN}    open("ran")',
             "UnlikeCodeError: train.py changed after the workflow was planned",

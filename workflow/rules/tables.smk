@@ -3,11 +3,12 @@
 from burstcast_workflow.campaign.job_settings import settings_of_cases
 from burstcast_workflow.jobs.network_inputs import CaseInputs
 from burstcast_workflow.jobs.parameters import CaseData
-from burstcast_workflow.tables.jobs import caption_of, in_report
+from burstcast_workflow.tables.declarations import TABLES
 from burstcast_workflow.tables.registry import (
     MAKERS,
     cases_of_tables,
     files_by,
+    in_report,
     joined,
     kinds_of,
     latex_names,
@@ -75,8 +76,9 @@ for section, files in tables_by_section(campaign).items():
 # -- tables of the whole campaign --------------------------------------------------------------------
 
 
+caption_of = {name: layout["caption"] for name, layout in typeset(TABLES).items()}
 data_parameters = {
-    "caption": caption_of("data_generation_parameters"),
+    "caption": caption_of["data_generation_parameters"],
     "cases": settings_of_cases(campaign, CaseData, campaign.simulated_cases),
 }
 
@@ -117,7 +119,7 @@ rule network_hyperparameters:
     params:
         *of_script(
             "tables/network_hyperparameters.py",
-            caption=caption_of("network_hyperparameters"),
+            caption=caption_of["network_hyperparameters"],
             cases=settings_of_cases(campaign, CaseInputs),
         ),
     script:

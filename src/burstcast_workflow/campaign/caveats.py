@@ -9,7 +9,6 @@ from burstcast.data.starting_points import starting_points
 from burstcast.statistics.warning_signs import FEW_POSITIVES
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.lengths import plans_of
-from burstcast_workflow.config.case import Simulated
 from burstcast_workflow.config.case_checks import factors_of
 
 
@@ -34,15 +33,11 @@ def extrapolations(campaign: Campaign) -> Iterator[str]:
 
 
 def few_points(campaign: Campaign) -> str:
-    """Describe cases with too few starting points of forecasts for any score; "" if there are none.
-
-    That is fewer than the events that a score takes (`FEW_POSITIVES`), as far as Lyapunov times are
-    known.
-    """
+    """Cases with fewer starting points than the events of any score, in words; "" without such."""
     config, lacking = campaign.config, []
     for name, case in campaign.cases.items():
         steps, samples = case.steps_per_lyapunov_time, case.samples
-        if not isinstance(case, Simulated) or steps is None or samples is None:
+        if not case.has_equations or steps is None or samples is None:
             continue
         washout = durations.steps(config.washout_lt, steps)
         reach = durations.steps(config.classification.reach_lt, steps)
@@ -54,10 +49,8 @@ def few_points(campaign: Campaign) -> str:
         ):
             spacing = durations.steps(spacing_lt, steps)
             points = len(starting_points(series, samples, spacing, washout, reach))
-            if points < FEW_POSITIVES:
-                few.append(f"{points} to {use}")
-        if few:
-            lacking.append(f"{name} has {' and '.join(few)}")
+            few += [f"{points} to {use}"] if points < FEW_POSITIVES else []
+        lacking += [f"{name} has {' and '.join(few)}"] if few else []
     if not lacking:
         return ""
     return (

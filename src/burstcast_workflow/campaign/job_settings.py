@@ -47,11 +47,6 @@ class Job:
         """Settings of the case as they are given to jobs."""
         return self.campaign.plain_cases[self.case_name]
 
-    @property
-    def shown(self) -> Shown:
-        """What figures and tables show of the case."""
-        return Shown(self.campaign, self.case_name)
-
     @cached_property
     def name(self) -> ForecasterName:
         """Forecaster or controller of the job, or the network that its reservoir is for."""
@@ -89,9 +84,10 @@ class Job:
                 value: Any = self.plain_case if rest[0] in self.plain_case else self.case
             elif section == "forecasters":
                 value = self.campaign.sections(self.case_name, self.name.label)
+            elif section == "shown":
+                value = Shown(self.campaign, self.case_name)
             else:
-                places = {"job": self, "shown": self.shown}
-                value = places[section] if section in places else self.campaign.plain[section]
+                value = self if section == "job" else self.campaign.plain[section]
             for key in rest:
                 value = value[key] if isinstance(value, dict) else getattr(value, key)
         except (KeyError, AttributeError) as error:

@@ -9,10 +9,12 @@ from contextlib import suppress
 
 from burstcast.base import durations
 from burstcast.control.timing import Schedule
+from burstcast.forecasters.precursor import lag_steps
+from burstcast.forecasters.registry import sections_of_kind
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import Job, settings_of_job
 from burstcast_workflow.config.case import Case, Simulated
-from burstcast_workflow.config.control_plans import ControlPlan, plan_values
+from burstcast_workflow.config.control_plans import ControlPlan, block_plans
 from burstcast_workflow.config.measured_cases import space_of
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.problems import of_cases
@@ -36,16 +38,25 @@ def _misfits(campaign: Campaign, case: Case) -> list[str]:
         steps = case.steps_per_lyapunov_time
     if problems:
         return problems
+    wildcards = {"case": case.name}
+    asked = Job(campaign, wildcards).asked_of_series
     if steps is not None:
-        wildcards = {"case": case.name}
         lengths = Lengths(settings_of_job(campaign, Lengths.paths(), wildcards), wildcards)
-        asked = Job(campaign, wildcards).asked_of_series
         problems += lengths.misfits(steps, case.samples, **asked)
         if not isinstance(case, Simulated):
             advice = "data.blocks.duration" if case.data and case.data.blocks else "data.delays"
             problems = [text.replace("ensemble.duration", advice) for text in problems]
+    steps, forecasters = steps or FINE, campaign.config.forecasters
+    sections = {name for kind in asked["kinds"] for name in sections_of_kind(kind)}
+    with listing(problems):
+        if "precursor" in sections:
+            washout = durations.steps(campaign.config.washout_lt, steps)
+            lag_steps(forecasters.precursor.lags_lt, steps, washout)
+        if sections & {"precursor", "esn_direct"}:
+            name = "forecasters.classifiers.start_spacing_lt"
+            durations.positive_steps(forecasters.classifiers.start_spacing_lt, steps, name)
     if isinstance(case, Simulated):
-        problems += _control(campaign, case, steps or FINE)
+        problems += _control(campaign, case, steps)
     return problems
 
 
@@ -80,6 +91,7 @@ def plans_of(config: Configuration, case: str) -> Iterator[tuple[int, ControlPla
     """Valid plans of the blocks of strategies that control a case, with the block's number."""
     for index, block in enumerate(config.control.strategies):
         if case in (block.cases or [case]):
-            for values in plan_values(block):
+            for plan in block_plans(block):
                 with suppress(ValueError):  # reported with the block
-                    yield index, ControlPlan(**values)
+                    _ = plan.strategy
+                    yield index, plan

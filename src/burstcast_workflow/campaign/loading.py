@@ -67,8 +67,7 @@ def load(
     """
     config = dict(config)
     if defaults is not None:
-        with Path(defaults).open(encoding="utf-8") as file:
-            whole = yaml.load(file, _LOADER)
+        whole = yaml.load(Path(defaults).read_text(encoding="utf-8"), _LOADER)
         update_config(whole, config)
         config = whole
     problems, sound, aside = misread(files), None, list[str]()
@@ -76,8 +75,8 @@ def load(
         sound = Configuration.model_validate(config)
     except ValidationError as error:
         problems += problems_of(error, Configuration)
-        with (project_root() / "config.yaml").open(encoding="utf-8") as file:
-            sound, aside = sound_part(config, yaml.load(file, _LOADER))
+        shipped = (project_root() / "config.yaml").read_text(encoding="utf-8")
+        sound, aside = sound_part(config, yaml.load(shipped, _LOADER))
     if sound is not None:
         sound = completed(sound)
         relations = [*contradictions(sound), *misfits(sound)]
@@ -88,10 +87,7 @@ def load(
 
 
 def misread(paths: Iterable[str | Path]) -> list[str]:
-    """Find pitfalls of YAML: duplicate keys, octal (0400) and sexagesimal (6:40) numbers, dates.
-
-    ``list of str``: A message for each, with file, line, setting, and what to write.
-    """
+    """Find pitfalls of YAML: duplicate keys, octal (0400) and sexagesimal (6:40) numbers, dates."""
     problems: list[str] = []
     for path in dict.fromkeys(map(os.path.relpath, paths)):
         # what is no YAML is JSON: Snakemake has read it already

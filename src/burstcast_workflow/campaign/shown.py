@@ -11,8 +11,7 @@ from typing import Any
 from burstcast.base.declared import File
 from burstcast.data.observation.velocity_sensors import PlaneFlow
 from burstcast_workflow.campaign.campaign import Campaign, nearest
-from burstcast_workflow.campaign.control_runs import ControlRun
-from burstcast_workflow.campaign.members import CaseForecaster
+from burstcast_workflow.campaign.members import CaseForecaster, ControlRun
 
 
 class Choices:
@@ -82,10 +81,8 @@ class Choices:
     @property
     def plane_flows(self) -> list[str]:
         """Cases of flows in a plane."""
-        return [case for case in self.campaign.simulated_cases if self._is_plane(case)]
-
-    def _is_plane(self, case: str) -> bool:
-        return isinstance(self.campaign.cases[case].space, PlaneFlow)
+        cases, simulated = self.campaign.cases, self.campaign.simulated_cases
+        return [case for case in simulated if isinstance(cases[case].space, PlaneFlow)]
 
     @property
     def decoded_planes(self) -> list[str]:
@@ -105,10 +102,7 @@ class Choices:
 
     @cached_property
     def example_run(self) -> ControlRun | None:
-        """Run of control that the figures of one event are taken from; None if there is none.
-
-        The example's network, or else the first one that controls so far ahead.
-        """
+        """Run of control that figures of one event show: the example network's, or the first."""
         time = nearest(self.campaign.config.control.prediction_times_lt, 2)
         runs = [run for run in self._network_runs if run.prediction_time_lt == time]
         example = self.campaign.example
@@ -213,7 +207,7 @@ class Shown(Choices):
     @property
     def decoded(self) -> list[CaseForecaster]:
         """Forecasters whose channels of a plane flow can be decoded: networks first."""
-        if self.campaign.cases[self.case].undecoded or not self._is_plane(self.source):
+        if self.campaign.cases[self.case].undecoded or self.source not in self.plane_flows:
             return []
         networks = self.campaign.select(case=self.case, kind="esn")
         forecasters = [*networks, *self._of_case(self.campaign.trajectory_forecasters)]

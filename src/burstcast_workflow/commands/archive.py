@@ -15,7 +15,7 @@ import os
 import platform
 import sys
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -61,10 +61,7 @@ class NothingToArchiveError(ValueError):
 
 
 def versions(claim: Mapping[str, Any]) -> dict[str, Any]:
-    """Versions of Python and of the libraries here, and of what the last run was of.
-
-    ``claim``: What the last run has planned (`burstcast_workflow.tracking.run`).
-    """
+    """Versions of Python and of the libraries here, and of what the last run was of (``claim``)."""
     return {
         "python": platform.python_version(),
         "libraries": {
@@ -96,11 +93,12 @@ def _is_archive(path: Path) -> bool:
 
 
 def contents(results: Path, claim: Mapping[str, Any], why: str) -> dict[str, bytes]:
-    """Files of the archive of a campaign, by their names in it. ``claim``: See `versions`."""
+    """Files of the archive of a campaign, by their names in it."""
     files = {
         f"{directory}/{path.name}": path.read_bytes()
         for directory, suffixes in (("tables", (".csv", ".tex")), ("figures", (".pdf", ".png")))
-        for path in _files(results / directory, suffixes)
+        for path in sorted((results / directory).glob("*"))
+        if path.suffix in suffixes
     }
     if not files:
         raise NothingToArchiveError(
@@ -118,10 +116,6 @@ def contents(results: Path, claim: Mapping[str, Any], why: str) -> dict[str, byt
     files["README.md"] = readme.encode()
     files["CITATION.cff"] = (project_root() / "CITATION.cff").read_bytes()
     return {f"{results.name}/{name}": content for name, content in files.items()}
-
-
-def _files(directory: Path, suffixes: Iterable[str]) -> list[Path]:
-    return [path for path in sorted(directory.glob("*")) if path.suffix in suffixes]
 
 
 def _claim_of(results: Path) -> dict[str, Any]:

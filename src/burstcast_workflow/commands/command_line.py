@@ -21,18 +21,16 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     def command(
-        name: str, module: str, does: str, *, of_snakemake: bool = False
+        name: str, module: str, does: str, epilog: str | None = None
     ) -> argparse.ArgumentParser:
-        epilog = _OF_SNAKEMAKE if of_snakemake else None
         added = commands.add_parser(
             name, help=does, description=does, epilog=epilog, allow_abbrev=False
         )
-        added.set_defaults(module=module, of_snakemake=of_snakemake)
+        added.set_defaults(module=module, of_snakemake=epilog is not None)
         return added
 
-    command(
-        "settings", "config.reference", "list all settings with their units, defaults and bounds"
-    )
+    does = "list all settings with their units, defaults and bounds"
+    command("settings", "config.reference", does)
     for kind, example, values in (
         ("system", "lorenz63", "parameters of its equations"),
         ("forecaster", "nvar", "options of its class"),
@@ -43,12 +41,8 @@ def _parser() -> argparse.ArgumentParser:
             "name", metavar=kind, help=f"{example}, ..., or <module>:<class> of your own"
         )
         check.add_argument("values", nargs="*", metavar="NAME=VALUE", help=values)
-    archive = command(
-        "archive",
-        "commands.archive",
-        "tables, figures, report, config, versions and reasons in one zip",
-        of_snakemake=True,
-    )
+    does = "tables, figures, report, config, versions and reasons in one zip"
+    archive = command("archive", "commands.archive", does, _OF_SNAKEMAKE)
     archive.add_argument("--output", type=Path, help="the zip; <results>.zip if left out")
     return parser
 

@@ -325,9 +325,11 @@ class Case(Section):
         "sensors see it; null: forecasters receive what is observed"
     )
 
+    files: Distinct[str] | None = optional(
+        "files that a module of your own reads, from the directory of the module; [] if none"
+    )
+
     has_equations: ClassVar[bool] = False
-    #: whether forecasters receive readings of sensors, or what an encoder makes
-    is_encoded: ClassVar[bool] = False
     _name: str = ""
     _source: "Case | None" = None
 
@@ -355,6 +357,18 @@ class Case(Section):
     def realisation(self) -> int:
         """Number of its choice of training series; 0: the first ones."""
         return realisation_of(self._name)[1]
+
+    @property
+    def is_encoded(self) -> bool:
+        """Whether forecasters receive readings of sensors, or what an encoder makes."""
+        return not self.has_equations and (self.sensors or self.encoder) is not None
+
+    @property
+    def own_module(self) -> str | None:
+        """Module of a system or an encoder of the user's own."""
+        if ":" in self.kind_of_encoder:
+            return encoder_module(self.kind_of_encoder)
+        return system_module(self.system) if ":" in self.system else None
 
     @property
     def takes_series(self) -> bool:
@@ -443,7 +457,11 @@ class Case(Section):
     @property
     def sensor(self) -> dict[str, Any]:
         """Observations of the source, for forecasters that control it by this part of it."""
-        raise TypeError(f"{self.name} is no part of another case")
+        plain = self.given()
+        if self.is_encoded:
+            return {name: plain[name] for name in ("parameters", "sensors", "encoder")}
+        components, observable = plain["data"]["components"], plain["parameters"]["observable_of"]
+        return {"components": components, "of": observable}
 
     def values_of(self, names: Sequence[str], share: float = 0.0) -> list[float]:
         """Values of parameters in force at a share of the actuation; none of records."""
@@ -454,8 +472,8 @@ class Case(Section):
         plain = self.dump()
         if self.imported_noise:
             plain["training"]["noise"] = 0  # what is imported has it already
-        if isinstance(self.event_threshold, Quantile):
-            plain["event_threshold"] = vars(self.event_threshold.of(self.name))
+        if self.event_quantile is not None:  # whose value another job determines
+            plain["event_threshold"]["case"] = self.name
         return plain
 
 
@@ -466,19 +484,11 @@ class Simulated(Case):
         "the equations: a module of burstcast.systems, or module:Class of your own, in the working "
         "directory, beside a config, or installed"
     )
-    files: Distinct[str] | None = optional(
-        "files that a module of your own reads, from the directory of the module; [] if none"
-    )
     parameters: dict[ParameterName, Number] = setting("parameters of the equations", default={})
     ensemble: Ensemble
     lyapunov: Lyapunov
     controlled_density: Density = setting("bins of the observable's density under control")
     has_equations: ClassVar[bool] = True
-
-    @property
-    def own_module(self) -> str | None:
-        """Module of a system of the user's own."""
-        return system_module(self.system) if ":" in self.system else None
 
     def values_of(self, names: Sequence[str], share: float = 0.0) -> list[float]:
         """Values of parameters of the equations, or the share itself."""
@@ -499,7 +509,7 @@ class MeasuredSteps(Steps):
 
 
 class Measured(Case):
-    """A case of measured series."""
+    """A case of measured series: in files, or of what is seen of another case's state."""
 
     system: Literal["measured"]
     ensemble: MeasuredSteps
@@ -508,34 +518,6 @@ class Measured(Case):
     test_series: Count | None = None  # type: ignore[assignment]
     actuation: None = None
     data: DataOfCase
-
-
-class PartOfCase(Measured):
-    """A case that is a part of another case's state."""
-
-    @property
-    def sensor(self) -> dict[str, Any]:
-        """Components of the source, and what its observable is made of."""
-        return {"components": self.data.components, "of": self.parameters["observable_of"]}
-
-
-class Encoded(PartOfCase):
-    """A case of readings of another case by sensors, or of what an encoder makes of it."""
-
-    is_encoded: ClassVar[bool] = True
-    files: Distinct[str] | None = None
-
-    @property
-    def own_module(self) -> str | None:
-        """Module of an encoder of the user's own."""
-        kind = self.kind_of_encoder
-        return encoder_module(kind) if ":" in kind else None
-
-    @property
-    def sensor(self) -> dict[str, Any]:
-        """Sensors and encoder, with the channels."""
-        plain = self.given()
-        return {name: plain[name] for name in ("parameters", "sensors", "encoder")}
 
 
 WHOLE = ("data", "sensors", "encoder")

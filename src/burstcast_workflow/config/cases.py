@@ -9,8 +9,8 @@ from burstcast.forecasters.registry import kind_module
 from burstcast.statistics.densities import SETTLED
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import system_class
-from burstcast_workflow.config.case import Case, Encoded, Measured, PartOfCase, Simulated
-from burstcast_workflow.config.measured_cases import is_encoded, measured_record
+from burstcast_workflow.config.case import Case, Measured, Simulated
+from burstcast_workflow.config.measured_cases import measured_record
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.harness.canonical import canonical
 
@@ -51,12 +51,7 @@ def case_of(config: Configuration, name: str) -> Case:
 
 def kind_of(config: Configuration, name: str) -> type[Case]:
     """Class of a case, which follows from its entry in ``cases``."""
-    data = config.data_of(name)
-    if data is None:
-        return Simulated
-    if is_encoded(config.entry_of(name)):
-        return Encoded
-    return PartOfCase if data.case else Measured
+    return Simulated if config.data_of(name) is None else Measured
 
 
 def sound_case(config: Configuration, name: str) -> Case | None:
@@ -70,17 +65,15 @@ def sound_case(config: Configuration, name: str) -> Case | None:
 def case_record(config: Configuration, name: str) -> Config:
     """Settings of a case from all places (`case_of`); some may be missing."""
     name, _ = realisation_of(name)
-    defaults = config.case_defaults
-    entry = config.entry_of(name)
+    defaults, entry, data = config.case_defaults, config.entry_of(name), config.data_of(name)
     system = entry.get("system", defaults.system)
-    if config.data_of(name) is not None:
+    if data is not None:
         # parts of what is simulated, never of what is measured itself
         simulated = {key: case for key, case in config.cases.items() if case.get("data") is None}
         others = config.model_copy(update={"cases": simulated})
-        base = measured_record(defaults, entry, lambda other: case_record(others, other))
-        record = _merged(base, {key: value for key, value in entry.items() if key != "data"})
-        _derive(record)
-        return record
+        source = case_record(others, data.case) if data.case else None
+        base = measured_record(defaults, entry, source)
+        return _derived(_merged(base, {**entry, "data": base["data"]}))
     if system == defaults.system:
         record = _merged(defaults.dump(), entry)
     else:
@@ -88,10 +81,7 @@ def case_record(config: Configuration, name: str) -> Config:
         shared = defaults.model_dump(include=WITHOUT_UNITS)
         if not settings.get("actuation"):
             del shared["actuation"]
-        record = _merged(shared, settings)
-        if "initial_state" not in record["ensemble"] and _draws_initial_states(system):
-            record["ensemble"].update(dict.fromkeys(_INITIAL))
-        _derive(record)
+        record = _derived(_merged(shared, settings))
     if (reynolds := reynolds_in(name)) is not None:
         # what the entry itself says stays, for the checks to compare
         record.setdefault("parameters", {}).setdefault("reynolds", reynolds)
@@ -115,50 +105,32 @@ _ORTHONORMALISATION_STEPS = 5
 
 
 def own_modules(config: Mapping[str, Any]) -> dict[str, list[str] | None]:
-    """Modules of the user's own systems, encoders and forecasters, and the files that they read.
-
-    The files are None where no case of the module has the setting ``files``.
-    """
+    """Modules of the user's own, and the files that they read: None without a setting of them."""
     sound = Configuration.model_validate(config)
-    blocks = [block.forecasters.own for block in sound.campaign]
     modules: dict[str, list[str] | None] = {
-        kind_module(kind): None for kinds in blocks for kind in kinds
+        kind_module(kind): None for block in sound.campaign for kind in block.forecasters.own
     }
     for case in cases_of(sound).values():
-        if isinstance(case, Simulated | Encoded) and (module := case.own_module):
-            files_of_cases = [
-                files for files in (modules.get(module), case.files) if files is not None
-            ]
-            modules[module] = (
-                sorted({file for files in files_of_cases for file in files})
-                if files_of_cases
-                else None
-            )
+        if module := case.own_module:
+            files = modules.setdefault(module, None)
+            if case.files is not None:
+                modules[module] = sorted({*(files or []), *case.files})
     return modules
 
 
 def class_defaults(system: str) -> Config:
-    """Defaults of cases from the class of a system; empty if there is no such class."""
+    """Defaults of cases from the class of a system, if there is one; it may draw initial states."""
     try:
-        defaults = system_class(system).case_defaults
+        owner = system_class(system)
     except (ValueError, TypeError):  # reported for the case
         return {}
-    result: Config = canonical(dict(defaults), f"case_defaults of the system {system}")
-    return result
+    given = canonical(dict(owner.case_defaults), f"case_defaults of the system {system}")
+    drawn = dict.fromkeys(("initial_state", "perturbed_component", "perturbation"))
+    return _merged({"ensemble": drawn} if has_own(owner, "sample_initial_states") else {}, given)
 
 
-_INITIAL = ("initial_state", "perturbed_component", "perturbation")
-
-
-def _draws_initial_states(system: str) -> bool:
-    try:
-        return has_own(system_class(system), "sample_initial_states")
-    except (ValueError, TypeError):  # reported for the case
-        return False
-
-
-def _derive(record: Config) -> None:
-    """Fill in what follows from other settings, where neither class nor entry says it."""
+def _derived(record: Config) -> Config:
+    """A record with what follows from its settings, where neither class nor entry says it."""
     lyapunov, ensemble = record["lyapunov"], record["ensemble"]
     if "time_step" in ensemble and "sampling_stride" in ensemble:
         interval = ensemble["time_step"] * ensemble["sampling_stride"]
@@ -168,6 +140,7 @@ def _derive(record: Config) -> None:
         if "controlled_density" in record:
             record["controlled_density"].setdefault("range", [low, high])
         record.setdefault("fixed_point", {"variation": SETTLED * (high - low), "above": low})
+    return record
 
 
 def _merged(base: Mapping[str, Any], overlay: Mapping[str, Any]) -> Config:

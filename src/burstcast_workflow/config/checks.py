@@ -5,7 +5,7 @@ Bounds of one setting that are other settings stand in the model, what holds wit
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -18,9 +18,9 @@ from burstcast.forecasters.registry import all_kinds, available_kinds, kind_clas
 from burstcast.systems.registry import system_class
 from burstcast_workflow.config.bounds import out_of_bounds
 from burstcast_workflow.config.case import CaseEntry, Simulated
-from burstcast_workflow.config.case_checks import CaseChecks
+from burstcast_workflow.config.case_checks import problems_of_case
 from burstcast_workflow.config.cases import class_defaults, sound_case
-from burstcast_workflow.config.control_plans import ControlPlan, plan_values
+from burstcast_workflow.config.control_plans import block_plans
 from burstcast_workflow.config.forecasters import NetworkChoice
 from burstcast_workflow.config.kinds import Quantile
 from burstcast_workflow.config.measured_cases import is_encoded
@@ -41,12 +41,13 @@ def contradictions(config: Configuration) -> list[str]:
         *_campaign(config),
         *_same_names(config),
         *_strategies(config),
-        *_without_trajectories(config),
+        *_kinds("statistics.forecasters", config.statistics.forecasters.kinds),
+        *_kinds("control.forecasters", config.control.forecasters.kinds),
         *_figures(config),
     ]
     cases = _cases(config)
     checked = [name for name in config.case_names if name in cases]
-    problems += of_cases((name, CaseChecks(config, name).problems()) for name in checked)
+    problems += of_cases((name, problems_of_case(config, name)) for name in checked)
     return list(dict.fromkeys(problems))
 
 
@@ -131,19 +132,16 @@ def _connections(config: Configuration, place: str, block: Block) -> Iterator[st
 
 def _same_names(config: Configuration) -> Iterator[str]:
     """Different classes of one's own, or options of a class, that tables would call the same."""
-    classes = [
-        (f"campaign[{index}].forecasters", kind, forecaster)
-        for index, block in enumerate(config.campaign)
-        for kind, forecaster in block.forecasters.own.items()
-    ]
     named: dict[str, tuple[str, dict[str, Any]]] = {}
-    for place, kind, forecaster in classes:
-        name = "_".join(filter(None, [kind.rpartition(":")[2], forecaster.label]))
-        if named.setdefault(name, (kind, forecaster.options)) != (kind, forecaster.options):
-            yield (
-                f"{place}: {kind} and another forecaster of the campaign are both called {name} in "
-                f"tables; give one of them a label: {{{kind}: {{label: other, ...}}}}"
-            )
+    for index, block in enumerate(config.campaign):
+        for kind, forecaster in block.forecasters.own.items():
+            name = "_".join(filter(None, [kind.rpartition(":")[2], forecaster.label]))
+            if named.setdefault(name, (kind, forecaster.options)) != (kind, forecaster.options):
+                yield (
+                    f"campaign[{index}].forecasters: {kind} and another forecaster of the campaign "
+                    f"are both called {name} in tables; give one of them a label: {{{kind}: "
+                    f"{{label: other, ...}}}}"
+                )
 
 
 def _realisations(config: Configuration, place: str, block: Block, name: str) -> Iterator[str]:
@@ -185,15 +183,17 @@ def _strategies(config: Configuration) -> Iterator[str]:
         place, name = f"control.strategies[{index}]", block.strategy
         text = f"{place}.cases: the campaign has no case {{}}"
         yield from unknown(block.cases, config.case_names, text)
-        if strategy_class(name).forecasts and not block.kinds:
+        strategy = strategy_class(name)
+        if strategy.forecasts and not block.kinds:
             yield f"{place}.forecasters names no kind, but {name} asks forecasters"
-        if block.kinds and not strategy_class(name).forecasts:
+        if block.kinds and not strategy.forecasts:
             yield f"{place}.forecasters: {name} uses no forecaster; leave it out"
+        yield from _kinds(f"{place}.forecasters", block.kinds, strategy.by_probability)
         yield from _observed(config, block, place)
         plain = [kind for kind in block.kinds if not kind_class(kind).aware]
-        for values in plan_values(block):
+        for plan in block_plans(block):
             try:
-                if ControlPlan(**values).strategy.informed and plain:
+                if plan.strategy.informed and plain:
                     yield (
                         f"{place}: {name} passes the parameters in force to forecasters, which "
                         f"{', '.join(plain)} cannot use; take kinds that know them"
@@ -207,30 +207,22 @@ def _strategies(config: Configuration) -> Iterator[str]:
         yield from _votes(block, place)
 
 
-def _without_trajectories(config: Configuration) -> Iterator[str]:
-    """Stages that need trajectories, chosen for kinds that forecast no states, or the reverse."""
-    choices = [
-        ("statistics.forecasters", config.statistics.forecasters.kinds, False),
-        ("control.forecasters", config.control.forecasters.kinds, False),
-    ]
-    for index, block in enumerate(config.control.strategies):
-        by_probability = strategy_class(block.strategy).by_probability
-        choices.append((f"control.strategies[{index}].forecasters", block.kinds, by_probability))
+def _kinds(place: str, kinds: Iterable[str], by_probability: bool = False) -> Iterator[str]:
+    """Kinds that forecast no states where trajectories are needed, or the reverse."""
     classifiers = sorted({*available_kinds()} - {*trajectory_kinds()})
-    for place, kinds, by_probability in choices:
-        for kind in kinds:
-            if kind_class(kind).has_trajectories != by_probability:
-                continue
-            if by_probability:
-                yield (
-                    f"{place} names {kind}, which forecasts states; a strategy that acts on "
-                    f"probabilities takes classifiers: {', '.join(classifiers)}"
-                )
-            else:
-                yield (
-                    f"{place} names {kind}, which gives probabilities of events and forecasts no "
-                    "states; leave it out"
-                )
+    for kind in kinds:
+        if kind_class(kind).has_trajectories != by_probability:
+            continue
+        if by_probability:
+            yield (
+                f"{place} names {kind}, which forecasts states; a strategy that acts on "
+                f"probabilities takes classifiers: {', '.join(classifiers)}"
+            )
+        else:
+            yield (
+                f"{place} names {kind}, which gives probabilities of events and forecasts no "
+                "states; leave it out"
+            )
 
 
 def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterator[str]:

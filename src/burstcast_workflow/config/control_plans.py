@@ -6,7 +6,8 @@ its settings, and those conditions that differ from the paper's.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from typing import Any
 
@@ -24,10 +25,7 @@ CONDITIONS = ("starts", "quiet_lt", "span_lt", "delay_lt", "strength", "noise")
 
 @dataclass(frozen=True)
 class ControlPlan:
-    """A strategy with its settings, and conditions; None is what the campaign and the case say.
-
-    Making one raises a ValueError if settings of the strategy are invalid.
-    """
+    """A strategy with its settings, and conditions; None is what the campaign and the case say."""
 
     kind: str  #: kind of strategy: a module of `burstcast.control.strategies`
     settings: tuple[tuple[str, Any], ...]  #: its settings, names and values
@@ -38,24 +36,23 @@ class ControlPlan:
     delay_lt: float
     strength: float
     noise: float | None  #: noise of the observations; None: the noise of the training series
-    #: case that is the observed part of the controlled one; empty: all of it is observed
-    observed: str = ""
-    strategy: ControlStrategy = field(init=False, compare=False, repr=False)
+    observed: str  #: case that is the observed part of the controlled one; empty: all is observed
 
-    def __post_init__(self) -> None:
-        """Make the strategy."""
-        object.__setattr__(self, "strategy", make_strategy(self.kind, dict(self.settings)))
+    @cached_property
+    def strategy(self) -> ControlStrategy:
+        """The strategy; a ValueError if its settings are invalid."""
+        return make_strategy(self.kind, dict(self.settings))
 
     @property
     def identifier(self) -> str:
         """Name of the plan in paths and tables."""
         parts = [self.kind]
         parts += [f"{name.removesuffix('_lt')}{named(value)}" for name, value in self.settings]
-        if self.starts != PAPER["starts"]:
+        if self.starts != _PAPER.starts:
             parts.append(self.starts)
         for name in CONDITIONS[1:]:
             value = getattr(self, name)
-            if value != PAPER[name]:
+            if value != getattr(_PAPER, name):
                 parts.append(f"{name.removesuffix('_lt')}{named(value)}")
         if self.observed:
             parts.append(f"observed{named(self.observed)}")
@@ -65,9 +62,8 @@ class ControlPlan:
     def is_of_the_paper(self) -> bool:
         """Whether it is the paper's protocol at some prediction time."""
         names = [name for name, _ in self.settings]
-        if self.kind != WINDOWS or names != ["prediction_time_lt", "window_lt"]:
-            return False
-        return self == replace(self, **PAPER)
+        papers = self == replace(_PAPER, settings=self.settings)
+        return papers and names == ["prediction_time_lt", "window_lt"]
 
     def record(self, span_lt: float) -> dict[str, Any]:
         """Settings for a job, with the campaign's span by default."""
@@ -81,38 +77,29 @@ class ControlPlan:
 def paper_plan(prediction_time_lt: float, window_lt: float) -> ControlPlan:
     """The paper's protocol at one prediction time."""
     values = (("prediction_time_lt", prediction_time_lt), ("window_lt", window_lt))
-    return ControlPlan(kind=WINDOWS, settings=values, **PAPER)
+    return replace(_PAPER, settings=values)
 
 
 def block_plans(block: StrategyBlock) -> Iterator[ControlPlan]:
     """Plans of a block of ``control.strategies``: all combinations of its lists."""
-    return (ControlPlan(**values) for values in plan_values(block))
-
-
-def plan_values(block: StrategyBlock) -> Iterator[dict[str, Any]]:
-    """Arguments of the plans of a block of ``control.strategies``."""
     names = sorted(block.settings)
     noises: list[float | None] = [*block.noise] or [None]
     conditions = product(block.delay_lt, block.strength, noises, block.observed or [""])
     several = product(*(block.settings[name] for name in names))
     for (delay_lt, strength, noise, observed), values in product(conditions, several):
-        yield {
-            "kind": block.strategy,
-            "settings": tuple(zip(names, map(_hashable, values), strict=True)),
-            "starts": block.starts,
-            "quiet_lt": block.quiet_lt,
-            "span_lt": block.span_lt,
-            "delay_lt": delay_lt,
-            "strength": strength,
-            "noise": noise,
-            "observed": observed,
-        }
+        hashable = (tuple(value) if isinstance(value, list) else value for value in values)
+        yield ControlPlan(
+            kind=block.strategy,
+            settings=tuple(zip(names, hashable, strict=True)),
+            starts=block.starts,
+            quiet_lt=block.quiet_lt,
+            span_lt=block.span_lt,
+            delay_lt=delay_lt,
+            strength=strength,
+            noise=noise,
+            observed=observed,
+        )
 
 
-def _hashable(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
-PAPER: dict[str, Any] = next(plan_values(StrategyBlock(strategy=WINDOWS)))
+_PAPER = next(block_plans(StrategyBlock(strategy=WINDOWS)))
 """The paper's conditions: those of a block that gives none."""
-del PAPER["kind"], PAPER["settings"]

@@ -44,13 +44,9 @@ def _example(config: Configuration) -> dict[str, Any]:
         if name.label is None and name.seed == 0
         for case in block.case_names
     ]
-    size = figures.fixed_neurons
-    if size is None and figures.example_forecaster is not None:
-        size = parsed(figures.example_forecaster).neurons
+    size = figures.fixed_neurons or parsed(figures.example_forecaster or "none").neurons
     if size is None and networks:
-        counts = Counter(
-            neurons for _, neurons in {(case, name.neurons) for case, name in networks}
-        )
+        counts = Counter(size for _, size in {(case, name.neurons) for case, name in networks})
         size = max(counts, key=lambda neurons: (counts[neurons], neurons or 0))
     alike = [
         (case, name)

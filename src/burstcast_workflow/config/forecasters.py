@@ -4,7 +4,14 @@ from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, ConfigDict, Field, create_model, model_validator
+from pydantic import (
+    AfterValidator,
+    ConfigDict,
+    Field,
+    create_model,
+    model_serializer,
+    model_validator,
+)
 
 from burstcast.base.compiled.backends import usable_backend
 from burstcast.base.names import ForecasterName
@@ -30,7 +37,6 @@ from burstcast_workflow.config.kinds import (
     with_defaults,
     wrong,
 )
-from burstcast_workflow.harness.canonical import canonical
 
 SIZES = "campaign.forecasters.esn.neurons"
 STRATEGIES = "campaign.forecasters.esn.validation"
@@ -38,9 +44,6 @@ STRATEGIES = "campaign.forecasters.esn.validation"
 
 class NoAxes(Section):
     """There is one forecaster of this kind: {}."""
-
-
-Alone = NoAxes | None
 
 
 class OwnForecaster(Section):
@@ -132,7 +135,7 @@ if TYPE_CHECKING:
     AllKinds = Chosen
 else:  # a new module of burstcast.forecasters is one kind more
     AllKinds = create_model(
-        "AllKinds", __base__=Chosen, **dict.fromkeys(all_kinds(), (Alone, None))
+        "AllKinds", __base__=Chosen, **dict.fromkeys(all_kinds(), (NoAxes | None, None))
     )
 
 
@@ -229,10 +232,11 @@ class EchoStateNetwork(Section):
 class Variant(EchoStateNetwork):
     """Settings of networks that differ from `forecasters.esn`."""
 
-    def dump(self) -> dict[str, Any]:
-        """Explicitly given settings, in canonical form."""
-        plain: dict[str, Any] = canonical(self.model_dump(exclude_unset=True))
-        return plain
+    @model_serializer(mode="wrap")
+    def _given(self, serialise: Any) -> dict[str, Any]:
+        """Explicitly given settings."""
+        settings = serialise(self)
+        return {name: settings[name] for name in self.model_fields_set}
 
 
 @with_defaults(vars(SECTIONS["observation"]()))

@@ -21,7 +21,6 @@ from burstcast.data.encoders.registry import available_encoders
 from burstcast.data.times import time_step_of
 from burstcast.networks.validation_strategies.registry import available_strategies
 from burstcast_workflow.harness.canonical import canonical
-from burstcast_workflow.harness.settings import CaseQuantile
 
 T = TypeVar("T")
 S = TypeVar("S", bound="Section")
@@ -208,10 +207,6 @@ class Quantile(Section):
     """An event threshold as the share of the training series' values that are below it."""
 
     quantile: Annotated[float, Field(gt=0, lt=1)]
-
-    def of(self, case: str) -> CaseQuantile:
-        """The event threshold of a case, as its jobs are given it."""
-        return CaseQuantile(self.quantile, case)
 
 
 Threshold = Annotated[

@@ -1,7 +1,8 @@
 """Cases whose series were measured: in files, or as a part of what another case's state has."""
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
@@ -33,6 +34,9 @@ ONLY_ENCODED = "sensors and encoder are for cases of another case's series: data
 _MEANINGLESS = ("system", "files", "parameters", "ensemble", "actuation", "controlled_density")
 _OF_CASES = ("components", "delays", "observable")
 _STEPS = ("time_step", "sampling_stride", "duration")
+_OF_SOURCE = ("training", "test_series", "recycle_validation")
+_OF_OBSERVABLE = ("event_threshold", "laminarisation_threshold", "density", "fixed_point")
+_OF_TIME = ("time_unit", "given_exponent", "orthonormalisation_interval")
 _WITHOUT_UNITS: Any = {
     "lyapunov": {"time_unit"},
     "training": {"series"},
@@ -41,16 +45,15 @@ _WITHOUT_UNITS: Any = {
 }
 
 
-def measured_record(
-    defaults: Simulated, entry: Config, record_of: Callable[[str], Mapping[str, Any]]
-) -> Config:
+def measured_record(defaults: Simulated, entry: Config, source: Mapping[str, Any] | None) -> Config:
     """Defaults of a case of measured series.
 
     It has of ``case_defaults`` only what has no unit of an observable or of time, and no noise is
     added to it. Parts of another case's state have that case's thresholds, bins, noise and unit of
     time, and the same series, as long as they are about the same observable.
 
-    ``entry``: The entry in ``cases``, with a section ``data``.
+    ``entry``: The entry in ``cases``, with a section ``data``. ``source``: Settings of the case
+    whose state the series are seen of; None for series in files.
     """
     section, data = Data.model_validate(entry["data"]), canonical(entry["data"])
     record: Config = defaults.model_dump(include=_WITHOUT_UNITS)
@@ -64,17 +67,27 @@ def measured_record(
         # a power of two: their product is the given step, to the last bit
         step, _ = time_step_of(section.time_step)
         steps |= {"time_step": step / SUBSTEPS, "sampling_stride": SUBSTEPS}
-    data["components"] = section.components or _seen_of_files(section)
+    in_advance = {Quantity(text).source for text in section.known}
+    data["components"] = section.components or [
+        name for name in _columns(section) if name not in in_advance
+    ]
     names = [Quantity(text).name for text in data["components"]]
-    if section.case is not None:
-        source = record_of(section.case)
+    if source is not None:
         steps = {key: source["ensemble"].get(key) for key in _STEPS}
-        record |= _of_source(source, data)
-        space = space_of(source)
-        if data["observable"] == OBSERVABLE and space is not None:
-            observable_name, observable_symbol = space.observable_name, space.observable_symbol
+        data.setdefault("observable", OBSERVABLE)
+        if (space := space_of(source)) is not None:
+            data["columns"] = [*component_names(space)]
+        keys: tuple[str, ...] = _OF_SOURCE
+        if data["observable"] == OBSERVABLE:
+            keys += _OF_OBSERVABLE
+            if space is not None:
+                observable_name, observable_symbol = space.observable_name, space.observable_symbol
+        record |= {key: source[key] for key in keys if key in source}
+        lyapunov = source["lyapunov"]
+        record["lyapunov"] = {key: lyapunov[key] for key in _OF_TIME if key in lyapunov}
         if is_encoded(entry):
-            names = _channels(entry, source)
+            with suppress(ValueError, TypeError):  # reported by `problems_of_encoding`
+                names = [*channel_names(*_encoding_of(entry, source))]
     past = [delayed_name(name, delay) for delay in section.delays for name in names]
     if steps["duration"] is not None and "time_step" in steps:
         lost = max(section.delays, default=0) * steps["time_step"] * steps["sampling_stride"]
@@ -100,10 +113,7 @@ def is_encoded(entry: Config) -> bool:
 
 
 def _encoding_of(entry: Config, source: Mapping[str, Any]) -> tuple[str, EncodingCase]:
-    """Kind of the encoder of an entry of ``cases``, and its inputs.
-
-    ``source``: System and parameters of the case that it is encoded from.
-    """
+    """Kind of the encoder of an entry of ``cases``, and its inputs from the source's state."""
     space = make_space(source["system"], source.get("parameters", {}))
     probes, encoder = entry.get("sensors"), entry.get("encoder")
     if probes is not None:
@@ -113,27 +123,11 @@ def _encoding_of(entry: Config, source: Mapping[str, Any]) -> tuple[str, Encodin
     return kind.kind, encoding_case(space, probes, options)
 
 
-def _channels(entry: Config, source: Mapping[str, Any]) -> list[str]:
-    """Names of the channels of an encoded case; none where there is a mistake."""
-    try:
-        return [*channel_names(*_encoding_of(entry, source))]
-    except (ValueError, TypeError):  # reported by `problems_of_encoding`
-        return []
-
-
-def _seen_of_files(data: Data) -> list[str]:
-    """Columns of the first file but what is known in advance; none where it cannot be read."""
-    in_advance = {Quantity(text).source for text in data.known}
-    return [name for name in _columns(data) if name not in in_advance]
-
-
 def _columns(data: Data) -> list[str]:
     """Columns of the first file but its times; none where it cannot be read."""
-    try:
+    with suppress(ValueError):  # reported by `problems_of_data`
         if data.files and os.path.exists(path := data.paths[0]):
             return _columns_at(path, os.stat(path).st_mtime_ns)
-    except ValueError:  # reported by `problems_of_data`
-        pass
     return []
 
 
@@ -142,32 +136,17 @@ def _columns_at(path: str, changed: int) -> list[str]:
     return content_of(path).names
 
 
-def _of_source(source: Mapping[str, Any], data: Config) -> Config:
-    """Settings that a part of another case's state takes from that case; completes ``data``."""
-    keys = ["training", "test_series", "recycle_validation"]
-    data.setdefault("observable", OBSERVABLE)
-    if (space := space_of(source)) is not None:
-        data["columns"] = [*component_names(space)]
-    if data["observable"] == OBSERVABLE:
-        keys += ["event_threshold", "laminarisation_threshold", "density", "fixed_point"]
-    record = {key: source[key] for key in keys if key in source}
-    of_time = ("time_unit", "given_exponent", "orthonormalisation_interval")
-    lyapunov = source["lyapunov"]
-    return {**record, "lyapunov": {key: lyapunov[key] for key in of_time if key in lyapunov}}
-
-
 def space_of(record: Mapping[str, Any]) -> StateSpace | None:
     """State space of the settings of a case; None if they are invalid."""
-    try:
+    with suppress(ValueError, TypeError):  # reported for the case
         space = make_space(record["system"], record.get("parameters", {}))
-        return space if space.dimension else None  # it is known once the observable is understood
-    except (ValueError, TypeError):  # reported for the case
-        return None
+        if space.dimension:  # it is known once the observable is understood
+            return space
+    return None
 
 
-def problems_of_entry(entry: Config) -> Iterator[str]:
+def problems_of_entry(entry: Config, data: Data) -> Iterator[str]:
     """Forbidden and required settings of measured series in ``cases``."""
-    data = Data.model_validate(entry["data"])
     if bool(data.files) == (data.case is not None):
         yield "data needs files: [...], or else the name of another case of the campaign (case)"
         return
@@ -229,16 +208,13 @@ def problems_of_data(case: Measured) -> Iterator[str]:
     try:
         # the observable is of the present
         appended = make_measured({**case.parameters, "components": names}).dimension > len(names)
+        quantities = [Quantity(text) for text in (*data.components, *[data.observable] * appended)]
+        for quantity in quantities if data.case else ():
+            quantity.columns([*data.columns, OBSERVABLE])
     except ValueError as error:
         yield f"data.components, data.observable: {error}"
         return
-    quantities = [Quantity(text) for text in (*data.components, *[data.observable] * appended)]
     if data.case is not None:
-        try:
-            for quantity in quantities:
-                quantity.columns([*data.columns, OBSERVABLE])
-        except ValueError as error:
-            yield f"data.components, data.observable: {error}"
         return
     yield from (f"data.{text}" for text in problems_of_columns(data.dump(), _columns(data)))
     try:

@@ -353,6 +353,11 @@ class Configuration(Section):
         """Names of the cases that the campaign uses, in the order of their first use."""
         return [*dict.fromkeys(name for block in self.campaign for name in block.case_names)]
 
+    @property
+    def simulated_cases(self) -> list[str]:
+        """Names of the cases that the campaign uses and that are simulated."""
+        return [name for name in self.case_names if self.data_of(name) is None]
+
     def blocks_of(self, case: str) -> list[Block]:
         """Blocks of the campaign that have a case."""
         return [block for block in self.campaign if case in block.case_names]
@@ -374,11 +379,3 @@ class Configuration(Section):
         """Wanted shares of a case's choices of training series, in the order of their numbers."""
         lists = (block.event_shares for block in self.blocks_of(f"{case}-training1"))
         return max(lists, key=len, default=[])
-
-    def dump(self) -> dict[str, Any]:
-        """All settings with their defaults, in canonical form; entries of ``cases`` as given."""
-        plain = self.model_dump(exclude={"forecasters": {"variants"}})
-        variants = self.forecasters.variants.items()
-        plain["forecasters"]["variants"] = {name: variant.dump() for name, variant in variants}
-        whole: dict[str, Any] = canonical(plain)
-        return whole

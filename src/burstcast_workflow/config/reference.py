@@ -6,6 +6,7 @@ schema requires no setting.
 """
 
 import json
+import re
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
@@ -64,12 +65,9 @@ def _plain(node: Any, name: str) -> Any:
     unit = "Lyapunov times" if name.endswith("_lt") else plain.get("unit")
     if unit and "description" in plain:
         plain |= {"unit": unit, "description": f"{plain['description']} [{unit}]"}
-    return {key: value for key, value in plain.items() if value and key not in _LEFT_OUT} | {
-        key: plain[key] for key in ("default", "additionalProperties", *_SIGNS) if key in plain
-    }
-
-
-_LEFT_OUT = ("required", "title")
+    return {
+        key: value for key, value in plain.items() if value and key not in ("required", "title")
+    } | {key: plain[key] for key in ("default", "additionalProperties", *_SIGNS) if key in plain}
 
 
 def below(whole: Node, node: Node, part: str | int) -> Node:
@@ -184,12 +182,8 @@ def _default(config: Any, place: str, node: Node) -> str:
 
 def _row(cells: Sequence[str]) -> str:
     # in code a < is itself; elsewhere it would begin an element
-    texts = ["`".join(_outside_code(cell.split("`"))) for cell in cells]
-    return f"| {' | '.join(texts)} |"
-
-
-def _outside_code(parts: Sequence[str]) -> list[str]:
-    return [part if number % 2 else part.replace("<", "&lt;") for number, part in enumerate(parts)]
+    row = f"| {' | '.join(cells)} |"
+    return re.sub("(`[^`]*`)|<", lambda match: match[1] or "&lt;", row)
 
 
 def main() -> int:

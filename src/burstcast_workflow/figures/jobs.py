@@ -6,13 +6,7 @@ from snakemake.io import local
 
 from burstcast.figures.registry import caption
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.figures.registry import (
-    FIGURES,
-    figure_case,
-    files_of,
-    is_of_several_cases,
-    settings_of,
-)
+from burstcast_workflow.figures.registry import FIGURES, figure_case, files_of, settings_of
 from burstcast_workflow.harness.settings import THRESHOLDS
 from burstcast_workflow.stages.stages import Stages
 from burstcast_workflow.tables.declarations import SECTIONS
@@ -66,7 +60,8 @@ class FigureJobs:
 
     def labels(self, wildcards: Any) -> dict[str, str]:
         """Labels of a figure in the report: its name, and the case, which is a switch there."""
-        several = is_of_several_cases(FIGURES[wildcards.figure])
+        places = [file.path.partition("/")[0] for file in FIGURES[wildcards.figure].files.values()]
+        several = any(place.endswith("_cases") for place in places)
         case = "several" if several else self.case(wildcards)
         return {"figure": wildcards.figure, "case": case}
 

@@ -18,14 +18,13 @@ from burstcast_workflow.tables.declarations import SECTIONS
 def _declared() -> dict[str, Drawn]:
     figures = {name: figure_of(name) for name in available_figures()}
     for name, figure in figures.items():
-        if figure.section not in SECTIONS:
-            similar = suggestion(figure.section, SECTIONS)
-            raise ValueError(f"the figure {name} declares the section {figure.section!r}{similar}")
-        if figure.cases not in vars(Choices):
-            similar = suggestion(figure.cases, vars(Choices))
-            raise ValueError(
-                f"the figure {name} declares the choice of cases {figure.cases!r}{similar}"
-            )
+        for what, value, allowed in (
+            ("section", figure.section, SECTIONS),
+            ("choice of cases", figure.cases, vars(Choices)),
+        ):
+            if value not in allowed:
+                similar = suggestion(value, allowed)
+                raise ValueError(f"the figure {name} declares the {what} {value!r}{similar}")
 
     def place(name: str) -> tuple[str, int]:
         return SECTIONS[figures[name].section], figures[name].position
@@ -64,11 +63,6 @@ def files_of(campaign: Campaign, figure: Drawn, case: str) -> dict[str, str | li
 def settings_of(campaign: Campaign, figure: Drawn, case: str) -> dict[str, Any]:
     """Settings of a figure by path."""
     return settings_of_job(campaign, figure.paths, {"case": case})
-
-
-def is_of_several_cases(figure: Drawn) -> bool:
-    """Whether a figure shows more than one case."""
-    return any(file.path.partition("/")[0].endswith("_cases") for file in figure.files.values())
 
 
 def figure_case(campaign: Campaign, name: str, suffix: str) -> str:

@@ -19,7 +19,11 @@ _LEFT_OUT = ("campaign", "results", "figures", "cache_gb", "rerun_libraries")
 
 
 def report_of(campaign: Campaign) -> dict[str, Any]:
-    """The fields of `burstcast_workflow.jobs.report.Report`."""
+    """Name of the campaign; what was computed, a row for each case; settings that differ; sections.
+
+    A setting that differs from the paper is its path, its value here and there. A section has a
+    title, figures and tables, each with name, title and caption.
+    """
     sections = [_section(campaign, name) for name in SECTIONS]
     return {
         "name": Path(campaign.config.results).name,

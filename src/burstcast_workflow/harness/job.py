@@ -12,7 +12,6 @@ thresholds and the unit of time, have their values already.
 
 import atexit
 import gc
-import inspect
 import json
 import logging
 import os
@@ -174,18 +173,19 @@ def _run(snakemake: Any, function: Callable[..., None], label: str) -> None:
         remove_partial(path)
         forget(path)
     if made := entry.restore():
-        print(made.log)
-        logger.info(
-            "%sthe outputs are those of this job, which took %.2f s", FROM_CACHE, made.seconds
-        )
+        seconds, log = made
+        print(log)
+        logger.info("%sthe outputs are those of this job, which took %.2f s", FROM_CACHE, seconds)
         _keep(snakemake)
         return
 
-    files = {**_by_name(snakemake.input), **_by_name(snakemake.output)}
-    values = _with_values(declared, files.pop(THRESHOLDS, []))
+    files = {**dict(snakemake.input.items()), **dict(snakemake.output.items())}
+    records = map(read_json, files.pop(THRESHOLDS, []))
+    thresholds = {record["case"]: record["event_threshold"] for record in records}
+    values = with_thresholds(declared, thresholds.__getitem__)
     exponent = exponent_in(files.pop(TIME_UNIT, ""))
     settings = settings_taken(function)(values, identity, provenance(identity, declared), exponent)
-    function(**arguments_for(function, {**files, "settings": settings}))
+    function(**files, settings=settings)
     if unread := settings.unread():
         logger.info("settings not read: %s", ", ".join(unread))
 
@@ -278,27 +278,6 @@ def job_identity(rule: str, wildcards: Mapping[str, str]) -> dict[str, Any]:
 def _telling(wildcards: Mapping[str, str]) -> dict[str, str]:
     """Wildcards without the family of a forecaster, which follows from its name."""
     return {name: text for name, text in wildcards.items() if name != "family"}
-
-
-def _with_values(settings: Any, thresholds: list[str]) -> Any:
-    """Settings with the event thresholds of these files, where the config gives quantiles."""
-    values = {record["case"]: record["event_threshold"] for record in map(read_json, thresholds)}
-    return with_thresholds(settings, values.__getitem__)
-
-
-def _by_name(files: Any) -> dict[str, Any]:
-    return {name: file if isinstance(file, str) else list(file) for name, file in files.items()}
-
-
-def arguments_for(function: Callable[..., Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Given arguments that a function takes; it must take all files."""
-    taken = inspect.signature(function).parameters
-    if any(parameter.kind is parameter.VAR_KEYWORD for parameter in taken.values()):
-        return dict(given)
-    ignored = [name for name in given if name not in (*taken, "settings")]
-    if ignored:
-        raise TypeError(f"{function.__name__} takes no argument {', '.join(ignored)}")
-    return {name: value for name, value in given.items() if name in taken}
 
 
 def _value(text: str) -> str | int | float:

@@ -32,7 +32,9 @@ def failure_summary(rule_logs: Path, scheduler_logs: Path, since: float) -> str:
         ("did not finish", failed),
         ("log of a job of the scheduler", _written(scheduler_logs, since)),
     ):
-        parts += [_part(title, path) for path in logs[:_MOST_JOBS]]
+        for path in logs[:_MOST_JOBS]:
+            end = (_end(path, _LAST_LINES) or "(empty)").replace("\n", "\n    ")
+            parts.append(f"{path} ({title}):\n    {end}")
         if len(logs) > _MOST_JOBS:
             others = "".join(f"\n    {path}" for path in logs[_MOST_JOBS:])
             parts.append(f"{len(logs) - _MOST_JOBS} more ({title}):{others}")
@@ -43,11 +45,6 @@ def _written(directory: Path, since: float) -> list[Path]:
     """Logs that were written since a time, the oldest first."""
     times = {path: path.stat().st_mtime for path in directory.rglob("*.log")}
     return sorted((path for path in times if times[path] >= since), key=lambda path: times[path])
-
-
-def _part(title: str, path: Path) -> str:
-    lines = _end(path, _LAST_LINES) or "(empty)"
-    return f"{path} ({title}):\n    " + lines.replace("\n", "\n    ")
 
 
 def _end(path: Path, lines: int) -> str:

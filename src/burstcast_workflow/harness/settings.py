@@ -11,7 +11,6 @@ The parameters of the rule are made from it. What several jobs share is a base i
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any
 
 from burstcast.base.declared import Setting, at
@@ -138,29 +137,15 @@ def exponent_in(time_unit: str) -> float | None:
     return read_json(time_unit)["leading"]["mean"] if time_unit else None
 
 
-@dataclass(frozen=True)
-class CaseQuantile:
-    """Event threshold of a case as a quantile: jobs know its value after the training series."""
-
-    quantile: float
-    case: str
-
-    @classmethod
-    def read(cls, settings: Any) -> "CaseQuantile | None":
-        """Read the quantile from settings of a job; None from any other settings."""
-        is_quantile = isinstance(settings, Mapping) and settings.keys() == {"quantile", "case"}
-        return cls(**settings) if is_quantile else None
-
-
 def with_thresholds(settings: Any, value_of: Callable[[str], Any]) -> Any:
     """Copy settings with values of event thresholds, where the config gives quantiles.
 
     The config of a job has the quantile and its case; the value is known when the training series
     are. Scripts are given the value.
     """
-    if threshold := CaseQuantile.read(settings):
-        return value_of(threshold.case)
     if isinstance(settings, Mapping):
+        if settings.keys() == {"quantile", "case"}:
+            return value_of(settings["case"])
         return {key: with_thresholds(value, value_of) for key, value in settings.items()}
     if isinstance(settings, list):
         return [with_thresholds(value, value_of) for value in settings]

@@ -5,7 +5,7 @@ from typing import Any, TypeVar
 
 from burstcast.base.arrays import FloatArray
 from burstcast.base.exogenous import with_inputs
-from burstcast.base.files.netcdf import Variable, read_attributes, read_netcdf, read_record
+from burstcast.base.files.netcdf import coefficients, read_attributes, read_netcdf, read_record
 from burstcast.base.names import parsed
 from burstcast.data.encoders.state_maps import StateMaps
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecasterRecord, ForecastingCase
@@ -23,16 +23,8 @@ Kind = TypeVar("Kind", bound=ForecasterKind)
 def write_forecaster(path: str, forecaster: ForecasterKind, provenance: Mapping[str, str]) -> None:
     """Write a forecaster's record (`ForecasterKind.record`)."""
     record = forecaster.record()
-    variables = {
-        name: Variable(
-            tuple(f"{name}_{axis}" for axis in range(array.ndim)),
-            array,
-            None,  # the coefficients have no common unit
-            name.replace("_", " "),
-        )
-        for name, array in record.arrays.items()
-    }
-    write_netcdf(path, variables, {**provenance, **record.attributes})
+    attributes = {**provenance, **record.attributes}
+    write_netcdf(path, coefficients(record.arrays), attributes)
 
 
 class Forecasting(System, Clock):
@@ -82,10 +74,7 @@ class Forecasting(System, Clock):
         divergence_bound: float | None = None,
         aware: Mapping[str, Any] | None = None,
     ) -> Forecaster:
-        """Read the job's own forecaster of trajectories.
-
-        ``divergence_bound``: Given where diverged forecasts must be recognised.
-        """
+        """Read the job's own forecaster of trajectories (`unfitted`)."""
         unfitted = as_forecaster(self.unfitted(divergence_bound))
         return read_kind(unfitted, path, self.forecasting_case(aware=aware))
 

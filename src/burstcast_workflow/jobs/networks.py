@@ -43,10 +43,7 @@ class Networks(Washed, Observed):
         )
 
     def learnt(self, ensemble: str, scheduled: Sequence[str] = ()) -> TrainingSeries:
-        """Training series of a case as forecasters see them.
-
-        ``scheduled``: Files of series with their parameters, for networks that know them.
-        """
+        """Training series as networks see them; ``scheduled`` files also have the parameters."""
         if not scheduled:
             states = self.training_states(ensemble)
             return self._training(self.observed_rows(ensemble, 0, states), states)

@@ -2,7 +2,6 @@
 
 import base64
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,24 +12,17 @@ MOST_ROWS = 60
 """Of a table, on the page: all rows are in its CSV."""
 
 
-@dataclass(frozen=True)
-class Report:
-    """What the page says beside results. ``sections``: Figures and tables by title of a section."""
-
-    name: str  #: of the campaign
-    cases: list[dict[str, str]]  #: what was computed, a row for each case
-    settings: list[list[str]]  #: that differ from the paper: path, value here, value there
-    sections: list[dict[str, Any]]  #: title; figures and tables, each with name, title, caption
-
-
 def render(
     template: Path,
-    report: Report,
+    report: Mapping[str, Any],
     pictures: Mapping[str, Path],
     tables: Mapping[str, Path],
     content: Mapping[str, Any],
 ) -> str:
-    """Text of the page. ``pictures``, ``tables``: Files by name."""
+    """Text of the page: ``report`` is what it says beside results, ``content`` what is in these.
+
+    ``pictures``, ``tables``: Files by name.
+    """
     sections = [
         {
             "title": section["title"],
@@ -39,13 +31,13 @@ def render(
             ],
             "tables": [{**table, **_table(tables[table["name"]])} for table in section["tables"]],
         }
-        for section in report.sections
+        for section in report["sections"]
     ]
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     page = environment.from_string(template.read_text(encoding="utf-8"))
-    return page.render({**vars(report), **content, "sections": sections})
+    return page.render({**report, **content, "sections": sections})
 
 
 def _picture(path: Path) -> dict[str, Any]:

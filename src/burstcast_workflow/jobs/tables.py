@@ -25,10 +25,7 @@ class Tables(JobSettings):
     tables: dict[str, dict[str, Any]] = at("tables")
 
     def write(self, paths: Iterable[str], **rows: Rows) -> None:
-        """Write the tables, and the percentiles over networks that they declare.
-
-        Rows are given by the name of the table; files have the names of tables and percentiles.
-        """
+        """Write tables, given by name, and the percentiles over networks that they declare."""
         files = {Path(path).stem: path for path in paths}
         if set(rows) != set(self.tables):
             wanted = sorted(self.tables)
@@ -76,10 +73,7 @@ class TablesOfCase(Tables):
 
 
 def as_declared(rows: Rows, columns: Sequence[str], name: str) -> pd.DataFrame:
-    """Table with the declared columns in their order; messages give its name.
-
-    A column with an asterisk is left out where no row has a value.
-    """
+    """Table with the declared columns in their order; those with an asterisk need no value."""
     names = [column.removesuffix("*") for column in columns]
     optional = set(names) - set(columns)
     given = {column for row in rows for column in row}

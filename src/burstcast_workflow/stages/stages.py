@@ -4,6 +4,7 @@ import inspect
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -18,9 +19,8 @@ from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters.registry import kind_class
 from burstcast.tables.makers.registry import maker as maker_of
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.campaign.control_runs import ControlRun
 from burstcast_workflow.campaign.job_settings import settings_of_job
-from burstcast_workflow.campaign.members import CaseForecaster
+from burstcast_workflow.campaign.members import CaseForecaster, ControlRun
 from burstcast_workflow.campaign.shown import Shown
 from burstcast_workflow.harness.job import function_of, settings_taken
 from burstcast_workflow.harness.settings import THRESHOLDS, TIME_UNIT, cases_of_thresholds
@@ -31,6 +31,9 @@ Paths: TypeAlias = str | list[str]
 OfJob: TypeAlias = Callable[..., Any]
 """A function of a job's wildcards."""
 
+
+_FORECASTERS = ("forecaster", "controller", "reservoir")
+"""Wildcards that name a forecaster, or the network that a reservoir is for."""
 
 _PARAMETERS = inspect.signature(lambda wildcards: None).parameters
 
@@ -56,21 +59,14 @@ def _once(function: OfJob) -> OfJob:
     def remembered(wildcards: Any) -> Any:
         values = tuple(wildcards)
         if values not in seen:
-            seen[values] = of_like(wildcards)
+            about = tuple(
+                replace(parsed(value), neurons=None, seed=None) if name in _FORECASTERS else value
+                for name, value in wildcards.items()
+            )
+            if about not in by_kind:
+                by_kind[about] = function(wildcards)
+            seen[values] = by_kind[about]
         return seen[values]
-
-    def of_like(wildcards: Any) -> Any:
-        names: dict[str, object] = dict(wildcards.items())
-        for key in {"forecaster", "controller"} & names.keys():
-            name = parsed(str(names[key]))
-            names[key] = (name.kind, name.label, name.validation, name.role)
-        if "reservoir" in names:
-            name = parsed(str(names["reservoir"]))
-            names["reservoir"] = (name.kind, name.label)
-        about = tuple(names.values())
-        if about not in by_kind:
-            by_kind[about] = function(wildcards)
-        return by_kind[about]
 
     return remembered
 

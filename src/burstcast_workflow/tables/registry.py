@@ -4,6 +4,8 @@ from collections.abc import Container, Iterable
 from dataclasses import replace
 from typing import Any
 
+from snakemake.io import report
+
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.config.control_plans import CONDITIONS
 from burstcast_workflow.tables.declarations import (
@@ -11,9 +13,9 @@ from burstcast_workflow.tables.declarations import (
     ENSEMBLE,
     OPTIONAL,
     PERCENTILES,
+    SECTIONS,
     TABLES,
     Column,
-    Layout,
     Table,
 )
 
@@ -92,6 +94,17 @@ def latex_names(campaign: Campaign) -> list[str]:
     return [*typeset(name for name in TABLES if cases_of(campaign, name))]
 
 
+def in_report(table: str) -> Any:
+    """The file of a table of the whole campaign, which the report has, as an output of a rule."""
+    return report(
+        f"<results>/tables/{table}.csv",
+        caption="../report/table.rst",
+        category=SECTIONS[table_of(table).section],
+        subcategory="Tables",
+        labels={"table": table},
+    )
+
+
 # -- settings of jobs ------------------------------------------------------------------------------
 
 MAKERS = [*dict.fromkeys(table.script for table in TABLES.values() if table.of_cases)]
@@ -114,24 +127,19 @@ def kinds_of(campaign: Campaign) -> list[str]:
 
 
 def written(names: Iterable[str], unused: Container[str] = ()) -> dict[str, Any]:
-    """Declarations for a job that writes tables: columns, metrics, and those with percentiles.
-
-    Columns that a campaign has no use for are left out.
-    """
-    return {name: _written(TABLES[name], unused) for name in names}
-
-
-def _written(table: Table, unused: Container[str]) -> dict[str, Any]:
-    columns = {
-        "columns": [
-            name for name in (*table.keys, *table.columns) if plain([name])[0] not in unused
-        ]
-    }
-    if "metric" in table.columns:
-        columns["metrics"] = table.metrics
-    if not table.percentiles:
-        return columns
-    return {**columns, "percentiles": table.percentiles, "by": plain([*ENSEMBLE, *table.group_by])}
+    """Declarations for a job that writes tables, without columns that the campaign does not use."""
+    declarations: dict[str, Any] = {}
+    for name in names:
+        table = TABLES[name]
+        columns = [*table.keys, *table.columns]
+        used = [column for column in columns if column.removesuffix(OPTIONAL) not in unused]
+        declarations[name] = {"columns": used}
+        if "metric" in columns:
+            declarations[name]["metrics"] = table.metrics
+        if table.percentiles:
+            by = plain([*ENSEMBLE, *table.group_by])
+            declarations[name] |= {"percentiles": table.percentiles, "by": by}
+    return declarations
 
 
 def joined(campaign: Campaign, names: Iterable[str]) -> dict[str, Any]:
@@ -146,27 +154,25 @@ def joined(campaign: Campaign, names: Iterable[str]) -> dict[str, Any]:
 
 def typeset(names: Iterable[str]) -> dict[str, Any]:
     """Declarations for a job that typesets tables: layouts by the name of the LaTeX file."""
-    return {
-        name: _typeset(source, layout)
-        for source in names
-        if source in TABLES  # percentiles are typeset with their table
-        for name, layout in TABLES[source].latex.items()
-    }
-
-
-def _typeset(source: str, layout: Layout) -> dict[str, Any]:
-    percentiles = TABLES[source].percentiles
-    metrics = layout.metrics or percentiles
-    shown = {name: COLUMNS[name] for name in [*metrics, *layout.more_rows]}
-    return {
-        "source": f"{source}_percentiles" if percentiles else source,
-        "caption": f"{layout.caption} {_MEDIANS}" if percentiles else layout.caption,
-        "metrics": metrics,
-        "columns": layout.columns,
-        "more_rows": layout.more_rows,
-        "where": layout.where,
-        # of control, which are shown where they differ
-        "conditions": CONDITIONS if "strategy" in layout.more_rows else [],
-        "heads": {name: column.head for name, column in shown.items() if column.head},
-        "formats": {name: shown[name].format for name in metrics if shown[name].format},
-    }
+    layouts: dict[str, Any] = {}
+    for source in names:
+        if source not in TABLES:
+            continue  # percentiles are typeset with their table
+        percentiles = TABLES[source].percentiles
+        for name, layout in TABLES[source].latex.items():
+            metrics = layout.metrics or percentiles
+            shown = {column: COLUMNS[column] for column in [*metrics, *layout.more_rows]}
+            formats = {metric: shown[metric].format for metric in metrics}
+            layouts[name] = {
+                "source": f"{source}_percentiles" if percentiles else source,
+                "caption": f"{layout.caption} {_MEDIANS}" if percentiles else layout.caption,
+                "metrics": metrics,
+                "columns": layout.columns,
+                "more_rows": layout.more_rows,
+                "where": layout.where,
+                # of control, which are shown where they differ
+                "conditions": CONDITIONS if "strategy" in layout.more_rows else [],
+                "heads": {key: column.head for key, column in shown.items() if column.head},
+                "formats": {metric: text for metric, text in formats.items() if text},
+            }
+    return layouts

@@ -18,7 +18,6 @@ import statistics
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -44,14 +43,6 @@ def directory() -> Path | None:
     return Path(cache).expanduser().absolute() if cache else None
 
 
-@dataclass(frozen=True)
-class Made:
-    """What is known of the job that made an entry."""
-
-    seconds: float
-    log: str
-
-
 class Entry:
     """The outputs of a job in the cache. ``depends_on``: All that they depend on, as plain data."""
 
@@ -62,8 +53,8 @@ class Entry:
         self._place = cache / key[:2] / key if cache else None
         self._outputs = outputs
 
-    def restore(self) -> Made | None:
-        """Put the outputs in place, if they are here and undamaged; what their job was."""
+    def restore(self) -> tuple[float, str] | None:
+        """Put the outputs in place, if they are undamaged; the seconds and the log of their job."""
         if self._place is None or not self._place.exists():
             return None
         partials = [
@@ -72,7 +63,7 @@ class Entry:
         ]
         try:
             record = json.loads((self._place / _RECORD).read_bytes())
-            made = Made(float(record["seconds"]), (self._place / _LOG).read_text("utf-8"))
+            seconds, log = float(record["seconds"]), (self._place / _LOG).read_text("utf-8")
             digests: list[str] = record["digests"]
             for number, (partial, content) in enumerate(zip(partials, digests, strict=True)):
                 _take(self._place / str(number), partial)
@@ -92,7 +83,7 @@ class Entry:
                 Path(partial).unlink(missing_ok=True)
         with suppress(OSError):  # another user's cache
             os.utime(self._place / _RECORD)  # its last use
-        return made
+        return seconds, log
 
     def store(self, digests: Sequence[str], rule: str, seconds: float, log: Path) -> None:
         """Keep the outputs, with their digests, and what their job was."""

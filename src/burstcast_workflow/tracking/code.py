@@ -113,17 +113,11 @@ class Sources:
     def _located(self, module: str) -> list[tuple[str, Path]]:
         """A module with its file, and the packages that it lies in; nothing of libraries."""
         if module not in self._places:
-            self._places[module] = [*self._located_anew(module)]
+            parts, harness = module.split("."), tuple(f"{package}." for package in HARNESS)
+            names = [".".join(parts[:count]) for count in range(1, len(parts) + 1)]
+            names = [VERSION if f"{name}.".startswith(harness) else name for name in names]
+            self._places[module] = [(name, path) for name in names if (path := self._file(name))]
         return self._places[module]
-
-    def _located_anew(self, module: str) -> Iterator[tuple[str, Path]]:
-        parts = module.split(".")
-        for count in range(1, len(parts) + 1):
-            name = ".".join(parts[:count])
-            if f"{name}.".startswith(tuple(f"{package}." for package in HARNESS)):
-                name = VERSION
-            if (path := self._file(name)) is not None:
-                yield name, path
 
     def _file(self, name: str) -> Path | None:
         first = name.partition(".")[0]
@@ -131,9 +125,9 @@ class Sources:
             return _in_directory(self.packages, name)
         if not self._own or first in sys.stdlib_module_names:
             return None
-        return next(
-            filter(None, (_in_directory(Path(place), name) for place in _own_places())), None
-        )
+        places = [Path(place) for place in sys.path if place]
+        files = (_in_directory(place, name) for place in places if not _LIBRARIES & {*place.parts})
+        return next(filter(None, files), None)
 
     def _parse(self, path: Path) -> Parsed:
         if path not in self._parsed:
@@ -269,7 +263,3 @@ def module_file(module: str) -> Path | None:
     except (ImportError, ValueError):
         return None
     return Path(spec.origin).absolute() if spec and spec.has_location and spec.origin else None
-
-
-def _own_places() -> list[str]:
-    return [place for place in sys.path if place and not _LIBRARIES.intersection(Path(place).parts)]

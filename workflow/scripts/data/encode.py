@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.base.files.netcdf import Variable, read_netcdf, read_rows, variables_of
+from burstcast.base.files.netcdf import coefficients, read_netcdf, read_rows, variables_of
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.encoders.channels import IDENTITY, StateChannels, encoding_case
 from burstcast.data.ensemble_files import ensemble_variables
@@ -64,14 +64,5 @@ def encode(*, source: str, ensemble: str, summary: str, encoder: str, settings: 
     if channels.decodes:
         variables |= variables_of(channels.maps(training))
     write_netcdf(ensemble, variables, settings.provenance)
-    fitted = {
-        name: Variable(
-            tuple(f"{name}_{axis}" for axis in range(array.ndim)),
-            array,
-            None,  # coefficients of quantities of all kinds
-            name.replace("_", " "),
-        )
-        for name, array in channels.arrays.items()
-    }
-    write_netcdf(encoder, fitted, settings.provenance)
+    write_netcdf(encoder, coefficients(channels.arrays), settings.provenance)
     write_json(summary, of_all, settings.provenance)

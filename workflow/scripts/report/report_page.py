@@ -4,14 +4,14 @@ from pathlib import Path
 from typing import Any
 
 from burstcast_workflow.harness.job import JobSettings, at, job, write_text
-from burstcast_workflow.jobs.report import Report, render, rows_of
+from burstcast_workflow.jobs.report import render, rows_of
 from burstcast_workflow.summary import found_warnings, summary_table
 
 
 class ReportSettings(JobSettings):
     """Settings of the page."""
 
-    report: Report = at("report", make=lambda value: Report(**value))
+    report: dict[str, Any] = at("report")
 
 
 @job

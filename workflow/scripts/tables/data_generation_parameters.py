@@ -38,5 +38,4 @@ def data_generation_parameters(
         )
     columns = side_by_side(tables).fillna("")  # where only other cases have a parameter
     write_table(table, columns)
-    label = "tab:data_generation_parameters"
-    write_text(latex, to_latex(columns, settings.caption, label, keys=2))
+    write_text(latex, to_latex(columns, settings.caption, f"tab:{settings.rule}", keys=2))

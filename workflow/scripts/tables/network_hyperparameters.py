@@ -41,5 +41,4 @@ def network_hyperparameters(*, table: str, latex: str, settings: Hyperparameters
         tables = {name: tables[name] for name in list(tables)[:1]}
     columns = side_by_side(tables)
     write_table(table, columns)
-    label = "tab:network_hyperparameters"
-    write_text(latex, to_latex(columns, settings.caption, label, keys=2))
+    write_text(latex, to_latex(columns, settings.caption, f"tab:{settings.rule}", keys=2))

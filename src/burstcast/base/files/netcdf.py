@@ -41,6 +41,19 @@ def variables_of(record: Any) -> dict[str, Variable]:
     }
 
 
+def coefficients(arrays: Mapping[str, npt.NDArray[Any]]) -> dict[str, Variable]:
+    """Variables of arrays by name, each with axes of its own, which have no common unit."""
+    return {
+        name: Variable(
+            tuple(f"{name}_{axis}" for axis in range(array.ndim)),
+            array,
+            None,
+            name.replace("_", " "),
+        )
+        for name, array in arrays.items()
+    }
+
+
 def write_netcdf(
     path: str | Path,
     variables: Mapping[str, Variable],
