@@ -18,16 +18,7 @@ from burstcast.systems.base import DynamicalSystem
 class Lorenz63(DynamicalSystem):
     """dx/dt = sigma (y - x), dy/dt = x (rho - z) - y, dz/dt = x y - beta z; the observable is z.
 
-    Parameters
-    ----------
-    sigma, rho, beta
-        Prandtl number, Rayleigh number over its critical value, and aspect ratio. The defaults
-        are the classical chaotic case.
-
-    Raises
-    ------
-    ValueError
-        If a parameter is not finite.
+    A parameter that is not finite is a ValueError.
 
     Examples
     --------
@@ -37,6 +28,8 @@ class Lorenz63(DynamicalSystem):
     [10.0, 15.0, -6.0]
     """
 
+    #: sigma, rho, beta: Prandtl number, Rayleigh number over its critical value, and aspect ratio.
+    #: The defaults are the classical chaotic case.
     sigma: float = 10.0
     rho: float = 28.0
     beta: float = 8.0 / 3.0
