@@ -9,7 +9,7 @@ from helpers_rebuilds import Project
 from burstcast.base.arrays import FloatArray
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.files.tables import read_table
-from burstcast.forecasters._precursor_model import Precursor, PrecursorTraining, precursor_features
+from burstcast.forecasters.precursor import fitted_classifiers
 from burstcast.forecasts.windows import WindowSummaries, crosses
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
@@ -187,18 +187,18 @@ def logistic_f_score(case, threshold: float, windows: tuple[int, int]) -> float:
         truth = WindowSummaries(points["first"], points["largest"])
         happened = crosses(truth, *windows, threshold)
         kept = points["washout_maximum"] < threshold
-        sets[name] = precursor_features(points["washout"])[kept], happened[kept]
+        sets[name] = points["washout"][kept, -1], happened[kept]
     features, happened = sets["calibration_set"]
-    precursor = Precursor.fit(features, happened[:, np.newaxis], PrecursorTraining("logistic"))
+    (precursor,) = fitted_classifiers("logistic", features, happened[:, np.newaxis])
 
     def f_score(probability, truth, alarm):
         alarms = probability >= alarm
         return 2 * (alarms & truth).sum() / (alarms.sum() + truth.sum())
 
-    probabilities = precursor.probabilities(features)[:, 0]
+    probabilities = precursor.predict_proba(features)[:, 1]
     best = max(np.unique(probabilities), key=lambda alarm: f_score(probabilities, happened, alarm))
     features, happened = sets["evaluation_set"]
-    return float(f_score(precursor.probabilities(features)[:, 0], happened, best))
+    return float(f_score(precursor.predict_proba(features)[:, 1], happened, best))
 
 
 @pytest.mark.long
