@@ -11,7 +11,7 @@ from hypothesis.extra import numpy as npst
 from numpy.testing import assert_array_equal
 
 from burstcast.base.exogenous import with_inputs
-from burstcast.base.files.netcdf import read_netcdf, write_netcdf
+from burstcast.base.files.netcdf import read_netcdf, variables_of, write_netcdf
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
@@ -192,7 +192,7 @@ def test_points_one_by_one():
 # -- probabilities of events in files --------------------------------------------------------------
 
 PROBABILITIES = EventProbabilities(
-    np.random.default_rng(1).random((6, 2)), np.array([0.5, 2.0]), 0.1
+    np.random.default_rng(1).random((6, 2)), np.array([0.5, 2.0]), np.array([0.1])
 )
 NONE = np.empty((6, 0, 8))
 SUMMARIES = np.random.default_rng(2).random((2, 6, 8)) / 5
@@ -209,7 +209,7 @@ POINTS = ForecastPoints(DATA, {"esn": FORECASTS, "precursor": PROBABILITIES}, 1.
 
 
 def test_a_file_gives_back_what_was_written(tmp_path):
-    write_netcdf(tmp_path / "forecast.nc", PROBABILITIES.variables(), {})
+    write_netcdf(tmp_path / "forecast.nc", variables_of(PROBABILITIES), {})
     result = forecasts_from(read_netcdf(tmp_path / "forecast.nc"))
     assert isinstance(result, EventProbabilities)
     np.testing.assert_array_equal(result.at(2.0, 0.1), PROBABILITIES.probability[:, 1])
