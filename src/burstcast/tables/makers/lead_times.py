@@ -55,12 +55,7 @@ def make(
             events,
         )
         for score in [*lead_time_scores(warnings_given, series, times, steps), *false_alarms]:
-            rows.append(
-                {
-                    **case.keys(alarm),
-                    "lead_time_lt": score.lead_time_lt,
-                    "metric": score.metric,
-                    **score.with_interval(weights, case.confidence),
-                }
-            )
+            keys = {"lead_time_lt": score.lead_time_lt, "metric": score.metric}
+            interval = score.with_interval(weights, case.confidence)
+            rows.append({**case.keys(alarm), **keys, **interval})
     return {"lead_times": rows}
