@@ -11,7 +11,7 @@ from burstcast.base.expressions import Expression
 from burstcast.control.actuation import ActuatorShare, actuated_system
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
-from burstcast.systems.measured import MeasuredSeries, derives
+from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.parameters import (
     Parameters,
@@ -152,7 +152,7 @@ def test_from_what_settings_say():
 
 def test_an_observable_that_means_nothing():
     with pytest.raises(ValueError, match="is no arithmetic expression"):
-        derives(["x"], "flow rate [l/s]")
+        assert MeasuredSeries(["x"], "flow rate [l/s]").appended
 
 
 def test_names_of_the_components_of_systems():
