@@ -19,13 +19,24 @@ from burstcast.data.series_layout import labelled_series
 def delay_coordinates(series: Any, delays: Sequence[int]) -> FloatArray | list[FloatArray]:
     """Append past values to each state of series.
 
-    ``series``: ``(series, time, component)`` (`burstcast.data.series_layout`), or a list of series
-    of unequal lengths. ``delays``: How many steps back, each 1 at least.
+    Parameters
+    ----------
+    series
+        ``(series, time, component)`` (`burstcast.data.series_layout`), or a list of series of
+        unequal lengths.
+    delays
+        How many steps back, each 1 at least.
 
-    Returns ``(series, time - longest, component * (1 + delays))``: all components now, then all of
-    them at each delay in turn. The first states of a series, which have no such past, are left out.
-    Of series of unequal lengths, a list of ``(time - longest, component * (1 + delays))``. Raises
-    ValueError if a delay is less than a step, or no state has such a past.
+    Returns
+    -------
+    ``(series, time - longest, component * (1 + delays))``: all components now, then all of them at
+    each delay in turn. The first states of a series, which have no such past, are left out. Of
+    series of unequal lengths, a list of ``(time - longest, component * (1 + delays))``.
+
+    Raises
+    ------
+    ValueError
+        If a delay is less than a step, or no state has such a past.
 
     Examples
     --------

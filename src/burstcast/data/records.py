@@ -60,18 +60,28 @@ def measured_series(
 ) -> FloatArray | list[FloatArray]:
     """Series of measured records, checked and cut as a campaign does it.
 
-    ``sources``: A table of pandas with a column, or an index, ``time``; an array or a data set of
-    xarray with dimensions series, time and component, of which only time must be there; the path of
-    a file; or a list of these. ``time_step``: Time between two rows; with a unit where times are
-    dates: "5 minutes". ``components``: Columns, expressions of columns, or ``name = expression``;
-    by default all columns. ``block``, ``gap``: Length of each series, and time between two of them,
-    in time units; None: one of each run. ``shortest``: Length of the shortest series, in time
-    units: what is left of a run beside its blocks is a series from this length on. None: all series
-    are as long as a block. ``cut_gaps``: Whether missing rows and NaN cut a record into runs;
-    otherwise they are errors.
+    Parameters
+    ----------
+    sources
+        A table of pandas with a column, or an index, ``time``; an array or a data set of xarray
+        with dimensions series, time and component, of which only time must be there; the path of a
+        file; or a list of these.
+    time_step
+        Time between two rows; with a unit where times are dates: "5 minutes".
+    components
+        Columns, expressions of columns, or ``name = expression``; by default all columns.
+    block, gap
+        Length of each series, and time between two of them, in time units; None: one of each run.
+    shortest
+        Length of the shortest series, in time units: what is left of a run beside its blocks is a
+        series from this length on. None: all series are as long as a block.
+    cut_gaps
+        Whether missing rows and NaN cut a record into runs; otherwise they are errors.
 
-    Returns ``(series, time, component)``, or a list of series ``(time, component)`` if their
-    lengths differ. What are no numbers in equal steps is a ValueError with the row.
+    Returns
+    -------
+    ``(series, time, component)``, or a list of series ``(time, component)`` if their lengths
+    differ. What are no numbers in equal steps is a ValueError with the row.
 
     Examples
     --------

@@ -88,26 +88,45 @@ def control_system(
     Durations are those of the forecaster: in Lyapunov times, or in samples where it has no Lyapunov
     time; so are the settings of strategies whose names end in ``_lt``.
 
-    ``system``: The equations. Their states are the components of the forecaster's series, and their
-    observable is the forecaster's. ``forecaster``: A fitted forecaster: it forecasts for the
-    strategy, and it sets the event threshold, the washout and the unit of durations. Members of a
-    committee or an ensemble vote. ``strategy``: A strategy of `burstcast.control.strategies`, such
-    as ``RecedingHorizon(0.1, 1.0)``. One that gives forecasters the actuation needs a kind that
-    learns parameters, and the actuation must change the parameters that it has learnt.
-    ``series``: Observed states of the flows up to the present, ``(series, time, component)``. The
-    last washout counts, and the last state is the one that control begins from. ``duration``:
-    Length of the controlled and of the free trajectories.
+    Parameters
+    ----------
+    system
+        The equations. Their states are the components of the forecaster's series, and their
+        observable is the forecaster's.
+    forecaster
+        A fitted forecaster: it forecasts for the strategy, and it sets the event threshold, the
+        washout and the unit of durations. Members of a committee or an ensemble vote.
+    strategy
+        A strategy of `burstcast.control.strategies`, such as ``RecedingHorizon(0.1, 1.0)``. One
+        that gives forecasters the actuation needs a kind that learns parameters, and the actuation
+        must change the parameters that it has learnt.
+    series
+        Observed states of the flows up to the present, ``(series, time, component)``. The last
+        washout counts, and the last state is the one that control begins from.
+    duration
+        Length of the controlled and of the free trajectories.
+    actuation
+        Parameters of the equations under actuation, by name.
+    force
+        Constant force that is added under actuation, one number per component.
+    strength
+        Share of the change of the parameters, and of the force.
+    delay
+        Time from a decision to its effect.
+    pulse
+        Actuation that an alarm for a prediction window sets off (`PredictionTriggered`): its start,
+        from the beginning of the window, and its length.
+    noise
+        Observation noise of the controlled flows, in standard deviations of each component.
+    sampling_stride
+        Integration steps of the system in a sample; None: the forecaster's.
 
-    ``actuation``: Parameters of the equations under actuation, by name. ``force``: Constant force
-    that is added under actuation, one number per component. ``strength``: Share of the change of
-    the parameters, and of the force. ``delay``: Time from a decision to its effect. ``pulse``:
-    Actuation that an alarm for a prediction window sets off (`PredictionTriggered`): its start,
-    from the beginning of the window, and its length. ``noise``: Observation noise of the controlled
-    flows, in standard deviations of each component. ``sampling_stride``: Integration steps of the
-    system in a sample; None: the forecaster's.
-
-    Raises ValueError if the system, the strategy or the actuation does not fit the forecaster, and
-    FloatingPointError if a flow leaves the range of floating-point numbers.
+    Raises
+    ------
+    ValueError
+        If the system, the strategy or the actuation does not fit the forecaster.
+    FloatingPointError
+        If a flow leaves the range of floating-point numbers.
 
     Examples
     --------

@@ -33,20 +33,38 @@ from burstcast.systems.state_space import StateSpace
 
 @dataclass(frozen=True)
 class ForecastingCase:
-    """Information for forecasters of a case beside the data."""
+    """Information for forecasters of a case beside the data.
 
-    system: StateSpace  #: what states are, and the observable: equations, unless they were measured
-    time_step: float  #: time step of its integration, in time units
-    sampling_stride: int  #: integration steps in one step of a forecast
-    steps_per_lyapunov_time: int  #: steps of a forecast in a Lyapunov time
-    #: parameters that schedules are about, and their values in this case; None: there are none
+    Attributes
+    ----------
+    system
+        What states are, and the observable: a dynamical system, unless they were measured.
+    time_step
+        Time step of its integration, in time units.
+    sampling_stride
+        Integration steps in one step of a forecast.
+    steps_per_lyapunov_time
+        Steps of a forecast in a Lyapunov time.
+    parameters
+        Parameters that schedules are about, and their values in this case; None: there are none.
+    source
+        Equations of the flow whose states are encoded; None where the case's states are not
+        encoded.
+    maps
+        Between states of the source and channels, which are all components of the case but the
+        last one, the observable of the source; None where a forecaster is restored.
+    random_seed
+        Root of all random numbers.
+    """
+
+    system: StateSpace
+    time_step: float
+    sampling_stride: int
+    steps_per_lyapunov_time: int
     parameters: Parameters | None = None
-    #: equations of the flow whose states are encoded; None where states are not encoded
     source: DynamicalSystem | None = None
-    #: between states of the source and channels, which are all components of the case but the last
-    #: one, the observable of the source; None where a forecaster is restored
     maps: StateMaps | None = None
-    random_seed: int = 0  #: root of all random numbers
+    random_seed: int = 0
 
     @property
     def required_parameters(self) -> Parameters:
@@ -102,8 +120,12 @@ class ForecasterKind:
     def record(self) -> ForecasterRecord:
         """Return the record from which `restore` recreates the forecaster.
 
-        By default it holds all fitted fields, which must be arrays, numbers or texts; a field of
-        another type is a TypeError: the kind then defines `record` and `restore`.
+        By default it holds all fitted fields, which must be arrays, numbers or texts.
+
+        Raises
+        ------
+        TypeError
+            If a fitted field is of another type: the kind then defines `record` and `restore`.
         """
         arrays, attributes = {}, {}
         for name in sorted(set(vars(self)) & self._fitted_names()):
@@ -150,9 +172,18 @@ class Forecaster(ForecasterKind, abc.ABC):
     def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Return a forecaster that has learnt from series, with the same options.
 
-        ``training``: Observed training series, ``(series, time, dimension)``, with inputs for kinds
-        that learn parameters. ``case``: What may be known beside them. Raises NotImplementedError
-        if the kind is made otherwise: networks have a search for hyperparameters.
+        Parameters
+        ----------
+        training
+            Observed training series, ``(series, time, dimension)``, with inputs for kinds that
+            learn parameters.
+        case
+            What may be known beside them.
+
+        Raises
+        ------
+        NotImplementedError
+            If the kind is made otherwise: networks have a search for hyperparameters.
         """
 
     def leave_one_out(
@@ -161,8 +192,18 @@ class Forecaster(ForecasterKind, abc.ABC):
         """Forecasters that have learnt from all training series but one, for each one in turn.
 
         Their forecasts of the series left out are honest: probabilities are calibrated with them.
-        ``training``, ``case``: As `fit` was given them. ``washout``: Steps at the beginning of each
-        series that training leaves out. A single series is a ValueError: nothing would be left.
+
+        Parameters
+        ----------
+        training, case
+            As `fit` was given them.
+        washout
+            Steps at the beginning of each series that training leaves out.
+
+        Raises
+        ------
+        ValueError
+            If there is a single series: nothing would be left.
         """
         if len(training) < 2:
             raise ValueError("leaving one series out takes two training series at least")
@@ -172,10 +213,16 @@ class Forecaster(ForecasterKind, abc.ABC):
 
     @abc.abstractmethod
     def start(self, washout: FloatArray) -> FloatArray:
-        """Memory after an observed washout, ``(..., batch)``.
+        """Memory after an observed washout.
 
-        ``washout``: Observed states up to and including the starting point, ``(steps, dimension,
-        batch)``.
+        Parameters
+        ----------
+        washout
+            Observed states up to and including the starting point, ``(steps, dimension, batch)``.
+
+        Returns
+        -------
+        Memory, ``(..., batch)``.
         """
 
     def ensemble(self, washout: FloatArray) -> FloatArray:
@@ -183,8 +230,16 @@ class Forecaster(ForecasterKind, abc.ABC):
 
         By default, the memory of `start` is the only member. A kind with several overrides this
         method and `combined`, and sets `provides_ensemble`. The share of members whose forecast
-        has an event is the event's probability. ``washout``: As for `start`. Shape ``(..., members,
-        batch)``; with its last two axes flattened it is a memory of `advance`.
+        has an event is the event's probability.
+
+        Parameters
+        ----------
+        washout
+            As for `start`.
+
+        Returns
+        -------
+        ``(..., members, batch)``. With its last two axes flattened it is a memory of `advance`.
         """
         return self.start(washout)[..., np.newaxis, :]
 
@@ -196,10 +251,18 @@ class Forecaster(ForecasterKind, abc.ABC):
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Forecast the next steps.
 
-        ``memory``: Memory that `start` or an earlier call returned, or members of an `ensemble`
-        side by side. Returns forecast states ``(steps, dimension, batch)``, the first one step
-        after the starting point or after the last forecast state, and the memory from which the
-        forecast goes on.
+        Parameters
+        ----------
+        memory
+            Memory that `start` or an earlier call returned, or members of an `ensemble` side by
+            side.
+        steps
+            Steps of the forecast.
+
+        Returns
+        -------
+        Forecast states ``(steps, dimension, batch)``, the first one step after the starting point
+        or after the last forecast state, and the memory from which the forecast goes on.
         """
 
     def advance_tangent(
@@ -208,10 +271,25 @@ class Forecaster(ForecasterKind, abc.ABC):
         """Forecast the next steps together with small perturbations of the memory.
 
         A kind that has it has Lyapunov exponents (`burstcast.statistics.lyapunov_spectrum`).
-        ``memory``: ``(size, batch)``. ``tangent``: Perturbations, ``(size, perturbations, batch)``.
-        Returns both, so many steps later: the memory as `advance` returns it, bit for bit, and the
+
+        Parameters
+        ----------
+        memory
+            ``(size, batch)``.
+        tangent
+            Perturbations, ``(size, perturbations, batch)``.
+        steps
+            Steps of the forecast.
+
+        Returns
+        -------
+        Both, so many steps later: the memory as `advance` returns it, bit for bit, and the
         perturbations multiplied by the derivative of the map from the old memory to the new one.
-        Raises NotImplementedError if the kind provides no derivative.
+
+        Raises
+        ------
+        NotImplementedError
+            If the kind provides no derivative.
         """
         raise NotImplementedError(f"{type(self).__name__} does not linearise its forecasts")
 

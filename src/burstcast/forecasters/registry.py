@@ -70,10 +70,19 @@ def class_of(kind: str | ForecasterKind | type[ForecasterKind]) -> type[Forecast
 
 
 def make_kind(kind: str, options: Mapping[str, Any]) -> ForecasterKind:
-    """Make an unfitted forecaster, or classifier, of a kind (`kind_class`).
+    """Make an unfitted forecaster, or classifier, of a kind.
 
-    ``options``: Values of its options; options without a value have their default. Raises
-    ValueError if there is no such kind or option, or a value is of another type than the option.
+    Parameters
+    ----------
+    kind
+        As for `kind_class`.
+    options
+        Values of its options; options without a value have their default.
+
+    Raises
+    ------
+    ValueError
+        If there is no such kind or option, or a value is of another type than the option.
 
     Examples
     --------

@@ -42,6 +42,21 @@ class StatePanel:
 class Dynamics:
     """A reservoir with its hyperparameters applied.
 
+    Parameters
+    ----------
+    reservoir
+        The random matrices.
+    spectral_radius
+        rho, multiplies the recurrent weights.
+    input_scaling
+        sigma_in, multiplies the input weights, including the weights of the bias.
+    backend
+        Implementation: "compiled" or "scipy". They agree to rounding error.
+    leak_rate
+        a in r <- (1 - a) r + a tanh(...), above 0 and 1 at most; 1: neurons do not leak.
+    readout
+        "linear", or "quadratic": every second entry of the state is squared before the readout.
+
     Examples
     --------
     >>> import numpy as np
@@ -54,13 +69,11 @@ class Dynamics:
     (100, 2)
     """
 
-    reservoir: Reservoir  #: the random matrices
-    spectral_radius: float  #: rho, multiplies the recurrent weights
-    input_scaling: float  #: sigma_in, multiplies the input weights, also those of the bias
-    backend: Literal["compiled", "scipy"] = "compiled"  #: they agree to rounding error
-    #: a in r <- (1 - a) r + a tanh(...), above 0 and 1 at most; 1: neurons do not leak
+    reservoir: Reservoir
+    spectral_radius: float
+    input_scaling: float
+    backend: Literal["compiled", "scipy"] = "compiled"
     leak_rate: float = 1.0
-    #: "quadratic": every second entry of the state is squared before the readout
     readout: ReadoutKind = "linear"
 
     def __post_init__(self) -> None:

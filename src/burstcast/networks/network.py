@@ -13,6 +13,20 @@ from burstcast.networks.readout import Readout
 class EchoStateNetwork:
     """A trained network, in the units of the data.
 
+    Parameters
+    ----------
+    dynamics
+        The reservoir with its hyperparameters.
+    readout
+        The trained output weights. Those of a network that was trained with factors of parameters
+        are linear in them (`burstcast.networks.factored`).
+    input_range
+        Range of each component over the training data, which the inputs are divided by, shape
+        ``(dimension,)``.
+    input_offset
+        What is subtracted from the inputs before that, and added to the outputs of the readout,
+        shape ``(dimension,)``; None: nothing.
+
     Examples
     --------
     >>> import numpy as np
@@ -38,15 +52,9 @@ class EchoStateNetwork:
     ((50, 3, 1), True)
     """
 
-    dynamics: Dynamics  #: the reservoir with its hyperparameters
-    #: trained output weights. Those of a network that was trained with factors of parameters are
-    #: linear in them (`burstcast.networks.factored`)
+    dynamics: Dynamics
     readout: Readout
-    #: range of each component over the training data, which the inputs are divided by,
-    #: ``(dimension,)``
     input_range: FloatArray
-    #: what is subtracted from the inputs before that, and added to the outputs of the readout,
-    #: ``(dimension,)``; None: nothing
     input_offset: FloatArray | None = None
 
     def __repr__(self) -> str:
@@ -72,11 +80,27 @@ class EchoStateNetwork:
         return self.dynamics.open_loop(centred, states)
 
     def forecast(self, states: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
-        """Autonomous forecast from the states ``(neurons, batch)`` after a washout.
+        """Autonomous forecast from the states after a washout.
 
-        Returns outputs ``(steps, dimension, batch)``, in the units of the data, of which the first
-        lies one step after the last input of the washout; and states, with which a call continues
-        the forecast. Raises ValueError if a shape does not fit or a state is not finite.
+        Parameters
+        ----------
+        states
+            Shape ``(neurons, batch)``; not changed.
+        steps
+            Length of the forecast.
+
+        Returns
+        -------
+        outputs
+            Shape ``(steps, dimension, batch)``, in the units of the data; the first lies one step
+            after the last input of the washout.
+        states
+            Shape ``(neurons, batch)``; a call with them continues the forecast.
+
+        Raises
+        ------
+        ValueError
+            If a shape does not fit or a state is not finite.
         """
         weights = self.readout.weights
         outputs, states = self.dynamics.closed_loop(weights, self.input_range, states, steps)

@@ -73,12 +73,24 @@ def make_reservoir(
     ``connectivity / (neurons - 1)`` independently, uniform in [-1, 1]; W is then divided by its
     spectral radius.
 
-    ``neurons``: Size of the reservoir, N_r; at least 2. ``dimension``: Number of components of the
-    input, N_u. ``connectivity``: Mean number of connections of a neuron, d; positive and at most
-    ``neurons - 1``. ``input_bias``: The constant b_in that is appended to every input.
-    ``generator``: Source of the random numbers. Raises ValueError if an argument is out of bounds,
-    or if W has no eigenvalue other than zero, so that it cannot be scaled (a very small or very
-    sparse reservoir).
+    Parameters
+    ----------
+    neurons
+        Size of the reservoir, N_r; at least 2.
+    dimension
+        Number of components of the input, N_u.
+    connectivity
+        Mean number of connections of a neuron, d; positive and at most ``neurons - 1``.
+    input_bias
+        The constant b_in that is appended to every input.
+    generator
+        Source of the random numbers.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of bounds, or if W has no eigenvalue other than zero, so that it
+        cannot be scaled (a very small or very sparse reservoir).
 
     Examples
     --------

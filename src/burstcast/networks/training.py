@@ -20,16 +20,25 @@ from burstcast.networks.readout import Moments, MomentsAccumulator, Readout, sol
 
 @dataclass(frozen=True)
 class TrainingSeries:
-    """Series to learn from."""
+    """Series to learn from.
 
-    #: states with their observation noise, ``(series, time, dimension)``: inputs and targets.
-    #: Series that are shorter than the longest are filled up with NaN.
+    Attributes
+    ----------
+    observed
+        States with their observation noise, ``(series, time, dimension)``: inputs and targets.
+        Series that are shorter than the longest are filled up with NaN.
+    input_range
+        What the inputs are divided by, ``(dimension,)``.
+    input_offset
+        What is subtracted from inputs and targets, ``(dimension,)``; None: nothing. The ridge
+        regression penalises the bias of the readout, too, which would have to make up for it.
+    knowledge
+        Fields of the trained forecaster that say how the series depend on parameters.
+    """
+
     observed: FloatArray
-    input_range: FloatArray  #: what the inputs are divided by, ``(dimension,)``
-    #: what is subtracted from inputs and targets, ``(dimension,)``; None: nothing. The ridge
-    #: regression penalises the bias of the readout, too, which would have to make up for it.
+    input_range: FloatArray
     input_offset: FloatArray | None = None
-    #: fields of the trained forecaster that say how the series depend on parameters
     knowledge: Mapping[str, Any] = field(default_factory=dict, kw_only=True)
 
     def longest_first(self) -> Self:

@@ -57,15 +57,31 @@ def integrate(
 ) -> FloatArray:
     """Integrate a batch of trajectories and keep every ``stride``-th state.
 
-    ``system``: The equations. ``state``: Initial states, ``(dimension, batch)``. ``time_step``:
-    Step of the scheme, in time units; positive. ``steps``: Number of steps; may be 0. ``stride``:
-    Steps from one kept state to the next. Steps after the last kept state are not taken.
-    ``may_diverge``: Whether trajectories may leave the range of floating-point numbers, as in a
-    learnt system: they go on, infinite or not a number, and disturb no other trajectory.
+    Parameters
+    ----------
+    system
+        The equations.
+    state
+        Initial states, ``(dimension, batch)``.
+    time_step
+        Step of the scheme, in time units; positive.
+    steps
+        Number of steps; may be 0.
+    stride
+        Steps from one kept state to the next. Steps after the last kept state are not taken.
+    may_diverge
+        Whether trajectories may leave the range of floating-point numbers, as in a learnt system:
+        they go on, infinite or not a number, and disturb no other trajectory.
 
-    Returns ``(steps // stride + 1, dimension, batch)``; the first entry is the initial state.
-    Raises FloatingPointError if a trajectory leaves the range of floating-point numbers, unless it
-    may.
+    Returns
+    -------
+    FloatArray
+        ``(steps // stride + 1, dimension, batch)``; the first entry is the initial state.
+
+    Raises
+    ------
+    FloatingPointError
+        If a trajectory leaves the range of floating-point numbers, unless it may.
 
     Examples
     --------

@@ -18,7 +18,16 @@ from burstcast.systems.base import DynamicalSystem
 class Lorenz63(DynamicalSystem):
     """dx/dt = sigma (y - x), dy/dt = x (rho - z) - y, dz/dt = x y - beta z; the observable is z.
 
-    A parameter that is not finite is a ValueError.
+    Parameters
+    ----------
+    sigma, rho, beta
+        Prandtl number, Rayleigh number over its critical value, and aspect ratio. The defaults
+        are the classical chaotic case.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is not finite.
 
     Examples
     --------
@@ -28,8 +37,6 @@ class Lorenz63(DynamicalSystem):
     [10.0, 15.0, -6.0]
     """
 
-    #: sigma, rho, beta: Prandtl number, Rayleigh number over its critical value, and aspect ratio.
-    #: The defaults are the classical chaotic case.
     sigma: float = 10.0
     rho: float = 28.0
     beta: float = 8.0 / 3.0

@@ -19,8 +19,19 @@ from burstcast.systems.base import DynamicalSystem, EnergyBudget, Symmetry
 class Lorenz96(DynamicalSystem):
     """dx_i/dt = (x_{i+1} - x_{i-2}) x_{i-1} - x_i + F on a circle; the observable is the energy.
 
-    The energy is the mean over the variables, e = (1 / 2N) sum_i x_i^2. A forcing that is not
-    finite, or fewer than four variables, are a ValueError.
+    The energy is the mean over the variables, e = (1 / 2N) sum_i x_i^2.
+
+    Parameters
+    ----------
+    forcing
+        The constant force F. At 8, the default, the model is chaotic.
+    variables
+        Number N of variables, 4 at least.
+
+    Raises
+    ------
+    ValueError
+        If the forcing is not finite, or there are fewer than four variables.
 
     Examples
     --------
@@ -33,8 +44,8 @@ class Lorenz96(DynamicalSystem):
     5.5
     """
 
-    forcing: float = 8.0  #: the constant force F. At 8, the default, the model is chaotic.
-    variables: int = 40  #: number N of variables, 4 at least
+    forcing: float = 8.0
+    variables: int = 40
 
     observable_name: ClassVar[str] = "energy"
     observable_symbol: ClassVar[str] = "e"

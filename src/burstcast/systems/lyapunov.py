@@ -100,19 +100,33 @@ def lyapunov_spectrum(
     the mean growth rates, the logarithms of the diagonal of R over time. The linear equations are
     stepped by the same Runge-Kutta scheme, which yields the derivative of the discrete map itself.
 
-    ``system``: The equations; their parameters are numbers. ``state``: States on the attractor to
-    start from, ``(dimension, batch)``. They must not leave the chaotic phase within
-    ``alignment_steps + steps`` steps: see the module's description. ``time_step``: Step of the
-    scheme, in time units. ``steps``: Number of steps that growth is averaged over; an incomplete
-    interval at their end is left out. ``orthonormalisation_steps``: Number of steps between two
-    factorisations. ``alignment_steps``: Number of steps before growth counts, so that the
-    perturbations forget the unit vectors that they start from; rounded up to whole intervals. This
-    takes a few times the inverse of the gap between neighbouring exponents: about 1000 time units
-    in the shear flow. ``exponents``: Number of leading exponents; None: as many as the system has
-    dimensions.
+    Parameters
+    ----------
+    system
+        The equations; their parameters are numbers.
+    state
+        States on the attractor to start from, ``(dimension, batch)``. They must not leave the
+        chaotic phase within ``alignment_steps + steps`` steps: see the module's description.
+    time_step
+        Step of the scheme, in time units.
+    steps
+        Number of steps that growth is averaged over; an incomplete interval at their end is
+        left out.
+    orthonormalisation_steps
+        Number of steps between two factorisations.
+    alignment_steps
+        Number of steps before growth counts, so that the perturbations forget the unit vectors
+        that they start from; rounded up to whole intervals. This takes a few times the inverse of
+        the gap between neighbouring exponents: about 1000 time units in the shear flow.
+    exponents
+        Number of leading exponents; None: as many as the system has dimensions.
 
-    Raises ValueError if the interval is so long that the weakest direction is lost to rounding, and
-    FloatingPointError if a trajectory leaves the range of floating-point numbers.
+    Raises
+    ------
+    ValueError
+        If the interval is so long that the weakest direction is lost to rounding.
+    FloatingPointError
+        If a trajectory leaves the range of floating-point numbers.
 
     Examples
     --------

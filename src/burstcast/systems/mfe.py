@@ -107,7 +107,17 @@ def _viscous_rates(alpha: float, gamma: float) -> FloatArray:
 class MoehlisFaisstEckhardt(DynamicalSystem):
     """The amplitude equations of the nine-mode shear flow (section 2 of the paper).
 
-    A parameter that is not positive and finite is a ValueError.
+    Parameters
+    ----------
+    reynolds
+        Reynolds number.
+    length_x, length_z
+        Size of the periodic box in x and z; the walls are at y = -1 and y = 1.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is not positive and finite.
 
     Examples
     --------
@@ -119,8 +129,7 @@ class MoehlisFaisstEckhardt(DynamicalSystem):
     (0.0, 0.5)
     """
 
-    reynolds: float  #: Reynolds number
-    #: length_x, length_z: size of the periodic box in x and z; the walls are at y = -1 and y = 1
+    reynolds: float
     length_x: float = 4.0 * math.pi
     length_z: float = 2.0 * math.pi
 

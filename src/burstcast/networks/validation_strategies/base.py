@@ -13,16 +13,28 @@ from typing import ClassVar
 
 @dataclass(frozen=True)
 class ValidationPlan:
-    """Parameters of a validation, common to all strategies; a strategy uses some of them."""
+    """Parameters of a validation, common to all strategies; a strategy uses some of them.
 
-    washout: int  #: inputs before the first state that counts, in steps
-    interval: int  #: length of a validation interval, in steps
-    series: int  #: number of training series with validation intervals, from the first
-    #: intervals in each of them, laid end to end from the end of the washout; None for as many as
-    #: fit
+    Attributes
+    ----------
+    washout
+        Inputs before the first state that counts, in steps.
+    interval
+        Length of a validation interval, in steps.
+    series
+        Number of training series with validation intervals, from the first.
+    intervals
+        Intervals in each of them, laid end to end from the end of the washout; None for as many as
+        fit.
+    single_shot_lead
+        Steps before the end of the training data at which the interval of the Single Shot
+        Validation starts.
+    """
+
+    washout: int
+    interval: int
+    series: int
     intervals: int | None
-    #: steps before the end of the training data at which the interval of the Single Shot Validation
-    #: starts
     single_shot_lead: int = 0
 
     def fitting(self, length: int) -> int:
@@ -67,21 +79,37 @@ class ValidationPlan:
 
 @dataclass(frozen=True)
 class Block:
-    """Data that a readout is trained on: some series, from the washout on."""
+    """Data that a readout is trained on: some series, from the washout on.
 
-    series: range  #: rows of neighbouring series
-    stop: int  #: first step that is no longer a target
+    Attributes
+    ----------
+    series
+        Rows of neighbouring series.
+    stop
+        First step that is no longer a target.
+    """
+
+    series: range
+    stop: int
 
 
 @dataclass(frozen=True)
 class Fold:
-    """A readout to be trained, and the closed loops that validate it."""
+    """A readout to be trained, and the closed loops that validate it.
 
-    #: training data, with no series in two blocks. The moments of the blocks are added up.
+    Attributes
+    ----------
+    trained
+        Training data, with no series in two blocks. The moments of the blocks are added up.
+    series
+        Rows of neighbouring series that validate the readout.
+    starts
+        First steps of the intervals, in each of these series. The closed loop starts from the
+        state that has seen all the data of its series before that step.
+    """
+
     trained: tuple[Block, ...]
-    series: range  #: rows of neighbouring series that validate the readout
-    #: first steps of the intervals, in each of these series. The closed loop starts from the state
-    #: that has seen all the data of its series before that step.
+    series: range
     starts: tuple[int, ...]
 
 
