@@ -14,7 +14,7 @@ from burstcast.base.files.tables import read_table
 from burstcast.data.training_realisations import realisation_of
 from burstcast.figures.parts.published import compare
 from burstcast.figures.parts.ranked import SAME_EVERYWHERE, shown_once
-from burstcast.statistics.analysis_of_variance import mean_and_margin
+from burstcast.statistics.intervals import mean_and_margin
 
 CASE = "Re400"
 CONFIDENCE = 0.95

@@ -122,8 +122,7 @@ SERIES = {
     "observable": burst(TIME, 4.0)[np.newaxis],
     "threshold": THRESHOLD,
     "symbol": "k",
-    # 50 samples in a Lyapunov time
-    **{"exponents": None, "given_exponent": 0.02, "time_step": 0.5, "sampling_stride": 2},
+    "unit": 50,  # samples in a Lyapunov time
 }
 NAMED = {"symbol": "k", "observable_name": "kinetic energy"}
 FLOW = {
@@ -608,7 +607,7 @@ ARGUMENTS = {
     },
     "burst_vorticity": lambda: {
         **{**SERIES, **PLANE_FLOW, **plane_states()},
-        **{"given_exponent": 0.1, "symbol": "D", "observable_name": "dissipation"},
+        **{"unit": 10, "symbol": "D", "observable_name": "dissipation"},
     },
     "encoder_loss": lambda: {**PLANE_FLOW, "states": plane_states()["states"], "symbol": "D"},
 }

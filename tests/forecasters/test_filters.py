@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from burstcast.data.encoders._moments import kalman_gain
 from burstcast.forecasters._square_root_filter import assimilate, mean, symmetric_members
-from burstcast.forecasters._static_gain_filter import leading_directions, static_gain
+from burstcast.forecasters.equations_filtered import leading_directions
 
 
 def kalman_update(centre, covariance, observation, noise):
@@ -80,7 +81,7 @@ def test_static_gains_are_the_kalman_filters_and_leading_directions_make_the_cov
     generator = np.random.default_rng(3)
     root, matrix = generator.normal(size=(6, 6)), generator.normal(size=(2, 6))
     covariance, noise = root @ root.T, np.array([0.3, 0.7])
-    gain = static_gain(covariance, matrix, noise, 0.01)
+    gain = kalman_gain(0.01 * covariance, matrix, noise)
     # in information form: (C^-1 / share + H' R^-1 H)^-1 H' R^-1
     precision = np.linalg.inv(0.01 * covariance) + matrix.T @ np.diag(noise**-2) @ matrix
     np.testing.assert_allclose(gain, np.linalg.solve(precision, matrix.T * noise**-2), rtol=1e-9)

@@ -176,7 +176,7 @@ def test_alarms_are_those_of_baselines_forecasters_and_committees():
         "analogues": ensemble,
         **dict.fromkeys(("esn-N50-RV-seed0", "esn-N50-RV-seed1", "esn-N50-SSV-seed0"), alone),
         "persistence": alone,
-        "precursor": EventProbabilities(values, np.array([0.5, 1.0]), 0.1),
+        "precursor": EventProbabilities(values, np.array([0.5, 1.0]), np.array([0.1])),
     }
     sources = {source.identifier: source for source in alarm_sources(forecasts)}
     committees = ["esn-N50-RV-committee", "analogues-committee"]

@@ -16,7 +16,6 @@ from burstcast.forecasts.example_events import (
     predicted_event,
 )
 from burstcast.forecasts.examples import (
-    HorizonExample,
     evaluate_lead_times,
     forecast_observable,
     forecast_outcomes,
@@ -257,11 +256,11 @@ def test_evaluations_begin_after_their_start_and_go_beyond_the_event():
 def test_the_event_that_is_nearest_to_the_wanted_horizon_is_shown():
     # starts in the order of the search; the horizon of one that reaches the event is its tau_e
     horizons = np.array([2.5, 1.0, 0.5, 0.3])
-    assert horizon_example(horizons, STARTS, 1.1) == HorizonExample(1, (2.5, 2.0, 1.5, 1.0))
-    assert horizon_example(horizons, STARTS, 0.2) == HorizonExample(2, (2.0, 1.5, 1.0, 0.5))
+    assert horizon_example(horizons, STARTS, 1.1) == (1, (2.5, 2.0, 1.5, 1.0))
+    assert horizon_example(horizons, STARTS, 0.2) == (2, (2.0, 1.5, 1.0, 0.5))
     # one with fewer evaluations than are shown, where there is no other
-    assert horizon_example(horizons, STARTS, 2.4, 6) == HorizonExample(2, tuple(STARTS))
-    assert horizon_example(horizons[:1], STARTS, 1.0) == HorizonExample(0, (3.0, 2.5))
+    assert horizon_example(horizons, STARTS, 2.4, 6) == (2, tuple(STARTS))
+    assert horizon_example(horizons[:1], STARTS, 1.0) == (0, (3.0, 2.5))
     assert horizon_example(horizons[3:], STARTS, 1.0) is None
 
 

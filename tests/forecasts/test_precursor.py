@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 from sklearn.metrics import average_precision_score, roc_auc_score
 
-from burstcast.forecasters._precursor_model import Precursor, PrecursorTraining, precursor_features
+from burstcast.forecasters.precursor import fitted_classifiers, precursor_features
 from burstcast.forecasts.ranking import ANY, ONSET, Window, ranking_scores
 from burstcast.forecasts.windows import WindowForecasts, WindowSummaries
-
-OPTIONS = PrecursorTraining()
 
 
 def test_features_are_the_present_and_the_lags():
@@ -24,22 +22,14 @@ def test_nothing_to_tell_apart_is_refused():
     features, happened = generator.normal(size=(100, 3)), generator.random((100, 2)) < 0.5
     happened[:, 1] = False
     with pytest.raises(ValueError, match=r"none of the 100 .* in prediction window 1"):
-        Precursor.fit(features, happened, OPTIONS)
+        fitted_classifiers("boosting", features, happened)
     with pytest.raises(ValueError, match="each of the 100"):
-        Precursor.fit(features, ~happened, OPTIONS)
+        fitted_classifiers("boosting", features, ~happened)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"classifier": "bosting"}, "did you mean 'boosting'"),
-        ({"lags": (0,)}, "lags must be"),
-        ({"lags": (2, 2)}, "lags must be"),
-    ],
-)
-def test_options_out_of_bounds(options, message):
-    with pytest.raises(ValueError, match=message):
-        PrecursorTraining(**options)
+def test_an_unknown_classifier_is_refused():
+    with pytest.raises(ValueError, match="did you mean 'boosting'"):
+        fitted_classifiers("bosting", np.zeros((2, 3)), np.array([[True], [False]]))
 
 
 # -- ranking ---------------------------------------------------------------------------------------

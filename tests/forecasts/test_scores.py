@@ -17,12 +17,11 @@ from burstcast.forecasts.brier import (
     calibration_error,
     decomposition,
 )
-from burstcast.forecasts.intervals import ratio_with_interval
+from burstcast.forecasts.lead_times import SeriesRatio
 from burstcast.forecasts.outcomes import outcomes_by_series
 from burstcast.forecasts.probability_scores import probability_scores, resampled_scores
-from burstcast.forecasts.reliability import reliability_diagram
-from burstcast.forecasts.votes import share_of_votes
-from burstcast.forecasts.windows import WindowSummaries, crosses
+from burstcast.forecasts.reliability import consistency_bars
+from burstcast.forecasts.windows import WindowSummaries, crosses, share_of_votes
 from helpers_library import SERIES, count_by_series, informative_sample, samples
 
 
@@ -93,9 +92,9 @@ def test_score_and_skill_are_those_of_scikit_learn(sample):
 def test_the_parts_add_up_to_the_score(sample, bins):
     whole = count_by_series(*sample).total()
     parts = decomposition(whole, bins)
-    combined = parts.reliability - parts.resolution + parts.uncertainty
+    combined = parts["reliability"] - parts["resolution"] + parts["uncertainty"]
     np.testing.assert_allclose(combined, brier_score(whole), rtol=0, atol=1e-13)
-    assert parts.reliability >= 0
+    assert parts["reliability"] >= 0
 
 
 @given(samples(values=st.integers(0, 10).map(lambda votes: votes / 10)))
@@ -107,9 +106,9 @@ def test_with_one_value_in_each_bin_the_parts_are_those_of_murphy(sample):
         here = probability == value
         reliability += here.mean() * (value - happened[here].mean()) ** 2
         resolution += here.mean() * (happened[here].mean() - rate) ** 2
-    np.testing.assert_allclose(parts.reliability, reliability, atol=1e-14)
-    np.testing.assert_allclose(parts.resolution, resolution, atol=1e-14)
-    np.testing.assert_allclose(parts.uncertainty, rate * (1 - rate), atol=1e-14)
+    np.testing.assert_allclose(parts["reliability"], reliability, atol=1e-14)
+    np.testing.assert_allclose(parts["resolution"], resolution, atol=1e-14)
+    np.testing.assert_allclose(parts["uncertainty"], rate * (1 - rate), atol=1e-14)
 
 
 @pytest.mark.parametrize("bins", [5, 8, 16])
@@ -176,14 +175,16 @@ def test_a_ratio_of_sums_is_resampled_series_by_series():
     generator = np.random.default_rng(5)
     top, bottom = generator.random(30), generator.random(30) + 1
     weights = bootstrap_weights(30, 400, generator)
-    value, low, high = ratio_with_interval(top, bottom, weights, 0.9)
-    assert value == pytest.approx(top.sum() / bottom.sum())
+    result = SeriesRatio("share", None, top, bottom).with_interval(weights, 0.9)
+    assert result["value"] == pytest.approx(top.sum() / bottom.sum())
     ratios = [
         sum(w * t for w, t in zip(row, top, strict=True))
         / sum(w * b for w, b in zip(row, bottom, strict=True))
         for row in weights
     ]
-    assert [low, high] == pytest.approx(np.quantile(ratios, [0.05, 0.95]).tolist())
+    assert [result["low"], result["high"]] == pytest.approx(
+        np.quantile(ratios, [0.05, 0.95]).tolist()
+    )
 
 
 def test_the_bars_have_the_width_of_a_binomial_distribution():
@@ -192,8 +193,8 @@ def test_the_bars_have_the_width_of_a_binomial_distribution():
     outcomes = count_by_series(probability, np.zeros(4000, dtype=bool), series, 40)
     generator = np.random.default_rng(1)
     weights = bootstrap_weights(40, 2000, generator)
-    diagram = reliability_diagram(outcomes, 5, weights, 0.9, generator)
+    low, high = consistency_bars(outcomes, 5, weights, 0.9, generator)
     deviation = np.sqrt(0.3 * 0.7 / 4000)
-    assert diagram.low[1] == pytest.approx(0.3 - 1.645 * deviation, abs=0.1 * deviation)
-    assert diagram.high[1] == pytest.approx(0.3 + 1.645 * deviation, abs=0.1 * deviation)
-    assert np.isnan(diagram.low[[0, 2, 3, 4]]).all()
+    assert low[1] == pytest.approx(0.3 - 1.645 * deviation, abs=0.1 * deviation)
+    assert high[1] == pytest.approx(0.3 + 1.645 * deviation, abs=0.1 * deviation)
+    assert np.isnan(low[[0, 2, 3, 4]]).all()

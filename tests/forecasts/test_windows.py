@@ -170,7 +170,7 @@ def test_points_one_by_one():
 # -- probabilities of events in files --------------------------------------------------------------
 
 PROBABILITIES = EventProbabilities(
-    np.random.default_rng(1).random((6, 2)), np.array([0.5, 2.0]), 0.1
+    np.random.default_rng(1).random((6, 2)), np.array([0.5, 2.0]), np.array([0.1])
 )
 NONE = np.empty((6, 0, 8))
 SUMMARIES = np.random.default_rng(2).random((2, 6, 8)) / 5

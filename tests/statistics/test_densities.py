@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import trapezoid
 from scipy.stats import wasserstein_distance
 
-from burstcast.base.files.netcdf import read_netcdf, write_netcdf
+from burstcast.base.files.netcdf import read_record, variables_of, write_netcdf
 from burstcast.base.resampling import bootstrap_weights
 from burstcast.statistics import reductions
 from burstcast.statistics.densities import (
@@ -26,16 +26,10 @@ from burstcast.statistics.intervals import resampled_measures
 from burstcast.statistics.measures import StatisticsErrors, compare, nearest, sampling_floor
 from burstcast.statistics.profiles import (
     equally_spaced_profiles,
-    midplane_mean_square,
     normalised_root_mean_square_error,
-    velocity_profiles,
 )
-from burstcast.statistics.reductions import SeriesAccumulator, reduce_series
-from burstcast.statistics.statistics_files import (
-    reduction_variables,
-    reductions_from,
-    statistics_variables,
-)
+from burstcast.statistics.reductions import SeriesAccumulator, SeriesReductions, reduce_series
+from burstcast.statistics.statistics_files import statistics_variables
 from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
@@ -162,10 +156,7 @@ def reduced(series, edges=ENERGIES):
 
 
 def same(first, second):
-    return all(
-        np.array_equal(getattr(first, name), getattr(second, name))
-        for name in ("edges", "counts", "sums", "product_sums")
-    )
+    return all(np.array_equal(getattr(first, name), getattr(second, name)) for name in vars(first))
 
 
 @pytest.mark.parametrize(
@@ -213,15 +204,17 @@ def test_reductions_do_not_depend_on_how_series_are_cut_up(between, times, block
 def test_profiles_and_midplane_are_the_averages_of_the_fields():
     system = MoehlisFaisstEckhardt(400.0, length_x=5.0, length_z=3.0)
     modes, series = flow_modes(system), random_series(2, 20)
-    moments = reduce_series([series], system.observable, ENERGIES).merged(ALL).moments
+    statistics = reduce_series([series], system.observable, ENERGIES).merged(ALL)
     x, z = np.arange(16) * 5.0 / 16, np.arange(12) * 3.0 / 12
     grid = np.meshgrid(x, np.linspace(-1, 1, 9), z, indexing="ij", sparse=True)
     u, v, _ = modes.velocity(series.reshape(-1, 9).T, *grid)
-    result = velocity_profiles(equally_spaced_profiles(system, 9), moments)
-    for profile, field in ((result.u, u), (result.uu, u * u), (result.uv, u * v)):
+    moments, matrices = statistics.moments, equally_spaced_profiles(system, 9)
+    result = matrices.profiles(moments.mean, moments.mean_product)
+    for profile, field in zip(result, (u, u * u, u * v), strict=True):
         np.testing.assert_allclose(profile, field.mean(axis=(0, 1, 3)), atol=1e-12)
     plane = np.square(u[:, :, 4]).mean(axis=0)
-    np.testing.assert_allclose(midplane_mean_square(modes, moments, x, z), plane, atol=1e-12)
+    result = modes.midplane_mean_square(moments.mean_product, x, z)
+    np.testing.assert_allclose(result, plane, atol=1e-12)
     grid = make_flow_grid(system, (3, 5, 7))
     for result, ends, count in ((grid.x, (0, 5), 3), (grid.y, (-1, 1), 5), (grid.z, (0, 3), 7)):
         np.testing.assert_array_equal(result, np.linspace(*ends, count))
@@ -241,11 +234,14 @@ def test_compare_measures_each_thing_against_the_reference():
     result = compare(reference, candidate, MATRICES)
     assert result.kantorovich == kantorovich_metric(reference.histogram, candidate.histogram)
     assert result.mean_log_error == mean_logarithmic_error(reference.histogram, candidate.histogram)
-    true, other = (velocity_profiles(MATRICES, each.moments) for each in (reference, candidate))
-    for name in ("u", "uu", "uv"):
-        profile, error = getattr(true, name), getattr(result, f"nrmse_{name}")
+    true, others = (
+        MATRICES.profiles(each.moments.mean, each.moments.mean_product)
+        for each in (reference, candidate)
+    )
+    for name, profile, other in zip(("u", "uu", "uv"), true, others, strict=True):
+        error = getattr(result, f"nrmse_{name}")
         # the range of the reference, not of the candidate
-        difference = getattr(other, name) - profile
+        difference = other - profile
         assert error == pytest.approx(np.sqrt(np.mean(difference**2)) / np.ptp(profile))
 
 
@@ -308,8 +304,8 @@ def test_reductions_come_back_from_their_file(tmp_path):
     result = reduced(random_series(5))
     path = tmp_path / "long_term.nc"
     statistics = statistics_variables(result.merged(slice(1, 3)))
-    write_netcdf(path, {**statistics, **reduction_variables(result)}, {})
-    assert same(reductions_from(read_netcdf(path)), result)
+    write_netcdf(path, {**statistics, **variables_of(result)}, {})
+    assert same(read_record(path, SeriesReductions), result)
 
 
 def floor_of(series, **settings):

@@ -219,11 +219,11 @@ def test_survival_curve_is_the_kaplan_meier_estimate_with_exact_intervals(ends, 
     """Escapes at the last step and survivors are told apart."""
     steps = np.minimum(ends, 10)
     escaped = np.array([end < 10 or (end == 10 and data.draw(st.booleans())) for end in ends])
-    result = survival_curve(Lifetimes(steps, escaped, 10), np.arange(11), confidence)
+    curve = survival_curve(Lifetimes(steps, escaped, 10), np.arange(11), confidence)
     censored = scipy.stats.CensoredData(uncensored=steps[escaped], right=steps[~escaped])
     expected = scipy.stats.ecdf(censored).sf.evaluate(np.arange(11))
-    np.testing.assert_allclose(result.share, expected, atol=1e-12)
-    for share, low, high in zip(result.share, result.low, result.high, strict=True):
+    np.testing.assert_allclose(curve[0], expected, atol=1e-12)
+    for share, low, high in zip(*curve, strict=True):
         alive = scipy.stats.binomtest(round(share * len(ends)), len(ends))
         assert (low, high) == pytest.approx(alive.proportion_ci(confidence, "exact"), abs=1e-9)
 
@@ -271,29 +271,6 @@ def test_the_beginning_is_left_out():
     result = escape_rate(Lifetimes(steps, escaped, 2000), 1.0, 0.95)
     assert (result.escapes, result.time_at_risk) == (1, 1501)
     assert result == escape_rate(Lifetimes(steps, escaped, 2000), 1.0, 0.95, start=500)
-
-
-# -- lifetimes of an ensemble ----------------------------------------------------------------------
-
-KEPT = np.array([1, 2, 5, 6, 9])
-LIFETIMES = np.array([3, 50, 50, 7, 9, 50, 50, 20, 30, 50, 11])
-
-
-def of_training(kept, training, steps=LIFETIMES):
-    return Lifetimes.of_ensemble(steps, kept, 50).of_training(kept, training)
-
-
-def test_lifetimes_of_training_are_those_of_its_series():
-    result = of_training(KEPT, 3)
-    assert result.steps.tolist() == [3, 50, 50, 7, 9, 50]
-    assert result.escaped.tolist() == [True, False, False, True, True, False]
-    assert result.length == 50
-    later = np.where(np.arange(11) > 5, 1, LIFETIMES)
-    np.testing.assert_array_equal(of_training(KEPT, 3, steps=later).steps, result.steps)
-    # trained on the fourth and the fifth
-    result = of_training(KEPT[[3, 4, 2, 0, 1]], 2)
-    assert result.steps.tolist() == [50, 20, 30, 50]
-    assert result.escaped.tolist() == [False, True, True, False]
 
 
 NOBODY = Lifetimes(np.array([], int), np.array([], bool), 9)

@@ -11,7 +11,7 @@ from burstcast.base.expressions import Expression
 from burstcast.control.actuation import ActuatorShare, actuated_system
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
-from burstcast.systems.measured import MeasuredSeries, derives
+from burstcast.systems.measured import MeasuredSeries
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast.systems.parameters import Parameters, SystemParameters, integrate_scheduled
 from burstcast.systems.state_space import component_names, make_measured
@@ -87,7 +87,7 @@ def test_the_share_of_an_actuator():
             lambda: integrate_scheduled(REYNOLDS, np.ones((4, 2, 3)), states(3), 0.25),
             r"shape \(4, 1, 3\)",
         ),
-        (lambda: derives(["x"], "flow rate [l/s]"), "is no arithmetic expression"),
+        (lambda: MeasuredSeries(["x"], "flow rate [l/s]").appended, "is no arithmetic expression"),
     ],
 )
 def test_what_does_not_fit_is_refused(made, message):

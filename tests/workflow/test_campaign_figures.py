@@ -14,8 +14,7 @@ from burstcast.base.files.netcdf import Variable, write_netcdf
 from burstcast.figures.registry import caption, figure, figure_of
 from burstcast.statistics.densities import Histogram
 from burstcast.statistics.measures import best_network
-from burstcast.statistics.moments import StateMoments
-from burstcast.statistics.reductions import LongTermStatistics
+from burstcast.statistics.reductions import LongTermStatistics, StateMoments
 from burstcast.systems.registry import make_system, parameters_of
 from burstcast.tables.parameters import described_parameters
 from burstcast_workflow.campaign.shown import Choices, Shown

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from helpers_rebuilds import Project
 
+from burstcast.base.arrays import FloatArray
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.files.tables import read_table
+from burstcast.forecasters.precursor import fitted_classifiers
+from burstcast.forecasts.windows import WindowSummaries, crosses
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow.harness.storage import read_json
@@ -113,3 +116,96 @@ def test_mistakes_in_rows_are_told_before_any_job(project):
     assert "The configuration has a mistake: case own: " in outcome.text
     assert "but the data have 1 series in all" in outcome.text
     assert "import_data" not in outcome.text
+
+
+# -- data of others --------------------------------------------------------------------------------
+
+GROWTH = np.array([[1.0], [0.72], [1.53], [1.27]])
+COMPETITION = np.array(
+    [[1, 1.09, 1.52, 0], [0, 1, 0.44, 1.36], [2.33, 0, 1, 0.47], [1.21, 0.51, 0.35, 1]]
+)
+EXPONENT = 0.0203
+SPECIES = (
+    "{files: [species.csv], observable: n1, time_step: 1, blocks: {duration: 800}}",
+    "esn: {neurons: [100], validation: [RV], seeds: 3}",
+)
+
+
+def species(samples: int, step: float = 0.1, stride: int = 10) -> FloatArray:
+    """Competition of four species by the classical Runge-Kutta method, ``(samples, species)``.
+
+    Vano et al., Nonlinearity 19 (2006), with their parameters; the exponent is theirs.
+    """
+
+    def rates(state: FloatArray) -> FloatArray:
+        return GROWTH * state * (1 - COMPETITION @ state)
+
+    start = np.array([[0.301], [0.459], [0.131], [0.356]])
+    state = start * (1 + 0.1 * np.random.default_rng(1).random((4, 1)))
+    states = []
+    for number in range((500 + samples) * stride):
+        if number >= 500 * stride and number % stride == 0:
+            states.append(state[:, 0])
+        first = rates(state)
+        second = rates(state + step / 2 * first)
+        third = rates(state + step / 2 * second)
+        fourth = rates(state + step * third)
+        state = state + step / 6 * (first + 2 * second + 2 * third + fourth)
+    return np.stack(states)
+
+
+def logistic_f_score(case, threshold: float, windows: tuple[int, int]) -> float:
+    """F-score of alarms by a logistic regression of the present components and their products.
+
+    It learns from the starting points in the training series, and alarms from the probability on
+    that is best there. A point whose washout holds an event is no point, as for all forecasters.
+    """
+    sets = {}
+    for name in ("calibration_set", "evaluation_set"):
+        points = read_netcdf(case / f"{name}.nc")
+        truth = WindowSummaries(points["first"], points["largest"])
+        happened = crosses(truth, *windows, threshold)
+        kept = points["washout_maximum"] < threshold
+        sets[name] = points["washout"][kept, -1], happened[kept]
+    features, happened = sets["calibration_set"]
+    (precursor,) = fitted_classifiers("logistic", features, happened[:, np.newaxis])
+
+    def f_score(probability, truth, alarm):
+        alarms = probability >= alarm
+        return 2 * (alarms & truth).sum() / (alarms.sum() + truth.sum())
+
+    probabilities = precursor.predict_proba(features)[:, 1]
+    best = max(np.unique(probabilities), key=lambda alarm: f_score(probabilities, happened, alarm))
+    features, happened = sets["evaluation_set"]
+    return float(f_score(precursor.predict_proba(features)[:, 1], happened, best))
+
+
+@pytest.mark.long
+def test_from_generation_to_summary(tmp_path, job_server):
+    data, networks = SPECIES
+    project = Project.create(tmp_path / "project", job_server, "own.yaml")
+    configure(project, networks, data)
+    project.write_series("species.csv", "n1,n2,n3,n4", 1.0, species(40_000))
+    outcome = project.made()
+    summary = outcome.text.partition("F-score")[2]
+    assert "permanent alarm" in summary
+    results = project.directory / "results/own"
+
+    leading = read_json(results / "own/lyapunov.json")["leading"]
+    assert leading["low"] < EXPONENT < leading["high"]
+    assert leading["mean"] == pytest.approx(EXPONENT, rel=0.2)
+
+    table = read_table(results / "tables/classification.csv")
+    at_one = table[table["prediction_time_lt"] == 1].groupby("forecaster")["f_score"].median()
+    threshold = read_json(results / "own/event_threshold.json")["event_threshold"]
+    logistic = logistic_f_score(results / "own", threshold, (1, 2))
+    # the present says little more of this time than a permanent alarm does; the networks know
+    assert logistic > at_one["permanent_alarm"] - 0.05
+    assert at_one["esn"] > max(logistic, at_one["permanent_alarm"]) + 0.2
+
+    # networks that have learnt the system have its exponent, as far as a few runs tell
+    spectrum = read_table(results / "tables/lyapunov_spectrum.csv")
+    exponents = spectrum[(spectrum["forecaster"] == "esn") & (spectrum["number"] == 1)]
+    assert exponents["lyapunov_exponent"].median() == pytest.approx(EXPONENT, rel=0.25)
+    warnings = read_table(results / "tables/warnings.csv")
+    assert "no_chaos_learnt" not in set(warnings["warning"])

@@ -20,14 +20,12 @@ class ResampledScore:
         return ResampledScore(self.value - other.value, self.samples - other.samples)
 
 
-def median_score(scores: Sequence[ResampledScore]) -> ResampledScore:
-    """Median over the members of a committee, in each resample."""
-    return ResampledScore(
-        np.median([score.value for score in scores], axis=0),
-        np.median([score.samples for score in scores], axis=0),
-    )
-
-
 def median_scores(members: Sequence[Mapping[str, ResampledScore]]) -> dict[str, ResampledScore]:
-    """Medians over members, for each score that all members have."""
-    return {name: median_score([scores[name] for scores in members]) for name in members[0]}
+    """Medians over the members of a committee, in each resample, for each score that all have."""
+    return {
+        name: ResampledScore(
+            np.median([scores[name].value for scores in members], axis=0),
+            np.median([scores[name].samples for scores in members], axis=0),
+        )
+        for name in members[0]
+    }

@@ -12,12 +12,6 @@ import numpy as np
 from burstcast.control.records import FlowSample, weighted_scores
 
 
-def values_of(sample: FlowSample) -> dict[str, float]:
-    """Scores of all flows of a sample by name."""
-    scores = weighted_scores(sample, np.ones((1, len(sample))))
-    return {name: float(value[0]) for name, value in scores.items()}
-
-
 def choose(candidates: Sequence[FlowSample], tolerance: float) -> int:
     """Number of the cheapest settings that leave little, or else of settings that leave the least.
 
@@ -29,7 +23,8 @@ def choose(candidates: Sequence[FlowSample], tolerance: float) -> int:
         raise ValueError("there is nothing to choose from")
     finite = []
     for candidate in candidates:
-        scores = values_of(candidate)
+        weighted = weighted_scores(candidate, np.ones((1, len(candidate))))
+        scores = {name: float(value[0]) for name, value in weighted.items()}
         # scores of no flows are not defined: such settings are the last choice
         undefined = {name: np.inf for name, value in scores.items() if not np.isfinite(value)}
         finite.append({**scores, **undefined})

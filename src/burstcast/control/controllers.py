@@ -27,17 +27,12 @@ def controlling_policy(
 ) -> Policy:
     """Policy of a controller.
 
-    Parameters
-    ----------
-    role
-        "forecaster": the one forecaster decides, or the strategy without any. "committee": several
-        forecasters vote, or the members of the ensemble of one. One network is a committee of one:
-        it decides, whatever the share of the vote. "random": alarms at random, the effect of the
-        actuation alone; each flow has a random stream of its own.
-    alarm_rate
-        Share of looks at which random alarms are raised.
-    seed
-        Name of the stream of random alarms: the seed of the network that they are compared with.
+    ``role``: "forecaster": the one forecaster decides, or the strategy without any. "committee":
+    several forecasters vote, or the members of the ensemble of one. One network is a committee of
+    one: it decides, whatever the share of the vote. "random": alarms at random, the effect of the
+    actuation alone; each flow has a random stream of its own. ``alarm_rate``: Share of looks at
+    which random alarms are raised. ``seed``: Name of the stream of random alarms: the seed of the
+    network that they are compared with.
     """
     if role == "random":
         looks = strategy.timing(experiment.schedule).most_looks

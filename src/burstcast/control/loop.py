@@ -227,17 +227,11 @@ def simulate(
 ) -> ControlledFlows:
     """Simulate flows with and without control from identical states.
 
-    Parameters
-    ----------
-    noise
-        Observation noise, ``(flows, timing.length or more, observed components)``, which is added
-        to the true state or to the output of the sensor. It depends on flow and step alone, so that
-        runs with and without control share it. None: no noise.
-    keep_states
-        Whether to return states. Since no flow depends on the others, a second call with a few
-        flows only returns their states.
-    costs
-        Whether to compute the cost of the actuation.
+    ``noise``: Observation noise, ``(flows, timing.length or more, observed components)``, which is
+    added to the true state or to the output of the sensor. It depends on flow and step alone, so
+    that runs with and without control share it. None: no noise. ``keep_states``: Whether to return
+    states. Since no flow depends on the others, a second call with a few flows only returns their
+    states. ``costs``: Whether to compute the cost of the actuation.
     """
     _check_given(experiment, timing, noise)
     systems, counted, given = experiment.systems, timing.counted, len(experiment.washouts)

@@ -202,39 +202,16 @@ def weighted_scores(sample: FlowSample, weights: FloatArray) -> dict[str, FloatA
 
     ``weights``: Weights of the flows in each resample, ``(resamples, flows)``.
     """
-    values = _scores(sample.records, sample.span, weights)
-    kept = sample.records.kept
+    records, span, kept = sample.records, sample.span, sample.records.kept
     weighted = weights * kept
-    for name, of_flows in sample.costs.items():
-        cost = np.where(kept, of_flows, 0.0)  # costs of other flows may be infinite or NaN
-        values[name] = _quotient((weighted * cost).sum(axis=1), weighted.sum(axis=1))
-    return {name: values[name] for name in (*FLOW_SCORES, *sample.costs)}
-
-
-def flow_intervals(
-    scores: Mapping[str, ResampledScore], sample: FlowSample, confidence: float
-) -> dict[str, Interval]:
-    """Intervals over flows of the scores of `score_flows`, by their names."""
-    intervals = {
-        name: Interval(float(score.value), *percentile_interval(score.samples, confidence))
-        for name, score in scores.items()
-    }
-    return {**intervals, **_bounds_of_nothing(sample, confidence, intervals)}
-
-
-def _scores(records: FlowRecords, span: Span, weights: FloatArray) -> dict[str, FloatArray]:
-    """Scores of weighted flows, ``(resamples,)`` each; weights are ``(resamples, flows)``."""
-    counts = records.kept.astype(np.float64)
-    weighted = weights * counts
     number = weighted.sum(axis=1)
     lyapunov_times = span.steps / span.steps_per_lyapunov_time
 
     def mean(values: npt.NDArray[np.generic]) -> FloatArray:
         # flows that do not count may have values that are not defined
-        kept = np.where(counts > 0, values, 0.0)
-        return _quotient((weighted * kept).sum(axis=1), number)
+        return _quotient((weighted * np.where(kept, values, 0.0)).sum(axis=1), number)
 
-    scores: dict[str, FloatArray] = {}
+    scores = {name: mean(of_flows) for name, of_flows in sample.costs.items()}
     for run in ("uncontrolled", "controlled"):
         scores[f"exceedance_{run}"] = mean(getattr(records, f"exceeding_{run}")) / span.steps
         events = mean(getattr(records, f"events_{run}"))
@@ -252,7 +229,18 @@ def _scores(records: FlowRecords, span: Span, weights: FloatArray) -> dict[str, 
         )
     scores["control_fraction"] = mean(records.actuated_integration_steps) / span.integration_steps
     scores["switchings_per_lyapunov_time"] = mean(records.switchings) / lyapunov_times
-    return scores
+    return {name: scores[name] for name in (*FLOW_SCORES, *sample.costs)}
+
+
+def flow_intervals(
+    scores: Mapping[str, ResampledScore], sample: FlowSample, confidence: float
+) -> dict[str, Interval]:
+    """Intervals over flows of the scores of `score_flows`, by their names."""
+    intervals = {
+        name: Interval(float(score.value), *percentile_interval(score.samples, confidence))
+        for name, score in scores.items()
+    }
+    return {**intervals, **_bounds_of_nothing(sample, confidence, intervals)}
 
 
 def _bounds_of_nothing(

@@ -50,8 +50,12 @@ def options_in(column: str) -> dict[str, str]:
     >>> options_in("watch=-modulus_5f1_5f0 aware=True")
     {'watch': '-modulus_1_0', 'aware': 'True'}
     """
-    pairs = (option.partition("=") for option in column.split())
-    return {name: _unnamed(value) for name, _, value in pairs}
+    code = r"_(?:u([0-9a-f]{6})|([0-9a-f]{2}))"
+    options = {}
+    for option in column.split():
+        name, _, value = option.partition("=")
+        options[name] = re.sub(code, lambda match: chr(int(match[1] or match[2], 16)), value)
+    return options
 
 
 _OPTION_VERBS = {"watch": "on"}
@@ -73,9 +77,3 @@ def option_words(column: str) -> str:
         if value != "False":
             words.append(text if value == "True" else f"{text} {value}")
     return ", ".join(words)
-
-
-def _unnamed(name: str) -> str:
-    """Text whose characters `named` has replaced."""
-    code = r"_(?:u([0-9a-f]{6})|([0-9a-f]{2}))"
-    return re.sub(code, lambda match: chr(int(match[1] or match[2], 16)), name)

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from burstcast.base.arrays import AXES, FloatArray, float_array, is_known
-from burstcast.base.series_lengths import padded, series_lengths
+from burstcast.base.series_lengths import padded
 
 _JITTER = 0.5
 """Of the time between two samples, relative to its median: less is jitter, or rounded times."""
@@ -59,26 +59,12 @@ class LabelledSeries:
             )
 
 
-def as_series(data: Any, what: str = "the series") -> FloatArray:
-    """Copy series of a user into an array of the one layout, finite and contiguous.
-
-    ``data``: An array of NumPy, or what can be made one, of shape ``(series, time, component)``; a
-    table or a list of tables; or an array or a data set of xarray. All series have one length.
-    """
-    states = labelled_series(data, what).states
-    if (lengths := series_lengths(states)) is not None:
-        other = int(np.argmax(lengths != lengths[0]))
-        raise ValueError(
-            f"{what} have unequal lengths: series 0 has {lengths[0]} samples, series {other} "
-            f"{lengths[other]}; cut them to one length"
-        )
-    return states
-
-
 def labelled_series(data: Any, what: str = "the series") -> LabelledSeries:
     """Copy series of a user, which may differ in length, with their labels and their clock.
 
-    ``data``: As of `as_series`, or a list of series of unequal lengths, ``(time, component)`` each.
+    ``data``: An array of NumPy, or what can be made one, of shape ``(series, time, component)``; a
+    table or a list of tables; an array or a data set of xarray; or a list of series of unequal
+    lengths, ``(time, component)`` each.
     """
     if _is_labelled(data):
         data = [data]

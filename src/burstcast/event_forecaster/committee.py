@@ -160,4 +160,4 @@ def search_edges(
         values, searched = [chosen[name] for chosen in of_searches], settings[name]
         lost = least if name == "tikhonov" else 0.0
         for finding in optimum_on_edge(name, values, min(searched), max(searched), lost):
-            yield f"the search ended on its edge, {finding.text}: search beyond it ({name})"
+            yield f"the search ended on its edge, {finding}: search beyond it ({name})"

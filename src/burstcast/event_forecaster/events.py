@@ -16,8 +16,7 @@ from burstcast.forecasts.calibration import isotonic, logistic
 from burstcast.forecasts.classification import ContingencyTable
 from burstcast.forecasts.observed_points import ObservedPoints
 from burstcast.forecasts.outcomes import Outcomes, outcomes_by_series
-from burstcast.forecasts.votes import share_of_votes
-from burstcast.forecasts.windows import WindowSummaries, crosses
+from burstcast.forecasts.windows import WindowSummaries, crosses, share_of_votes
 from burstcast.statistics.neighbour_divergence import correlation_steps
 
 FEW_EVENTS = 10
@@ -105,7 +104,9 @@ class Events:
         if events < FEW_EVENTS:
             yield f"there are {events} events in the training series, fewer than {FEW_EVENTS}"
         if self.timing.lyapunov_time is None:
-            steps, window = _correlation_steps(observable), self.timing.window
+            lengths, window = (~np.isnan(observable)).sum(axis=1), self.timing.window
+            longest = observable[lengths.argmax(), : lengths.max()]
+            steps = correlation_steps(longest[np.newaxis, :, np.newaxis])
             if window < steps:
                 yield (
                     f"durations are in samples: a window of {window:g}, where the observable "
@@ -219,10 +220,3 @@ def permanent_f_score(outcomes: Outcomes) -> float:
 def _rule(outcomes: Outcomes, prior: float | None) -> AlarmRule:
     calibration = logistic(outcomes) if prior is None else isotonic(outcomes, prior)
     return AlarmRule.chosen(outcomes, calibration)
-
-
-def _correlation_steps(observable: FloatArray) -> int:
-    """Samples until the autocorrelation of series ``(series, time)`` is below 1 / e."""
-    lengths = (~np.isnan(observable)).sum(axis=1)
-    longest = observable[lengths.argmax(), : lengths.max()]
-    return correlation_steps(longest[np.newaxis, :, np.newaxis])

@@ -11,7 +11,6 @@ import math
 import numbers
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -37,35 +36,32 @@ _WRONG = (
 )
 
 
-@dataclass(frozen=True)
-class SavedForecaster:
-    """Contents of a file of an event forecaster."""
+def write_saved(
+    path: str | Path,
+    parameters: Mapping[str, Any],
+    fitted: Mapping[str, Any],
+    members: Sequence[ForecasterRecord],
+) -> None:
+    """Write an event forecaster, but for an observable of one's own; replaces a file.
 
-    parameters: Mapping[str, Any]  #: parameters of its constructor
-    fitted: Mapping[str, Any]  #: what fitting has found, as JSON has it
-    members: Sequence[ForecasterRecord]  #: records of its forecasters
-
-
-def write_saved(path: str | Path, saved: SavedForecaster) -> None:
-    """Write an event forecaster, but for an observable of one's own; replaces a file."""
+    ``parameters``: Of its constructor. ``fitted``: What fitting has found. ``members``: Records of
+    its forecasters.
+    """
     # the NetCDF library takes a moment to load, which other forecasters need not wait for
     from burstcast.base.files.netcdf import Variable, write_netcdf
 
     variables: dict[str, Variable] = {}
-    for number, member in enumerate(saved.members):
+    for number, member in enumerate(members):
         for name, array in member.arrays.items():
             label = f"member{number}_{name}"
             axes = tuple(f"{label}_{axis}" for axis in range(array.ndim))
             meaning = f"{name.replace('_', ' ')} of member {number}"
             variables[label] = Variable(axes, array, None, meaning)
-    observable = _observable_record(saved.parameters["observable"])
+    observable = _observable_record(parameters["observable"])
     attributes: dict[str, str | int] = {"event_forecaster": _FORMAT}
     for name, content in (
-        ("parameters", {**saved.parameters, "observable": observable}),
-        (
-            "fitted",
-            {**saved.fitted, "members": [dict(member.attributes) for member in saved.members]},
-        ),
+        ("parameters", {**parameters, "observable": observable}),
+        ("fitted", {**fitted, "members": [dict(member.attributes) for member in members]}),
     ):
         attributes[name] = json.dumps(content, sort_keys=True, default=_plain)
     arrays = {name: np.asarray(variable.data) for name, variable in variables.items()}
@@ -75,8 +71,11 @@ def write_saved(path: str | Path, saved: SavedForecaster) -> None:
 
 def read_saved(
     path: str | Path, observable: Observable | None, kind: type[ForecasterKind] | None
-) -> SavedForecaster:
-    """Read an event forecaster, whose observable and kind may be none that the file has."""
+) -> tuple[dict[str, Any], dict[str, Any], list[ForecasterRecord]]:
+    """Parameters, fitted values and members of an event forecaster (`write_saved`).
+
+    ``observable``, ``kind``: Of one's own, which the file has not.
+    """
     from burstcast.base.files.netcdf import read_attributes, read_netcdf
 
     try:
@@ -107,9 +106,7 @@ def read_saved(
     for name, array in arrays.items():
         number, _, label = name.removeprefix("member").partition("_")
         arrays_of_members[int(number)][label] = array
-    return SavedForecaster(
-        parameters, fitted, list(map(ForecasterRecord, arrays_of_members, fitted["members"]))
-    )
+    return parameters, fitted, list(map(ForecasterRecord, arrays_of_members, fitted["members"]))
 
 
 @contextmanager

@@ -451,8 +451,11 @@ class EventForecaster(Estimator):
         ]
         fitted["stream"] = None if self._stream is None else self._stream.record()
         members = [member.record() for member in self.members_]
-        parameters = {**self.get_params(), **self._named_kind()}
-        files.write_saved(path, files.SavedForecaster(parameters, fitted, members))
+        parameters = self.get_params()
+        if not isinstance(self.kind, str):  # by its name, and its options
+            kind = self._kind
+            parameters |= {"kind": kind_name(type(kind)), "options": kind.options}
+        files.write_saved(path, parameters, fitted, members)
 
     @classmethod
     def load(
@@ -471,8 +474,8 @@ class EventForecaster(Estimator):
         """
         own_class = kind if kind is None or isinstance(kind, type) else class_of(kind)
         with files.as_one_error(path):
-            saved = files.read_saved(path, observable, own_class)
-            self, fitted = cls(**saved.parameters), dict(saved.fitted)
+            parameters, fitted, members = files.read_saved(path, observable, own_class)
+            self = cls(**parameters)
             self.warnings_ = []
             fitted = {"labels": None, "clock": None, **fitted}  # which older files have not
             for name in _FITTED:
@@ -485,9 +488,9 @@ class EventForecaster(Estimator):
             files.check_effort(
                 unfitted, self._samples("washout") + timing.boundaries[-1], self.sampling_stride
             )
-            for record in saved.members:
+            for record in members:
                 files.check_sizes(record, case, unfitted)
-            self.members_ = [unfitted.restore(record, case) for record in saved.members]
+            self.members_ = [unfitted.restore(record, case) for record in members]
             given, stored = (
                 case.system.observable(self.reference_states_.T),
                 self.reference_observable_,
@@ -522,13 +525,6 @@ class EventForecaster(Estimator):
             backend = usable_backend(kind.options["backend"])
             kind = dataclasses.replace(cast(Any, kind), backend=backend)
         return in_samples(kind) if self.lyapunov_time is None else kind
-
-    def _named_kind(self) -> dict[str, Any]:
-        """Parameters that say the kind by its name, and its options."""
-        if isinstance(self.kind, str):
-            return {}
-        kind = self._kind
-        return {"kind": kind_name(type(kind)), "options": kind.options}
 
     @property
     def _timing(self) -> EventTiming:

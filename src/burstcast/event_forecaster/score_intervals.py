@@ -65,13 +65,10 @@ def score_intervals(
     generator = random_streams.stream(random_seed, "score intervals")
     weights = bootstrap_weights(len(outcomes.points), _RESAMPLES, generator)
     scores = resampled_scores(outcomes, weights, threshold, bins)
-    scores["permanent_f_score"] = _permanent(scores["base_rate"])
+    value, samples = scores["base_rate"].value, scores["base_rate"].samples
+    permanent = ResampledScore(2 * value / (1 + value), 2 * samples / (1 + samples))
+    scores["permanent_f_score"] = permanent
     return {
         name: ScoreInterval(float(score.value), *percentile_interval(score.samples, _CONFIDENCE))
         for name, score in scores.items()
     }
-
-
-def _permanent(base_rate: ResampledScore) -> ResampledScore:
-    value, samples = base_rate.value, base_rate.samples
-    return ResampledScore(2 * value / (1 + value), 2 * samples / (1 + samples))

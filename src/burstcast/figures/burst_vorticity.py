@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.base.arrays import FloatArray
-from burstcast.base.declared import at, read
+from burstcast.base.declared import at, made_by, read
 from burstcast.figures.parts import frame, looks, planes, style
 from burstcast.figures.registry import figure
 from burstcast.systems.registry import make_system
@@ -24,13 +24,10 @@ def draw(
     *,
     states: FloatArray = read("case/ensemble.nc:state"),
     observable: FloatArray = read("case/ensemble.nc:observable"),
-    exponents: Mapping[str, Any] | None = read("time_unit"),
+    unit: int = made_by(frame.samples_per_lyapunov_time),
     system: str = at("case.system"),
     parameters: Mapping[str, float] = at("case.parameters"),
     training_series: int = at("case.training.series"),
-    time_step: float = at("case.ensemble.time_step"),
-    sampling_stride: int = at("case.ensemble.sampling_stride"),
-    given_exponent: float = at("case.lyapunov.given_exponent"),
     threshold: float = at("case.event_threshold"),
     symbol: str = at("case.space.observable_symbol"),
     observable_name: str = at("case.space.observable_name"),
@@ -39,7 +36,6 @@ def draw(
 
     ``states``, ``observable``: ``(series, time, dimension)`` and ``(series, time)``.
     """
-    unit = frame.samples_per_lyapunov_time(exponents, given_exponent, time_step, sampling_stride)
     margin = min(round(_SHOWN_LT * unit), (observable.shape[1] - 1) // 2)
     tested = observable[training_series:, margin : observable.shape[1] - margin]
     row, step = np.unravel_index(np.argmax(tested), tested.shape)

@@ -28,17 +28,14 @@ def draw(
 ) -> Figure:
     """Draw scores of networks of one size, from the percentile tables of each case.
 
-    The upper row has the mean PH_ee and F-scores against the Reynolds number, a curve for each
-    strategy; the lower one F-scores against the prediction time, a panel for each strategy and a
-    curve for each Reynolds number. Rows without a Reynolds number are ignored; cases may have
-    other prediction times than each other.
+    Rows without a Reynolds number are ignored; cases may have other prediction times than each
+    other.
     """
     ours: dict[str, pd.DataFrame] = {}
     theirs: dict[str, pd.DataFrame] = {}
     for name, tables in (("horizon", horizons), ("classification", scores)):
         table = pd.concat(tables, ignore_index=True)
         beside = published_beside(table, published, name)
-        beside = table.iloc[:0] if beside is None else beside
         of_size: dict[str, object] = {"forecaster": "esn", "neurons": float(neurons)}
         ours[name] = medians.select(table, **of_size).dropna(subset=["reynolds"])
         theirs[name] = medians.select(beside, **of_size).dropna(subset=["reynolds"])
@@ -71,11 +68,9 @@ def draw(
         panel.set_ylabel(medians.LABELS[str(chosen["metric"])])
         for validation, shift in zip(validations, places, strict=True):
             look = looks.validation(validation)
-            shown = {"validation": validation, **chosen}
-            rows = medians.select(ours[name], **shown)
-            medians.draw(panel, rows, "reynolds", look, label=validation, band=False, shift=shift)
-            rows = medians.select(theirs[name], **shown)
-            medians.draw_published(panel, rows, "reynolds", look, shift=shift)
+            curves = panel, ours[name], theirs[name], {"validation": validation, **chosen}
+            how = {"label": validation, "band": False, "shift": shift}
+            medians.draw_both(*curves, "reynolds", look, **how)
     for panel, time in zip(upper[1:], prediction_times_lt, strict=True):
         panel.set_title(f"{time:g} LT ahead", loc="center")
         panel.sharey(upper[1])
@@ -86,10 +81,8 @@ def draw(
     for panel, validation in zip(lower, validations, strict=True):
         for number, look in zip(reynolds, looks.sequence(len(reynolds)), strict=True):
             shown = {"metric": "f_score", "validation": validation, "reynolds": number}
-            rows = medians.select(ours["classification"], **shown)
-            medians.draw(panel, rows, "prediction_time_lt", look, label=f"{number:g}")
-            rows = medians.select(theirs["classification"], **shown)
-            medians.draw_published(panel, rows, "prediction_time_lt", look)
+            curves = panel, ours["classification"], theirs["classification"], shown
+            medians.draw_both(*curves, "prediction_time_lt", look, label=f"{number:g}")
         panel.set_title(validation, loc="center")
         panel.set_xlabel(medians.PREDICTION_TIME)
         panel.set_ylabel(medians.LABELS["f_score"])

@@ -2,11 +2,8 @@
 ensemble. In grey: forecasters to compare with.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
@@ -28,11 +25,10 @@ def draw(
     sizes_validation: str = at("shown.example.name.validation"),
     published: pd.DataFrame | None = None,
 ) -> Figure:
-    """Draw three rows of panels (precision, recall, F-score) in up to three columns.
+    """Draw a column at a fixed size, one at a fixed time, and one of up to four sizes.
 
-    The first column holds the size fixed; the second, where there are three sizes, the prediction
-    time; the last, where there are two, shows up to four sizes for one strategy. Where the table
-    has no such size, time or strategy, the nearest or the last is shown.
+    The second takes three sizes, the third two. Where the table has no such size, time or strategy,
+    the nearest or the last is shown.
     """
     theirs = published_beside(percentiles, published, "classification")
     networks = percentiles[percentiles["forecaster"] == "esn"]
@@ -42,7 +38,7 @@ def draw(
     sizes = np.unique(networks["neurons"].dropna().to_numpy(dtype=np.float64))
     if sizes_validation not in validations:
         sizes_validation = validations[-1]
-    theirs = percentiles.iloc[:0] if theirs is None else theirs[theirs["neurons"].isin(sizes)]
+    theirs = theirs[theirs["neurons"].isin(sizes)]
 
     columns = {"size": f"{neurons:g} neurons"}
     if len(sizes) > 2:
@@ -60,16 +56,16 @@ def draw(
             look = looks.validation(validation)
             chosen = {"metric": metric, "validation": validation}
             at_size, at_time = {**chosen, "neurons": neurons}, {**chosen, _TIME: time}
-            _draw_curve(first, networks, theirs, at_size, _TIME, look, validation)
+            medians.draw_both(first, networks, theirs, at_size, _TIME, look, label=validation)
             if "time" in columns:
-                panel = panels["time"][row]
-                _draw_curve(panel, networks, theirs, at_time, "neurons", look, validation)
+                curves = panels["time"][row], networks, theirs, at_time
+                medians.draw_both(*curves, "neurons", look, label=validation)
         if "strategy" in columns:
             some = looks.few_of(sizes)
             for size, look in zip(some, looks.sequence(len(some)), strict=True):
                 at_size = {"metric": metric, "validation": sizes_validation, "neurons": float(size)}
-                panel = panels["strategy"][row]
-                _draw_curve(panel, networks, theirs, at_size, _TIME, look, f"{size:g}")
+                curves = panels["strategy"][row], networks, theirs, at_size
+                medians.draw_both(*curves, _TIME, look, label=f"{size:g}")
     lowest = min((panel.dataLim.y0 for panel in grid.flat if panel.has_data()), default=0.0)
     grid[0, 0].set_ylim(max(0.0, np.floor(10 * lowest) / 10), 1.02)
     more = [*medians.spread_handles(grid.flat), *medians.published_handles(grid.flat)]
@@ -88,17 +84,3 @@ def draw(
         panels["strategy"][2].legend(title="neurons", loc="best", ncols=2 if len(sizes) > 3 else 1)
     style.letter_panels(list(grid.flat))
     return figure
-
-
-def _draw_curve(
-    axes: Axes,
-    networks: pd.DataFrame,
-    theirs: pd.DataFrame,
-    chosen: Mapping[str, object],
-    x: str,
-    look: looks.MarkerStyle,
-    label: str,
-) -> None:
-    """Draw the chosen rows of our networks, and of the published ones."""
-    medians.draw(axes, medians.select(networks, **chosen), x, look, label=label)
-    medians.draw_published(axes, medians.select(theirs, **chosen), x, look)

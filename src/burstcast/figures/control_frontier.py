@@ -11,6 +11,7 @@ committee of all networks of its size.
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,9 +21,34 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 
 from burstcast.base.declared import at, read
-from burstcast.figures.parts import control_runs, looks, medians, style
-from burstcast.figures.parts.control_runs import ACTING, CONDITIONS, LEFT, Condition
+from burstcast.figures.parts import looks, medians, style
 from burstcast.figures.registry import figure
+from burstcast.forecasters._labels import forecaster_label
+
+LEFT, ACTING = "relative_exceedance", "control_fraction"
+_ENDS = ("value", "low", "high")
+_NO_SETTINGS = {
+    *("case", "reynolds", "forecaster", "neurons", "validation", "seed", "strategy", "label"),
+    *("starts", "quiet_lt", "span_lt", "delay_lt", "strength", "noise"),
+    *(f"{end}_{metric}" for metric in (LEFT, ACTING) for end in _ENDS),
+}
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A condition that strategies are tried under, as an axis."""
+
+    column: str
+    label: str
+    logarithmic: bool = True
+    unit: float = 1.0
+
+
+CONDITIONS = (
+    Condition("delay_lt", "Delay of the actuator [LT]", logarithmic=False),
+    Condition("strength", "Strength of the actuator"),
+    Condition("noise", "Noise of the observations [%]", unit=100.0),
+)
 
 
 @figure(section="control", position=50, cases="other_control")
@@ -38,15 +64,15 @@ def draw(
 
     ``span_lt``, ``noise``: Usual length of a run and noise of the observations.
     """
-    runs = control_runs.runs_of(control_runs.of_network(scores, network), span_lt)
+    runs = _runs_of(_of_network(scores, network), span_lt)
     usual = {"delay_lt": 0.0, "strength": 1.0, "noise": noise}
     comparing = runs["strategy"].isin(looks.COMPARING)
     contents: list[tuple[Condition | None, pd.DataFrame, dict[str, Any]]] = []
     for group in (_most_runs(runs[~comparing]), _most_runs(runs[comparing])):
         curves = _looks(group)
-        contents.append((None, control_runs.where(group, usual), curves))
+        contents.append((None, _where(group, usual), curves))
         contents += [
-            (condition, control_runs.tried_under(group, usual, condition.column), curves)
+            (condition, _tried_under(group, usual, condition.column), curves)
             for condition in CONDITIONS
         ]
     contents = [content for content in contents if not content[1].empty]
@@ -72,6 +98,88 @@ def draw(
     style.legend_above(figure, panels, [style.bar_handle("interval over flows")], columns=2)
     style.letter_panels(panels)
     return figure
+
+
+def _of_network(scores: pd.DataFrame, network: Mapping[str, Any] | None) -> pd.DataFrame:
+    """Rows of one network, of the committee of its size, and of all other forecasters."""
+    shown = ~scores["forecaster"].isin(["esn", "esn_committee", "random"])
+    if network is not None:
+        shown |= (scores[list(network)] == pd.Series(network)).all(axis="columns")
+        size = pd.Series(network)[["neurons", "validation"]]
+        alike = (scores[list(size.index)] == size).all(axis="columns")
+        shown |= alike & (scores["forecaster"] == "esn_committee")
+    return scores[shown]
+
+
+def _runs_of(scores: pd.DataFrame, span_lt: float) -> pd.DataFrame:
+    """A row for each run of the flows that are shown, with both scores and its ``label``.
+
+    These start quietly, last so long, and have the quiet that most runs have.
+    """
+    keys = [name for name in scores.columns if name not in ("metric", *_ENDS)]
+    parts = []
+    for metric in (LEFT, ACTING):
+        rows = scores[scores["metric"] == metric].drop(columns="metric").drop_duplicates(keys)
+        parts.append(rows.rename(columns={end: f"{end}_{metric}" for end in _ENDS}))
+    runs = parts[0].merge(parts[1], on=keys)
+    shown = (runs["starts"] == "quiet") & np.isclose(runs["span_lt"], span_lt)
+    runs = runs.loc[shown & runs[f"value_{LEFT}"].notna()]
+    runs = runs.loc[runs["quiet_lt"].isin(runs["quiet_lt"].mode()[-1:])]
+    return runs.assign(label=_labels(runs))
+
+
+def _where(runs: pd.DataFrame, conditions: Mapping[str, float]) -> pd.DataFrame:
+    """Runs under these conditions."""
+    matching = np.ones(len(runs), dtype=bool)
+    for name, value in conditions.items():
+        matching &= np.isclose(runs[name].astype(np.float64), value)
+    return runs.loc[matching]
+
+
+def _tried_under(runs: pd.DataFrame, conditions: Mapping[str, float], column: str) -> pd.DataFrame:
+    """Runs of one setting of each strategy and forecaster at several values of one condition.
+
+    All other conditions are as usual. The setting is the one that was tried at most values, and of
+    several the one that leaves least.
+    """
+    runs = _where(runs, {name: value for name, value in conditions.items() if name != column})
+    chosen = []
+    for _, of_label in runs.groupby("label", sort=False):
+        settings = [rows for _, rows in of_label.groupby(_settings(runs), dropna=False)]
+        tried = [rows for rows in settings if rows[column].nunique() > 1]
+        if tried:
+            chosen.append(
+                min(tried, key=lambda rows: (-rows[column].nunique(), rows[f"value_{LEFT}"].mean()))
+            )
+    return pd.concat(chosen) if chosen else runs.iloc[:0]
+
+
+def _undominated(runs: pd.DataFrame) -> pd.DataFrame:
+    """Runs that no other run betters in what is left and in the time under actuation."""
+    runs = runs.sort_values([f"value_{ACTING}", f"value_{LEFT}"])
+    left = runs[f"value_{LEFT}"]
+    return runs[left < left.cummin().shift(fill_value=np.inf)]
+
+
+def _settings(runs: pd.DataFrame) -> list[str]:
+    """Names of the settings that any strategy has."""
+    return [name for name in runs.columns if name not in _NO_SETTINGS]
+
+
+def _labels(runs: pd.DataFrame) -> list[str]:
+    """Strategy and forecaster in words, and what it observes where its runs differ in that."""
+    labels = []
+    for strategy, forecaster in zip(runs["strategy"], runs["forecaster"], strict=True):
+        title, _ = looks.strategy(strategy)
+        labels.append(title if forecaster == "none" else f"{title}, {forecaster_label(forecaster)}")
+    if "observed" not in runs:
+        return labels
+    observed = runs["observed"].fillna("")
+    counts = observed.groupby(labels).nunique()
+    return [
+        f"{label}, observed {modes.replace('_', ' ')}" if counts[label] > 1 and modes else label
+        for label, modes in zip(labels, observed, strict=True)
+    ]
 
 
 def _most_runs(runs: pd.DataFrame) -> pd.DataFrame:
@@ -115,7 +223,7 @@ def _draw_frontier(axes: Axes, runs: pd.DataFrame, curves: Mapping[str, Any]) ->
             "markeredgewidth": 0.5,
         }
         axes.plot(rows[f"value_{ACTING}"], rows[f"value_{LEFT}"], **small, markerfacecolor="white")
-        best = control_runs.undominated(rows)
+        best = _undominated(rows)
         _draw_curve(axes, best, best[f"value_{ACTING}"], {**look, "label": label})
     axes.set_xlabel("Share of the time under actuation")
 

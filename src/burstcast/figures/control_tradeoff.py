@@ -63,8 +63,7 @@ def draw(
             f"{axis}err": medians.lengths(both, *(f"{end}_{axis}" for end in ("p50", "p25", "p75")))
             for axis in ("x", "y")
         }
-        bars |= {"capsize": 2.0, "elinewidth": 0.8, "capthick": 0.8, **look}
-        right.errorbar(both["p50_x"], both["p50_y"], **bars)
+        right.errorbar(both["p50_x"], both["p50_y"], **bars, **style.BARS, **look)
         for row in both.to_dict("records") if forecaster == "esn" else ():
             # at the right end of its bar
             right.annotate(
@@ -80,10 +79,9 @@ def draw(
                 zorder=5,
             )
     exceedances = published_beside(percentiles, published, "control")
-    if exceedances is not None:
-        rows = medians.select(published_reductions(exceedances, shown), metric="reduction")
-        look = looks.controller_lines(["esn"])["esn"]
-        medians.draw_published(left, rows, "prediction_time_lt", look)
+    rows = medians.select(published_reductions(exceedances, shown), metric="reduction")
+    look = looks.controller_lines(["esn"])["esn"]
+    medians.draw_published(left, rows, "prediction_time_lt", look)
     left.set_xticks(sorted(shown["prediction_time_lt"].dropna().unique()))
     left.margins(x=0.06)
     # Zero is shown, and neither a marker nor the label below it is cut.

@@ -27,11 +27,10 @@ def draw(
     axes = figure.subplots()
     # a perfect forecaster reaches the longest lead time of the search
     medians.draw_references(axes, percentiles, metric, "neurons", leave_out=["equations"])
-    for validation, look, rows in medians.validations(networks, metric=metric):
-        medians.draw(axes, rows, "neurons", look, label=validation)
-        if theirs is not None:
-            rows = medians.select(theirs, validation=validation, metric=metric)
-            medians.draw_published(axes, rows[rows["neurons"].isin(sizes)], "neurons", look)
+    theirs = theirs[theirs["neurons"].isin(sizes)]
+    for validation, look, _ in medians.validations(networks):
+        chosen = {"validation": validation, "metric": metric}
+        medians.draw_both(axes, networks, theirs, chosen, "neurons", look, label=validation)
     axes.set_xticks(sizes)
     axes.margins(x=0.06)
     axes.set_xlabel(medians.NEURONS)

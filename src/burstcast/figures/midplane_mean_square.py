@@ -16,7 +16,6 @@ from matplotlib.ticker import MaxNLocator
 from burstcast.base.declared import at, read
 from burstcast.figures.parts import errors, planes, style
 from burstcast.figures.registry import figure
-from burstcast.statistics import profiles
 from burstcast.statistics.reductions import LongTermStatistics
 from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.registry import make_system
@@ -39,7 +38,7 @@ def draw(
         return style.nothing_to_show("No network has any long-term statistics.")
     true, trained = map(LongTermStatistics.from_arrays, (data, training))
     mean, *others = (
-        profiles.midplane_mean_square(grid.modes, statistics.moments, grid.x, grid.z)
+        grid.modes.midplane_mean_square(statistics.moments.mean_product, grid.x, grid.z)
         for statistics in (true, best.statistics, trained)
     )
     deviations = [np.abs(other - mean) for other in others]

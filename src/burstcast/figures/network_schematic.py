@@ -49,30 +49,18 @@ def _draw_network(axes: Axes, inputs: int, neurons: int, parameters: list[str]) 
     """Draw input layer, reservoir and output layer; units are a hundredth of the width."""
     board.clear(axes, 100, 34)
     heights = [27.0, 22.0, 9.0]
-    for side, x in (("in", 17.0), ("out", 83.0)):
+    for side, x, align, name in (
+        (-1, 17.0, "right", r"$\hat{\mathbf{u}}_{\mathrm{in}}(t_i)$"),
+        (1, 83.0, "left", r"$\mathbf{u}_{\mathrm{p}}(t_{i+1})$"),
+    ):
         for height in heights:
             axes.add_patch(Circle((x, height), 1.6, facecolor="white", edgecolor="black", lw=0.8))
         axes.text(x, 15.7, r"$\vdots$", ha="center", va="center")
-        if side == "in":
-            axes.add_patch(
-                Circle((x, 4), 1.6, facecolor=style.LIGHT_GREY, edgecolor="black", lw=0.8)
-            )
+        if side < 0:
+            bias = Circle((x, 4), 1.6, facecolor=style.LIGHT_GREY, edgecolor="black", lw=0.8)
+            axes.add_patch(bias)
             axes.text(x - 3, 4, r"$b_{\mathrm{in}}$", ha="right", va="center")
-            axes.text(
-                x - 3,
-                18.5,
-                r"$\hat{\mathbf{u}}_{\mathrm{in}}(t_i)$" + f"\n$N_u = {inputs}$",
-                ha="right",
-                va="center",
-            )
-        else:
-            axes.text(
-                x + 3,
-                18.5,
-                r"$\mathbf{u}_{\mathrm{p}}(t_{i+1})$" + f"\n$N_u = {inputs}$",
-                ha="left",
-                va="center",
-            )
+        axes.text(x + 3 * side, 18.5, f"{name}\n$N_u = {inputs}$", ha=align, va="center")
 
     # A picture of a sparse random graph; its generator belongs to the picture, not to a result.
     generator = np.random.default_rng(7)

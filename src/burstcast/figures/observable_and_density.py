@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.base.arrays import FloatArray
-from burstcast.base.declared import at, read
+from burstcast.base.declared import at, made_by, read
 from burstcast.base.series_lengths import numbers_of
 from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
@@ -20,10 +20,7 @@ from burstcast.statistics.densities import bin_edges, edges_over, histogram
 def draw(
     *,
     observable: FloatArray = read("case/ensemble.nc:observable"),
-    exponents: Mapping[str, Any] | None = read("time_unit"),
-    time_step: float = at("case.ensemble.time_step"),
-    sampling_stride: int = at("case.ensemble.sampling_stride"),
-    given_exponent: float = at("case.lyapunov.given_exponent"),
+    unit: int = made_by(frame.samples_per_lyapunov_time),
     threshold: float = at("case.event_threshold"),
     density: Mapping[str, Any] = at("case.density"),
     symbol: str = at("case.space.observable_symbol"),
@@ -36,7 +33,6 @@ def draw(
     """
     # the first if none has any
     shown = numbers_of(observable[np.argmax((observable >= threshold).any(axis=1))])
-    unit = frame.samples_per_lyapunov_time(exponents, given_exponent, time_step, sampling_stride)
     time_lt = np.arange(len(shown)) / unit
     figure = style.new_figure(style.DOUBLE_COLUMN, 2.1)
     evolution, panel = figure.subplots(1, 2, width_ratios=[2.1, 1.0])

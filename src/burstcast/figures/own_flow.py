@@ -130,9 +130,7 @@ def _draw_exponents(axes: Axes, data: pd.DataFrame, exponents: pd.DataFrame, neu
         linestyle="none",
         marker="_",
         markersize=8,
-        capsize=2.0,
-        elinewidth=0.8,
-        capthick=0.8,
+        **style.BARS,
     )
     lowest, highest = data[names[0]].min(), data[names[0]].max()
     networks = medians.select(exponents, forecaster="esn", neurons=neurons)

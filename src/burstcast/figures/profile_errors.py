@@ -18,9 +18,8 @@ from burstcast.base.declared import at, read
 from burstcast.figures.parts import errors, looks, medians, style
 from burstcast.figures.parts.published import published_beside
 from burstcast.figures.registry import figure
-from burstcast.statistics.profiles import velocity_profiles
+from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import LongTermStatistics
-from burstcast.systems.mfe_modes import flow_modes
 from burstcast.systems.registry import make_system
 
 _LABELS = {
@@ -44,9 +43,8 @@ def draw(
 ) -> Figure:
     """Draw the data, the training set and the best network, and the errors of all networks."""
     y = np.linspace(-1.0, 1.0, points)
-    modes = flow_modes(make_system(system, parameters))
-    assert modes is not None
-    matrices = modes.profile_matrices(y)
+    matrices = equally_spaced_profiles(make_system(system, parameters), points)
+    assert matrices is not None
     true, trained = (LongTermStatistics.from_arrays(file) for file in (data, training))
     best = errors.best_of(data, long_term)
     shown = [(true, looks.TRUTH, "True"), (trained, looks.TRAINING, "Train")]
@@ -55,8 +53,9 @@ def draw(
     figure = style.new_figure(style.DOUBLE_COLUMN, 4.0)
     panels = figure.subplots(2, 3)
     for statistics, look, name in shown:
-        profiles = velocity_profiles(matrices, statistics.moments)
-        for axes, profile in zip(panels[0], (profiles.u, profiles.uu, profiles.uv), strict=True):
+        moments = statistics.moments
+        profiles = matrices.profiles(moments.mean, moments.mean_product)
+        for axes, profile in zip(panels[0], profiles, strict=True):
             axes.plot(profile, y, label=name, **look)
     for axes, label in zip(panels[0], _LABELS.values(), strict=True):
         axes.set_xlabel(label)

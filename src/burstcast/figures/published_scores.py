@@ -85,7 +85,7 @@ def _doubling(sizes: Iterable[float]) -> list[float]:
 def _draw(
     axes: Axes,
     ours: pd.DataFrame,
-    theirs: pd.DataFrame | None,
+    theirs: pd.DataFrame,
     of: dict[str, object],
     x: str,
     look: looks.MarkerStyle,
@@ -95,7 +95,6 @@ def _draw(
     rows = medians.select(ours, **of)
     band = rows.assign(p25=rows["low"], p75=rows["high"])
     medians.draw(axes, band, x, {**look, "marker": "."}, label=label)
-    if theirs is not None:
-        beside = medians.select(theirs, **of)
-        beside = beside[beside[x].isin(rows[x])].drop(columns=["p25", "p75"])
-        medians.draw_published(axes, beside, x, {**look, "marker": "o"})
+    beside = medians.select(theirs, **of)
+    beside = beside[beside[x].isin(rows[x])].drop(columns=["p25", "p75"])
+    medians.draw_published(axes, beside, x, {**look, "marker": "o"})

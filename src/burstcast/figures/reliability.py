@@ -64,7 +64,11 @@ def draw(
         for column, time in enumerate(times):
             chosen = (bins["forecaster"] == kind) & np.isclose(bins["prediction_time_lt"], time)
             _draw_diagram(diagrams[row, column], bins[chosen])
-            _draw_counts(counts[row, column], bins[chosen])
+            rows = alarm_scores.calibrated(bins[chosen])
+            below, count = counts[row, column], rows["forecasts"]
+            below.vlines(rows["mean_probability"], 0.5, count, color=style.GREY, linewidth=3.0)
+            below.set_yscale("log")
+            below.set_ylim(bottom=0.5)
             title = f"{forecaster_label(kind)}, PT = {time:g} LT"
             diagrams[row, column].set_title(title, loc="center")
         diagrams[row, 0].set_ylabel("Observed frequency")
@@ -105,10 +109,3 @@ def _draw_diagram(axes: Axes, bins: pd.DataFrame) -> None:
     )
     axes.set_xlim(-0.04, 1.04)
     axes.set_ylim(-0.04, 1.04)
-
-
-def _draw_counts(axes: Axes, bins: pd.DataFrame) -> None:
-    rows = alarm_scores.calibrated(bins)
-    axes.vlines(rows["mean_probability"], 0.5, rows["forecasts"], color=style.GREY, linewidth=3.0)
-    axes.set_yscale("log")
-    axes.set_ylim(bottom=0.5)

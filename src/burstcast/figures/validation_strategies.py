@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from burstcast.base.arrays import FloatArray
-from burstcast.base.declared import at, read
+from burstcast.base.declared import at, made_by, read
 from burstcast.base.durations import steps
 from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
@@ -22,10 +22,7 @@ from burstcast.networks.validation_strategies.registry import make_strategy
 def draw(
     *,
     observable: FloatArray = read("case/ensemble.nc:observable"),
-    exponents: Mapping[str, Any] | None = read("time_unit"),
-    time_step: float = at("case.ensemble.time_step"),
-    sampling_stride: int = at("case.ensemble.sampling_stride"),
-    given_exponent: float = at("case.lyapunov.given_exponent"),
+    unit: int = made_by(frame.samples_per_lyapunov_time),
     threshold: float = at("case.event_threshold"),
     strategies: Sequence[str] = at("shown.strategies"),
     recycle: Mapping[str, Any] = at("case.recycle_validation"),
@@ -40,7 +37,6 @@ def draw(
     ``observable``: Of all series, ``(series, time)``. ``recycle``: Number of ``series`` and of
     ``intervals_per_series`` of recycle validation.
     """
-    unit = frame.samples_per_lyapunov_time(exponents, given_exponent, time_step, sampling_stride)
     plan = ValidationPlan(
         washout=steps(washout_lt, unit),
         interval=steps(interval_lt, unit),

@@ -93,7 +93,7 @@ class PrecursorOptions:
 
     section: ClassVar[str] = "precursor"
 
-    #: see `burstcast.forecasters._precursor_model`
+    #: see `burstcast.forecasters.precursor`
     classifier: Literal["boosting", "logistic"] = "boosting"
     lags_lt: tuple[float, ...] = (0.1, 0.2, 0.3, 0.4)  #: past values, in Lyapunov times
 

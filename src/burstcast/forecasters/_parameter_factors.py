@@ -120,12 +120,14 @@ class ParameterFactors:
 
         Values beyond those in training are extrapolated, with a warning.
         """
-        self._warn_of_extrapolation(values)
+        if message := self.outside(values):
+            warnings.warn(message, stacklevel=2)
         with np.errstate(divide="ignore"):
             transformed = TRANSFORMS[self.transform](values[..., self._varying])
         if not np.isfinite(transformed).all():
             raise ValueError(f"a value of {', '.join(self.names)} is not finite, or has no inverse")
-        scaled = (transformed - self._centre) / self._half_range
+        centre, half_range = self._scale
+        scaled = (transformed - centre) / half_range
         factors = np.ones((*values.shape[:-1], self.count))
         for number, monomial in enumerate(self._monomials):
             for parameter in monomial:
@@ -152,33 +154,20 @@ class ParameterFactors:
             f"{self.low[column]:g} to {self.high[column]:g}: forecasts are extrapolated"
         )
 
-    def _warn_of_extrapolation(self, values: FloatArray) -> None:
-        message = self.outside(values)
-        if message is not None:
-            warnings.warn(message, stacklevel=3)
-
     @cached_property
     def _varying(self) -> IntArray:
         return np.flatnonzero(self.high > self.low)
 
     @cached_property
     def _monomials(self) -> list[tuple[int, ...]]:
-        varying = int((self.high > self.low).sum())
+        varying = len(self._varying)
         return monomials(varying, self.degree)[1:] if varying else []
 
     @cached_property
-    def _ends(self) -> FloatArray:
-        ends = np.stack([self.low, self.high])[:, self._varying]
-        return TRANSFORMS[self.transform](ends)
-
-    @property
-    def _centre(self) -> FloatArray:
-        centre: FloatArray = self._ends.mean(axis=0)
-        return centre
-
-    @property
-    def _half_range(self) -> FloatArray:
-        return np.asarray(np.abs(self._ends[1] - self._ends[0]) / 2)
+    def _scale(self) -> tuple[FloatArray, FloatArray]:
+        """Centre and half range of each transformed parameter that varies."""
+        ends = TRANSFORMS[self.transform](np.stack([self.low, self.high])[:, self._varying])
+        return ends.mean(axis=0), np.abs(ends[1] - ends[0]) / 2
 
 
 def factored_training(

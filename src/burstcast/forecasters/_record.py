@@ -8,15 +8,8 @@ from burstcast.base.arrays import FloatArray
 
 @dataclass(frozen=True)
 class ForecasterRecord:
-    """Record of a fitted forecaster, from which it is restored.
+    """Record of a fitted forecaster, from which it is restored."""
 
-    Attributes
-    ----------
-    arrays
-        By name.
-    attributes
-        Numbers and texts by name.
-    """
-
-    arrays: Mapping[str, FloatArray] = field(default_factory=dict)
+    arrays: Mapping[str, FloatArray] = field(default_factory=dict)  #: by name
+    #: numbers and texts by name
     attributes: Mapping[str, str | int | float] = field(default_factory=dict)

@@ -27,17 +27,9 @@ _TOLERANCE = 1e-9
 def check_forecaster(unfitted: ForecasterKind, generator: np.random.Generator) -> str:
     """Report on a forecaster, after it has learnt from series of Lorenz's flow.
 
-    Parameters
-    ----------
-    unfitted
-        The forecaster, or classifier, with its options.
-    generator
-        Of the initial conditions and the observation noise.
-
-    Raises
-    ------
-    UnsoundError
-        With all violations of the interface that were noticed.
+    ``unfitted``: The forecaster, or classifier, with its options. ``generator``: Of the initial
+    conditions and the observation noise. Raises UnsoundError with all violations of the interface
+    that were noticed.
 
     Examples
     --------

@@ -10,10 +10,10 @@ from typing import ClassVar
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
+from burstcast.data.encoders._moments import kalman_gain
 from burstcast.data.encoders.state_maps import StateMaps
 from burstcast.forecasters._filtered import FilteredForecaster
 from burstcast.forecasters._square_root_filter import mean, symmetric_members
-from burstcast.forecasters._static_gain_filter import leading_directions, static_gain
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.equations_noisy import EquationsFromObservation
 
@@ -29,8 +29,10 @@ class FilteredEquations(FilteredForecaster):
 
     If the case has encoded states of a flow, or observes it by sensors, the ensemble starts in the
     leading directions of the error of the first estimate. Where members are fewer than twice the
-    components of a state, a static gain corrects their mean for the remaining innovation
-    (`burstcast.forecasters._static_gain_filter`).
+    components of a state, they cannot correct all directions of error: a static gain, made of the
+    covariance of the states over a long time, corrects their mean for the remaining innovation (the
+    hybrid gain of Penny, "The hybrid local ensemble transform Kalman filter", Monthly Weather
+    Review 142, 2014).
     """
 
     needs_equations: ClassVar[bool] = True
@@ -45,8 +47,8 @@ class FilteredEquations(FilteredForecaster):
     @cached_property
     def _static_gain(self) -> FloatArray:
         assert self._maps is not None
-        noise = self.errors[:-1]
-        return static_gain(self._maps.covariance, self._maps.matrix, noise, STATIC_SHARE)
+        covariance = STATIC_SHARE * self._maps.covariance
+        return kalman_gain(covariance, self._maps.matrix, self.errors[:-1])
 
     def first_members(self, observation: FloatArray) -> FloatArray:
         """Members around an estimate of the state (see `FilteredForecaster.first_members`)."""
@@ -68,3 +70,18 @@ class FilteredEquations(FilteredForecaster):
             left = observation[:-1] - mean(updated[:channels])
             updated[channels + 1 :] += (self._static_gain @ left)[:, np.newaxis]
         return updated
+
+
+def leading_directions(covariance: FloatArray, count: int) -> FloatArray:
+    """Directions in which errors are largest, each as long as its standard deviation.
+
+    ``covariance``: Covariance of the errors, ``(dimension, dimension)``. Shape ``(dimension,
+    count)``; the largest entry of each is positive.
+    """
+    variances, eigenvectors = np.linalg.eigh(covariance)
+    leading = eigenvectors[:, ::-1][:, :count]
+    largest = np.argmax(np.abs(leading), axis=0)
+    signs = np.sign(leading[largest, np.arange(leading.shape[1])])
+    scale = np.sqrt(np.maximum(variances[::-1][:count], 0.0))
+    directions: FloatArray = leading * signs * scale
+    return directions

@@ -71,7 +71,11 @@ class EquationsFromObservation(IntegratedForecaster):
         size = self.memory_size
         if self.maps is not None:
             states, memory = super().advance(memory[:size], steps)
-            return _with_observable(self.maps, self.system, states), memory
+            # channels, and the observable as the last one
+            channels = [
+                (self.maps.channels(state), self.system.observable(state)) for state in states
+            ]
+            return np.stack([np.vstack(pair) for pair in channels]), memory
         if len(memory) == size:
             return super().advance(memory, steps)
         if self.in_force is None:
@@ -81,9 +85,3 @@ class EquationsFromObservation(IntegratedForecaster):
             self.in_force, schedule, state, self.time_step, self.sampling_stride
         )
         return samples[1:], carry(samples[-1], later)
-
-
-def _with_observable(maps: StateMaps, system: DynamicalSystem, states: FloatArray) -> FloatArray:
-    """Channels of states ``(steps, dimension, batch)``, the observable as the last one."""
-    channels = [np.vstack([maps.channels(state), system.observable(state)]) for state in states]
-    return np.stack(channels)

@@ -13,7 +13,7 @@ from burstcast.data.observation_noise import observation_noise
 from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters._options import ObservationOptions, QuadraticOptions
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
-from burstcast.systems.polynomials.regression import SIGNIFICANCE, polynomial_coefficients
+from burstcast.systems.polynomials.regression import SIGNIFICANCE, factored_coefficients
 from burstcast.systems.polynomials.system import PolynomialSystem
 
 
@@ -44,14 +44,14 @@ class QuadraticModel(ObservationOptions, QuadraticOptions, IntegratedForecaster)
     def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Learn the equations (see `Forecaster.fit`)."""
         window = window_steps(self.window_lt, case.steps_per_lyapunov_time, training.shape[1])
-        coefficients = polynomial_coefficients(
+        coefficients = factored_coefficients(
             training,
             observation_noise(training, self.noise),
             case.time_step * case.sampling_stride,
             self.degree,
             window,
             SIGNIFICANCE,
-        )
+        )[0]
         return self.restore(ForecasterRecord({"coefficients": coefficients}), case)
 
     def record(self) -> ForecasterRecord:

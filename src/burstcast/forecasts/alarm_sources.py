@@ -50,15 +50,11 @@ def alarm_sources(forecasts: Forecasts) -> list[AlarmSource]:
     groups: dict[ForecasterName, list[str]] = {}
     for name in forecasts:
         groups.setdefault(replace(parsed(name), seed=None), []).append(name)
-    committees = [
-        AlarmSource(replace(common, role="committee"), tuple(voters))
-        for common, voters in groups.items()
-        if len(voters) > 1 or _provides_ensemble(forecasts[voters[0]])
-    ]
+    committees = []
+    for common, voters in groups.items():
+        first = forecasts[voters[0]]
+        if len(voters) > 1 or (isinstance(first, WindowForecasts) and first.member_first.size):
+            committees.append(AlarmSource(replace(common, role="committee"), tuple(voters)))
     committees.sort(key=lambda source: len(source.forecasters) == 1)  # several networks first
     baselines = [AlarmSource(ForecasterName(name)) for name in BASELINES]
     return baselines + [AlarmSource(parsed(name), (name,)) for name in forecasts] + committees
-
-
-def _provides_ensemble(forecasts: WindowForecasts | EventProbabilities) -> bool:
-    return isinstance(forecasts, WindowForecasts) and forecasts.member_first.size > 0

@@ -20,18 +20,6 @@ def counts_at(outcomes: Outcomes, threshold: float) -> ContingencyTable:
     )
 
 
-def counts_at_all_levels(outcomes: Outcomes) -> ContingencyTable:
-    """Counts of alarms with each level as the threshold, from the highest, ``(..., levels)``."""
-    events = np.cumsum(outcomes.events[..., ::-1], axis=-1)
-    quiet = np.cumsum((outcomes.points - outcomes.events)[..., ::-1], axis=-1)
-    return ContingencyTable(
-        true_positive=events,
-        false_positive=quiet,
-        false_negative=outcomes.events.sum(axis=-1, keepdims=True) - events,
-        true_negative=(outcomes.points - outcomes.events).sum(axis=-1, keepdims=True) - quiet,
-    )
-
-
 def best_threshold(probabilities: FloatArray, points: IntArray) -> float:
     """Threshold whose alarms have the largest F-score that probabilities let expect.
 
@@ -88,6 +76,7 @@ def roc_area(outcomes: Outcomes) -> FloatArray:
 
 def average_precision(outcomes: Outcomes) -> FloatArray:
     """Area below the precision-recall curve, in steps; NaN without events."""
-    precision = np.nan_to_num(counts_at_all_levels(outcomes).precision)
-    gained = outcomes.events[..., ::-1]
+    # alarms with each level as the threshold, from the highest
+    gained, raised = outcomes.events[..., ::-1], outcomes.points[..., ::-1].cumsum(axis=-1)
+    precision = np.nan_to_num(ratio(gained.cumsum(axis=-1), raised))
     return ratio((gained * precision).sum(axis=-1), outcomes.events.sum(axis=-1))

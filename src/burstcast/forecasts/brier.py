@@ -86,20 +86,15 @@ def binned(outcomes: Outcomes, bins: int) -> Binned:
     return Binned(points, events, ratio(gather(outcomes.points * outcomes.levels), points))
 
 
-@dataclass(frozen=True)
-class Decomposition:
-    """Parts of the Brier score: score = reliability - resolution + uncertainty."""
+def decomposition(outcomes: Outcomes, bins: int) -> dict[str, FloatArray]:
+    """Decompose the Brier score over equally wide bins of the probability.
 
-    #: mean square difference between a bin's probability and how often events followed: 0 is best
-    reliability: FloatArray
-    #: how far the bins' frequencies lie from the base rate: large is good. The generalised one of
-    #: Stephenson et al., which takes up what varies within bins, so that the parts add up.
-    resolution: FloatArray
-    uncertainty: FloatArray  #: variance of the outcomes: the Brier score of climatology
-
-
-def decomposition(outcomes: Outcomes, bins: int) -> Decomposition:
-    """Decompose the Brier score over equally wide bins of the probability."""
+    The score is reliability - resolution + uncertainty. ``reliability``: Mean square difference
+    between a bin's probability and how often events followed: 0 is best. ``resolution``: How far
+    the bins' frequencies lie from the base rate: large is good. It is the generalised one of
+    Stephenson et al., which takes up what varies within bins, so that the parts add up.
+    ``uncertainty``: Variance of the outcomes: the Brier score of climatology.
+    """
     whole, rate = binned(outcomes, bins), base_rate(outcomes)
     count = outcomes.points.sum(axis=-1)
     # where a bin is empty, its terms are zero
@@ -112,11 +107,11 @@ def decomposition(outcomes: Outcomes, bins: int) -> Decomposition:
     covariance = ((outcomes.events - outcomes.points * frequency[..., column]) * offset).sum(
         axis=-1
     )
-    return Decomposition(
-        reliability=ratio(reliability, count),
-        resolution=ratio(between - variance + 2 * covariance, count),
-        uncertainty=np.asarray(rate * (1 - rate)),
-    )
+    return {
+        "reliability": ratio(reliability, count),
+        "resolution": ratio(between - variance + 2 * covariance, count),
+        "uncertainty": np.asarray(rate * (1 - rate)),
+    }
 
 
 def calibration_error(outcomes: Outcomes, bins: int) -> FloatArray:

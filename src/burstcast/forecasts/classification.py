@@ -16,12 +16,7 @@ SCORES = ("precision", "recall", "f_score")
 
 @dataclass(frozen=True)
 class ContingencyTable:
-    """Outcomes of forecasts; integers, or arrays of one shape.
-
-    Attributes
-    ----------
-    true_positive, false_positive, false_negative, true_negative
-        How many forecasts of each kind there are.
+    """How many forecasts of each outcome there are; integers, or arrays of one shape.
 
     Examples
     --------

@@ -111,19 +111,13 @@ def forecast_outcomes(
     )
 
 
-@dataclass(frozen=True)
-class HorizonExample:
-    """An event, the last starting point that failed to forecast it, and the first that did."""
-
-    event: int
-    #: tau_e of the last evaluations, the successful one at the end
-    lead_times_lt: tuple[float, ...]
-
-
 def horizon_example(
     horizons: FloatArray, lead_times_lt: list[float], wanted_lt: float, evaluations: int = 4
-) -> HorizonExample | None:
-    """Event whose horizon is nearest to the wanted one, with its last evaluations."""
+) -> tuple[int, tuple[float, ...]] | None:
+    """Event whose horizon is nearest to the wanted one, with its last evaluations.
+
+    These are the lead times that failed to forecast it, and the first that did at the end.
+    """
     # an event that every start has failed on has a horizon below the shortest start
     match = np.isclose(horizons[:, np.newaxis], np.asarray(lead_times_lt))
     success = np.where(match.any(axis=1), match.argmax(axis=1), -1)
@@ -134,7 +128,7 @@ def horizon_example(
         return None
     event = int(usable[np.argmin(np.abs(horizons[usable] - wanted_lt))])
     last = int(success[event])
-    return HorizonExample(event, tuple(lead_times_lt[max(0, last - evaluations + 1) : last + 1]))
+    return event, tuple(lead_times_lt[max(0, last - evaluations + 1) : last + 1])
 
 
 @dataclass(frozen=True)
@@ -216,9 +210,11 @@ def evaluate_event(
     truth, starts = np.full(shown, np.nan), tuple[float, ...]()
     before_event = np.full(observed.shape[1:], np.nan)
     if example is not None:
-        series, step = int(points.series[example.event]), int(points.step[example.event])
-        truth = stretch(truth_of(series), step - before, shown)
-        before_event, starts = observed[example.event], example.lead_times_lt
+        event, starts = example
+        truth = stretch(
+            truth_of(int(points.series[event])), int(points.step[event]) - before, shown
+        )
+        before_event = observed[event]
     return evaluate_lead_times(forecaster, observable, before_event, truth, starts, search)
 
 

@@ -92,7 +92,9 @@ def forecast_variables(forecasts: WindowForecasts, name: str) -> dict[str, Varia
 def forecasts_from(arrays: Mapping[str, Any]) -> WindowForecasts | EventProbabilities:
     """Forecasts, or probabilities of events by a classifier, from the variables of their file."""
     if "probability" in arrays:
-        return EventProbabilities.restore(arrays)
+        return EventProbabilities(
+            **{field.name: arrays[field.name] for field in fields(EventProbabilities)}
+        )
     none = np.empty((len(arrays["first"]), 0, arrays["first"].shape[1]))
     return WindowForecasts(
         **{field.name: arrays.get(field.name, none) for field in fields(WindowForecasts)}

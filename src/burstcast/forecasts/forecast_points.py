@@ -13,8 +13,12 @@ from burstcast.forecasters._event_classifier import LabelledPoints, known_featur
 from burstcast.forecasts.alarm_sources import AlarmSource, Forecasts, alarm_sources
 from burstcast.forecasts.event_probabilities import EventProbabilities
 from burstcast.forecasts.outcomes import Outcomes, outcomes_by_series
-from burstcast.forecasts.votes import share_of_votes
-from burstcast.forecasts.windows import WindowForecasts, WindowSummaries, crosses
+from burstcast.forecasts.windows import (
+    WindowForecasts,
+    WindowSummaries,
+    crosses,
+    share_of_votes,
+)
 
 
 @dataclass(frozen=True)

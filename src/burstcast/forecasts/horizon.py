@@ -67,14 +67,9 @@ class HorizonSearch:
         return durations.steps(duration_lt, self.steps_per_lyapunov_time)
 
     @property
-    def longest_lead_time(self) -> int:
-        """First tau_e in steps."""
-        return self.steps(self.longest_lead_time_lt)
-
-    @property
     def steps_before_event(self) -> int:
         """Steps before an event that the search uses: the longest lead time and the washout."""
-        return self.longest_lead_time + self.washout - 1
+        return self.steps(self.longest_lead_time_lt) + self.washout - 1
 
 
 def accurate_steps(
@@ -141,29 +136,21 @@ def prediction_horizons(
     for lead_time_lt in search.lead_times_lt:
         if undecided.size == 0:
             break
-        start = event - durations.steps(lead_time_lt, search.steps_per_lyapunov_time)
-        accurate = np.concatenate(
-            [
-                accurate_steps(
-                    forecaster,
-                    observable,
-                    np.ascontiguousarray(
-                        up_to_sample(
-                            observed[rows, start - search.washout + 1 :], search.washout, inputs
-                        ).transpose(1, 2, 0)
-                    ),
-                    np.ascontiguousarray(truth[rows, start + 1 :].T),
-                    search.tolerance,
-                )
-                for rows in _batches(undecided, EVENTS_PER_BATCH)
-            ]
-        )
+        start = event - search.steps(lead_time_lt)
+        accurate = np.empty(len(undecided), dtype=np.int64)
+        for first in range(0, len(undecided), EVENTS_PER_BATCH):
+            batch = slice(first, first + EVENTS_PER_BATCH)
+            rows, steps = undecided[batch], search.washout
+            washouts = up_to_sample(observed[rows, start - steps + 1 :], steps, inputs)
+            accurate[batch] = accurate_steps(
+                forecaster,
+                observable,
+                np.ascontiguousarray(washouts.transpose(1, 2, 0)),
+                np.ascontiguousarray(truth[rows, start + 1 :].T),
+                search.tolerance,
+            )
         horizons[undecided] = accurate / search.steps_per_lyapunov_time
         predicted = accurate == event - start
         horizons[undecided[predicted]] = lead_time_lt
         undecided = undecided[~predicted]
     return horizons
-
-
-def _batches(rows: IntArray, size: int) -> list[IntArray]:
-    return [rows[start : start + size] for start in range(0, len(rows), size)]

@@ -12,7 +12,9 @@ import numpy.typing as npt
 
 from burstcast.base import durations
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.resampling import percentile_interval
 from burstcast.data.starting_points import SeriesPoints
+from burstcast.forecasts.classification import ratio
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,14 @@ class SeriesRatio:
     #: numerator, denominator: by series, ``(series,)``
     numerator: FloatArray
     denominator: FloatArray
+
+    def with_interval(self, weights: IntArray, confidence: float) -> dict[str, float]:
+        """The ratio, and the ends of its interval over series that are resampled by weights."""
+        value = ratio(self.numerator.sum(), self.denominator.sum())
+        factors = weights.astype(np.float64)
+        samples = ratio(factors @ self.numerator, factors @ self.denominator)
+        low, high = percentile_interval(samples, confidence)
+        return {"value": float(value), "low": low, "high": high}
 
 
 def lead_time_scores(

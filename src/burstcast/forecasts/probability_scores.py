@@ -19,14 +19,12 @@ def probability_scores(outcomes: Outcomes, threshold: float, bins: int) -> dict[
     ``outcomes``: Summed over series, ``(levels,)``, or of resamples, ``(resamples, levels)``.
     ``bins``: Of the decomposition and of the calibration error.
     """
-    parts, counts = decomposition(outcomes, bins), counts_at(outcomes, threshold)
+    counts = counts_at(outcomes, threshold)
     return {
         "base_rate": base_rate(outcomes),
         "brier_score": brier_score(outcomes),
         "brier_skill": brier_skill(outcomes),
-        "reliability": parts.reliability,
-        "resolution": parts.resolution,
-        "uncertainty": parts.uncertainty,
+        **decomposition(outcomes, bins),
         "calibration_error": calibration_error(outcomes, bins),
         "roc_area": roc_area(outcomes),
         "average_precision": average_precision(outcomes),

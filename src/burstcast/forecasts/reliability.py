@@ -1,44 +1,30 @@
-"""The reliability diagram with consistency bars.
+"""Consistency bars of the reliability diagram.
 
 Source: Broecker & Smith, "Increasing the reliability of reliability diagrams", Weather and
 Forecasting 22 (2007). Their consistency bars resample the forecasts and draw outcomes as likely as
 the forecasts say: what a reliable forecaster would show. Here whole series are resampled.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.resampling import percentile_interval
-from burstcast.forecasts.brier import Binned, binned
+from burstcast.forecasts.brier import binned
 from burstcast.forecasts.outcomes import Outcomes
 
 
-@dataclass(frozen=True)
-class ReliabilityDiagram:
-    """Frequencies of events by bins of probability; arrays of shape ``(bins,)``."""
-
-    whole: Binned  #: the forecasts in each bin
-    #: low, high: consistency bars: where the frequency of a reliable forecaster would lie
-    low: FloatArray
-    high: FloatArray
-
-
-def reliability_diagram(
+def consistency_bars(
     outcomes: Outcomes,
     bins: int,
     weights: IntArray,
     confidence: float,
     generator: np.random.Generator,
-) -> ReliabilityDiagram:
-    """Reliability diagram of outcomes ``(series, levels)`` with consistency bars."""
+) -> FloatArray:
+    """Ends between which frequencies of a reliable forecaster would lie, ``(2, bins)``.
+
+    ``outcomes``: By series, ``(series, levels)``.
+    """
     resampled = outcomes.resampled(weights)
     drawn = generator.binomial(resampled.points, outcomes.levels)
     frequency = binned(Outcomes(outcomes.levels, resampled.points, drawn), bins).frequency
-    bars = [percentile_interval(frequency[:, column], confidence) for column in range(bins)]
-    return ReliabilityDiagram(
-        whole=binned(outcomes.total(), bins),
-        low=np.array([low for low, _ in bars]),
-        high=np.array([high for _, high in bars]),
-    )
+    return np.array([percentile_interval(of_bin, confidence) for of_bin in frequency.T]).T

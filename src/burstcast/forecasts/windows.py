@@ -5,6 +5,7 @@ prediction window, which is several of them, is scored from their summaries, wha
 threshold is. Neighbouring windows share their common step.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Self
@@ -91,3 +92,18 @@ def crosses(
 def crosses_in_window(observable: FloatArray, start: int, end: int, threshold: float) -> BoolArray:
     """Whether observables ``(steps, batch)`` cross the threshold from step ``start`` to ``end``."""
     return crosses(summarise(observable, (start, end)), 0, 1, threshold)
+
+
+def share_of_votes(
+    members: Sequence[WindowSummaries], first_window: int, windows: int, threshold: float
+) -> FloatArray:
+    """Share of the members that forecast a crossing (see `crosses`), ``(points,)``, in [0, 1].
+
+    A member whose forecast does not stay finite votes against.
+    """
+    if not members:
+        raise ValueError("a committee needs members")
+    votes = sum(
+        crosses(member, first_window, windows, threshold).astype(np.int64) for member in members
+    )
+    return np.asarray(votes / len(members))

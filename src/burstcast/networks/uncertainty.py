@@ -5,25 +5,17 @@ all points cancel in a difference: its standard error is far smaller than those 
 themselves, and still larger than many differences in a flat valley.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
 
 
-@dataclass(frozen=True)
-class ObjectiveUncertainty:
-    """Standard errors of objectives over the validation intervals; arrays ``(points,)``."""
+def objective_uncertainty(log_errors: FloatArray) -> dict[str, FloatArray]:
+    """Standard errors of objectives, and of their differences from the best one, ``(points,)``.
 
-    standard_error: FloatArray  #: standard error of each objective by itself
-    excess: FloatArray  #: excess of each objective over the best one; zero for the best
-    #: standard error of that difference, over the same intervals for both; zero for the best
-    paired_standard_error: FloatArray
-
-
-def objective_uncertainty(log_errors: FloatArray) -> ObjectiveUncertainty:
-    """Standard errors of objectives, and of their differences from the best one.
+    ``standard_error``: Of each objective by itself, over the validation intervals. ``excess``: Of
+    each objective over the best one; zero for the best. ``paired_standard_error``: Of that
+    difference, over the same intervals for both; zero for the best.
 
     ``log_errors``: log10 of the mean square error of each point in each interval, ``(points,
     intervals)``, which are assumed to be independent. NaN for a single interval, and where infinite
@@ -37,7 +29,8 @@ def objective_uncertainty(log_errors: FloatArray) -> ObjectiveUncertainty:
         excess[best] = 0.0
         single, paired = _standard_errors(log_errors), _standard_errors(excess)
     paired[best] = 0.0
-    return ObjectiveUncertainty(single, excess.mean(axis=1), paired)
+    excess = excess.mean(axis=1)
+    return {"standard_error": single, "excess": excess, "paired_standard_error": paired}
 
 
 def _standard_errors(samples: FloatArray) -> FloatArray:

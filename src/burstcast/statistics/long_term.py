@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
-from burstcast.base.files.netcdf import Variable
+from burstcast.base.files.netcdf import Variable, variables_of
 from burstcast.base.files.units import NUMBER
 from burstcast.base.laminarisation import first_laminar_step
 from burstcast.data.starting_points import SeriesPoints, starting_points
 from burstcast.forecasters.base import Forecaster
 from burstcast.statistics.reductions import LongTermStatistics, SeriesAccumulator, SeriesReductions
-from burstcast.statistics.statistics_files import reduction_variables, statistics_variables
+from burstcast.statistics.statistics_files import statistics_variables
 
 STEPS_PER_CHUNK = 100
 """Steps between two looks at which trajectories have ended: costs time, changes no result."""
@@ -92,7 +92,7 @@ class LongTermRun:
             **statistics_variables(self.statistics),
             "fate": Variable(("start",), self.fates, NUMBER, f"fate of each closed loop: {fates}"),
             "lifetime": Variable(("start",), self.lifetimes, NUMBER, lifetime),
-            **reduction_variables(self.runs),
+            **variables_of(self.runs),
         }
 
 

@@ -3,14 +3,13 @@
 The trajectories must not leave the chaotic phase, to which the exponents belong.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
 from burstcast.forecasters.base import Forecaster
 from burstcast.systems.lyapunov import (
+    Estimate,
     LyapunovSpectrum,
     alignment_of,
     kaplan_yorke_dimension,
@@ -70,41 +69,23 @@ def forecaster_spectrum(
     return LyapunovSpectrum(exponents=np.concatenate(rates), duration=duration)
 
 
-@dataclass(frozen=True)
-class SpectrumSummary:
-    """Lyapunov exponents averaged over independent runs, and their dimension, with intervals."""
-
-    #: mean, low, high: mean and interval of the exponents, ``(exponents,)``; NaN for exponents that
-    #: are not known, and for intervals of a single run
-    mean: FloatArray
-    low: FloatArray
-    high: FloatArray
-    #: dimension, dimension_low, dimension_high: Kaplan-Yorke dimension of the mean exponents
-    dimension: float
-    dimension_low: float
-    dimension_high: float
-
-
 def summarise(
     exponents: FloatArray, confidence: float, resamples: int, generator: np.random.Generator
-) -> SpectrumSummary:
+) -> tuple[Estimate, tuple[float, float, float]]:
     """Average exponents ``(runs, exponents)`` over runs, with Student's intervals.
 
-    The dimension is no mean and has percentile bootstrap intervals over runs.
+    Also the Kaplan-Yorke dimension of the mean exponents with the ends of its interval; it is no
+    mean and has percentile bootstrap intervals over runs. NaN for exponents that are not known, and
+    for intervals of a single run.
     """
     runs, count = exponents.shape
     unknown = np.full(count, np.nan)
     if runs < 2:
         mean = exponents[0] if runs else unknown
         nan = float("nan")
-        return SpectrumSummary(mean, unknown, unknown, kaplan_yorke_dimension(mean), nan, nan)
+        return Estimate(mean, unknown, unknown), (kaplan_yorke_dimension(mean), nan, nan)
     estimate = mean_with_interval(exponents, confidence)
     samples = bootstrap_weights(runs, resamples, generator) @ exponents / runs
     dimensions = np.array([kaplan_yorke_dimension(sample) for sample in samples])
-    return SpectrumSummary(
-        estimate.mean,
-        estimate.low,
-        estimate.high,
-        kaplan_yorke_dimension(estimate.mean),
-        *percentile_interval(dimensions, confidence),
-    )
+    low, high = percentile_interval(dimensions, confidence)
+    return estimate, (kaplan_yorke_dimension(estimate.mean), low, high)

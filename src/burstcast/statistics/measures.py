@@ -11,7 +11,7 @@ import numpy as np
 from burstcast.base.files.netcdf import Variable
 from burstcast.base.files.units import NUMBER, OBSERVABLE
 from burstcast.statistics.densities import kantorovich_metric, mean_logarithmic_error
-from burstcast.statistics.profiles import normalised_root_mean_square_error, velocity_profiles
+from burstcast.statistics.profiles import normalised_root_mean_square_error
 from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions
 from burstcast.systems.mfe_modes import ProfileMatrices
 
@@ -41,18 +41,12 @@ def compare(
     """
     errors = [float("nan")] * 3
     if matrices is not None and candidate.moments.count > 0:
-        true = velocity_profiles(matrices, reference.moments)
-        profiles = velocity_profiles(matrices, candidate.moments)
-        errors = [
-            normalised_root_mean_square_error(getattr(true, name), getattr(profiles, name))
-            for name in ("u", "uu", "uv")
-        ]
+        moments = reference.moments, candidate.moments
+        both = (matrices.profiles(each.mean, each.mean_product) for each in moments)
+        errors = list(map(normalised_root_mean_square_error, *both))
+    histograms = reference.histogram, candidate.histogram
     return StatisticsErrors(
-        kantorovich=kantorovich_metric(reference.histogram, candidate.histogram),
-        mean_log_error=mean_logarithmic_error(reference.histogram, candidate.histogram),
-        nrmse_u=errors[0],
-        nrmse_uu=errors[1],
-        nrmse_uv=errors[2],
+        kantorovich_metric(*histograms), mean_logarithmic_error(*histograms), *errors
     )
 
 

@@ -140,24 +140,14 @@ def neighbour_divergence(
     The Theiler window is the correlation time: the lag at which the autocorrelation has fallen to
     1 / e.
 
-    Parameters
-    ----------
-    series
-        ``(series, time, component)`` (`burstcast.data.series_layout`), or a list of series of
-        unequal lengths; no component is constant.
-    sampling_interval
-        Time between two steps, in time units.
-    generator
-        Chooses the states that are followed, and the bootstrap samples.
-    resamples, confidence
-        Number of resamples and confidence level of the interval: of a bootstrap over the series
-        that the states lie in, for each fit, with the error of the method.
+    ``series``: ``(series, time, component)`` (`burstcast.data.series_layout`), or a list of series
+    of unequal lengths; no component is constant. ``sampling_interval``: Time between two steps, in
+    time units. ``generator``: Chooses the states that are followed, and the bootstrap samples.
+    ``resamples``, ``confidence``: Number of resamples and confidence level of the interval: of a
+    bootstrap over the series that the states lie in, for each fit, with the error of the method.
 
-    Raises
-    ------
-    NoExponentError
-        If distances do not grow, if they grow as those of noise do, or if the series are too short
-        to see it.
+    Raises NoExponentError if distances do not grow, if they grow as those of noise do, or if the
+    series are too short to see it.
 
     Examples
     --------
@@ -190,10 +180,10 @@ def neighbour_divergence(
     saturated = _saturation(states, directions, generator)
     steps, least = _FIRST_STEPS, states.shape[1] // 3
     while True:
-        followed = _Neighbours.of(
+        series_of, log_distance = _followed(
             states, directions, min(steps, least), window, REFERENCES, generator
         )
-        mean = followed.log_distance.mean(axis=0)
+        mean = log_distance.mean(axis=0)
         levels = [mean[0] + share * (saturated - mean[0]) for share in FITTED]
         if steps >= least or mean[0] < max(levels) < mean.max():
             break
@@ -205,22 +195,22 @@ def neighbour_divergence(
             f"{least} steps, a third of a series"
         )
     fits = [
-        _Growth.fitted(mean[: max(end, _LEAST_STEPS) + 1], saturated, power)
+        _growth(mean[: max(end, _LEAST_STEPS) + 1], saturated, power)
         for end in ends
         for power in POWERS
     ]
     weights = bootstrap_weights(len(states), resamples, generator)
-    number = weights @ np.bincount(followed.series, minlength=len(states))
+    number = weights @ np.bincount(series_of, minlength=len(states))
     samples = []
-    for fit in fits:
+    for rate, sensitivity in fits:
         # to first order, what a fit makes of a curve is linear in the curve: the bootstrap adds up
-        departures = (followed.log_distance - mean)[:, : fit.sensitivity.size] @ fit.sensitivity
-        by_series = np.bincount(followed.series, weights=departures, minlength=len(states))
+        departures = (log_distance - mean)[:, : sensitivity.size] @ sensitivity
+        by_series = np.bincount(series_of, weights=departures, minlength=len(states))
         with np.errstate(invalid="ignore", divide="ignore"):
-            samples.append(fit.rate + (weights @ by_series) / number)
+            samples.append(rate + (weights @ by_series) / number)
     error = 1.0 + METHOD_ERROR * generator.standard_normal((len(fits), resamples))
     low, high = percentile_interval(np.ravel(samples * error) / sampling_interval, confidence)
-    exponent = float(np.mean([fit.rate for fit in fits])) / sampling_interval
+    exponent = float(np.mean([rate for rate, _ in fits])) / sampling_interval
     if not low > 0:
         raise NoExponentError(
             f"the exponent of these series, {exponent:.3g} ({low:.3g} to {high:.3g}), cannot be "
@@ -235,43 +225,37 @@ def neighbour_divergence(
     return NeighbourDivergence(exponent, low, high, mean, (1, max(ends)), window)
 
 
-@dataclass(frozen=True)
-class _Growth:
-    """Growth fitted to a curve: its rate per step, and how far each point of the curve sets it."""
+def _growth(curve: FloatArray, saturated: float, power: int) -> tuple[float, FloatArray]:
+    """Fit growth that saturates, above a floor, to the mean logarithm of the distance.
 
-    rate: float
-    sensitivity: FloatArray
+    Returns its rate per step, and how far each point of the curve sets it.
 
-    @classmethod
-    def fitted(cls, curve: FloatArray, saturated: float, power: int) -> "_Growth":
-        """Fit growth that saturates, above a floor, to the mean logarithm of the distance.
+    Without the floor, a distance d grows by ``rate * d * (1 - (d / saturated) ** power)`` a
+    step; squares of distance and floor add up. The first point, by which neighbours were
+    chosen, is left out.
+    """
+    steps = np.arange(1, curve.size)
 
-        Without the floor, a distance d grows by ``rate * d * (1 - (d / saturated) ** power)`` a
-        step; squares of distance and floor add up. The first point, by which neighbours were
-        chosen, is left out.
-        """
-        steps = np.arange(1, curve.size)
+    def departures(parameters: FloatArray) -> FloatArray:
+        rate, first, floor = parameters
+        left = np.log(np.expm1(power * (saturated - first))) - power * rate * steps
+        grown = saturated - np.logaddexp(0.0, left) / power
+        return np.asarray(np.logaddexp(2 * grown, 2 * floor) / 2 - curve[1:])
 
-        def departures(parameters: FloatArray) -> FloatArray:
-            rate, first, floor = parameters
-            left = np.log(np.expm1(power * (saturated - first))) - power * rate * steps
-            grown = saturated - np.logaddexp(0.0, left) / power
-            return np.asarray(np.logaddexp(2 * grown, 2 * floor) / 2 - curve[1:])
-
-        slope = (curve[-1] - curve[0]) / steps[-1]
-        lowest = curve[0] - _FAINT
-        bounds = ([0.0, lowest, lowest], [np.inf, saturated - 1e-3, saturated])
-        trials = [
-            scipy.optimize.least_squares(
-                departures, [slope * factor, curve[0] - 0.1, curve[0] - below], bounds=bounds
-            )
-            for factor in (0.7, 1.5)
-            for below in (0.5, 2.0)
-        ]
-        best = min(trials, key=lambda trial: trial.cost)
-        # a floor that is not there leaves a column of zeros, which the pseudo-inverse ignores
-        sensitivity = np.linalg.pinv(np.asarray(best.jac), rcond=1e-6)[0]
-        return cls(float(best.x[0]), np.concatenate([[0.0], sensitivity]))
+    slope = (curve[-1] - curve[0]) / steps[-1]
+    lowest = curve[0] - _FAINT
+    bounds = ([0.0, lowest, lowest], [np.inf, saturated - 1e-3, saturated])
+    trials = [
+        scipy.optimize.least_squares(
+            departures, [slope * factor, curve[0] - 0.1, curve[0] - below], bounds=bounds
+        )
+        for factor in (0.7, 1.5)
+        for below in (0.5, 2.0)
+    ]
+    best = min(trials, key=lambda trial: trial.cost)
+    # a floor that is not there leaves a column of zeros, which the pseudo-inverse ignores
+    sensitivity = np.linalg.pinv(np.asarray(best.jac), rcond=1e-6)[0]
+    return float(best.x[0]), np.concatenate([[0.0], sensitivity])
 
 
 def correlation_steps(series: FloatArray) -> int:
@@ -290,65 +274,59 @@ def correlation_steps(series: FloatArray) -> int:
     return max(1, most)
 
 
-@dataclass(frozen=True)
-class _Neighbours:
-    """Pairs of neighbours: the series of the first of each, and how their distance went on."""
+def _followed(
+    states: FloatArray,
+    directions: FloatArray,
+    steps: int,
+    window: int,
+    most: int,
+    generator: np.random.Generator,
+) -> tuple[IntArray, FloatArray]:
+    """Follow the nearest neighbours of ``most`` states at most for some steps.
 
-    series: IntArray
-    log_distance: FloatArray
-
-    @classmethod
-    def of(
-        cls,
-        states: FloatArray,
-        directions: FloatArray,
-        steps: int,
-        window: int,
-        most: int,
-        generator: np.random.Generator,
-    ) -> "_Neighbours":
-        """Follow the nearest neighbours of ``most`` states at most for some steps."""
-        # both are followed to the end: the mean is over the same pairs at all times
-        starts = states.shape[1] - steps
-        inside = np.flatnonzero(~np.isnan(states[:, steps:]).any(axis=2))
-        series_of, step_of = np.divmod(inside, starts)
-        candidates = states[:, :starts].reshape(-1, states.shape[2])[inside]
-        if not len(candidates):
-            raise NoExponentError("no state has a neighbour: the series are too short")
-        tree = scipy.spatial.cKDTree(candidates)
-        chosen = generator.choice(
-            len(candidates), min(most, len(candidates)), replace=False, shuffle=False
+    Returns the series of the first of each pair, and how the logarithm of their distance went on.
+    """
+    # both are followed to the end: the mean is over the same pairs at all times
+    starts = states.shape[1] - steps
+    inside = np.flatnonzero(~np.isnan(states[:, steps:]).any(axis=2))
+    series_of, step_of = np.divmod(inside, starts)
+    candidates = states[:, :starts].reshape(-1, states.shape[2])[inside]
+    if not len(candidates):
+        raise NoExponentError("no state has a neighbour: the series are too short")
+    tree = scipy.spatial.cKDTree(candidates)
+    chosen = generator.choice(
+        len(candidates), min(most, len(candidates)), replace=False, shuffle=False
+    )
+    chosen.sort()
+    neighbour = np.full(len(chosen), -1)
+    waiting, count = np.arange(len(chosen)), 2
+    while len(waiting) and count <= min(_MOST_CANDIDATES, len(candidates)):
+        here = chosen[waiting][:, np.newaxis]
+        nearest = np.asarray(tree.query(candidates[chosen[waiting]], k=count)[1])
+        distinct = (series_of[nearest] != series_of[here]) | (
+            np.abs(step_of[nearest] - step_of[here]) > window
         )
-        chosen.sort()
-        neighbour = np.full(len(chosen), -1)
-        waiting, count = np.arange(len(chosen)), 2
-        while len(waiting) and count <= min(_MOST_CANDIDATES, len(candidates)):
-            here = chosen[waiting][:, np.newaxis]
-            nearest = np.asarray(tree.query(candidates[chosen[waiting]], k=count)[1])
-            distinct = (series_of[nearest] != series_of[here]) | (
-                np.abs(step_of[nearest] - step_of[here]) > window
-            )
-            has = distinct.any(axis=1)
-            neighbour[waiting[has]] = nearest[has, distinct[has].argmax(axis=1)]
-            waiting, count = waiting[~has], 4 * count
-        has_neighbour = neighbour >= 0
-        if not has_neighbour.any():
-            raise NoExponentError("no state has a neighbour: the series are too short")
-        of_pairs, neighbour = chosen[has_neighbour], neighbour[has_neighbour]
-        series, step = series_of[of_pairs], step_of[of_pairs]
-        other_series, other_step = series_of[neighbour], step_of[neighbour]
-        distance = np.empty((len(series), steps + 1))
-        for ahead in range(steps + 1):
-            apart = states[series, step + ahead] - states[other_series, other_step + ahead]
-            distance[:, ahead] = _across(apart, directions[series, step + ahead])
-        # states that were measured twice have no distance at first
-        apart_at_all = (distance > 0).all(axis=1)
-        if 2 * apart_at_all.sum() < len(distance):
-            raise NoExponentError(
-                f"{len(distance) - apart_at_all.sum()} of {len(distance)} pairs of neighbouring "
-                "states are at distance 0: the readings are too coarse, or stuck"
-            )
-        return cls(series[apart_at_all], np.log(distance[apart_at_all]))
+        has = distinct.any(axis=1)
+        neighbour[waiting[has]] = nearest[has, distinct[has].argmax(axis=1)]
+        waiting, count = waiting[~has], 4 * count
+    has_neighbour = neighbour >= 0
+    if not has_neighbour.any():
+        raise NoExponentError("no state has a neighbour: the series are too short")
+    of_pairs, neighbour = chosen[has_neighbour], neighbour[has_neighbour]
+    series, step = series_of[of_pairs], step_of[of_pairs]
+    other_series, other_step = series_of[neighbour], step_of[neighbour]
+    distance = np.empty((len(series), steps + 1))
+    for ahead in range(steps + 1):
+        apart = states[series, step + ahead] - states[other_series, other_step + ahead]
+        distance[:, ahead] = _across(apart, directions[series, step + ahead])
+    # states that were measured twice have no distance at first
+    apart_at_all = (distance > 0).all(axis=1)
+    if 2 * apart_at_all.sum() < len(distance):
+        raise NoExponentError(
+            f"{len(distance) - apart_at_all.sum()} of {len(distance)} pairs of neighbouring "
+            "states are at distance 0: the readings are too coarse, or stuck"
+        )
+    return series[apart_at_all], np.log(distance[apart_at_all])
 
 
 def _departure_from_noise(
@@ -362,8 +340,8 @@ def _departure_from_noise(
             noise = surrogate(series, generator, normal=normal)
             states = _embedded(noise, DELAYS.get(noise.shape[2], 1), window)
             steps, most = log_distance.size - 1, SURROGATE_REFERENCES
-            followed = _Neighbours.of(states, _directions(states), steps, window, most, generator)
-            means.append(followed.log_distance.mean())
+            _, followed = _followed(states, _directions(states), steps, window, most, generator)
+            means.append(followed.mean())
         error = np.std(means, ddof=1) * np.sqrt(1 + 1 / SURROGATES)
         departures.append(float((np.mean(means) - log_distance.mean()) / error))
     return min(departures)

@@ -7,19 +7,30 @@ cut up; but for products of many components, which are summed by matrix products
 import itertools
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.files.described import Described
+from burstcast.base.files.units import COMPONENT, COMPONENT_PRODUCT, NUMBER, OBSERVABLE
 from burstcast.base.series_lengths import series_lengths, without_padding
 from burstcast.statistics.densities import Histogram, check_edges, from_slots, slots
-from burstcast.statistics.moments import StateMoments
 
 STEPS_PER_BLOCK = 64
 """Steps whose products are held at a time: bounds the memory, changes no result."""
 _MANY_COMPONENTS = 100
 """Components of a state from which products are summed by matrix products."""
+
+
+@dataclass(frozen=True)
+class StateMoments:
+    """First and second moments of a state over time."""
+
+    count: int
+    mean: FloatArray  #: mean of a_i, ``(dimension,)``; NaN without states
+    #: mean of a_i a_j (not of the deviations from the mean), ``(dimension, dimension)``; likewise
+    mean_product: FloatArray
 
 
 @dataclass(frozen=True)
@@ -33,17 +44,8 @@ class LongTermStatistics:
     def from_arrays(cls, arrays: Mapping[str, Any]) -> "LongTermStatistics":
         """Statistics from the variables of their file (`statistics_variables`)."""
         return cls(
-            histogram=Histogram(
-                edges=arrays["edge"],
-                counts=arrays["count"],
-                below=int(arrays["below"]),
-                above=int(arrays["above"]),
-            ),
-            moments=StateMoments(
-                count=int(arrays["states"]),
-                mean=arrays["mean"],
-                mean_product=arrays["mean_product"],
-            ),
+            Histogram(arrays["edge"], arrays["count"], int(arrays["below"]), int(arrays["above"])),
+            StateMoments(int(arrays["states"]), arrays["mean"], arrays["mean_product"]),
         )
 
 
@@ -51,30 +53,41 @@ class LongTermStatistics:
 class SeriesReductions:
     """Reductions of many series, each on its own."""
 
-    edges: FloatArray  #: edges of the histograms' bins, ``(bins + 1,)``
-    #: values of the observable below the range, in each bin and above it, ``(series, bins + 2)``
-    counts: IntArray
-    sums: FloatArray  #: sums of the state over time, ``(series, dimension)``
-    #: sums of the products a_i a_j with i <= j, row by row of the upper triangle, ``(series,
-    #: dimension (dimension + 1) / 2)``
-    product_sums: FloatArray
+    edge: Annotated[FloatArray, Described("edge", OBSERVABLE, "edges of the histogram's bins")]
+    run_count: Annotated[
+        IntArray,
+        Described(
+            "start slot",
+            NUMBER,
+            "samples of each loop's observable below the first bin, in each bin, above the last",
+        ),
+    ]
+    run_sum: Annotated[
+        FloatArray,
+        Described("start component", COMPONENT, "sums of each loop's state over time"),
+    ]
+    #: of a_i a_j with i <= j, row by row of the upper triangle
+    run_product_sum: Annotated[
+        FloatArray,
+        Described("start pair", COMPONENT_PRODUCT, "sums of products of its components"),
+    ]
 
     def __len__(self) -> int:
-        return len(self.counts)
+        return len(self.run_count)
 
     def merged(self, rows: BoolArray | IntArray | slice) -> LongTermStatistics:
         """Statistics of some series together, by their positions or a mask; there may be none."""
-        counts = self.counts[rows].sum(axis=0)
+        counts = self.run_count[rows].sum(axis=0)
         number = int(counts.sum())
         divisor = number or np.nan
-        dimension = self.sums.shape[1]
+        dimension = self.run_sum.shape[1]
         products = np.empty((dimension, dimension))
         upper = np.triu_indices(dimension)
-        products[upper] = self.product_sums[rows].sum(axis=0) / divisor
+        products[upper] = self.run_product_sum[rows].sum(axis=0) / divisor
         products.T[upper] = products[upper]
         return LongTermStatistics(
-            from_slots(self.edges, counts),
-            StateMoments(number, self.sums[rows].sum(axis=0) / divisor, products),
+            from_slots(self.edge, counts),
+            StateMoments(number, self.run_sum[rows].sum(axis=0) / divisor, products),
         )
 
 
@@ -146,9 +159,9 @@ def reduce_series(
         raise ValueError("there are no series to reduce")
     return SeriesReductions(
         edges,
-        np.concatenate([part.counts for part in parts]),
-        np.concatenate([part.sums for part in parts]),
-        np.concatenate([part.product_sums for part in parts]),
+        np.concatenate([part.run_count for part in parts]),
+        np.concatenate([part.run_sum for part in parts]),
+        np.concatenate([part.run_product_sum for part in parts]),
     )
 
 

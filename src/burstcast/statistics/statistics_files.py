@@ -1,11 +1,8 @@
-"""Long-term statistics as files: histogram of the observable, moments of the state, single runs."""
-
-from collections.abc import Mapping
-from typing import Any
+"""Long-term statistics as files: histogram of the observable, and moments of the state."""
 
 from burstcast.base.files.netcdf import Variable
 from burstcast.base.files.units import COMPONENT, COMPONENT_PRODUCT, NUMBER, OBSERVABLE
-from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions
+from burstcast.statistics.reductions import LongTermStatistics
 
 
 def statistics_variables(statistics: LongTermStatistics) -> dict[str, Variable]:
@@ -25,31 +22,3 @@ def statistics_variables(statistics: LongTermStatistics) -> dict[str, Variable]:
             "mean products of the components",
         ),
     }
-
-
-def reduction_variables(runs: SeriesReductions) -> dict[str, Variable]:
-    """Variables of the reductions of each run, which are beside its statistics."""
-    return {
-        "run_count": Variable(
-            ("start", "slot"),
-            runs.counts,
-            NUMBER,
-            "samples of each loop's observable below the first bin, in each bin, above the last",
-        ),
-        "run_sum": Variable(
-            ("start", "component"), runs.sums, COMPONENT, "sums of each loop's state over time"
-        ),
-        "run_product_sum": Variable(
-            ("start", "pair"),
-            runs.product_sums,
-            COMPONENT_PRODUCT,
-            "sums of products of its components",
-        ),
-    }
-
-
-def reductions_from(arrays: Mapping[str, Any]) -> SeriesReductions:
-    """Reductions of runs from the variables of their file."""
-    return SeriesReductions(
-        arrays["edge"], arrays["run_count"], arrays["run_sum"], arrays["run_product_sum"]
-    )

@@ -5,8 +5,7 @@ with the same probability per unit of time, so that lifetimes are exponential. A
 another escape rate has another flow (Pershin, Beaume, Li & Tobias, arXiv:2111.06783).
 """
 
-from dataclasses import dataclass, replace
-from typing import Self
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -24,32 +23,6 @@ class Lifetimes:
     escaped: BoolArray  #: whether it did, ``(series,)``; the others are censored
     length: int  #: steps that each series is watched for
 
-    @classmethod
-    def of_ensemble(cls, steps: IntArray, kept: IntArray, length: int) -> Self:
-        """Lifetimes of all generated series; discarded series have escaped."""
-        escaped = np.ones(len(steps), dtype=bool)
-        escaped[kept] = False
-        return cls(steps, escaped, length)
-
-    def of_training(self, kept: IntArray, training: int) -> Self:
-        """Lifetimes of the series that were generated for the training series.
-
-        These are all after the last one kept before the training series, up to the last of these.
-        """
-        chosen = kept[:training]
-        first = max(kept[kept < chosen.min()], default=-1) + 1
-        generated = slice(first, chosen.max() + 1)
-        return replace(self, steps=self.steps[generated], escaped=self.escaped[generated])
-
-
-@dataclass(frozen=True)
-class SurvivalCurve:
-    """Share of the series still in the chaotic phase, with its interval; arrays of one shape."""
-
-    share: FloatArray
-    low: FloatArray
-    high: FloatArray
-
 
 @dataclass(frozen=True)
 class EscapeRate:
@@ -64,8 +37,10 @@ class EscapeRate:
     high: float
 
 
-def survival_curve(lifetimes: Lifetimes, times: IntArray, confidence: float) -> SurvivalCurve:
-    """Share of the series that are still in the chaotic phase after some steps.
+def survival_curve(
+    lifetimes: Lifetimes, times: IntArray, confidence: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Share of the series that are still in the chaotic phase after some steps, with its interval.
 
     All are watched for equally long: this is the Kaplan-Meier estimate. The intervals are exact
     ones of a share (Clopper & Pearson, Biometrika 26 (1934) 404), at each time by itself.
@@ -82,7 +57,7 @@ def survival_curve(lifetimes: Lifetimes, times: IntArray, confidence: float) -> 
     quantile = scipy.special.betaincinv
     low = np.where(alive > 0, quantile(np.maximum(alive, 1), count - alive + 1, tail), 0.0)
     high = np.where(alive < count, quantile(alive + 1, np.maximum(count - alive, 1), 1 - tail), 1.0)
-    return SurvivalCurve(alive / count, low, high)
+    return alive / count, low, high
 
 
 def escape_rate(

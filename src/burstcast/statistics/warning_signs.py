@@ -1,18 +1,13 @@
-"""Warning signs of weak results: each function tests for one and returns its findings.
+"""Warning signs of weak results: each function tests for one and yields its findings, in words.
 
 None of them is an error: a finding is for a person to look at.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import wraps
-from typing import ParamSpec
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
-
-Arguments = ParamSpec("Arguments")
 
 EDGE_SHARE = 0.5
 """Of the networks of an ensemble with an optimum on the edge of what was searched: single optima
@@ -59,25 +54,6 @@ TREND_ERRORS = 3.0
 """Standard errors that a drift must be from zero."""
 
 
-@dataclass(frozen=True)
-class Finding:
-    """Finding of a test for a warning sign."""
-
-    warning: str  #: which sign it is: the name of the function
-    text: str  #: what was found, with the numbers
-
-
-def _sign(texts_of: Callable[Arguments, Iterator[str]]) -> Callable[Arguments, list[Finding]]:
-    """A test for a warning sign, of the same name, from a function that yields its texts."""
-
-    @wraps(texts_of)
-    def test(*arguments: Arguments.args, **named: Arguments.kwargs) -> list[Finding]:
-        return [Finding(texts_of.__name__, text) for text in texts_of(*arguments, **named)]
-
-    return test
-
-
-@_sign
 def optimum_on_edge(
     name: str, values: Sequence[float], low: float, high: float, negligible: float = 0.0
 ) -> Iterator[str]:
@@ -97,7 +73,6 @@ def optimum_on_edge(
             yield f"{name} at its {side} bound {bound:g} in {there.sum()} of {there.size} networks"
 
 
-@_sign
 def few_events(events: int, asked: int, threshold: float, largest: float) -> Iterator[str]:
     """No events, or too few for averages over them."""
     if largest < threshold:
@@ -106,7 +81,6 @@ def few_events(events: int, asked: int, threshold: float, largest: float) -> Ite
         yield f"{events} events to forecast, {asked} were asked for"
 
 
-@_sign
 def few_positives(prediction_times_lt: Sequence[float], positives: Sequence[int]) -> Iterator[str]:
     """Scores from few starting points that an event follows, by the prediction time."""
     few = [
@@ -122,7 +96,6 @@ def few_positives(prediction_times_lt: Sequence[float], positives: Sequence[int]
     yield f"{counted} positives at {times} LT"
 
 
-@_sign
 def nothing_to_calibrate_with(washout_maxima: FloatArray, threshold: float) -> Iterator[str]:
     """No starting point whose largest washout observable is below the event threshold."""
     if not (washout_maxima < threshold).any():
@@ -132,7 +105,6 @@ def nothing_to_calibrate_with(washout_maxima: FloatArray, threshold: float) -> I
         )
 
 
-@_sign
 def no_better_than_permanent_alarm(
     prediction_times_lt: Sequence[float], f_scores: Sequence[float], permanent: Sequence[float]
 ) -> Iterator[str]:
@@ -148,7 +120,6 @@ def no_better_than_permanent_alarm(
     yield f"F-scores no better than the F-scores of a permanent alarm, in brackets: {listed}"
 
 
-@_sign
 def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> Iterator[str]:
     """Shares of each network's long runs that leave the chaotic phase, or diverge."""
     for shares, limit, what in (
@@ -163,7 +134,6 @@ def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> Iterator
             )
 
 
-@_sign
 def ill_conditioned_readout(solvers: Sequence[str]) -> Iterator[str]:
     """Ridge regressions that rounding has made indefinite (`burstcast.networks.readout`)."""
     indefinite = sum(solver != "cholesky" for solver in solvers)
@@ -171,7 +141,6 @@ def ill_conditioned_readout(solvers: Sequence[str]) -> Iterator[str]:
         yield f"the ridge regression of {indefinite} of {len(solvers)} networks is indefinite"
 
 
-@_sign
 def exponents_differ(
     leading: tuple[float, float, float],
     growth: tuple[float, float, float],
@@ -188,7 +157,6 @@ def exponents_differ(
         yield f"computed {leading[0]:.4g}, given {given:.4g}"
 
 
-@_sign
 def no_exponent(estimated: float) -> Iterator[str]:
     """No Lyapunov exponent that could be estimated from series: it is NaN."""
     if np.isnan(estimated):
@@ -198,7 +166,6 @@ def no_exponent(estimated: float) -> Iterator[str]:
         )
 
 
-@_sign
 def own_exponents_differ(
     estimated: tuple[float, float, float], learnt: Sequence[float]
 ) -> Iterator[str]:
@@ -217,7 +184,6 @@ def own_exponents_differ(
     )
 
 
-@_sign
 def no_chaos_learnt(estimated: float, learnt: Sequence[float]) -> Iterator[str]:
     """Forecasters without chaos: the median exponent of their own flows is not positive."""
     exponents = np.asarray(learnt)[np.isfinite(learnt)]
@@ -230,7 +196,6 @@ def no_chaos_learnt(estimated: float, learnt: Sequence[float]) -> Iterator[str]:
     )
 
 
-@_sign
 def outside_bins(below: int, above: int, inside: int) -> Iterator[str]:
     """Samples of the observable that no bin of its density holds."""
     samples = below + above + inside
@@ -239,7 +204,6 @@ def outside_bins(below: int, above: int, inside: int) -> Iterator[str]:
     yield f"{below / samples:.2%} of the observable below the bins, {above / samples:.2%} above"
 
 
-@_sign
 def noise_drowns_components(states: FloatArray, noise: float) -> Iterator[str]:
     """Components of series that change less from sample to sample than the noise does.
 
@@ -256,7 +220,6 @@ def noise_drowns_components(states: FloatArray, noise: float) -> Iterator[str]:
     yield f"component {names}: the noise is up to {ratio:.3g} times what it changes by in a sample"
 
 
-@_sign
 def unresolved_flow(energy: FloatArray) -> Iterator[str]:
     """Test whether a truncated flow has much energy in its smallest scales."""
     share = float(energy.mean())
@@ -264,7 +227,6 @@ def unresolved_flow(energy: FloatArray) -> Iterator[str]:
         yield f"the largest wavenumbers hold {share:.2g} of the energy: the flow is not resolved"
 
 
-@_sign
 def slow_trend(
     start: FloatArray, states: FloatArray, names: Sequence[str], training: int
 ) -> Iterator[str]:

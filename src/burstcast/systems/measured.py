@@ -34,7 +34,9 @@ class MeasuredSeries:
     @property
     def appended(self) -> bool:
         """Whether the observable is a component of its own, after all others."""
-        return not derives(self.components, self.observable_of)
+        if self.observable_of in self.components:
+            return False
+        return not set(Expression(self.observable_of).names) <= set(self.components)
 
     @property
     def component_names(self) -> tuple[str, ...]:
@@ -53,11 +55,6 @@ class MeasuredSeries:
         if self.observable_of in names:
             return np.array(state[names.index(self.observable_of)])
         return Expression(self.observable_of)(dict(zip(names, state, strict=True)))
-
-
-def derives(components: Sequence[str], observable: str) -> bool:
-    """Whether an observable is a component, or an expression of components."""
-    return observable in components or set(Expression(observable).names) <= set(components)
 
 
 def _symbol(text: str) -> str:

@@ -34,7 +34,7 @@ def events_of_case(*, ensemble: str, events: str, events_summary: str, settings:
             f"observable over all data, {samples.mean():.4g}"
         )
     for finding in few_events(1, 1, threshold, float(samples.max())):
-        tell(finding.text)
+        tell(finding)
     crossings = crossing_points(observable, threshold)
     points = horizon_events(crossings, first, before, settings.most_events)
     last = int(points.series.max()) + 1 if len(points) else first

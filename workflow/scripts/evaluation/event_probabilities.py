@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from burstcast.base.files.netcdf import variables_of
 from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasts.event_probabilities import EventProbabilities
 from burstcast.forecasts.out_of_sample_classifiers import out_of_sample_probabilities
@@ -51,6 +52,6 @@ def event_probabilities(
             fitted.tuned(), learnt, case, washouts, kept.data["series"], kept_schedules
         )
     write_forecaster(forecaster, fitted, settings.provenance)
+    event = np.array(times, dtype=np.float64), np.array([threshold])
     for path, values in ((forecast, tested), (calibration_forecast, calibrating)):
-        probabilities = EventProbabilities(values, np.array(times, dtype=np.float64), threshold)
-        write_netcdf(path, probabilities.variables(), settings.provenance)
+        write_netcdf(path, variables_of(EventProbabilities(values, *event)), settings.provenance)

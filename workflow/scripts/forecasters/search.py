@@ -58,5 +58,5 @@ def search(
         np.array([evaluation.validation.log_errors for evaluation in evaluations])
     )
     table = pd.DataFrame([evaluation.record() for evaluation in evaluations])
-    write_table(trace, table.assign(**vars(uncertainty)))
+    write_table(trace, table.assign(**uncertainty))
     write_json(hyperparameters, network_search.best(evaluations).record(), settings.provenance)

@@ -35,31 +35,15 @@ class ControlStrategy(abc.ABC):
 
     @abc.abstractmethod
     def timing(self, schedule: Schedule) -> Timing:
-        """Its looks, and the effect of an alarm.
-
-        Raises
-        ------
-        ValueError
-            If a setting does not fit.
-        """
+        """Its looks, and the effect of an alarm; ValueError if a setting does not fit."""
 
     @abc.abstractmethod
     def policy(self, experiment: ControlExperiment, forecaster: Any) -> Policy:
-        """Policy that decides at each look.
+        """Policy that decides at each look; ValueError if a setting does not fit.
 
-        Parameters
-        ----------
-        experiment
-            What is controlled.
-        forecaster
-            A forecaster of trajectories, or an `EventClassifier` for strategies `by_probability`;
-            None where the strategy does not forecast. Of a committee each member is asked by a
-            policy of its own.
-
-        Raises
-        ------
-        ValueError
-            If a setting does not fit.
+        ``experiment``: What is controlled. ``forecaster``: A forecaster of trajectories, or an
+        `EventClassifier` for strategies `by_probability`; None where the strategy does not
+        forecast. Of a committee each member is asked by a policy of its own.
         """
 
     def check(self, schedule: Schedule) -> None:

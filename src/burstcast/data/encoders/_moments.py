@@ -1,4 +1,4 @@
-"""Mean and covariance of states, averaged over the symmetries of their system."""
+"""Moments of states, averaged over the symmetries of their system, and the best linear estimate."""
 
 from typing import NamedTuple
 
@@ -14,6 +14,18 @@ class StateMoments(NamedTuple):
 
     mean: FloatArray
     covariance: FloatArray  #: ``(dimension, dimension)``
+
+
+def kalman_gain(covariance: FloatArray, matrix: FloatArray, noise: FloatArray) -> FloatArray:
+    """Gain C H' (H C H' + R)^-1 of the best linear estimate, ``(dimension, observed)``.
+
+    ``covariance``: C, of the states or of the error of an earlier estimate. ``matrix``: H, of the
+    observation, ``(observed, dimension)``. ``noise``: Standard deviation of its errors,
+    ``(observed,)``.
+    """
+    across = covariance @ matrix.T
+    gain: FloatArray = np.linalg.solve(matrix @ across + np.diag(np.square(noise)), across.T).T
+    return gain
 
 
 def state_moments(states: FloatArray, space: StateSpace | None = None) -> StateMoments:

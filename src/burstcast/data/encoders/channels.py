@@ -123,7 +123,9 @@ class StateChannels:
         if self.case.observation is not None and self.estimate is None:
             # channels are the estimate of the state itself, or readings, which it follows from
             is_estimate = isinstance(self.encoder, StateEstimateEncoder)
-            decode = _same if is_estimate else StateEstimateEncoder.of(moments, self.case).encode
+            decode = (
+                np.positive if is_estimate else StateEstimateEncoder.of(moments, self.case).encode
+            )
         matrix, offset = _affine(
             lambda state: self.encode(self.case.readings(state)), states.shape[-1]
         )
@@ -185,8 +187,14 @@ def check_encoding(kind: str, case: EncodingCase, noise: float, snapshots: int) 
         if value not in (None, []) and name not in options:
             raise ValueError(f"encoder.{name} is no option of the encoder {kind}: leave it out")
     channel_names(kind, case)
-    if isinstance(case.observation, VelocitySensors):
-        _check_grid(case.space, case.observation)
+    sensors = case.observation
+    if isinstance(sensors, VelocitySensors) and (unseen := sensors.unseen):
+        names, (along_x, along_y) = component_names(case.space), sensors.points
+        raise ValueError(
+            f"no sensor sees {', '.join(names[number] for number in unseen)}: the velocity of "
+            f"these components vanishes at all {along_x} x {along_y} sensors from "
+            f"{sensors.offset} on; take other sensors.points"
+        )
     if case.observation is not None and not noise:
         raise ValueError(
             "training.noise is 0, but an estimate of the state from sensors takes a noise above 0"
@@ -198,24 +206,9 @@ def check_encoding(kind: str, case: EncodingCase, noise: float, snapshots: int) 
         )
 
 
-def _check_grid(space: StateSpace, sensors: VelocitySensors) -> None:
-    """Check that sensors see all components of a state."""
-    if unseen := sensors.unseen:
-        names, (along_x, along_y) = component_names(space), sensors.points
-        raise ValueError(
-            f"no sensor sees {', '.join(names[number] for number in unseen)}: the velocity of "
-            f"these components vanishes at all {along_x} x {along_y} sensors from "
-            f"{sensors.offset} on; take other sensors.points"
-        )
-
-
 def _affine(
     function: Callable[[FloatArray], FloatArray], size: int
 ) -> tuple[FloatArray, FloatArray]:
     """Matrix and constant of an affine function of ``(size, ...)``."""
     constant = function(np.zeros((size, 1)))
     return function(np.eye(size)) - constant, constant[:, 0]
-
-
-def _same(values: FloatArray) -> FloatArray:
-    return values

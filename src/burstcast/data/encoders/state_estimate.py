@@ -12,7 +12,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
-from burstcast.data.encoders._moments import StateMoments, state_moments
+from burstcast.data.encoders._moments import StateMoments, kalman_gain, state_moments
 from burstcast.data.encoders.base import Encoder, EncodingCase
 from burstcast.data.observation.base import Observation
 from burstcast.systems.state_space import component_names
@@ -52,8 +52,7 @@ class StateEstimateEncoder(Encoder):
         noise = np.zeros(len(matrix)) if case.noise is None else case.noise
         if not (noise > 0.0).all():
             raise ValueError("an estimate of the state takes observations with noise, not without")
-        across = moments.covariance @ matrix.T
-        gain = np.linalg.solve(matrix @ across + np.diag(np.square(noise)), across.T).T
+        gain = kalman_gain(moments.covariance, matrix, noise)
         constant = moments.mean - gain @ (matrix @ moments.mean)
         return cls(observation, gain, constant)
 

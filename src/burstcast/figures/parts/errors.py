@@ -27,31 +27,26 @@ def best_of(data: Mapping[str, Any], long_term: Sequence[Mapping[str, Any]]) -> 
     return best_network(LongTermStatistics.from_arrays(data), statistics)
 
 
-def draw(
-    panels: Mapping[str, Axes], percentiles: pd.DataFrame, published: pd.DataFrame | None
-) -> None:
+def draw(panels: Mapping[str, Axes], percentiles: pd.DataFrame, published: pd.DataFrame) -> None:
     """Draw statistics' errors against reservoir size, with the training set and the floor.
 
     ``panels``: Where to draw, by metric; all have axes of one kind, so that they can be compared.
     """
     networks = percentiles[percentiles["forecaster"] == "esn"]
     sizes = sorted(networks["neurons"].dropna().unique())
+    of_sizes = published[published["neurons"].isin(sizes)]
     for metric, axes in panels.items():
-        for validation, look, rows in medians.validations(networks, metric=metric):
-            medians.draw(axes, rows, "neurons", look, label=f"ESN, {validation}")
-            if published is not None:
-                theirs = medians.select(published, metric=metric, validation=validation)
-                theirs = theirs[theirs["neurons"].isin(sizes)]
-                medians.draw_published(axes, theirs, "neurons", look)
+        for validation, look, _ in medians.validations(networks):
+            curves = axes, networks, of_sizes, {"metric": metric, "validation": validation}
+            medians.draw_both(*curves, "neurons", look, label=f"ESN, {validation}")
         for forecaster, line, label in (
             ("training", looks.TRAINING, "Train"),
             ("floor", looks.FLOOR, "half of the data against the other half"),
         ):
             for value in medians.select(percentiles, metric=metric, forecaster=forecaster)["p50"]:
                 axes.axhline(float(value), label=label, **line)
-        if published is not None:
-            theirs = medians.select(published, metric=metric, forecaster="training")
-            medians.draw_published_level(axes, theirs, looks.TRAINING["color"])
+        theirs = medians.select(published, metric=metric, forecaster="training")
+        medians.draw_published_level(axes, theirs, looks.TRAINING["color"])
         axes.set_xticks(sizes)
         medians.thin_size_labels(axes, sizes)
         axes.set_xlabel(medians.NEURONS)

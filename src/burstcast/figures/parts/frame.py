@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
 from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.declared import at, read
 from burstcast.base.durations import steps_per_lyapunov_time
 from burstcast.figures.parts import looks, style
 
@@ -38,12 +39,13 @@ def axis_limits(threshold: float, *curves: FloatArray) -> tuple[float, float]:
 
 
 def samples_per_lyapunov_time(
-    exponents: Mapping[str, Any] | None,
-    given_exponent: float,
-    time_step: float,
-    sampling_stride: int,
+    *,
+    exponents: Mapping[str, Any] | None = read("time_unit"),
+    time_step: float = at("case.ensemble.time_step"),
+    sampling_stride: int = at("case.ensemble.sampling_stride"),
+    given_exponent: float = at("case.lyapunov.given_exponent"),
 ) -> int:
-    """Samples of a series in one Lyapunov time.
+    """Samples of a series in one Lyapunov time, of which figures declare that they are made by it.
 
     ``exponents``: Computed Lyapunov exponents, if they are the unit of time; None: the published
     one is, in inverse time units.

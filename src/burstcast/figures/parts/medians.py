@@ -1,6 +1,6 @@
 """Curves of medians over networks with their quartiles; other forecasters; published values."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -54,10 +54,10 @@ def with_intervals(percentiles: pd.DataFrame, intervals: pd.DataFrame) -> pd.Dat
     return percentiles.merge(ends, on=keys, how="left")
 
 
-def validations(networks: pd.DataFrame, **values: object) -> Iterator[tuple[str, Any, Any]]:
+def validations(networks: pd.DataFrame) -> Iterator[tuple[str, Any, Any]]:
     """Name, look and rows of each validation strategy of the networks."""
     for name in looks.ordered_validations(networks["validation"].dropna()):
-        yield name, looks.validation(name), select(networks, validation=name, **values)
+        yield name, looks.validation(name), select(networks, validation=name)
 
 
 def nearest_value(table: pd.DataFrame, column: str, wanted: float) -> float:
@@ -110,9 +110,7 @@ def draw(
     else:
         # A published median may come without quartiles: no bar then.
         bar = np.nan_to_num([median - low, high - median])
-        bars = axes.errorbar(
-            position, median, yerr=bar, capsize=2.0, elinewidth=0.8, capthick=0.8, **keywords
-        )
+        bars = axes.errorbar(position, median, yerr=bar, **style.BARS, **keywords)
         bars[2][0].set_gid(_BARS)
 
 
@@ -168,6 +166,21 @@ def draw_published(
         capsize=1.5,
         zorder=3,
     )
+
+
+def draw_both(
+    axes: Axes,
+    ours: pd.DataFrame,
+    theirs: pd.DataFrame,
+    chosen: Mapping[str, object],
+    x: str,
+    look: looks.MarkerStyle,
+    **how: Any,
+) -> None:
+    """Draw the chosen rows of our table (`draw`), and of the published one."""
+    draw(axes, select(ours, **chosen), x, look, **how)
+    shift = how.get("shift", 0.0)
+    draw_published(axes, select(theirs, **chosen), x, look, shift=shift)
 
 
 def draw_published_level(axes: Axes, rows: pd.DataFrame, color: str) -> None:

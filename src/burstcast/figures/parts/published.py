@@ -69,13 +69,13 @@ def published_percentiles(published: pd.DataFrame, table: str) -> pd.DataFrame:
 
 def published_beside(
     ours: pd.DataFrame, published: pd.DataFrame | None, table: str
-) -> pd.DataFrame | None:
-    """Published percentiles at the Reynolds numbers of one of our tables; None if none are wanted.
+) -> pd.DataFrame:
+    """Published percentiles at the Reynolds numbers of one of our tables; none if none are wanted.
 
     ``ours``: Our table; without the column ``reynolds``, nothing can stand beside it.
     """
     if published is None or "reynolds" not in ours:  # as of a system without one
-        return None
+        return ours.iloc[:0]
     values = published_percentiles(published, table)
     return values[values["reynolds"].isin(ours["reynolds"])]
 

@@ -37,6 +37,9 @@ PURPLE = "#CC79A7"
 GREY = "#6E6E6E"
 LIGHT_GREY = "#DADADA"
 
+BARS: Any = {"capsize": 2.0, "elinewidth": 0.8, "capthick": 0.8}
+"""Keywords of error bars."""
+
 _LABEL_LINE = 9.0
 """Height of a line of text of a label at the end of a curve, points."""
 

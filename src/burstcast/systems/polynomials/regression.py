@@ -14,7 +14,6 @@ Coefficients may depend on parameters: each is then a constant plus a linear com
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
@@ -54,34 +53,6 @@ def gregory_weights(intervals: int) -> FloatArray:
     return weights
 
 
-@dataclass(frozen=True)
-class _Moments:
-    """Sums over the windows of each stretch: of integrated monomials and increments."""
-
-    gram: FloatArray
-    cross: FloatArray
-
-
-def polynomial_coefficients(
-    series: FloatArray,
-    noise: FloatArray,
-    interval: float,
-    degree: int,
-    window: int,
-    significance: float,
-) -> FloatArray:
-    """Coefficients of the equations that observed series obey, ``(monomials, dimension)``.
-
-    ``noise``: Standard deviation of the noise in each component. ``significance``: Standard errors
-    that the coefficient of a term must be away from zero; 0 keeps all terms.
-    """
-    none = np.empty((series.shape[0], max(0, series.shape[1] - 1), 0))
-    coefficients: FloatArray = factored_coefficients(
-        series, noise, interval, degree, window, significance, none
-    )[0]
-    return coefficients
-
-
 def factored_coefficients(
     series: FloatArray,
     noise: FloatArray,
@@ -89,13 +60,18 @@ def factored_coefficients(
     degree: int,
     window: int,
     significance: float,
-    factors: FloatArray,
+    factors: FloatArray | None = None,
 ) -> FloatArray:
     """Coefficients that are linear in factors, ``(1 + factors, monomials, dimension)``.
 
-    The equations are dx/dt = sum_m (c[0, m] + sum_f factor_f c[f, m]) monomial_m(x). ``factors``:
-    In force from each sample to the next, ``(series, time - 1, factors)``.
+    The equations that observed series obey are
+    dx/dt = sum_m (c[0, m] + sum_f factor_f c[f, m]) monomial_m(x). ``noise``: Standard deviation of
+    the noise in each component. ``significance``: Standard errors that the coefficient of a term
+    must be away from zero; 0 keeps all terms. ``factors``: In force from each sample to the next,
+    ``(series, time - 1, factors)``; None: there are none.
     """
+    if factors is None:
+        factors = np.empty((series.shape[0], max(0, series.shape[1] - 1), 0))
     if factors.shape[:2] != (series.shape[0], max(0, series.shape[1] - 1)):
         raise ValueError(
             f"series of shape {series.shape} need factors of the shape "
@@ -127,9 +103,9 @@ def factored_coefficients(
         for states, of_series, length in zip(series, factors, lengths, strict=True)
         if length > window
     ]
-    moments = _moments(parts, noise / scale, degree, window)
+    gram, cross = _moments(parts, noise / scale, degree, window)
     columns = [
-        _significant(moments.gram, moments.cross[:, :, component], significance)
+        _significant(gram, cross[:, :, component], significance)
         for component in range(series.shape[2])
     ]
     scaled = np.stack(columns, axis=1)
@@ -185,8 +161,11 @@ def _groups(
 
 def _moments(
     series: Sequence[tuple[FloatArray, FloatArray]], noise: FloatArray, degree: int, window: int
-) -> _Moments:
-    """Moments of series with factors, ``(time, component)`` and ``(time - 1, factors)``."""
+) -> tuple[FloatArray, FloatArray]:
+    """Sums over the windows of each stretch of series: of integrated monomials, and increments.
+
+    ``series``: Each with its factors, ``(time, component)`` and ``(time - 1, factors)``.
+    """
     dimension, count = len(noise), series[0][1].shape[1]
     basis, variance = monomials(dimension, degree), np.square(noise)
     weights = gregory_weights(window)
@@ -221,7 +200,7 @@ def _moments(
             of_cross[stretch] += np.kron(multiples[:, np.newaxis], part @ increments[starts])
         gram += list(of_gram)
         cross += list(of_cross)
-    return _Moments(np.array(gram), np.array(cross))
+    return np.array(gram), np.array(cross)
 
 
 def _squared_noise(

@@ -7,7 +7,6 @@ from burstcast.base.declared import at, declaring, made_by, read
 from burstcast.base.files.netcdf import read_rows
 from burstcast.data.starting_points import SeriesPoints, crossing_points
 from burstcast.forecasts.alarm_rule import CALIBRATED
-from burstcast.forecasts.intervals import ratio_with_interval
 from burstcast.forecasts.lead_times import SeriesRatio, lead_time_scores, lead_times
 from burstcast.tables.makers._probabilities import CaseProbabilities, case_probabilities
 from burstcast.tables.makers.registry import Rows
@@ -56,17 +55,7 @@ def make(
             events,
         )
         for score in [*lead_time_scores(warnings_given, series, times, steps), *false_alarms]:
-            value, low, high = ratio_with_interval(
-                score.numerator, score.denominator, weights, case.confidence
-            )
-            rows.append(
-                {
-                    **case.keys(alarm),
-                    "lead_time_lt": score.lead_time_lt,
-                    "metric": score.metric,
-                    "value": value,
-                    "low": low,
-                    "high": high,
-                }
-            )
+            keys = {"lead_time_lt": score.lead_time_lt, "metric": score.metric}
+            interval = score.with_interval(weights, case.confidence)
+            rows.append({**case.keys(alarm), **keys, **interval})
     return {"lead_times": rows}

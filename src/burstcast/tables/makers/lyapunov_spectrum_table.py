@@ -32,13 +32,11 @@ def make(
     for name, content in spectra:
         exponents = content["exponents"]
         generator = random_streams.stream(root_seed, "bootstrap", "lyapunov spectrum", case)
-        summary = summarise(exponents, confidence, resamples, generator)
-        intervals = summary.mean, summary.low, summary.high
+        mean, dimension = summarise(exponents, confidence, resamples, generator)
         rows += [
             {**name.keys, "number": number, **with_ends("lyapunov_exponent", *ends)}
-            for number, ends in enumerate(zip(*intervals, strict=True), 1)
+            for number, ends in enumerate(zip(mean.mean, mean.low, mean.high, strict=True), 1)
         ]
-        dimension = summary.dimension, summary.dimension_low, summary.dimension_high
         of_dimensions.append(
             {**name.keys, "runs": len(exponents), **with_ends("kaplan_yorke_dimension", *dimension)}
         )

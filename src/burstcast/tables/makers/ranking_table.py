@@ -1,6 +1,6 @@
 """Ranking of starting points: by onsets, and by any time above the threshold."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -43,7 +43,13 @@ def make(
             happened = window.happened(truth, event)[here]
             base = ResampledScore(happened.mean(), (weights @ happened) / weights.sum(axis=1))
             keys = {"prediction_time_lt": time, "event": event}
-            for names, strength in _strengths(case, time, window, event, theory):
+            strengths = [
+                (case.keys(alarm), _strength(case, time, window, event, alarm))
+                for alarm in case.alarms
+            ]
+            if theory is not None:
+                strengths.append(({"forecaster": PRECURSOR, "alarm": PRECURSOR}, theory))
+            for names, strength in strengths:
                 resampled = ranking_scores(strength[here], happened, everything)
                 scores = {
                     name: ResampledScore(values[0], values[1:])
@@ -54,16 +60,6 @@ def make(
                     for metric, score in {"base_rate": base, **scores}.items()
                 ]
     return {"ranking": rows}
-
-
-def _strengths(
-    case: CaseProbabilities, time: float, window: Window, event: str, theory: FloatArray | None
-) -> Iterator[tuple[dict[str, Any], FloatArray]]:
-    """Key columns of all that rank points, and the strength of each point."""
-    for alarm in case.alarms:
-        yield case.keys(alarm), _strength(case, time, window, event, alarm)
-    if theory is not None:
-        yield {"forecaster": PRECURSOR, "alarm": PRECURSOR}, theory
 
 
 def _strength(

@@ -1,7 +1,8 @@
 """Reliability of the probabilities: how often events follow those of each bin."""
 
 from burstcast.base.declared import at, declaring, made_by
-from burstcast.forecasts.reliability import reliability_diagram
+from burstcast.forecasts.brier import binned
+from burstcast.forecasts.reliability import consistency_bars
 from burstcast.tables.makers._probabilities import CaseProbabilities, case_probabilities
 from burstcast.tables.makers.registry import Rows
 
@@ -17,7 +18,8 @@ def make(
         for alarm in case.compared:
             for probability, (outcomes, _) in case.probabilities(alarm, time).items():
                 keys = {**case.keys(alarm), "probability": probability, "prediction_time_lt": time}
-                diagram = reliability_diagram(
+                whole = binned(outcomes.total(), bins)
+                low, high = consistency_bars(
                     outcomes,
                     bins,
                     weights,
@@ -28,11 +30,11 @@ def make(
                     {
                         **keys,
                         "bin": number,
-                        "forecasts": int(diagram.whole.points[number]),
-                        "mean_probability": diagram.whole.mean_probability[number],
-                        "observed_frequency": diagram.whole.frequency[number],
-                        "consistency_low": diagram.low[number],
-                        "consistency_high": diagram.high[number],
+                        "forecasts": int(whole.points[number]),
+                        "mean_probability": whole.mean_probability[number],
+                        "observed_frequency": whole.frequency[number],
+                        "consistency_low": low[number],
+                        "consistency_high": high[number],
                     }
                     for number in range(bins)
                 ]

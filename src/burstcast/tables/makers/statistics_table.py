@@ -1,6 +1,7 @@
 """Measure distances of the statistics of forecasters and of the training set from the data's."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 from burstcast.base import random_streams
@@ -11,8 +12,7 @@ from burstcast.statistics.intervals import resampled_measures
 from burstcast.statistics.long_term import Fate
 from burstcast.statistics.measures import compare
 from burstcast.statistics.profiles import equally_spaced_profiles
-from burstcast.statistics.reductions import LongTermStatistics
-from burstcast.statistics.statistics_files import reductions_from
+from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions
 from burstcast.systems.registry import make_space
 from burstcast.tables.cells import between
 from burstcast.tables.makers.registry import Gathered, Rows
@@ -23,6 +23,9 @@ SHARES = {
     "diverged_fraction": Fate.DIVERGED,
 }
 """Parts of the discarded share, by what became of the runs."""
+
+RUNS = tuple(field.name for field in fields(SeriesReductions))
+"""Variables of the reductions of each long run."""
 
 OF_PROFILES = ("nrmse_u", "nrmse_uu", "nrmse_uv")
 """Measures that only a flow has."""
@@ -59,17 +62,16 @@ def make(
     for file in long_term:
         measures = vars(compare(reference, LongTermStatistics.from_arrays(file.content), matrices))
         fates = file.content["fate"]
-        shares = {name: float((fates == fate).mean()) for name, fate in SHARES.items()}
-        discarded = {"discarded_fraction": float((fates != Fate.KEPT).mean()), **shares}
+        lost = {"discarded_fraction": fates != Fate.KEPT}
+        lost |= {name: fates == fate for name, fate in SHARES.items()}
+        discarded = {name: float(runs.mean()) for name, runs in lost.items()}
         rows.append({**file.name.keys, **discarded, **measures})
         generator = random_streams.stream(root_seed, "bootstrap", case, "long runs")
         weights = bootstrap_weights(len(fates), resamples, generator)
+        reduced = SeriesReductions(**{name: file.content[name] for name in RUNS})
         samples = {
-            "discarded_fraction": weights @ (fates != Fate.KEPT) / len(fates),
-            **{name: weights @ (fates == fate) / len(fates) for name, fate in SHARES.items()},
-            **resampled_measures(
-                reference, reductions_from(file.content), fates == Fate.KEPT, matrices, weights
-            ),
+            **{name: weights @ runs / len(fates) for name, runs in lost.items()},
+            **resampled_measures(reference, reduced, fates == Fate.KEPT, matrices, weights),
         }
         ends += [
             {**file.name.keys, "metric": metric, **between(values, confidence)}

@@ -29,7 +29,10 @@ def make(
     """The escape rate of the data and of each forecaster, and their survival curves."""
     interval = float(time_step * sampling_stride)
     longest = len(ensemble["time"]) - 1
-    of_data = Lifetimes.of_ensemble(ensemble["lifetime"], ensemble["series"], longest)
+    # discarded series have escaped
+    escaped = np.ones(len(ensemble["lifetime"]), dtype=bool)
+    escaped[ensemble["series"]] = False
+    of_data = Lifetimes(ensemble["lifetime"], escaped, longest)
     lifetimes_of = [(ForecasterName("data"), of_data)]
     # as long as a series of the ensemble where no duration is known
     steps = longest if duration is None else round(duration / interval)
@@ -39,22 +42,19 @@ def make(
     rows: Rows = []
     points: Rows = []
     for name, lifetimes in lifetimes_of:
-        rows.append({**name.keys, **_rate(lifetimes, interval, confidence)})
+        rate = escape_rate(lifetimes, interval, confidence)
+        row = {
+            "series": len(lifetimes.steps),
+            "survived_fraction": float((~lifetimes.escaped).mean()),
+            "escapes": rate.escapes,
+            "time_at_risk": rate.time_at_risk,
+            **with_ends("escape_rate", rate.rate, rate.low, rate.high),
+        }
+        rows.append({**name.keys, **row})
         times = np.unique(np.linspace(0, lifetimes.length, POINTS).astype(np.int64))
         curve = survival_curve(lifetimes, times, confidence)
         points += [
             {**name.keys, "time": time * interval, **with_ends("survival", *ends)}
-            for time, *ends in zip(times, curve.share, curve.low, curve.high, strict=True)
+            for time, *ends in zip(times, *curve, strict=True)
         ]
     return {"survival": rows, "survival_curve": points}
-
-
-def _rate(lifetimes: Lifetimes, interval: float, confidence: float) -> Mapping[str, Any]:
-    rate = escape_rate(lifetimes, interval, confidence)
-    return {
-        "series": len(lifetimes.steps),
-        "survived_fraction": float((~lifetimes.escaped).mean()),
-        "escapes": rate.escapes,
-        "time_at_risk": rate.time_at_risk,
-        **with_ends("escape_rate", rate.rate, rate.low, rate.high),
-    }

@@ -1,6 +1,6 @@
 """Look for signs that the results of a case are less than they seem."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -13,14 +13,15 @@ from burstcast.base.names import PERMANENT_ALARM
 from burstcast.base.series_lengths import samples_of
 from burstcast.data.ensemble_files import START
 from burstcast.networks.negligible_ridge import negligible_ridge
-from burstcast.statistics import warning_signs
+from burstcast.statistics import warning_signs as signs
 from burstcast.statistics.reductions import LongTermStatistics
-from burstcast.statistics.warning_signs import Finding
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import StateSpace, component_names
 from burstcast.tables.makers.registry import Rows
 
+Finding = tuple[str, str]
+"""Name of a sign of `burstcast.statistics.warning_signs`, and what was found, in words."""
 ENSEMBLE = ["forecaster", "neurons", "validation"]
 ADVICE = {
     "optimum_on_edge": "search beyond it: its entry in the section search",
@@ -88,17 +89,20 @@ def make(
     samples, space = len(samples_of(states)), make_space(system, parameters)
     histogram = LongTermStatistics.from_arrays(data).histogram
     of_case = [
-        *warning_signs.few_events(
+        *_findings(
+            signs.few_events,
             events_summary["usable_events"],
             wanted_events,
             event_threshold,
             events_summary["largest_observable"],
         ),
-        *warning_signs.nothing_to_calibrate_with(
-            calibration_set["washout_maximum"], event_threshold
+        *_findings(
+            signs.nothing_to_calibrate_with, calibration_set["washout_maximum"], event_threshold
         ),
-        *warning_signs.outside_bins(histogram.below, histogram.above, int(histogram.counts.sum())),
-        *warning_signs.noise_drowns_components(states, noise),
+        *_findings(
+            signs.outside_bins, histogram.below, histogram.above, int(histogram.counts.sum())
+        ),
+        *_findings(signs.noise_drowns_components, states, noise),
         *_of_truncation(space, states),
         *_of_trend(ensemble, space, training_series),
         *_of_numbers(dataset, classification),
@@ -114,31 +118,29 @@ def make(
         exponents = members.loc[members["number"] == 1, "lyapunov_exponent"].tolist()
         leading = _leading(dataset, "lyapunov_exponent")
         contradictions = [
-            *warning_signs.own_exponents_differ(leading, exponents),
-            *warning_signs.no_chaos_learnt(leading[0], exponents),
+            *_findings(signs.own_exponents_differ, leading, exponents),
+            *_findings(signs.no_chaos_learnt, leading[0], exponents),
         ]
         findings += [(keys, finding) for finding in contradictions]
-    rows = [
-        {
-            **dict.fromkeys(ENSEMBLE),
-            **keys,
-            "warning": finding.warning,
-            "finding": finding.text,
-            "advice": _advice(finding.warning, network=pd.notna(keys.get("neurons"))),
-        }
-        for keys, finding in findings
-    ]
+    rows = []
+    for keys, (warning, text) in findings:
+        is_network = pd.notna(keys.get("neurons"))
+        advice = (OF_NETWORKS.get(warning, "") if is_network else "") + ADVICE[warning]
+        words = {"warning": warning, "finding": text, "advice": advice}
+        rows.append({**dict.fromkeys(ENSEMBLE), **keys, **words})
     return {"warnings": rows}
 
 
-def _advice(warning: str, network: bool) -> str:
-    return (OF_NETWORKS.get(warning, "") if network else "") + ADVICE[warning]
+def _findings(sign: Callable[..., Iterator[str]], *arguments: Any) -> list[Finding]:
+    """Findings of a test for a sign."""
+    return [(sign.__name__, text) for text in sign(*arguments)]
 
 
 def _of_truncation(space: StateSpace, states: FloatArray) -> list[Finding]:
     if not (isinstance(space, DynamicalSystem) and has_own(space, "energy_of_last_shell")):
         return []
-    return warning_signs.unresolved_flow(space.energy_of_last_shell(np.moveaxis(states, -1, 0)))
+    energy = space.energy_of_last_shell(np.moveaxis(states, -1, 0))
+    return _findings(signs.unresolved_flow, energy)
 
 
 def _of_trend(ensemble: str, space: StateSpace, training: int) -> list[Finding]:
@@ -147,22 +149,24 @@ def _of_trend(ensemble: str, space: StateSpace, training: int) -> list[Finding]:
         return []
     data = read_netcdf(ensemble, START, "state")
     names = component_names(space)
-    return warning_signs.slow_trend(data[START], data["state"], names, training)
+    return _findings(signs.slow_trend, data[START], data["state"], names, training)
 
 
 def _of_numbers(dataset: pd.DataFrame, classification: pd.DataFrame) -> Iterator[Finding]:
     # left out of tables without any value
     (row,) = dataset.to_dict("records")
     given = row.get("lyapunov_exponent_given")
-    yield from warning_signs.no_exponent(_leading(dataset, "lyapunov_exponent")[0])
-    yield from warning_signs.exponents_differ(
+    yield from _findings(signs.no_exponent, _leading(dataset, "lyapunov_exponent")[0])
+    yield from _findings(
+        signs.exponents_differ,
         _leading(dataset, "lyapunov_exponent"),
         _leading(dataset, "lyapunov_exponent_by_growth"),
         None if pd.isna(given) else given,
     )
     # what follows the starting points is the same for all forecasters
     scores = classification.drop_duplicates("prediction_time_lt")
-    yield from warning_signs.few_positives(
+    yield from _findings(
+        signs.few_positives,
         scores["prediction_time_lt"].tolist(),
         (scores["true_positive"] + scores["false_negative"]).tolist(),
     )
@@ -175,9 +179,8 @@ def _of_scores(table: pd.DataFrame) -> Iterator[tuple[Mapping[str, Any], Finding
     for keys, rows in _ensembles(table[~is_permanent]):
         medians = rows.groupby("prediction_time_lt")["f_score"].median()
         times = medians.index.tolist()
-        for finding in warning_signs.no_better_than_permanent_alarm(
-            times, medians.tolist(), permanent.loc[times].tolist()
-        ):
+        scores = times, medians.tolist(), permanent.loc[times].tolist()
+        for finding in _findings(signs.no_better_than_permanent_alarm, *scores):
             yield keys, finding
 
 
@@ -200,15 +203,13 @@ def _of_search(
     least = negligible_ridge(int(rows["neurons"].iloc[0]), samples)
     for name, values in searched.items():
         lost = least if name == "tikhonov" else 0.0
-        yield from warning_signs.optimum_on_edge(
-            name, rows[name].tolist(), min(values), max(values), lost
-        )
-    yield from warning_signs.ill_conditioned_readout(rows["solver"].tolist())
+        box = min(values), max(values), lost
+        yield from _findings(signs.optimum_on_edge, name, rows[name].tolist(), *box)
+    yield from _findings(signs.ill_conditioned_readout, rows["solver"].tolist())
 
 
 def _of_long_runs(rows: pd.DataFrame) -> Iterator[Finding]:
     shares = rows.dropna(subset=["discarded_fraction"])
     if len(shares):  # the training set and the sampling floor have no runs
-        yield from warning_signs.lost_long_runs(
-            shares["discarded_fraction"].tolist(), shares["diverged_fraction"].tolist()
-        )
+        lost, diverged = (shares[f"{name}_fraction"].tolist() for name in ("discarded", "diverged"))
+        yield from _findings(signs.lost_long_runs, lost, diverged)
