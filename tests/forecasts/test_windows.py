@@ -11,6 +11,7 @@ from hypothesis.extra import numpy as npst
 from numpy.testing import assert_array_equal
 
 from burstcast.base.exogenous import with_inputs
+from burstcast.base.files.netcdf import variables_of
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
@@ -264,7 +265,7 @@ def test_forecasts_come_back_from_their_files(members):
     result = forecasts_from(held(forecast_variables(forecasts, "x")))
     for name, values in vars(forecasts).items():
         assert_array_equal(getattr(result, name), values)
-    again = forecasts_from(held(PROBABILITIES.variables()))
+    again = forecasts_from(held(variables_of(PROBABILITIES)))
     for column, time in enumerate((0.5, 2.0)):
         assert_array_equal(again.at(time, 0.1), PROBABILITIES.probability[:, column])
 

@@ -119,6 +119,7 @@ def test_mistakes_in_templates_and_conditions_are_told(tmp_path):
     rows = pd.DataFrame({"size": [10, 10], "f": [0.5, 0.4]})
     with pytest.raises(ValueError, match=r"two cells for 10, f: 0\.5 and 0\.4"):
         table("n", part(rows, "{size}", {"f": "{f}"}))
+    assert not Tables(tmp_path)
+    (tmp_path / "scores_percentiles.csv").write_text("case,metric,p50\nA,f,0.5\n")
     with pytest.raises(LookupError, match=r"scores: 0 rows of f with \{'case': 'B'\}, not one"):
         Tables(tmp_path).row("scores", "f", case="B")
-    assert not Tables(tmp_path)
