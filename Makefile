@@ -28,8 +28,8 @@ paper: $(VENV)/installed ## the paper's whole campaign: hours
 test: $(VENV)/documented ## linters, types, the site, tests
 	$(MAKE) --jobs 3 check docs tests
 
-# Two processes, each of which takes a file of tests at a time, those that run campaigns first: what
-# they share is made once.
+# Two processes, each of which takes a file of tests at a time, campaigns first: what they share is
+# made once.
 tests: $(VENV)/developed
 	$(BIN)/pytest -n 2 --dist loadfile --no-loadscope-reorder $(ARGS)
 

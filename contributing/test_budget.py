@@ -14,10 +14,10 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BUDGET = {
-    "product, all lines": 44_600,
+    "product, all lines": 43_500,
     "product, code": 26_300,
-    "product, docstrings": 7_900,
-    "tests, all lines": 32_900,
+    "product, docstrings": 6_900,
+    "tests, all lines": 27_500,
 }
 ROOM = 0.02
 SUFFIXES = {".py", ".smk", ".jinja", ".css", ".js", ".html"}
