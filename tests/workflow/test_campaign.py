@@ -368,3 +368,13 @@ def test_own_modules_are_those_of_systems_and_encoders():
     files = {"cases": {"invariants": {"files": ["campaign.yaml", "again.yaml"]}}}
     modules = own_modules(load(tiny_campaign("encoded", files)))
     assert modules["shift_invariants"] == ["again.yaml", "campaign.yaml"]
+
+
+def test_options_of_a_class_of_ones_own_are_the_same_for_every_job():
+    chosen = {"burstcast.forecasters.esn:NetworkForecaster": {"divergence_bound": 3.0}}
+    campaign_of_own = campaign(blocks=[{"reynolds": [400], "forecasters": chosen}])
+    (member,) = [m for m in campaign_of_own.forecasters if "NetworkForecaster" in m.name.kind]
+    paths = ["forecaster.options", "forecaster.divergence_bound"]
+    for _ in range(2):
+        expected = {"forecaster.options": {}, "forecaster.divergence_bound": 3}
+        assert settings_of_job(campaign_of_own, paths, member.identity) == expected

@@ -106,9 +106,8 @@ class Job:
         """Settings of the forecaster's kind, but for the bound of divergence, if there is one."""
         if "controller" in self.wildcards and not self.name.asks_forecasters:
             return LEFT_OUT
-        options = self.all_options
-        options.pop("divergence_bound", None)
-        return options
+        options = self.all_options.items()
+        return {name: value for name, value in options if name != "divergence_bound"}
 
     @computed("forecaster.divergence_bound")
     def divergence_bound(self) -> float | None:
