@@ -4,10 +4,9 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from operator import ge, le, lt
-from typing import Any
+from typing import Any, get_args
 
 from burstcast_workflow.config.kinds import RELATIONS, Section
-from burstcast_workflow.config.reference import schema_of, settings
 
 
 def _is_multiple(value: float, bound: float) -> bool:
@@ -45,15 +44,28 @@ def out_of_bounds(section: Section) -> Iterator[str]:
 
 
 @cache
-def _bounds(model: type[Section]) -> list[tuple[str, str, str]]:
-    """Settings that are bounded by others, with the relation and the name of the other."""
-    return [
-        (place.replace("[]", ""), relation, other)
-        for place, node in settings(schema_of(model))
+def _bounds(model: type[Section], place: str = "") -> list[tuple[str, str, str]]:
+    """Settings that are bounded by others, with the relation and the name of the other.
+
+    They are read from the fields: to make the schema would take a tenth of a second at each start.
+    """
+    bounds: list[tuple[str, str, str]] = []
+    for key, field in model.model_fields.items():
+        name, extra = f"{place}{key}", field.json_schema_extra
+        relations: Any = extra.get("relations", {}) if isinstance(extra, dict) else {}
+        bounds += [(name, relation, other) for relation, other in relations.items()]
         # what bounds a setting of a case is in the same case
-        if not place.startswith("case_defaults.")
-        for relation, other in node.get("relations", {}).items()
-    ]
+        for section in _sections(field.annotation) if name != "case_defaults" else ():
+            bounds += _bounds(section, f"{name}.")
+    return bounds
+
+
+def _sections(kind: Any) -> Iterator[type[Section]]:
+    """Sections in a type: of ``list[Block] | None`` the block."""
+    if isinstance(kind, type) and issubclass(kind, Section):
+        yield kind
+    for inside in get_args(kind):
+        yield from _sections(inside)
 
 
 def _at(settings: Any, name: str) -> Any:
