@@ -4,8 +4,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from threadpoolctl import threadpool_info
 
-from burstcast_workflow.tracking import code
+from burstcast_workflow.tracking import code, environment
 from burstcast_workflow.tracking.code import Sources, parsed
 from burstcast_workflow.tracking.environment import library_version
 from helpers_library import said_by
@@ -202,3 +203,11 @@ def test_the_environment_does_not_depend_on_what_else_is_loaded():
     alone, beside = (said_by([sys.executable, "-c", program], ROOT) for program in programs)
     assert alone == beside
     assert "threads" in alone
+
+
+def test_the_blas_of_numpy_is_told_by_its_place_and_not_by_names_of_directories(monkeypatch):
+    libraries = [library for library in threadpool_info() if library["user_api"] == "blas"]
+    expected = environment.numpy_blas()
+    of_scipy = {**libraries[0], "version": "0", "filepath": "/numpy-study/scipy.libs/blas.so"}
+    monkeypatch.setattr(environment, "threadpool_info", lambda: [*libraries, of_scipy])
+    assert environment.numpy_blas() == expected

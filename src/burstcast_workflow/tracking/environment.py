@@ -40,10 +40,12 @@ def numpy_blas() -> list[str]:
     in another order. A wheel of SciPy brings a BLAS that belongs to SciPy's version: whether it is
     loaded already depends on the order of imports.
     """
-    import numpy  # noqa: F401  loads it
+    import numpy  # loads it
 
+    package = Path(numpy.__file__).resolve().parent
+    places = {package, package.with_name("numpy.libs")}
     loaded = [library for library in threadpool_info() if library["user_api"] == "blas"]
-    of_wheel = [library for library in loaded if "/numpy" in Path(library["filepath"]).as_posix()]
+    of_wheel = [library for library in loaded if places & {*Path(library["filepath"]).parents}]
     return sorted(
         f"{library['internal_api']} {library['version']} {library.get('architecture', '')}, "
         f"threads {library['num_threads']}"
