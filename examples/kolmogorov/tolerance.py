@@ -10,17 +10,17 @@ As in the table `classification`, starting points at which an event is under way
 """
 
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.arrays import BoolArray
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
-from burstcast.forecasts.classification import ratio
+from burstcast.forecasts.classification import ContingencyTable
 from burstcast.forecasts.windows import WindowSummaries, crosses
 from kolmogorov_flow import KolmogorovFlow
 
@@ -38,20 +38,13 @@ def crossings(summaries: WindowSummaries, time_lt: float, tolerance: int) -> lis
     return [crosses(summaries, first + by, _WINDOWS, _THRESHOLD) for by in moved]
 
 
-def f_score(outcomes: Iterable[FloatArray]) -> FloatArray:
-    """F of the sums of true positives, false positives and false negatives."""
-    true_positive, false_positive, false_negative = outcomes
-    both = 2 * true_positive
-    return ratio(both, both + false_positive + false_negative)
-
-
 def rows_of(case: Path) -> Iterator[dict[str, Any]]:
     """Scores of each forecast of a case."""
     names = ("first", "largest", "series", "washout_maximum")
     arrays = read_netcdf(case / "evaluation_set.nc", *names)
     truth, series = WindowSummaries(arrays["first"], arrays["largest"]), arrays["series"]
     scored = arrays["washout_maximum"] < _THRESHOLD
-    of_series = (series == np.unique(series)[:, None]) * scored.astype(np.float64)
+    of_series = (series == np.unique(series)[:, None]) * scored.astype(np.int64)
     weights = bootstrap_weights(len(of_series), 1000, np.random.default_rng(0))
     always = WindowSummaries.always_crossing(truth.first.shape)
     forecasts = {"permanent_alarm": always}
@@ -64,21 +57,21 @@ def rows_of(case: Path) -> Iterator[dict[str, Any]]:
             for tolerance in (0, 1):
                 events = crossings(truth, time_lt, tolerance)
                 alarms = crossings(forecast, time_lt, tolerance)
-                outcomes = [
-                    events[0] & np.any(alarms, axis=0),
-                    alarms[0] & ~np.any(events, axis=0),
-                    events[0] & ~np.any(alarms, axis=0),
-                ]
+                event, near_event = events[0], np.any(events, axis=0)
+                alarm, near_alarm = alarms[0], np.any(alarms, axis=0)
+                outcomes = [event & near_alarm, alarm & ~near_event, event & ~near_alarm]
+                outcomes.append(~np.any(outcomes, axis=0))
                 counts = [of_series @ outcome for outcome in outcomes]
-                samples = f_score(weights @ count for count in counts)
-                low, high = percentile_interval(samples, 0.95)
+                scores = ContingencyTable(*(count.sum() for count in counts))
+                samples = ContingencyTable(*(weights @ count for count in counts))
+                low, high = percentile_interval(samples.f_score, 0.95)
                 yield {
                     "case": case.name,
                     "forecaster": forecaster,
                     "prediction_time_lt": time_lt,
                     "tolerance_lt": tolerance * RESOLUTION_LT,
                     "base_rate": events[0][scored].mean(),
-                    "f_score": float(f_score(count.sum() for count in counts)),
+                    "f_score": float(scores.f_score),
                     "low": low,
                     "high": high,
                 }
@@ -86,5 +79,4 @@ def rows_of(case: Path) -> Iterator[dict[str, Any]]:
 
 if __name__ == "__main__":
     results = Path(sys.argv[1])
-    scores = pd.DataFrame(list(rows_of(results / "invariants")))
-    scores.to_csv(sys.stdout, index=False)
+    pd.DataFrame(list(rows_of(results / "invariants"))).to_csv(sys.stdout, index=False)
