@@ -81,8 +81,10 @@ class Choices:
     @property
     def plane_flows(self) -> list[str]:
         """Cases of flows in a plane."""
-        cases, simulated = self.campaign.cases, self.campaign.simulated_cases
-        return [case for case in simulated if isinstance(cases[case].space, PlaneFlow)]
+        return [case for case in self.campaign.simulated_cases if self._is_plane(case)]
+
+    def _is_plane(self, case: str) -> bool:
+        return isinstance(self.campaign.cases[case].space, PlaneFlow)
 
     @property
     def decoded_planes(self) -> list[str]:
@@ -207,7 +209,7 @@ class Shown(Choices):
     @property
     def decoded(self) -> list[CaseForecaster]:
         """Forecasters whose channels of a plane flow can be decoded: networks first."""
-        if self.campaign.cases[self.case].undecoded or self.source not in self.plane_flows:
+        if self.campaign.cases[self.case].undecoded or not self._is_plane(self.source):
             return []
         networks = self.campaign.select(case=self.case, kind="esn")
         forecasters = [*networks, *self._of_case(self.campaign.trajectory_forecasters)]

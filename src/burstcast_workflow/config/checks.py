@@ -41,8 +41,8 @@ def contradictions(config: Configuration) -> list[str]:
         *_campaign(config),
         *_same_names(config),
         *_strategies(config),
-        *_kinds("statistics.forecasters", config.statistics.forecasters.kinds),
-        *_kinds("control.forecasters", config.control.forecasters.kinds),
+        *_without_trajectories("statistics.forecasters", config.statistics.forecasters.kinds),
+        *_without_trajectories("control.forecasters", config.control.forecasters.kinds),
         *_figures(config),
     ]
     cases = _cases(config)
@@ -188,7 +188,9 @@ def _strategies(config: Configuration) -> Iterator[str]:
             yield f"{place}.forecasters names no kind, but {name} asks forecasters"
         if block.kinds and not strategy.forecasts:
             yield f"{place}.forecasters: {name} uses no forecaster; leave it out"
-        yield from _kinds(f"{place}.forecasters", block.kinds, strategy.by_probability)
+        yield from _without_trajectories(
+            f"{place}.forecasters", block.kinds, strategy.by_probability
+        )
         yield from _observed(config, block, place)
         plain = [kind for kind in block.kinds if not kind_class(kind).aware]
         for plan in block_plans(block):
@@ -207,7 +209,9 @@ def _strategies(config: Configuration) -> Iterator[str]:
         yield from _votes(block, place)
 
 
-def _kinds(place: str, kinds: Iterable[str], by_probability: bool = False) -> Iterator[str]:
+def _without_trajectories(
+    place: str, kinds: Iterable[str], by_probability: bool = False
+) -> Iterator[str]:
     """Kinds that forecast no states where trajectories are needed, or the reverse."""
     classifiers = sorted({*available_kinds()} - {*trajectory_kinds()})
     for kind in kinds:

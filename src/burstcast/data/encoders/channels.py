@@ -123,9 +123,7 @@ class StateChannels:
         if self.case.observation is not None and self.estimate is None:
             # channels are the estimate of the state itself, or readings, which it follows from
             is_estimate = isinstance(self.encoder, StateEstimateEncoder)
-            decode = (
-                np.positive if is_estimate else StateEstimateEncoder.of(moments, self.case).encode
-            )
+            decode = _same if is_estimate else StateEstimateEncoder.of(moments, self.case).encode
         matrix, offset = _affine(
             lambda state: self.encode(self.case.readings(state)), states.shape[-1]
         )
@@ -212,3 +210,7 @@ def _affine(
     """Matrix and constant of an affine function of ``(size, ...)``."""
     constant = function(np.zeros((size, 1)))
     return function(np.eye(size)) - constant, constant[:, 0]
+
+
+def _same(values: FloatArray) -> FloatArray:
+    return values
