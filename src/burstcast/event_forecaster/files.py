@@ -42,7 +42,7 @@ def write_saved(
     fitted: Mapping[str, Any],
     members: Sequence[ForecasterRecord],
 ) -> None:
-    """Write an event forecaster, but for an observable of one's own; replaces a file.
+    """Write an event forecaster, without an observable of the user's; replaces a file.
 
     ``parameters``: Of its constructor. ``fitted``: What fitting has found. ``members``: Records of
     its forecasters.
@@ -74,7 +74,7 @@ def read_saved(
 ) -> tuple[dict[str, Any], dict[str, Any], list[ForecasterRecord]]:
     """Parameters, fitted values and members of an event forecaster (`write_saved`).
 
-    ``observable``, ``kind``: Of one's own, which the file has not.
+    ``observable``, ``kind``: A function and a class of the user's, which are not in the file.
     """
     from burstcast.base.files.netcdf import read_attributes, read_netcdf
 

@@ -155,7 +155,7 @@ def _tried_under(runs: pd.DataFrame, conditions: Mapping[str, float], column: st
 
 
 def _undominated(runs: pd.DataFrame) -> pd.DataFrame:
-    """Runs that no other run betters in what is left and in the time under actuation."""
+    """Runs on the frontier: no other run leaves less at a shorter time under actuation."""
     runs = runs.sort_values([f"value_{ACTING}", f"value_{LEFT}"])
     left = runs[f"value_{LEFT}"]
     return runs[left < left.cummin().shift(fill_value=np.inf)]

@@ -146,8 +146,8 @@ def neighbour_divergence(
     ``resamples``, ``confidence``: Number of resamples and confidence level of the interval: of a
     bootstrap over the series that the states lie in, for each fit, with the error of the method.
 
-    Raises NoExponentError if distances do not grow, if they grow as those of noise do, or if the
-    series are too short to see it.
+    Raises NoExponentError if distances do not grow, if they grow as in noise, or if the series are
+    too short to see it.
 
     Examples
     --------

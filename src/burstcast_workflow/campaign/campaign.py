@@ -94,7 +94,7 @@ class Campaign:
         return self.cases[case].training.trained_on or [case]
 
     def select(self, **values: object) -> tuple[CaseForecaster, ...]:
-        """Forecasters with the given case, kind, ...; those of a kind have no label by default."""
+        """Forecasters with the given case, kind, ...; of a kind, without a label by default."""
         if "kind" in values:
             values.setdefault("label", None)
         return self._of(
@@ -237,8 +237,8 @@ class Campaign:
     ) -> tuple[CaseForecaster, ...]:
         """Forecasters that a controller asks under a plan of control.
 
-        Those of ``esn-N2000-RV-committee`` are all networks of that size and strategy. Where a
-        committee is a single forecaster, the members of its ensemble vote.
+        ``esn-N2000-RV-committee`` asks all networks of that size and strategy. Where a committee is
+        a single forecaster, the members of its ensemble vote.
         """
         name = parsed(identifier)
         if not name.asks_forecasters:
@@ -323,7 +323,7 @@ class Campaign:
         return {name: case.given() for name, case in self.cases.items()}
 
     def options(self, kind: str, case: str = "", label: str | None = None) -> dict[str, Any]:
-        """Options of a kind: of all its sections in a case; of one's own class, of its block."""
+        """Options of a kind, from all its sections in a case; of a user's class, from its block."""
         if kind == "none":  # of controllers that ask no forecaster
             return {}
         if ":" in kind:

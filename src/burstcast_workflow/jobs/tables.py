@@ -73,7 +73,7 @@ class TablesOfCase(Tables):
 
 
 def as_declared(rows: Rows, columns: Sequence[str], name: str) -> pd.DataFrame:
-    """Table with the declared columns in their order; those with an asterisk need no value."""
+    """Table with the declared columns in their order; columns with an asterisk need no value."""
     names = [column.removesuffix("*") for column in columns]
     optional = set(names) - set(columns)
     given = {column for row in rows for column in row}
