@@ -73,6 +73,7 @@ def test_logs_tell_what_its_jobs_took(results):
     assert {"simulate", "scan", "joined_horizon", "figure"} <= set(rows["rule"])
     assert rows["jobs"].sum() > 100
     assert (rows["minutes"] > 0).all()
+    assert len((results / "logs/figure/by_reynolds.log").read_text().splitlines()) < 6
 
 
 def test_it_meets_what_a_small_campaign_meets(results):

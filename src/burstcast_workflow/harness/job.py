@@ -122,6 +122,7 @@ def run_job(snakemake: Any, function: Callable[..., None]) -> None:
             format="%(asctime)s %(levelname)s %(name)s: %(message)s",
             force=True,
         )
+        logging.getLogger("fontTools").setLevel(logging.WARNING)  # it tells each glyph of a figure
         logging.captureWarnings(True)
         aloud = logging.StreamHandler(stderr)
         aloud.setFormatter(logging.Formatter(f"{label}: %(message)s"))
