@@ -20,7 +20,7 @@ import posixpath
 import re
 import shutil
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -207,14 +207,14 @@ def _kept(place: str | list[str], preset: str) -> Any:
     return table[table["case"] == case].reset_index(drop=True)
 
 
-def pictures() -> dict[str, tuple[str, bytes]]:
+def pictures(wanted: Collection[str] = FIGURES) -> dict[str, tuple[str, bytes]]:
     """Figures that can be drawn from kept tables: the preset whose they are, and the PNG."""
     images: dict[str, tuple[str, bytes]] = {}
     for preset in PRESETS:
         campaign = _campaign(preset)
         for name, figure in FIGURES.items():
             cases = cases_of(campaign, figure)
-            if not cases or name in images:
+            if not cases or name in images or name not in wanted:
                 continue
             places = files_of(campaign, figure, cases[0])
             inputs = {key: _kept(place, preset) for key, place in places.items()}

@@ -57,7 +57,7 @@ def fit(kind, series, rho=RHO, scale=1.0, offset=0.0, observable=0, bayesian_poi
 
 def after(forecaster, test, form=np.asarray):
     """Probabilities after several lengths of test series."""
-    ends = range(60, 700, 20)
+    ends = range(60, 700, 64)
     return np.stack([forecaster.predict_proba(form(test[:, :end]))[:, 1] for end in ends])
 
 

@@ -80,7 +80,8 @@ def miniature_with_other_names() -> dict[str, Any]:
         {"cases": ["Zeta"], "forecasters": {**networks([40, 30], ("RV", "SSV"), 2), **equations}},
         {"reynolds": [400], "forecasters": {**networks([40], ("RV",)), "equations": {}}},
     ]
-    update_config(config, {"cases": cases, "figures": {"example_case": "Zeta"}})
+    overlay = {"cases": cases, "figures": {"example_case": "Zeta"}, "control": {"flows": 6}}
+    update_config(config, overlay)
     return config | {"campaign": blocks}
 
 
