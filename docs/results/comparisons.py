@@ -1,7 +1,7 @@
 """Comparisons on pages of results that take more than one row of a table."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,6 @@ from burstcast.base.files.tables import read_table
 from burstcast.data.training_realisations import realisation_of
 from burstcast.figures.parts.published import compare
 from burstcast.figures.parts.ranked import SAME_EVERYWHERE, shown_once
-from burstcast.statistics.intervals import mean_and_margin
 
 CASE = "Re400"
 CONFIDENCE = 0.95
@@ -172,8 +171,17 @@ def inside_counts(authors: Tables, paper: Tables, neurons: int | None = None) ->
     return counts
 
 
+def mean_and_margin(values: Sequence[float]) -> tuple[float, float]:
+    """Mean of independent values, and half the width of its Student interval, or NaN."""
+    count, mean = len(values), float(np.mean(values))
+    if count < 2:
+        return mean, float("nan")
+    error = np.std(values, ddof=1) / np.sqrt(count)
+    return mean, float(student.ppf((1 + CONFIDENCE) / 2, count - 1) * error)
+
+
 def _with_margin(values: pd.Series, digits: int) -> str:
-    mean, margin = mean_and_margin(values.tolist(), CONFIDENCE)
+    mean, margin = mean_and_margin(values.tolist())
     return f"{mean:+.{digits}f} ± {margin:.{digits}f}"
 
 
@@ -217,7 +225,7 @@ def gaps(name: str, tables: Tables, score: Score) -> Part:
         both = (noisy + 0 * true).dropna(axis=1, how="all").dropna()
         clean = true.loc[both.index, both.columns]
         shares = ((clean - both) / (1 - both)).mean(axis=1).tolist()
-        mean, margin = mean_and_margin(shares, CONFIDENCE)
+        mean, margin = mean_and_margin(shares)
         label = f"{name} choices, {network['neurons']:g} neurons"
         cells += [
             (label, "noisy washout", f"{both.to_numpy().mean():.3f}"),
@@ -320,7 +328,7 @@ def paired(
     """
     both = [score.networks(tables, False, **kind) for kind in (first, second)]
     pairs = (both[0] - both[1]).to_numpy().ravel()
-    mean, margin = mean_and_margin(pairs[~np.isnan(pairs)].tolist(), CONFIDENCE)
+    mean, margin = mean_and_margin(pairs[~np.isnan(pairs)].tolist())
     return {"mean": mean, "low": mean - margin, "high": mean + margin}
 
 

@@ -1,4 +1,4 @@
-"""Bootstrap samples, percentiles and analysis of variance, against scipy's."""
+"""Bootstrap samples and percentiles, against scipy's."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,6 @@ import scipy.stats
 
 from burstcast.base.resampled_score import ResampledScore, median_scores
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
-from burstcast.statistics.intervals import mean_and_margin
 
 
 def test_bootstrap_weights_are_draws_with_replacement():
@@ -46,14 +45,3 @@ def test_scores_of_the_same_resamples_are_compared_one_by_one():
     middle = median_scores([{"score": each} for each in (score, other, third)])["score"]
     assert middle.value == 3.0
     np.testing.assert_array_equal(middle.samples, [1.0, 6.0, np.nan])
-
-
-# -- intervals of means ----------------------------------------------------------------------------
-
-
-def test_an_interval_of_a_mean_is_that_of_students_test():
-    values = [0.1, 0.4, 0.2, 0.7]
-    expected = scipy.stats.ttest_1samp(values, 0.0).confidence_interval(0.95)
-    mean, margin = mean_and_margin(values, 0.95)
-    assert (mean - margin, mean + margin) == pytest.approx((expected.low, expected.high))
-    assert np.isnan(mean_and_margin([0.5], 0.95)[1])

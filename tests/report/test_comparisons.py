@@ -10,6 +10,7 @@ from comparisons import (
     f_score,
     gaps,
     inside_counts,
+    mean_and_margin,
     over_sets,
 )
 from kept_tables import KEPT, Tables, published_value
@@ -134,3 +135,11 @@ def test_intervals_are_over_training_sets(authors):
 def test_figures_are_those_of_the_kept_tables(draw, name, campaigns):
     figure = draw(*(Tables(KEPT / campaign) for campaign in campaigns))
     assert_same_picture(render(figure, "png"), KEPT.parent / "images" / f"{name}.png")
+
+
+def test_an_interval_of_a_mean_is_that_of_students_test():
+    values = [0.1, 0.4, 0.2, 0.7]
+    expected = stats.ttest_1samp(values, 0.0).confidence_interval(0.95)
+    mean, margin = mean_and_margin(values)
+    assert (mean - margin, mean + margin) == pytest.approx((expected.low, expected.high))
+    assert np.isnan(mean_and_margin([0.5])[1])

@@ -1,23 +1,11 @@
-"""Intervals of means, and of the statistics of long runs."""
-
-from collections.abc import Sequence
+"""Intervals of the statistics of long runs."""
 
 import numpy as np
-import scipy
 
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.statistics.measures import StatisticsErrors, compare
 from burstcast.statistics.reductions import LongTermStatistics, SeriesReductions
 from burstcast.systems.mfe_modes import ProfileMatrices
-
-
-def mean_and_margin(values: Sequence[float], confidence: float) -> tuple[float, float]:
-    """Mean of independent values, and half the width of its Student interval, or NaN."""
-    count, mean = len(values), float(np.mean(values))
-    if count < 2:
-        return mean, float("nan")
-    error = np.std(values, ddof=1) / np.sqrt(count)
-    return mean, float(scipy.special.stdtrit(count - 1, 0.5 + 0.5 * confidence) * error)
 
 
 def resampled_measures(
