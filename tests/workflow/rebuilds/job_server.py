@@ -13,27 +13,37 @@ import socket
 import sys
 import traceback
 
-# what scripts import, without the project's modules
+# what scripts and Snakemake import, without the project's modules
+import jinja2
+import llvmlite.binding
+import matplotlib.backends.backend_agg
+import matplotlib.backends.backend_pdf
 import matplotlib.figure
 import matplotlib.tri
 import netCDF4
 import numpy
 import pandas
+import scipy.integrate
 import scipy.linalg
 import scipy.signal
 import scipy.sparse
+import scipy.spatial
 import scipy.stats
 import skimage.measure
+import sklearn.ensemble
+import sklearn.linear_model
 import skopt
 import snakemake.cli
 import snakemake.dag
+import snakemake.report.html_reporter
 import snakemake.scheduling.job_scheduler
 import snakemake.script
+import snakemake.storage
 import snakemake.workflow
 
 _END_OF_PREAMBLE = "######## snakemake preamble end #########"
 EMPTY = hashlib.sha256().hexdigest()
-LOADED = (matplotlib, netCDF4, numpy, pandas, scipy, skimage, skopt, snakemake)
+LOADED = (jinja2, llvmlite, matplotlib, netCDF4, numpy, pandas, scipy, skimage, sklearn, skopt)
 
 _savefig = matplotlib.figure.Figure.savefig
 
