@@ -226,11 +226,12 @@ def test_what_runs_again_after_an_edit(project, change, first):
     assert first | {"calibrate", "classification_table"} <= rules
 
 
-def test_a_window_without_an_event_is_told_by_the_first_job_that_knows(project):
+def test_a_window_without_an_event_is_told_by_the_first_job_that_knows(project, tmp_path):
+    work = project.copy(tmp_path / "project")
     overlay = copy.deepcopy(OVERLAY)
     update_config(overlay, {"case_defaults": {"event_threshold": 0.28}})
     target = f"{OVERLAY['results']}/Re400/classifiers/precursor/forecast.nc"
-    outcome = project.snakemake(target, overlay=overlay)
+    outcome = work.snakemake(target, overlay=overlay)
     assert outcome.status != 0
     assert "case Re400: an event follows 0 of the" in outcome.text
     assert "needs both kinds of points; change event_threshold" in outcome.text
