@@ -225,6 +225,7 @@ class Data:
     def __init__(self, campaign: Campaign, series: int) -> None:
         self.config = campaign.config.dump()
         self.case = campaign.cases[CASE].dump()
+        self.network = campaign.sections(CASE)["esn"]
         self.system = make_system(self.case["system"], self.case["parameters"])
         self.lyapunov_time = campaign.cases[CASE].steps_per_lyapunov_time
         self.states = np.concatenate([kept.states for kept in self.ensemble(series)])
@@ -280,7 +281,7 @@ class Stages:
 
     def __init__(self, data: Data, neurons: int, clock: Clock, *, quick: bool) -> None:
         self._data, self._neurons, self._clock, self._quick = data, neurons, clock, quick
-        network = data.config["forecasters"]["esn"]
+        network = data.network
         reservoir = make_reservoir(
             neurons,
             data.system.dimension,
@@ -463,7 +464,7 @@ class Stages:
 
     def _forecaster(self) -> CountingForecaster:
         network = EchoStateNetwork(self._compiled, self._readout, self._data.training.input_range)
-        options = self._data.config["forecasters"]["esn"]
+        options = self._data.network
         seed = ReservoirSeed(0, self._neurons, 0, options["connectivity"], options["input_bias"])
         return CountingForecaster(
             network=network, seed=seed, divergence_bound=options["divergence_bound"]

@@ -279,20 +279,3 @@ def test_without_a_compiler_scipy_takes_over(code, output):
     said = said_by([sys.executable, "-c", code], ROOT, PYTHONPATH=str(ROOT / "src"))
     assert output in said
     assert "reservoirs are computed by scipy, which is several times slower" in said
-
-
-# -- the benchmark ---------------------------------------------------------------------------------
-
-
-@pytest.mark.long  # a minute
-def test_a_short_benchmark_measures_and_predicts():
-    text = said_by([sys.executable, ROOT / "benchmarks" / "bench.py", "--quick"], ROOT)
-    rows = re.findall(
-        r"^\| ([a-z -]+) \|.*\| 1000 \| ([\d.]+) \|", text, re.MULTILINE | re.IGNORECASE
-    )
-    assert len(rows) == 8
-    assert all(float(seconds) > 0 for _, seconds in rows)
-    assert "Beside ReservoirPy" in text
-    (times,) = re.findall(r"\*\*([\d.]+) times\*\* the machine's limit", text)
-    # faster than the machine's own matrix products would be a mistake
-    assert float(times) > 1

@@ -1,0 +1,99 @@
+"""Programs of benchmarks, with their smallest sizes: they run, and print what they measure."""
+
+import re
+import sys
+
+import numpy as np
+import pytest
+from helpers_configs import ROOT
+
+from burstcast.base.files.netcdf import Variable, write_netcdf
+from burstcast.systems.integration import integrate
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from helpers_library import said_by
+
+PROGRAMS = ROOT / "benchmarks"
+
+
+def printed(program, *arguments):
+    """Cells of the rows of numbers that a program prints, by its first cell."""
+    text = said_by([sys.executable, PROGRAMS / program, *arguments], ROOT)
+    rows = re.findall(r"^\| ([^|#]*[^|# -]) +\|(.*\d.*)\|$", text, re.MULTILINE)
+    assert rows, text
+    return {name: [cell.strip() for cell in cells.split("|")] for name, cells in rows}
+
+
+def test_scores_of_default_forecasters():
+    rows = printed("default_forecasters.py", "lorenz63", "--kinds", "nvar", "persistence")
+    (nvar, _, _), (persistence, _, _) = rows["nvar"], rows["persistence"]
+    ours, trivial = ([float(score) for score in row.split()] for row in (nvar, persistence))
+    assert (np.array(ours) > trivial).all()
+    assert ours == sorted(ours, reverse=True)
+
+
+def test_costs_of_a_stream():
+    text = said_by([sys.executable, PROGRAMS / "stream.py", "--neurons", 40, "--members", 2], ROOT)
+    update, near, far, washout, states = map(float, re.findall(r" ([\d.]+) ms$", text, re.M))
+    assert 0 < update < washout < near
+    assert 0 < states < far
+
+
+def test_solvers_of_the_ridge_regression(tmp_path):
+    start = np.random.default_rng(1).normal(scale=0.1, size=(9, 10)) + 0.3 * np.eye(9)[:, :1]
+    states = integrate(MoehlisFaisstEckhardt(400.0), start, 0.25, 16_000, stride=4)
+    variable = Variable(("series", "time", "component"), states.transpose(2, 0, 1), "1", "states")
+    write_netcdf(tmp_path / "ensemble.nc", {"state": variable}, {})
+    rows = printed(
+        *("solver_study.py", tmp_path / "ensemble.nc", "--neurons", 40, "--networks", 1),
+        *("--tikhonov", 1e-6),  # a problem that each of them solves
+    )
+    assert set(rows) == {"QR", "LU", "Cholesky", "eigh", "centred moments"}
+    failures, errors, objectives = (
+        np.array(column, float) for column in zip(*rows.values(), strict=True)
+    )
+    assert not failures.any()
+    assert (errors < 1e-4).all()
+    assert np.ptp(objectives) < 0.01
+
+
+def test_filters_around_a_network(finished):
+    rows = printed(
+        *("network_filters.py", finished.results / "Re400", "test", "--neurons", 30),
+        *("--series", 12, "--filters", "inflation 1.1", "share 0.8"),
+    )
+    assert set(rows) == {
+        *("0: none", "0: inflation 1.1", "0: inflation 1.1, vote of members", "0: share 0.8"),
+    }
+    assert all(len(cells) == 11 for cells in rows.values())
+
+
+@pytest.mark.long
+def test_time_of_planning():
+    arguments = ("--seeds", 1, "--reynolds", 1, "--sizes", 1)
+    text = said_by([sys.executable, PROGRAMS / "planning.py", *arguments], ROOT)
+    jobs, seconds, _, _, times = map(float, text.splitlines()[-1].split())
+    assert jobs > 20
+    assert seconds > 0 < times
+
+
+@pytest.mark.long
+def test_gap_of_a_network(tmp_path):
+    sizes = ("--neurons", 60)
+    variants = ("--sets", 0, "--variants", "paper", "bias 1", "--washouts", "observed")
+    train = [sys.executable, PROGRAMS / "network_gap.py", "train", tmp_path, *sizes, *variants]
+    assert said_by(train, ROOT).count("objective -") == 2
+    rows = printed("network_gap.py", "report", tmp_path, *sizes)
+    assert set(rows) == {"60"}
+
+
+@pytest.mark.long
+def test_a_short_benchmark_measures_each_stage():
+    text = said_by([sys.executable, PROGRAMS / "bench.py", "--quick"], ROOT)
+    rows = re.findall(r"^\| ([a-z -]+) \|.*\| 1000 \| ([\d.]+) \|.*$", text, re.M | re.I)
+    assert len(rows) == 9
+    assert all(float(seconds) > 0 for _, seconds in rows)
+    # faster than the machine's own matrix products would be a mistake
+    assert 0 < max(map(int, re.findall(r"\| (\d+) % \|", text))) <= 110
+    _, _, beside = text.partition("Beside ReservoirPy")
+    (times,) = re.findall(r"^\| 1000 \| [\d.]+ \| ([\d.]+) \|", beside, re.M)
+    assert float(times) > 1
