@@ -72,6 +72,7 @@ def test_a_share_of_the_variance_chooses_the_modes(training):
     held = np.cumsum(encoder.variances) / encoder.variances.sum()
     count = encoder.modes.shape[1]
     assert held[count - 2] < 0.9 <= held[count - 1]
+    assert fitted("pod", training, modes=1).modes.shape == (FLOW.dimension, 1)
     whole = fitted("pod", training, variance=1.0)
     states = np.moveaxis(training, 2, 0)
     np.testing.assert_allclose(whole.decode(whole.encode(states)), states, atol=1e-10)
@@ -238,3 +239,4 @@ def test_what_cannot_be_encoded_is_refused(made, message):
     with pytest.raises(ValueError, match=message):
         made()
     checked("identity", noise=0.0)()
+    sensors((1, 1), (0.1, 0.1))()

@@ -116,6 +116,7 @@ def test_each_strategy_alone_is_what_it_is_in_the_shared_loop():
 def test_plans_that_do_not_fit_are_refused(strategy, plan, message):
     with pytest.raises(ValueError, match=message):
         validations(strategies=[strategy], plan=plan)
+    ValidationPlan(15, LENGTH - 15, 1, None).check_intervals(1, LENGTH)  # one fits
 
 
 def test_lost_forecasts_count_as_a_large_error_and_stay_finite(monkeypatch):
