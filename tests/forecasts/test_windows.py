@@ -182,7 +182,7 @@ DATA = {
     "series": np.array([0, 0, 1, 1, 2, 2]),
     "washout": np.arange(60.0).reshape(6, 5, 2),
     "washout_maximum": np.array([0.0, 0.2, 0.09, 0.05, 0.1, 0.0]),
-    "observable_now": np.zeros(6),
+    "observable_now": np.array([0.0, 0.1, 0.09, 0.01, 0.03, 0.0]),
 }
 POINTS = ForecastPoints(DATA, {"esn": FORECASTS, "precursor": PROBABILITIES}, 1.0, 0.5)
 
@@ -201,6 +201,9 @@ def test_a_classifier_is_a_source_of_alarms_like_others():
     np.testing.assert_array_equal(POINTS.values(precursor, 2, 0.1), PROBABILITIES.at(2, 0.1))
     votes = (SUMMARIES[0][:, 3] < 0.1) & (SUMMARIES[1][:, 3:5].max(axis=1) >= 0.1)
     np.testing.assert_array_equal(POINTS.values(alarms["esn"], 2, 0.1), votes.astype(float))
+    now = POINTS.values(alarms["observable_now"], 2, 0.1)
+    np.testing.assert_array_equal(now, DATA["observable_now"])
+    assert not POINTS.values(alarms["climatology"], 2, 0.1).any()
     assert POINTS.classifier(precursor) is PROBABILITIES
     assert POINTS.classifier(alarms["esn"]) is POINTS.classifier(alarms["climatology"]) is None
 

@@ -93,6 +93,17 @@ def test_a_table_is_what_the_files_of_the_networks_say(anew, name):
     assert_table(anew.results, name, expected)
 
 
+def test_survival_curves_end_where_series_and_runs_do(results):
+    curves, shares = (
+        read_table(results / f"tables/{name}.csv") for name in ("survival_curve", "survival")
+    )
+    keys = ["case", "forecaster", "neurons", "validation", "seed"]
+    last = curves.groupby(keys, dropna=False).tail(1).merge(shares, on=keys)
+    assert len(last) == len(shares)
+    assert last["time"].tolist() == [400 if name == "data" else 200 for name in last["forecaster"]]
+    assert (last["survival"] == last["survived_fraction"]).all()
+
+
 @pytest.mark.parametrize("name", METRICS)
 def test_percentiles_are_quartiles_over_the_seeds(anew, name):
     table = read_table(anew.results / "tables" / f"{name}.csv")
