@@ -82,8 +82,9 @@ def test_gap_of_a_network(tmp_path):
     variants = ("--sets", 0, "--variants", "paper", "bias 1", "--washouts", "observed")
     train = [sys.executable, PROGRAMS / "network_gap.py", "train", tmp_path, *sizes, *variants]
     assert said_by(train, ROOT).count("objective -") == 2
-    rows = printed("network_gap.py", "report", tmp_path, *sizes)
-    assert set(rows) == {"60"}
+    report = [sys.executable, PROGRAMS / "network_gap.py", "report", tmp_path, *sizes]
+    table = re.findall(r"^\| 60 \| ([\w ]+) \| observed \| 1 \|", said_by(report, ROOT), re.M)
+    assert table == ["paper", "bias 1"]
 
 
 @pytest.mark.long
