@@ -139,17 +139,21 @@ def test_lost_forecasts_count_as_a_large_error_and_stay_finite(monkeypatch):
     assert result.objective == pytest.approx(logs.mean(), rel=1e-12)
 
 
-def test_errors_of_networks_with_an_offset_have_no_unit(monkeypatch):
+@pytest.mark.parametrize("last", [LENGTH, 200])
+def test_errors_of_networks_with_an_offset_have_no_unit(monkeypatch, last):
     """A bound in units of the observable would take all forecasts for diverged ones."""
 
     def validation(observed, offset):
-        training = TrainingSeries(observed, np.ptp(observed, axis=(0, 1)), input_offset=offset)
+        scale = np.ptp(observed[:-1], axis=(0, 1))
+        training = TrainingSeries(observed, scale, input_offset=offset)
         strategies = [make_strategy("RV")]
         return validate(DYNAMICS, training, lambda states: states[0], PLAN, [1e-3], strategies)[0]
 
-    moved, mean = 1e8 * OBSERVED, OBSERVED.mean(axis=(0, 1))
-    expected = np.array(validation(OBSERVED - mean, None).log_errors)
-    expected -= np.log10(OBSERVED[..., 0].var())
+    observed, mean = OBSERVED.copy(), OBSERVED.mean(axis=(0, 1))
+    observed[-1, last:] = np.nan  # a shorter series
+    moved = 1e8 * observed
+    expected = np.array(validation(observed - mean, None).log_errors)
+    expected -= np.log10(np.nanvar(observed[..., 0]))
     result = validation(moved, 1e8 * mean)
     np.testing.assert_allclose(result.log_errors, expected, rtol=0, atol=1e-6)
 
