@@ -11,8 +11,9 @@ from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.training import train
 from burstcast.systems.lorenz63 import Lorenz63
-from burstcast_workflow.harness.storage import write_netcdf
+from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import Observing, seen, seen_rows, write_forecaster
+from burstcast_workflow.jobs.forecasts import Horizons
 from burstcast_workflow.jobs.networks import Networks
 
 IDENTIFIER = "esn-N40-RV-seed2"
@@ -142,3 +143,13 @@ def test_who_learns_from_noise_and_who_sees_the_truth_reads_none(ensemble):
     assert seen_rows(truth, job(unread), str(ensemble), 0, states) is states
     seen_by_others = seen_rows(noisy, job(), str(ensemble), 0, states)
     assert 0 < np.abs(seen_by_others - states).max() < 1
+
+
+def test_a_forecast_may_be_wrong_by_a_share_of_the_thresholds_distance_from_the_mean(tmp_path):
+    write_json(tmp_path / "statistics.json", {"mean_observable": 23.5})
+    settings = {"washout_lt": 0.4, "case.event_threshold": 38.0, "horizon.tolerance": 0.2}
+    settings |= {"horizon.longest_lead_time_lt": 10, "horizon.lead_time_step_lt": 0.5}
+    made = Horizons({**SETTINGS, **settings}, {"case": "lorenz", "forecaster": IDENTIFIER})
+    search = made.horizon_search(tmp_path / "statistics.json")
+    assert search.tolerance == pytest.approx(0.2 * (38.0 - 23.5))
+    assert (search.longest_lead_time_lt, search.lead_time_step_lt) == (10, 0.5)

@@ -152,6 +152,7 @@ def test_its_alarms_are_scored_like_those_of_others(results, by_hand):
         mine = scores[scores["prediction_time_lt"] == time]
         mine = mine.set_index(["probability", "metric"])["value"]
         assert mine["calibrated", "alarm_f_score"] == pytest.approx(row["f_score"])
+        assert mine["calibrated", "alarm_threshold"] == rule["threshold"]
         precision = average_precision_score(events, votes)
         assert mine["votes", "average_precision"] == pytest.approx(precision)
 
