@@ -154,6 +154,8 @@ def test_a_flow_that_its_wavenumbers_do_not_resolve():
     (findings,) = signs.unresolved_flow(shares[0])
     assert findings.startswith("the largest wavenumbers hold 0.0")
     assert list(signs.unresolved_flow(shares[1])) == []
+    (finding,) = signs.unresolved_flow(np.array([0.1, 0.3]))
+    assert "hold 0.2 of the energy" in finding
 
 
 def test_a_slow_trend():
