@@ -23,8 +23,10 @@ def test_the_papers_settings_are_no_others():
 
 
 def test_the_paper_in_a_row_for_each_case():
-    row = report_of(campaign())["cases"][0]
+    row, *others = report_of(campaign())["cases"]
     assert row["case"] == "Re400"
+    assert (row["networks"], row["of neurons"]) == ("120", "500, 1000, 1500, 2000, 2500, 3000")
+    assert {(other["networks"], other["of neurons"]) for other in others} == {("20", "2000")}
     assert row["seeds"] == "10"
     assert row["validated by"] == "RV, SSV"
     assert row["forecasters"] == "equations, equations_noisy, esn"
