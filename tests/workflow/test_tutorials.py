@@ -206,7 +206,4 @@ def test_the_campaigns_give_the_scores_of_the_page(records, name):
     assert list(computed) == list(expected)
     for key, numbers in expected.items():
         # other kernels of linear algebra round otherwise, and trees and optimisers follow
-        if not key[0].startswith("esn-"):
-            assert computed[key] == pytest.approx(numbers, abs=0.05), key
-        for value, low, high in zip(computed[key][::3], numbers[1::3], numbers[2::3], strict=True):
-            assert low - 0.05 <= value <= high + 0.05, key
+        assert computed[key] == pytest.approx(numbers, abs=0.05), key
