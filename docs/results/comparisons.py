@@ -14,6 +14,7 @@ from burstcast.base.files.tables import read_table
 from burstcast.data.training_realisations import realisation_of
 from burstcast.figures.parts.published import compare
 from burstcast.figures.parts.ranked import SAME_EVERYWHERE, shown_once
+from burstcast.systems.lyapunov import mean_with_interval
 
 CASE = "Re400"
 CONFIDENCE = 0.95
@@ -173,11 +174,10 @@ def inside_counts(authors: Tables, paper: Tables, neurons: int | None = None) ->
 
 def mean_and_margin(values: Sequence[float]) -> tuple[float, float]:
     """Mean of independent values, and half the width of its Student interval, or NaN."""
-    count, mean = len(values), float(np.mean(values))
-    if count < 2:
-        return mean, float("nan")
-    error = np.std(values, ddof=1) / np.sqrt(count)
-    return mean, float(student.ppf((1 + CONFIDENCE) / 2, count - 1) * error)
+    if len(values) < 2:
+        return float(np.mean(values)), float("nan")
+    interval = mean_with_interval(np.array(values), CONFIDENCE)
+    return float(interval.mean), float(interval.high - interval.mean)
 
 
 def _with_margin(values: pd.Series, digits: int) -> str:
