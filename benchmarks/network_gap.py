@@ -111,10 +111,7 @@ class Validator(PointValidator):
 
     def dynamics(self, point):
         """Reservoir at a point of the search."""
-        scales = (point.spectral_radius, point.input_scaling)
-        return OtherInputs(
-            self.reservoir, *scales, self.backend, point.leak_rate, errors=self.errors
-        )
+        return OtherInputs(**vars(super().dynamics(point)), errors=self.errors)
 
 
 def ensemble():
@@ -222,8 +219,9 @@ def network(given, variant, neurons):
     """Search and train one network, and tell the chosen evaluation."""
     training, errors = given.learnt(variant)
     seed = ReservoirSeed(ROOT, neurons, given.number, 20.0, variant.bias)
-    validated = seed.reservoir(9), training, SYSTEM.observable, PLAN, TIKHONOV
-    validator = Validator(*validated, backend="compiled", errors=errors)
+    validator = Validator(
+        seed.reservoir(9), training, SYSTEM.observable, PLAN, TIKHONOV, "compiled", errors=errors
+    )
     strategy = make_strategy("RV")
     optimiser = optimiser_seed(seed, "Re400", strategy.name)
     scanned = scan(validator, SPACE, [strategy], 4)
