@@ -212,9 +212,10 @@ def pictures(wanted: Collection[str] = FIGURES) -> dict[str, tuple[str, bytes]]:
     images: dict[str, tuple[str, bytes]] = {}
     for preset in PRESETS:
         campaign = _campaign(preset)
-        for name, figure in FIGURES.items():
+        for name in wanted:
+            figure = FIGURES[name]
             cases = cases_of(campaign, figure)
-            if not cases or name in images or name not in wanted:
+            if not cases or name in images:
                 continue
             places = files_of(campaign, figure, cases[0])
             inputs = {key: _kept(place, preset) for key, place in places.items()}
