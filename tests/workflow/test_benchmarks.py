@@ -12,12 +12,15 @@ from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from helpers_library import said_by
 
-PROGRAMS = ROOT / "benchmarks"
+
+def said(program, *arguments):
+    """What a program prints."""
+    return said_by([sys.executable, ROOT / "benchmarks" / program, *arguments], ROOT)
 
 
 def printed(program, *arguments):
-    """Cells of the rows of numbers that a program prints, by its first cell."""
-    text = said_by([sys.executable, PROGRAMS / program, *arguments], ROOT)
+    """Cells of the rows of numbers that a program prints, by their first cell."""
+    text = said(program, *arguments)
     rows = re.findall(r"^\| ([^|#]*[^|# -]) +\|(.*\d.*)\|$", text, re.MULTILINE)
     assert rows, text
     return {name: [cell.strip() for cell in cells.split("|")] for name, cells in rows}
@@ -32,7 +35,7 @@ def test_scores_of_default_forecasters():
 
 
 def test_costs_of_a_stream():
-    text = said_by([sys.executable, PROGRAMS / "stream.py", "--neurons", 40, "--members", 2], ROOT)
+    text = said("stream.py", "--neurons", 40, "--members", 2)
     update, near, far, washout, states = map(float, re.findall(r" ([\d.]+) ms$", text, re.M))
     assert 0 < update < washout < near
     assert 0 < states < far
@@ -69,27 +72,26 @@ def test_filters_around_a_network(finished):
 
 @pytest.mark.long
 def test_time_of_planning():
-    arguments = ("--seeds", 1, "--reynolds", 1, "--sizes", 1)
-    text = said_by([sys.executable, PROGRAMS / "planning.py", *arguments], ROOT)
+    text = said("planning.py", "--seeds", 1, "--reynolds", 1, "--sizes", 1)
     jobs, seconds, _, _, times = map(float, text.splitlines()[-1].split())
     assert jobs > 20
-    assert seconds > 0 < times
+    assert min(seconds, times) > 0
 
 
 @pytest.mark.long
 def test_gap_of_a_network(tmp_path):
     sizes = ("--neurons", 60)
     variants = ("--sets", 0, "--variants", "paper", "bias 1", "--washouts", "observed")
-    train = [sys.executable, PROGRAMS / "network_gap.py", "train", tmp_path, *sizes, *variants]
-    assert said_by(train, ROOT).count("objective -") == 2
-    report = [sys.executable, PROGRAMS / "network_gap.py", "report", tmp_path, *sizes]
-    table = re.findall(r"^\| 60 \| ([\w ]+) \| observed \| 1 \|", said_by(report, ROOT), re.M)
+    trained = said("network_gap.py", "train", tmp_path, *sizes, *variants)
+    assert trained.count("objective -") == 2
+    report = said("network_gap.py", "report", tmp_path, *sizes)
+    table = re.findall(r"^\| 60 \| ([\w ]+) \| observed \| 1 \|", report, re.M)
     assert table == ["paper", "bias 1"]
 
 
 @pytest.mark.long
 def test_a_short_benchmark_measures_each_stage():
-    text = said_by([sys.executable, PROGRAMS / "bench.py", "--quick"], ROOT)
+    text = said("bench.py", "--quick")
     rows = re.findall(r"^\| ([a-z -]+) \|.*\| 1000 \| ([\d.]+) \|.*$", text, re.M | re.I)
     assert len(rows) == 9
     assert all(float(seconds) > 0 for _, seconds in rows)
