@@ -1,10 +1,12 @@
 """Run Python scripts in forks of a process that has the libraries loaded.
 
-Modules of the project are not loaded here: each script imports them anew from its own
-working copy.
+Modules of the project are those of the working copy: each has a process of its own with the modules
+loaded that planning imports, and another one as soon as a source has changed.
 """
 
+import gc
 import hashlib
+import importlib
 import json
 import os
 import runpy
@@ -12,14 +14,18 @@ import signal
 import socket
 import sys
 import traceback
+from contextlib import suppress
+from pathlib import Path
 
+# ruff: noqa: F401
 # what scripts and Snakemake import, without the project's modules
+import argparse_dataclass
 import jinja2
 import llvmlite.binding
-import matplotlib.backends.backend_agg
 import matplotlib.backends.backend_pdf
 import matplotlib.figure
 import matplotlib.tri
+import nbformat
 import netCDF4
 import numpy
 import pandas
@@ -33,6 +39,7 @@ import skimage.measure
 import sklearn.ensemble
 import sklearn.linear_model
 import skopt
+import smart_open
 import snakemake.cli
 import snakemake.dag
 import snakemake.report.html_reporter
@@ -40,16 +47,14 @@ import snakemake.scheduling.job_scheduler
 import snakemake.script
 import snakemake.storage
 import snakemake.workflow
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 _END_OF_PREAMBLE = "######## snakemake preamble end #########"
 EMPTY = hashlib.sha256().hexdigest()
-LOADED = (jinja2, llvmlite, matplotlib, netCDF4, numpy, pandas, scipy, skimage, sklearn, skopt)
-
-_savefig = matplotlib.figure.Figure.savefig
 
 
-def _as_drawn(figure: matplotlib.figure.Figure, buffer: object, **keywords: object) -> None:
-    """Write a picture without its layout, and no PDF: both take most of the time of a figure.
+def _small(figure: matplotlib.figure.Figure, buffer: object, **keywords: object) -> None:
+    """Draw a picture once, small, without its layout, and no PDF: these take most of the time.
 
     Tests of figures have them.
     """
@@ -57,32 +62,78 @@ def _as_drawn(figure: matplotlib.figure.Figure, buffer: object, **keywords: obje
         buffer.write(b"%PDF")
     else:
         figure.set_layout_engine("none")
-        _savefig(figure, buffer, **keywords)
+        figure.set_dpi(20)
+        FigureCanvasAgg(figure).print_png(buffer)
 
 
-matplotlib.figure.Figure.savefig = _as_drawn
+matplotlib.figure.Figure.savefig = _small
 
 
 def serve(address: str) -> None:
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for the forks
+    gc.freeze()  # or each fork would search, and so copy, all that is loaded
+    sources, state, copy = Path(), {}, socket.socket(socket.AF_UNIX)
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(address)
         listener.listen(64)
         print("ready", flush=True)
         while True:
             connection, _ = listener.accept()
-            if os.fork() == 0:
-                listener.close()
-                _handle(connection)
-            connection.close()
+            text, descriptors, _, _ = socket.recv_fds(connection, 2**16, 3)
+            while not text.endswith(b"\n"):
+                text += connection.recv(2**16)
+            files = [connection.detach(), *descriptors]
+            wanted = Path(json.loads(text)["environment"]["PYTHONPATH"].partition(":")[0])
+            if (wanted, _state(wanted)) != (sources, state):
+                copy.close()
+                sources, state = wanted, _state(wanted)
+                copy = _with_modules_of(sources, [listener.fileno(), *files])
+            socket.send_fds(copy, [text], files)
+            for file in files:
+                os.close(file)
 
 
-def _handle(connection: socket.socket) -> None:
+def _modules(sources: Path) -> list[Path]:
+    return [path for path in sorted(sources.rglob("*.py")) if path.stem != "__main__"]
+
+
+def _state(sources: Path) -> dict[Path, tuple[int, int]]:
+    """Times and sizes of modules, and of what they read when they are imported."""
+    files = [*_modules(sources), *sources.parent.glob("workflow/*.yaml")]
+    return {path: (path.stat().st_mtime_ns, path.stat().st_size) for path in files}
+
+
+def _with_modules_of(sources: Path, unwanted: list[int]) -> socket.socket:
+    """Way to a process that has the modules of a working copy loaded, and forks for each request.
+
+    Each message is one request; the first of its files is the connection that waits for the status.
+    """
+    here, there = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    if os.fork():
+        there.close()
+        return here
+    for file in [here.detach(), *unwanted]:
+        os.close(file)
+    sys.path.insert(0, str(sources))
+    for path in _modules(sources):
+        name = ".".join(path.relative_to(sources).with_suffix("").parts)
+        with suppress(Exception):  # it fails again in the run that needs it
+            importlib.import_module(name.removesuffix(".__init__"))
+    sys.path.remove(str(sources))
+    gc.freeze()
+    while True:
+        text, files, _, _ = socket.recv_fds(there, 2**18, 4)
+        if not text:
+            os._exit(0)
+        if os.fork() == 0:
+            there.close()
+            _handle(json.loads(text), *files)
+        for file in files:
+            os.close(file)
+
+
+def _handle(request: dict, connection: int, *descriptors: int) -> None:
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-    text, descriptors, _, _ = socket.recv_fds(connection, 2**16, 3)
-    while not text.endswith(b"\n"):
-        text += connection.recv(2**16)
-    request = json.loads(text)
     for number, descriptor in enumerate(descriptors):
         os.dup2(descriptor, number)
         os.close(descriptor)
@@ -97,7 +148,7 @@ def _handle(connection: socket.socket) -> None:
     status = _run(request)
     sys.stdout.flush()
     sys.stderr.flush()
-    connection.send(bytes([status]))
+    os.write(connection, bytes([status]))
     os._exit(0)
 
 
