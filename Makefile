@@ -12,7 +12,7 @@ export OPENBLAS_NUM_THREADS := 1
 unexport PYTHONDONTWRITEBYTECODE
 
 # What `make` and `make help` say: the words after ##.
-.PHONY: help demo test tests test-long test-slurm paper why archive pages results bench slurm docs check clean
+.PHONY: help demo test tests test-long test-slurm paper why archive pages results bench slurm docs links check clean
 
 help:
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -24,9 +24,9 @@ demo: $(VENV)/installed ## networks, learnt equations, control: three minutes
 paper: $(VENV)/installed ## the paper's whole campaign: hours
 	$(SNAKEMAKE) $(ARGS)
 
-# Side by side, since the site and the linters keep one core busy each.
-test: $(VENV)/documented ## linters, types, the site, tests
-	$(MAKE) --jobs 3 check docs tests
+# Side by side, since links and linters keep one core busy each.
+test: ## linters, types, links of the site, tests
+	$(MAKE) --jobs 3 check links tests
 
 # Two processes, each of which takes a file of tests at a time, campaigns first: what they share is
 # made once.
@@ -60,6 +60,9 @@ results: $(VENV)/installed ## docs/results.md, from the tables in docs/results
 docs: $(VENV)/documented ## the site, build/site/index.html, in two minutes
 	$(BIN)/python docs/site/build.py $(ARGS)
 
+links: $(VENV)/documented ## links and docstrings of the site alone
+	$(BIN)/python docs/site/build.py --check
+
 bench: $(VENV)/developed ## time what the work is made of
 	$(BIN)/python benchmarks/bench.py $(ARGS)
 
@@ -75,28 +78,29 @@ check: $(VENV)/developed ## linters and types alone
 # Lock files hold every version; the package itself comes from this directory. Python compiles what is
 # imported when it is imported: compiling all of it here would double the time. uv, where it is
 # there, takes a fraction of the time of pip.
-INSTALL := { command -v uv >/dev/null && \
-	uv pip install --quiet --python $(BIN)/python --no-deps -r $$lock 2>/dev/null; } || \
-	$(BIN)/pip install --quiet --no-compile --disable-pip-version-check --no-deps -r $$lock
+$(VENV)/%.lock: %.lock | $(BIN)/pip
+	@echo installing what $< lists
+	@{ command -v uv >/dev/null && \
+		uv pip install --quiet --python $(BIN)/python --no-deps -r $< 2>/dev/null; } || \
+		$(BIN)/pip install --quiet --no-compile --disable-pip-version-check --no-deps -r $<
+	@touch $@
 
-$(VENV)/installed: requirements.lock pyproject.toml setup.py
+$(BIN)/pip:
 	$(PYTHON) -c 'import sys; sys.exit("burstcast needs Python 3.11 or newer: make PYTHON=...") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
-	@echo installing the libraries that campaigns use
-	@lock=requirements.lock; $(INSTALL)
+
+# what campaigns use
+$(VENV)/installed: $(VENV)/requirements.lock pyproject.toml setup.py
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -e .
-	touch $@
+	@touch $@
 
-# What linters, types, tests, benchmarks and the site need beyond it
-$(VENV)/developed: $(VENV)/installed requirements-development.lock
-	@echo installing the tools of development
-	@lock=requirements-development.lock; $(INSTALL)
-	touch $@
+# what linters, types, tests and benchmarks need beyond it
+$(VENV)/developed: $(VENV)/installed $(VENV)/requirements-development.lock
+	@touch $@
 
-$(VENV)/documented: $(VENV)/developed requirements-docs.lock
-	@echo installing the tools of the site
-	@lock=requirements-docs.lock; $(INSTALL)
-	touch $@
+# what the site needs beyond that
+$(VENV)/documented: $(VENV)/developed $(VENV)/requirements-docs.lock
+	@touch $@
 
 # Beside this file alone, and never what VENV= on the command line names. The cache stays: with it,
 # results that .snakemake has forgotten cost nothing (docs/selective_rebuilds.md).

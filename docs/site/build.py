@@ -9,7 +9,7 @@ Pages are the Markdown files in ``docs``. Added to them are
 * the API reference, one page for each package of the library.
 
 A broken link, a docstring that cannot be parsed, or a public name without a docstring fails the
-build.
+build. ``--check`` looks for these alone: it draws and writes nothing.
 """
 
 import argparse
@@ -358,10 +358,9 @@ def pages(drawn: Mapping[str, str]) -> dict[str, str]:
     return texts
 
 
-def assemble(source: Path) -> None:
+def assemble(source: Path, drawn: Mapping[str, tuple[str, bytes]]) -> None:
     """Write the sources of the site into a directory, which is made anew."""
     shutil.rmtree(source, ignore_errors=True)
-    drawn = pictures()
     listed = {name for names in NAVIGATION.values() for name in names}
     presets = {name: preset for name, (preset, _) in drawn.items()}
     for name, text in pages(presets).items():
@@ -392,10 +391,14 @@ def main() -> int:
     """Assemble the sources and build the site; 0 if nothing is wrong."""
     parser = argparse.ArgumentParser(description="Build the site of the documentation.")
     parser.add_argument("--output", type=Path, default=ROOT / "build" / "site")
-    output = parser.parse_args().output
-    source = output.with_name(f"{output.name}-sources")
-    assemble(source)
-    return sphinx(["-b", "html", "-W", "--keep-going", "-q", "-E", str(source), str(output)])
+    parser.add_argument("--check", action="store_true", help="write no page")
+    options = parser.parse_args()
+    source = options.output.with_name(f"{options.output.name}-sources")
+    assemble(source, {} if options.check else pictures())
+    builder = "dummy" if options.check else "html"
+    return sphinx(
+        ["-b", builder, "-W", "--keep-going", "-q", "-E", str(source), str(options.output)]
+    )
 
 
 if __name__ == "__main__":

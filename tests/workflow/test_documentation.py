@@ -150,6 +150,12 @@ def test_the_readme_is_short_and_every_page_in_the_index():
     assert pages == set(re.findall(r"\]\((\S+\.md)\)", index))
 
 
+@pytest.mark.long
+def test_the_site_is_built(tmp_path):
+    said_by([sys.executable, ROOT / "docs/site/build.py", "--output", tmp_path / "site"], ROOT)
+    assert "vorticity_isosurfaces.png" in (tmp_path / "site" / "figures.html").read_text()
+
+
 # -- references and kept numbers -------------------------------------------------------------------
 
 
