@@ -76,11 +76,12 @@ def miniature_with_other_names() -> dict[str, Any]:
         "Zeta": {"parameters": {"reynolds": 450}, "lyapunov": lyapunov, **often},
     }
     blocks = [
-        {"cases": ["alpha"], "forecasters": {**networks([40], ("SSV", "RV"), 2), **equations}},
+        {"cases": ["alpha"], "forecasters": {**networks([40], ("RV",), 2), **equations}},
         {"cases": ["Zeta"], "forecasters": {**networks([40, 30], ("RV", "SSV"), 2), **equations}},
         {"reynolds": [400], "forecasters": {**networks([40], ("RV",)), "equations": {}}},
     ]
     overlay = {"cases": cases, "figures": {"example_case": "Zeta"}, "control": {"flows": 6}}
+    overlay["bootstrap"] = {"resamples": 10}
     update_config(config, overlay)
     return config | {"campaign": blocks}
 

@@ -27,7 +27,7 @@ TRAINING, TIMES, THRESHOLD = 8, (1, 2, 3), 0.07
 # -- a run -----------------------------------------------------------------------------------------
 
 
-FIGURES = ("forecast_skill", "forecast_skill_modes_4", "reliability")
+FIGURES = ("forecast_skill", "reliability")
 
 
 @pytest.fixture(scope="module")
