@@ -143,12 +143,10 @@ class Project:
     def environment(self) -> dict[str, str]:
         """Variables of its runs: its own code, or the repository's where it has none."""
         own = self.directory / "src"
-        paths = [str(own if own.exists() else ROOT / "src"), str(HERE / "server")]
+        sources = str(own if own.exists() else ROOT / "src")
         without = ("BURSTCAST_CACHE", "BURSTCAST_RUN")
         variables = {name: value for name, value in os.environ.items() if name not in without}
-        if self.server is not None:
-            variables["BURSTCAST_TEST_JOB_SERVER"] = self.server.address
-        return {**variables, **THREADS, **NOTEBOOK, "PYTHONPATH": ":".join(paths)}
+        return {**variables, **THREADS, **NOTEBOOK, "PYTHONPATH": sources}
 
     def snakemake(self, *arguments: str, overlay: dict | None = None, **variables: str) -> Outcome:
         """Run Snakemake with the preset and what is laid over it."""

@@ -12,9 +12,11 @@ import os
 import runpy
 import signal
 import socket
+import subprocess
 import sys
 import traceback
 from contextlib import suppress
+from functools import partialmethod
 from pathlib import Path
 
 # ruff: noqa: F401
@@ -69,9 +71,20 @@ def _small(figure: matplotlib.figure.Figure, buffer: object, **keywords: object)
 matplotlib.figure.Figure.savefig = _small
 
 
+def _handed_over(_: object, address: str, script: str, edit: bool = False) -> None:
+    """Run a job's script in a fork of the process that has all modules loaded."""
+    request = {"script": script, "directory": os.getcwd(), "environment": dict(os.environ)}
+    with socket.socket(socket.AF_UNIX) as connection:
+        connection.connect(address)
+        socket.send_fds(connection, [json.dumps(request).encode() + b"\n"], [0, 1, 2])
+        if status := (connection.recv(1) or b"\x89")[0]:  # as if it were killed
+            raise subprocess.CalledProcessError(status, script)
+
+
 def serve(address: str) -> None:
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for the forks
     gc.freeze()  # or each fork would search, and so copy, all that is loaded
+    snakemake.script.PythonScript.execute_script = partialmethod(_handed_over, address)
     sources, state, copy = Path(), {}, socket.socket(socket.AF_UNIX)
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(address)
