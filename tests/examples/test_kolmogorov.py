@@ -26,7 +26,7 @@ POINTS = 64
 
 @pytest.fixture(scope="module")
 def states():
-    """Developed states, which burst at times: ``(440, 6)``."""
+    """States far from the laminar flow, ``(440, 6)``."""
     start = FLOW.sample_initial_states(6, np.random.default_rng(1))
     return integrate(FLOW, start, 0.05, 200, 200)[-1]
 
