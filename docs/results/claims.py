@@ -11,6 +11,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from kept_tables import Tables, published_rows, published_value, table, text
@@ -88,11 +89,16 @@ def margins_table() -> str:
     return table("", [(kind, head, cell.removesuffix(" absolute")) for kind, head, cell in cells])
 
 
+@cache
+def findings(tables: Tables) -> list[Finding]:
+    """Findings of all claims."""
+    return [claim.find(tables) for claim in CLAIMS]
+
+
 def claims_table(tables: Tables) -> str:
     """Table of all claims: the paper's numbers, ours, whether they agree, and by which rule."""
     cells = []
-    for claim in CLAIMS:
-        finding = claim.find(tables)
+    for claim, finding in zip(CLAIMS, findings(tables), strict=True):
         rule = " ".join(str(inspect.getdoc(claim.find)).split()).removeprefix("Agrees ")
         columns = {"section": claim.section, "paper": finding.paper, "ours": finding.ours}
         columns |= {"agrees": finding.agrees, "rule": rule, "reason or remark": finding.why}
@@ -102,7 +108,7 @@ def claims_table(tables: Tables) -> str:
 
 def verdicts_of(tables: Tables) -> dict[str, int]:
     """Number of claims that agree, agree nearly or are undecided, agree in part, or disagree."""
-    verdicts = [claim.find(tables).agrees for claim in CLAIMS]
+    verdicts = [finding.agrees for finding in findings(tables)]
     counts = {answer: verdicts.count(answer) for answer in ("yes", "no")}
     counts["nearly"] = sum(answer in ("nearly", "undecided") for answer in verdicts)
     return {**counts, "claims": len(CLAIMS), "mixed": len(CLAIMS) - sum(counts.values())}

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -141,6 +142,7 @@ def _margin(of_sets: Any, of_test: Any, sets: Any) -> Any:
     return student.ppf((1 + CONFIDENCE) / 2, degrees) * np.sqrt(of_sets + of_test)
 
 
+@cache
 def inside_counts(authors: Tables, paper: Tables, neurons: int | None = None) -> dict[str, int]:
     """Published values inside intervals around the paper's campaign, and the authors' choices.
 

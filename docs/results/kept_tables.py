@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from burstcast.base.arrays import BoolArray
 from burstcast.base.files.tables import read_table
 from burstcast.control.setting_names import option_words
 from burstcast.figures.parts.medians import with_intervals
@@ -32,6 +33,7 @@ class Tables:
     def __init__(self, directory: Path) -> None:
         self.directory = directory
         self._read = cache(self._from_file)
+        self._having = cache(self._among)
 
     def __bool__(self) -> bool:
         """Whether there are any."""
@@ -52,12 +54,16 @@ class Tables:
     def rows(self, name: str, **where: Any) -> pd.DataFrame:
         """Rows of a table whose columns have these values, or one of a list; None: no value."""
         table = self._read(name)
-        for column, value in where.items():
-            if column not in table:
-                return table.iloc[:0]
-            cells, values = table[column], value if isinstance(value, list) else [value]
-            table = table[cells.isna() if value is None else cells.isin(values)]
-        return table
+        if not where:
+            return table
+        if not {*where} <= {*table}:
+            return table.iloc[:0]
+        among = {key: of if isinstance(of, list) else [of] for key, of in where.items()}
+        return table[np.all([self._having(name, key, *of) for key, of in among.items()], axis=0)]
+
+    def _among(self, name: str, column: str, *values: Any) -> BoolArray:
+        cells = self._read(name)[column]
+        return (cells.isna() if values == (None,) else cells.isin(values)).to_numpy()
 
     def medians(self, name: str, metric: str, **where: Any) -> pd.DataFrame:
         """Quartiles over networks: ``p25``, ``p50``, ``p75``, and the interval of one network.

@@ -108,7 +108,7 @@ def cheapest(plans, seen_under, level):
 )
 def test_flows_are_those_of_a_plain_loop(strategy, delay_lt):
     """Decisions every quarter of a Lyapunov time; the delay is no multiple of it."""
-    given, equations = experiment(6, delay_lt), EQUATIONS
+    given, equations = experiment(3, delay_lt), EQUATIONS
     if getattr(strategy, "reversible", False):
         changes = {"actuated_system": actuated_system(FLOW, {}, PUSH)}
         changes["reversed_system"] = reversed_actuation(FLOW, PUSH)

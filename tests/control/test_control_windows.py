@@ -223,14 +223,14 @@ def test_judge_alarms_is_a_plain_loop(seed, time, share, duration, frequency):
     schedule = replace(SHORT, **changes, actuation_duration_lt=duration)
     strategy, generator = PredictionTriggered(time, 1.0), np.random.default_rng(seed)
     timing, (start, _) = strategy.timing(schedule), strategy.window(schedule)
-    experiment = rotors(generator.normal(size=(2, 12)), schedule, frequency, 0.35)
+    experiment = rotors(generator.normal(size=(2, 6)), schedule, frequency, 0.35)
     experiment = replace(experiment, quiet_starts=False)
-    policy = random_alarms(share, 12, timing, seed)
+    policy = random_alarms(share, 6, timing, seed)
     plain = [
         plain_flow(
             experiment, row, timing, lambda number, _, row=row: int(policy.table[row, number])
         )
-        for row in range(12)
+        for row in range(6)
     ]
     # thresholds that a flow has at the first step of a window, with and without control
     alarms = [(flow, look) for flow in plain for look in flow.looks if look.alarm]

@@ -41,7 +41,7 @@ SMALL = {
     "members": 3,
     "neurons": 60,
     "grid": 2,
-    "bayesian_points": 1,
+    "bayesian_points": 0,
     "options": {"backend": "scipy"},
 }
 

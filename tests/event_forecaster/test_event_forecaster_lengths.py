@@ -117,7 +117,7 @@ def unfitted(kind, **changes):
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_takes_series_of_unequal_lengths(kind, training, tmp_path):
     learns = kind_class(kind).learns_parameters
-    forecaster = unfitted(kind).fit(training, parameters=RHO[2:] if learns else None)
+    forecaster = unfitted(kind).fit(training, parameters=RHO if learns else None)
     assert any(
         "1 of 6 series have no starting point" in warning for warning in forecaster.warnings_
     )

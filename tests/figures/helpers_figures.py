@@ -63,7 +63,7 @@ def drawn_texts(figure):
         draw(text, renderer)
 
     with mock.patch.object(Text, "draw", record):
-        figure.canvas.draw()
+        figure.draw_without_rendering()  # but with the layout
     return drawn
 
 
@@ -273,7 +273,7 @@ def of_data(name, values, width, **keys):
 
 def own_flow(rate=1e-4, spectrum=True):
     """Tables of survival and of spectra."""
-    time = np.linspace(0, 4000, 101)
+    time = np.linspace(0, 4000, 21)
     share = np.exp(-rate * time)
     curves = pd.concat(
         percentile_rows({"survival": factor * value}, forecaster=name, time=now)

@@ -200,7 +200,7 @@ def encoded(flow, sensors, states, *times):
 def setting():
     """Series of the flow, what sensors see of them, and the case of a forecaster."""
     start = KOLMOGOROV.sample_initial_states(6, np.random.default_rng(6))
-    states = integrate(KOLMOGOROV, start, 0.05, 4000, STRIDE)[-300:].transpose(2, 0, 1)
+    states = integrate(KOLMOGOROV, start, 0.05, 2500, STRIDE)[-200:].transpose(2, 0, 1)
     return states, *encoded(KOLMOGOROV, {"points": [6, 6]}, states, 0.05, STRIDE, 17)
 
 

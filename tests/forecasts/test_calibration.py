@@ -177,7 +177,7 @@ def precursor(folds):
     return LearntPrecursor(lags_lt=(0.2,), folds=folds)
 
 
-def labelled(series=4, each=150):
+def labelled(series=4, each=80):
     generator = np.random.default_rng(3)
     washouts = generator.normal(size=(series * each, 4, 3))
     chance = generator.random((series * each, 2))

@@ -78,13 +78,11 @@ def assimilate(
 def _gains(deviation: FloatArray, component: int, variance: float) -> tuple[FloatArray, FloatArray]:
     """Gains of the mean and of the deviations from an observed component, ``(rows, batch)``."""
     rows, members, batch = deviation.shape
-    observed = deviation[component]
     # sums go member by member, as the sum for the mean does
-    spread, covariance = np.zeros(batch), np.zeros((rows, batch))
-    for member in range(members):
-        spread += observed[member] * observed[member]
-        covariance += deviation[:, member] * observed[member]
-    total = spread / (members - 1) + variance
+    covariance = np.zeros((rows, batch))
+    for member in deviation.swapaxes(0, 1):
+        covariance += member * member[component]
+    total = covariance[component] / (members - 1) + variance
     # known without error, and observed without error: nothing to learn
     certain = total == 0.0
     total[certain] = 1.0

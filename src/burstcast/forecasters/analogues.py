@@ -11,7 +11,7 @@ from typing import ClassVar, Self
 import numpy as np
 from scipy.spatial import KDTree
 
-from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.base.series_lengths import samples_of, series_lengths
 from burstcast.forecasters._options import AnalogueOptions
 from burstcast.forecasters.base import Forecaster, ForecasterRecord, ForecastingCase, fitted
@@ -72,6 +72,12 @@ class Analogues(AnalogueOptions, Forecaster):
         return last
 
     @cached_property
+    def _end(self) -> IntArray:
+        """Last sample of the series of each sample, ``(samples,)``."""
+        ends = np.flatnonzero(self._last)
+        return ends[np.searchsorted(ends, np.arange(len(self._states)))]
+
+    @cached_property
     def _scale(self) -> FloatArray:
         scale: FloatArray = self._states.std(axis=0)
         return np.where(scale > 0, scale, 1.0)  # a constant component tells no states apart
@@ -103,17 +109,17 @@ class Analogues(AnalogueOptions, Forecaster):
 
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Follow the analogues (see `Forecaster.advance`); one that has ended is not a number."""
-        states = self._states
-        outputs = np.empty((steps, states.shape[1], memory.shape[1]))
-        for step in range(steps):
-            ended = np.isnan(memory)
-            ended |= self._last[np.where(ended, 0, memory).astype(int)]
-            memory = np.where(ended, np.nan, memory + 1)
-            total, count = np.zeros(outputs.shape[1:]), np.zeros(memory.shape[1])
-            for place in memory:
-                going = np.isfinite(place)
-                total[:, going] += states[place[going].astype(int)].T
-                count += going
-            with np.errstate(invalid="ignore"):
-                outputs[step] = total / count
-        return outputs, memory
+        known = np.isfinite(memory)
+        places = np.where(known, memory, 0).astype(int)
+        left = np.where(known, self._end[places] - places, 0)
+        ahead, batch = np.arange(1, steps + 1)[:, np.newaxis], memory.shape[1]
+        total, count = np.zeros((steps, self._states.shape[1], batch)), np.zeros((steps, 1, batch))
+        for place, until in zip(places, left, strict=True):
+            going = ahead <= until
+            continuation = self._states[np.where(going, place + ahead, 0)].transpose(0, 2, 1)
+            going = going[:, np.newaxis]
+            total += np.where(going, continuation, 0.0)
+            count += going
+        with np.errstate(invalid="ignore"):
+            outputs = total / count
+        return outputs, np.where(steps <= left, memory + steps, np.nan)
