@@ -13,6 +13,7 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import cache
 from importlib.metadata import packages_distributions
 from pathlib import Path
 from typing import NamedTuple
@@ -69,6 +70,7 @@ class Sources:
         self._places: dict[str, list[tuple[str, Path]]] = {}
         self._imported: dict[str, list[tuple[str, Path]]] = {}
         self._closures: dict[object, list[str]] = {}
+        self._file = cache(self._find)
 
     def entries(self, script: str, by_name: ByName) -> list[str]:
         """Code of a job: ``name @hash`` for the script, each module, each file that these read."""
@@ -119,7 +121,7 @@ class Sources:
             self._places[module] = [(name, path) for name in names if (path := self._file(name))]
         return self._places[module]
 
-    def _file(self, name: str) -> Path | None:
+    def _find(self, name: str) -> Path | None:
         first = name.partition(".")[0]
         if first in PACKAGES:
             return _in_directory(self.packages, name)

@@ -86,6 +86,9 @@ def loaded_script(name: str) -> ModuleType:
     return imported_file(ROOT / "workflow" / "scripts" / name)
 
 
+_hashes: dict[Path, None] = {}  # files of plans so far
+
+
 @dataclass(frozen=True)
 class Project:
     """A working copy."""
@@ -103,12 +106,17 @@ class Project:
         preset: str = TINY,
         config: dict | None = None,
     ) -> "Project":
-        """Copy the project's sources, with their time stamps; write the config of the preset."""
-        directory.mkdir(parents=True)
-        unwanted = shutil.ignore_patterns("__pycache__")
+        """Copy the project's sources, with their time stamps; write the config of the preset.
+
+        What Python has compiled comes along, and the hashes of code that an earlier plan found out:
+        both take seconds, and hold until a source changes.
+        """
+        (directory / ".snakemake").mkdir(parents=True)
+        for hashes in [path for path in _hashes if path.exists()][-1:]:
+            shutil.copy(hashes, directory / ".snakemake")
         for part in PARTS:
             if (ROOT / part).is_dir():
-                shutil.copytree(ROOT / part, directory / part, ignore=unwanted)
+                shutil.copytree(ROOT / part, directory / part)
             else:
                 shutil.copy2(ROOT / part, directory / part)
         project = cls(directory, server, preset)
@@ -181,6 +189,7 @@ class Project:
             with open(read, errors="replace") as stream:
                 output = stream.read()
             status = connection.recv(1)
+        _hashes[self.directory / ".snakemake" / "burstcast_code.json"] = None
         return Outcome(status[0] if status else 137, output)
 
     def options(self, *arguments: str, overlay: dict | None = None) -> list[str]:

@@ -132,6 +132,7 @@ def _with_modules_of(sources: Path, unwanted: list[int]) -> socket.socket:
         name = ".".join(path.relative_to(sources).with_suffix("").parts)
         with suppress(Exception):  # it fails again in the run that needs it
             importlib.import_module(name.removesuffix(".__init__"))
+    snakemake.cli.get_argument_parser()  # finds all plugins
     sys.path.remove(str(sources))
     gc.freeze()
     while True:
