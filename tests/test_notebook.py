@@ -46,6 +46,7 @@ def run(capsys):
     return run
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
 def test_a_scored_forecast(cells, run, capsys):
     names, output, shown = run("event_forecast")
@@ -57,6 +58,7 @@ def test_a_scored_forecast(cells, run, capsys):
     )
 
 
+@pytest.mark.long
 def test_a_record_with_gaps(run):
     names, output, shown = run("own_data")
     np.testing.assert_allclose(output, shown, rtol=0.05)
@@ -83,6 +85,7 @@ def test_control_by_what_if(run):
         np.testing.assert_array_equal(control.states[flow, :stop], control.free_states[flow, :stop])
 
 
+@pytest.mark.long
 def test_forecast_and_control_of_lorenz_96(run):
     names, output, shown = run("lorenz96")
     np.testing.assert_allclose(output, shown, rtol=0.2, atol=0.02)

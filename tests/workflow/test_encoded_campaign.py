@@ -16,6 +16,8 @@ from burstcast.base.files.netcdf import read_attributes, read_netcdf
 from burstcast.base.files.tables import read_table
 from kolmogorov_flow import KolmogorovFlow
 
+# half a minute of a flow in a plane; sensors and encoders have tests in their rooms
+pytestmark = pytest.mark.long
 EXAMPLE = ROOT / "examples" / "kolmogorov"
 OVERLAY = yaml.safe_load((EXAMPLE / "tiny.yaml").read_text())
 FLOW = KolmogorovFlow(40.0, 4, 4)

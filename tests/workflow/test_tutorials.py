@@ -40,6 +40,7 @@ def directory(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.long
 def test_the_look_at_the_system(directory, capsys, monkeypatch):
     monkeypatch.syspath_prepend(directory)
     (command,) = (command for command in COMMANDS if command.startswith("burstcast"))
