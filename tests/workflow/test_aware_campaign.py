@@ -8,7 +8,7 @@ from helpers_rebuilds import ROOT, Project
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.files.tables import read_table
 
-# what it runs is tested in the rooms of control and forecasters, and each job in other campaigns
+# control and forecasters that know parameters have tests in their rooms
 pytestmark = pytest.mark.long
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_aware.yaml").read_text())
 TARGETS = (

@@ -19,6 +19,8 @@ from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.registry import make_kind
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
+# classifiers have tests in their room
+pytestmark = pytest.mark.long
 OVERLAY = yaml.safe_load((ROOT / "tests" / "workflow" / "tiny_precursor.yaml").read_text())
 LAGS, WASHOUT, SPACING, UNIT, REACH = (0, 6, 12, 18, 24), 30, 6, 61, 4 * 61
 TRAINING, TIMES, THRESHOLD = 8, (1, 2, 3), 0.07
