@@ -85,7 +85,7 @@ def serve(address: str) -> None:
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for the forks
     gc.freeze()  # or each fork would search, and so copy, all that is loaded
     snakemake.script.PythonScript.execute_script = partialmethod(_handed_over, address)
-    sources, state, copy = Path(), {}, socket.socket(socket.AF_UNIX)
+    loaded, copy = {}, socket.socket(socket.AF_UNIX)
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(address)
         listener.listen(64)
@@ -96,11 +96,10 @@ def serve(address: str) -> None:
             while not text.endswith(b"\n"):
                 text += connection.recv(2**16)
             files = [connection.detach(), *descriptors]
-            wanted = Path(json.loads(text)["environment"]["PYTHONPATH"].partition(":")[0])
-            if (wanted, _state(wanted)) != (sources, state):
+            sources = Path(json.loads(text)["environment"]["PYTHONPATH"].partition(":")[0])
+            if (state := _state(sources)) != loaded:
                 copy.close()
-                sources, state = wanted, _state(wanted)
-                copy = _with_modules_of(sources, [listener.fileno(), *files])
+                loaded, copy = state, _with_modules_of(sources, [listener.fileno(), *files])
             socket.send_fds(copy, [text], files)
             for file in files:
                 os.close(file)
