@@ -83,6 +83,16 @@ def test_tables_that_would_be_misread_are_refused(tmp_path, table, message):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [("", "it is empty"), ("a,b\n1,2\n3\n", "row 2 has another number"), ('a\n"x', "end of data")],
+)
+def test_a_file_that_is_no_table_is_told(tmp_path, text, message):
+    (tmp_path / "table.csv").write_text(text)
+    with pytest.raises(ValueError, match=f"table.csv is no table: .*{message}"):
+        read_table(tmp_path / "table.csv")
+
+
 # -- the version of the harness --------------------------------------------------------------------
 
 DIGESTS = {

@@ -1,11 +1,13 @@
 """Tables as CSV files: one header line, shortest exact numbers, empty = undefined."""
 
+import csv
 import io
-from collections.abc import Callable
+import math
+import re
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from burstcast.base.files.atomic_files import atomic
@@ -42,40 +44,43 @@ def read_table(path: str | Path) -> pd.DataFrame:
     """
     try:
         return _parse(Path(path).read_text(encoding="utf-8"))
-    except ValueError as error:
+    except (ValueError, csv.Error) as error:
         raise ValueError(f"{path} is no table: {error}") from error
 
 
-_WHOLE_NUMBER = r"-?\d{1,18}"
-_NUMBER = r"-?(\d+(\.\d*)?([eE][+-]?\d+)?|inf)"
+_WHOLE_NUMBER = re.compile(r"-?\d{1,18}")
+_NUMBER = re.compile(r"-?(\d+(\.\d*)?([eE][+-]?\d+)?|inf)")
 
 
 def _parse(text: str) -> pd.DataFrame:
     # types are found here: what pandas takes for a number, and how exactly, varies with its version
-    cells = pd.read_csv(io.StringIO(text), dtype=str, keep_default_na=False, skip_blank_lines=False)
-    return pd.DataFrame({name: _typed(cells[name]) for name in cells.columns})
+    lines = csv.reader(io.StringIO(text), strict=True)
+    if (names := next(lines, None)) is None:
+        raise ValueError("it is empty")
+    rows = [cells or [""] for cells in lines]  # an empty line is an empty cell of the only column
+    if strange := [row for row, cells in enumerate(rows, 1) if len(cells) != len(names)]:
+        raise ValueError(f"row {strange[0]} has another number of cells than the header")
+    columns = zip(*rows, strict=True) if rows else [()] * len(names)
+    return pd.DataFrame(
+        {name: _typed(cells) for name, cells in zip(names, columns, strict=True)},
+        index=pd.RangeIndex(len(rows)),
+    )
 
 
-def _typed(cells: "pd.Series[str]") -> "pd.Series[Any]":
+def _typed(cells: Sequence[str]) -> "pd.Series[Any]":
     """Column of the simplest type that all of its cells can be read as."""
-    empty = cells == ""
-    values = cells[~empty]
-    if empty.all():
-        return pd.Series(np.nan, index=cells.index, dtype="float64")
-    if values.str.fullmatch(_WHOLE_NUMBER).all():
-        return _with_gaps(values.astype("int64"), cells, "Int64")
-    if values.str.fullmatch(_NUMBER).all():
-        return _with_gaps(values.astype("float64"), cells, "float64")
-    if values.isin(["True", "False"]).all():
-        return _with_gaps(values == "True", cells, "boolean")
-    return _with_gaps(values, cells, "str")
+    values = [*filter(None, cells)]
+    full = len(values) == len(cells)
+    if not values:
+        return pd.Series([math.nan] * len(cells), dtype="float64")
+    if all(map(_WHOLE_NUMBER.fullmatch, values)):
+        return pd.Series(_read(cells, int), dtype="int64" if full else "Int64")
+    if all(map(_NUMBER.fullmatch, values)):
+        return pd.Series(_read(cells, float), dtype="float64")
+    if {*values} <= {"True", "False"}:
+        return pd.Series(_read(cells, "True".__eq__), dtype="bool" if full else "boolean")
+    return pd.Series(_read(cells, str), dtype="str")
 
 
-def _with_gaps(
-    values: "pd.Series[Any]", cells: "pd.Series[str]", type_with_gaps: Any
-) -> "pd.Series[Any]":
-    """Values put back where they come from; the rest is missing."""
-    if len(values) == len(cells):
-        return values
-    result: pd.Series[Any] = values.astype(type_with_gaps).reindex(cells.index)
-    return result
+def _read(cells: Sequence[str], of_text: Callable[[str], object]) -> list[object]:
+    return [of_text(cell) if cell else None for cell in cells]
