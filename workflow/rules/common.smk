@@ -72,10 +72,14 @@ wildcard_constraints:
 
 
 onstart:
-    if workflow.local_exec and (
-        reason := beyond_memory(member.name.neurons for member in campaign.networks)
-    ):
-        raise WorkflowError(reason)
+    if workflow.local_exec:
+        if reason := beyond_memory(
+            member.name.neurons for member in campaign.networks
+        ):
+            raise WorkflowError(reason)
+        # Snakemake's limit of jobs per second makes it look at all jobs that are ready once more a
+        # second after each look: with each finished job more often, in the end all the time
+        workflow.scheduler.job_rate_limiter = None
     check_records(workflow, campaign)
     begin(
         started.results,
