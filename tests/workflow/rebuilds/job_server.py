@@ -16,7 +16,7 @@ import subprocess
 import sys
 import traceback
 from contextlib import suppress
-from functools import partialmethod
+from functools import cache, partialmethod
 from pathlib import Path
 
 # ruff: noqa: F401
@@ -131,6 +131,8 @@ def _with_modules_of(sources: Path, unwanted: list[int]) -> socket.socket:
         name = ".".join(path.relative_to(sources).with_suffix("").parts)
         with suppress(Exception):  # it fails again in the run that needs it
             importlib.import_module(name.removesuffix(".__init__"))
+    with suppress(Exception):
+        _ask_for_versions()
     snakemake.cli.get_argument_parser()  # finds all plugins
     sys.path.remove(str(sources))
     gc.freeze()
@@ -143,6 +145,16 @@ def _with_modules_of(sources: Path, unwanted: list[int]) -> socket.socket:
             _handle(json.loads(text), *files)
         for file in files:
             os.close(file)
+
+
+def _ask_for_versions() -> None:
+    """Find out once what each job asks for."""
+    from burstcast_workflow.tracking import environment
+
+    environment.numpy_blas = cache(environment.numpy_blas)
+    environment.environment()
+    for library in (*environment.LIBRARIES, "matplotlib", "netCDF4", "pandas", "threadpoolctl"):
+        environment.library_version(library)
 
 
 def _handle(request: dict, connection: int, *descriptors: int) -> None:
