@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -161,10 +162,11 @@ def test_kills_at_random_moments(job_server, tmp_path):
         time.sleep(chance.uniform(0.5, LONGEST))
         jobs = jobs_of(workflow)
         for job in jobs:
-            if victim in ("jobs", "everything"):
-                os.kill(job, signal.SIGKILL)
-            elif victim.endswith("stopped"):
-                os.kill(job, signal.SIGSTOP)  # as orphans that take long
+            with suppress(ProcessLookupError):  # it may have ended since
+                if victim in ("jobs", "everything"):
+                    os.kill(job, signal.SIGKILL)
+                elif victim.endswith("stopped"):
+                    os.kill(job, signal.SIGSTOP)  # as orphans that take long
         if victim != "jobs":
             workflow.kill()
         workflow.wait()
