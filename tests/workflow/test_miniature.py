@@ -1,6 +1,7 @@
 """The paper's campaign in miniature, from end to end, and its tables computed anew by name."""
 
 import base64
+import io
 import json
 import re
 from html import escape
@@ -10,6 +11,7 @@ import yaml
 from helpers_configs import ROOT, miniature_with_other_names, paper_with, read
 from helpers_rebuilds import Project
 from keep import rule_costs
+from PIL import Image
 from recomputation import TABLES, Recomputation, assert_same_rows, percentiles
 
 from burstcast.base.files.tables import read_table
@@ -169,12 +171,15 @@ def page(results):
 
 
 def test_the_report_has_all_figures_with_their_captions(page, results):
-    pictures = re.findall(r'<img src="data:image/png;base64,([^"]+)"', page)
+    shown = re.findall(r'<img src="data:image/png;base64,([^"]+)" width="(\d+)"', page)
+    pictures = [base64.b64decode(text) for text, _ in shown]
     made = {path.stem: path.read_bytes() for path in (results / "figures").glob("*.png")}
     assert len(made) > 30
     # the others have no content here
-    assert sorted(map(base64.b64decode, pictures)) == sorted(filter(None, made.values()))
+    assert sorted(pictures) == sorted(filter(None, made.values()))
     assert len(pictures) > 15
+    for picture, (_, width) in zip(pictures, shown, strict=True):
+        assert int(width) == Image.open(io.BytesIO(picture)).width // 2  # of twice the dots
     for name in made:
         assert f'<figure id="{name}">' in page
         assert f'href="figures/{name}.pdf"' in page
