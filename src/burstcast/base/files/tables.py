@@ -61,10 +61,7 @@ def _parse(text: str) -> pd.DataFrame:
     if strange := [row for row, cells in enumerate(rows, 1) if len(cells) != len(names)]:
         raise ValueError(f"row {strange[0]} has another number of cells than the header")
     columns = zip(*rows, strict=True) if rows else [()] * len(names)
-    return pd.DataFrame(
-        {name: _typed(cells) for name, cells in zip(names, columns, strict=True)},
-        index=pd.RangeIndex(len(rows)),
-    )
+    return pd.DataFrame({name: _typed(cells) for name, cells in zip(names, columns, strict=True)})
 
 
 def _typed(cells: Sequence[str]) -> "pd.Series[Any]":
