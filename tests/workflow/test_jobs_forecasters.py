@@ -11,6 +11,7 @@ from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.training import train
 from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.parameters import SHARE
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.forecasters import Observing, seen, seen_rows, write_forecaster
 from burstcast_workflow.jobs.forecasts import Horizons
@@ -49,6 +50,11 @@ def networks(settings=SETTINGS, case="lorenz"):
 def job(settings=SETTINGS, case="lorenz", forecaster=IDENTIFIER):
     options = {"forecaster.options": options_of_kind(parsed(forecaster).kind, SECTIONS)}
     return Observing({**options, **settings}, {"case": case, "forecaster": forecaster})
+
+
+def test_without_actuation_the_share_of_the_actuator_is_zero():
+    known = job().forecaster_parameters([SHARE])
+    assert (known.names, known.defaults) == ((SHARE,), (0.0,))
 
 
 @pytest.fixture

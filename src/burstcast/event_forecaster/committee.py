@@ -140,7 +140,7 @@ def in_turns(schedules: FloatArray) -> IntArray:
 
     Examples
     --------
-    >>> in_turns(np.repeat([400.0, 400.0, 600.0], 5).reshape(3, 5, 1))
+    >>> in_turns(np.repeat([[[4.0, 6.0]], [[4.0, 6.0]], [[6.0, 4.0]]], 5, axis=1))
     array([0, 2, 1])
     """
     _, group = np.unique(schedules.mean(axis=1), axis=0, return_inverse=True)
