@@ -13,6 +13,7 @@ from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.harness.settings import exponent_in
 from burstcast_workflow.harness.storage import write_json
+from burstcast_workflow.jobs import data
 from burstcast_workflow.jobs.time_unit import Clock
 
 # -- lengths ---------------------------------------------------------------------------------------
@@ -58,6 +59,18 @@ def test_all_that_does_not_fit_is_one_list_of_what_the_case_has(tmp_path):
         assert problems(tmp_path, **{name: too_much})
         unasked = {ASKED: {**FITTING[ASKED], asked: value}}
         assert not problems(tmp_path, **{name: too_much}, **unasked)
+
+
+@pytest.mark.parametrize(("wanted", "rows"), [(None, range(3, 6)), (2, range(3, 5)), (4, None)])
+def test_test_series_follow_the_training_series_as_far_as_they_are_kept(tmp_path, wanted, rows):
+    path, kept = tmp_path / "ensemble.nc", Variable(("series",), np.arange(6), "1", "number")
+    write_netcdf(path, {"series": kept}, {})
+    tested = data.Tested({"case.training.series": 3, "case.test_series": wanted}, {"case": "A"})
+    if rows is not None:
+        assert tested.test_rows(str(path)) == rows
+        return
+    with pytest.raises(ValueError, match="only 6 series"):
+        tested.test_rows(str(path))
 
 
 # -- units of time ---------------------------------------------------------------------------------
