@@ -45,8 +45,7 @@ from burstcast.data.starting_points import (
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasters.esn import NetworkForecaster, ReservoirSeed
 from burstcast.forecasts.horizon import HorizonSearch, prediction_horizons
-from burstcast.forecasts.window_forecasts import window_forecasts
-from burstcast.forecasts.windows import window_boundaries
+from burstcast.forecasts.windows import window_boundaries, window_forecasts
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.readout import MomentsAccumulator, solve_ridge

@@ -14,7 +14,7 @@ from hypothesis.extra import numpy as npst
 from PIL import Image
 
 from burstcast.forecasters.base import Forecaster
-from burstcast.forecasts.outcomes import outcomes_by_series
+from burstcast.forecasts.scores import outcomes_by_series
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 

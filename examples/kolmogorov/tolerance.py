@@ -20,7 +20,7 @@ import pandas as pd
 from burstcast.base.arrays import BoolArray
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
-from burstcast.forecasts.classification import ContingencyTable
+from burstcast.forecasts.scores import ContingencyTable
 from burstcast.forecasts.windows import WindowSummaries, crosses
 from kolmogorov_flow import KolmogorovFlow
 

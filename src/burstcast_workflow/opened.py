@@ -21,8 +21,8 @@ from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.campaign.members import CaseForecaster
 from burstcast_workflow.harness.settings import at, exponent_in
-from burstcast_workflow.jobs.data import Observed, kept_series
 from burstcast_workflow.jobs.forecasters import Forecasting
+from burstcast_workflow.jobs.series import Observed, kept_series
 from burstcast_workflow.tracking.run import CLAIM
 
 if TYPE_CHECKING:

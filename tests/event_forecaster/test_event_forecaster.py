@@ -20,7 +20,7 @@ from burstcast.forecasters.base import fitted as fitted_field
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.nvar import NVAR
 from burstcast.forecasters.persistence import Persistence
-from burstcast.forecasts.classification import ratio
+from burstcast.forecasts.scores import ratio
 from burstcast.statistics.neighbour_divergence import neighbour_divergence
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63

@@ -15,7 +15,7 @@ from burstcast.event_forecaster.scoring import EventScorer
 from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.registry import make_kind
-from burstcast.forecasts.observed_points import observed_points
+from burstcast.forecasts.points import observed_points
 from burstcast.systems.lorenz63 import Lorenz63
 
 OPTIONS = {

@@ -17,7 +17,7 @@ from burstcast.forecasters.quadratic_aware import AwareQuadraticModel
 from burstcast.forecasters.quadratic_aware_filtered import FilteredAwareQuadraticModel
 from burstcast.forecasters.registry import make_kind
 from burstcast.forecasts.horizon import HorizonSearch, prediction_horizons
-from burstcast.forecasts.window_forecasts import window_forecasts
+from burstcast.forecasts.windows import window_forecasts
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.factored import network_under
 from burstcast.networks.reservoir import ReservoirSeed

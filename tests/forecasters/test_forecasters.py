@@ -25,7 +25,7 @@ from burstcast.forecasters.registry import (
     make_kind_of,
     trajectory_kinds,
 )
-from burstcast.forecasts.window_forecasts import member_forecasts
+from burstcast.forecasts.windows import member_forecasts
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.readout import Readout

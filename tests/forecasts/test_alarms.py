@@ -14,19 +14,19 @@ from sklearn.metrics import (
 )
 
 from burstcast.data.starting_points import SeriesPoints
-from burstcast.forecasts.alarm_sources import alarm_sources
-from burstcast.forecasts.alarms import (
+from burstcast.forecasts.alarms import isotonic
+from burstcast.forecasts.lead_times import lead_time_scores, lead_times
+from burstcast.forecasts.points import alarm_sources
+from burstcast.forecasts.probabilities import EventProbabilities
+from burstcast.forecasts.scores import (
+    SCORES,
+    Outcomes,
     average_precision,
     best_threshold,
     counts_at,
     roc_area,
     useless_votes,
 )
-from burstcast.forecasts.calibration import isotonic
-from burstcast.forecasts.classification import SCORES
-from burstcast.forecasts.event_probabilities import EventProbabilities
-from burstcast.forecasts.lead_times import lead_time_scores, lead_times
-from burstcast.forecasts.outcomes import Outcomes
 from burstcast.forecasts.windows import WindowForecasts
 from helpers_library import count_by_series, samples
 

@@ -16,13 +16,10 @@ from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.precursor import LearntPrecursor
-from burstcast.forecasts.alarm_rule import AlarmRule
-from burstcast.forecasts.calibration import UNCALIBRATED, isotonic, logistic
-from burstcast.forecasts.out_of_sample import out_of_sample_forecasts
-from burstcast.forecasts.out_of_sample_classifiers import out_of_sample_probabilities
-from burstcast.forecasts.outcomes import Outcomes
-from burstcast.forecasts.probability_scores import resampled_scores
-from burstcast.forecasts.window_forecasts import window_forecasts
+from burstcast.forecasts.alarms import UNCALIBRATED, AlarmRule, isotonic, logistic
+from burstcast.forecasts.probabilities import out_of_sample_forecasts, out_of_sample_probabilities
+from burstcast.forecasts.scores import Outcomes, resampled_scores
+from burstcast.forecasts.windows import window_forecasts
 from burstcast.systems.lorenz63 import Lorenz63
 from helpers_library import count_by_series, samples
 

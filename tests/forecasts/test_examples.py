@@ -8,19 +8,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from burstcast.data.starting_points import SeriesPoints
-from burstcast.forecasts.example_events import (
+from burstcast.forecasts.examples import (
     EventCriterion,
     ExampleEvent,
-    forecast_event,
-    isolated_events,
-    predicted_event,
-)
-from burstcast.forecasts.examples import (
     evaluate_lead_times,
+    forecast_event,
     forecast_observable,
     forecast_outcomes,
     horizon_example,
+    isolated_events,
     outcome_examples,
+    predicted_event,
     stretch,
 )
 from burstcast.forecasts.horizon import HorizonSearch, prediction_horizons
@@ -149,7 +147,7 @@ def test_the_event_with_the_longest_prediction_up_to_its_breakdown_is_chosen(
         shares.append(((min(wrong) if wrong else steps.stop) - steps.start) / len(steps))
     wrong = Wrong(TRUTH, error, np.array(failing), component)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("burstcast.forecasts.example_events.CANDIDATES_PER_BATCH", batch)
+        patch.setattr("burstcast.forecasts.examples.CANDIDATES_PER_BATCH", batch)
         chosen = predicted_event(
             EVENTS, wrong, OBSERVED, OBSERVED, lead=8, washout=3, tolerance=0.2
         )

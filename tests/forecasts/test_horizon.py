@@ -10,8 +10,12 @@ from hypothesis import strategies as st
 
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
 from burstcast.forecasts import horizon
-from burstcast.forecasts.horizon import HorizonSearch, accurate_steps, prediction_horizons
-from burstcast.forecasts.horizon_intervals import resampled_averages
+from burstcast.forecasts.horizon import (
+    HorizonSearch,
+    accurate_steps,
+    prediction_horizons,
+    resampled_averages,
+)
 from helpers_library import MadeUpForecaster
 
 SEARCH = HorizonSearch(

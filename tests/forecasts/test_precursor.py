@@ -5,7 +5,7 @@ import pytest
 from sklearn.metrics import average_precision_score, roc_auc_score
 
 from burstcast.forecasters.precursor import fitted_classifiers, precursor_features
-from burstcast.forecasts.ranking import ANY, ONSET, Window, ranking_scores
+from burstcast.forecasts.scores import ANY, ONSET, Window, ranking_scores
 from burstcast.forecasts.windows import WindowForecasts, WindowSummaries
 
 

@@ -8,19 +8,20 @@ from sklearn.calibration import calibration_curve
 from sklearn.metrics import brier_score_loss
 
 from burstcast.base.resampling import bootstrap_weights
-from burstcast.forecasts.brier import (
+from burstcast.forecasts.lead_times import SeriesRatio
+from burstcast.forecasts.scores import (
     base_rate,
     bin_of,
     binned,
     brier_score,
     brier_skill,
     calibration_error,
+    consistency_bars,
     decomposition,
+    outcomes_by_series,
+    probability_scores,
+    resampled_scores,
 )
-from burstcast.forecasts.lead_times import SeriesRatio
-from burstcast.forecasts.outcomes import outcomes_by_series
-from burstcast.forecasts.probability_scores import probability_scores, resampled_scores
-from burstcast.forecasts.reliability import consistency_bars
 from burstcast.forecasts.windows import WindowSummaries, crosses, share_of_votes
 from helpers_library import SERIES, count_by_series, informative_sample, samples
 

@@ -17,8 +17,7 @@ from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.linear_inverse import LinearInverseModel
-from burstcast.forecasts import window_forecasts as module
-from burstcast.forecasts.event_probabilities import EventProbabilities
+from burstcast.forecasts import windows as module
 from burstcast.forecasts.forecast_files import (
     event_summary,
     event_variables,
@@ -28,10 +27,15 @@ from burstcast.forecasts.forecast_files import (
     point_variables,
     schedule_variables,
 )
-from burstcast.forecasts.forecast_points import ForecastPoints
-from burstcast.forecasts.observed_points import observed_points
-from burstcast.forecasts.window_forecasts import window_forecasts
-from burstcast.forecasts.windows import WindowForecasts, crosses, summarise, window_boundaries
+from burstcast.forecasts.points import ForecastPoints, observed_points
+from burstcast.forecasts.probabilities import EventProbabilities
+from burstcast.forecasts.windows import (
+    WindowForecasts,
+    crosses,
+    summarise,
+    window_boundaries,
+    window_forecasts,
+)
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.parameters import SystemParameters
 from helpers_library import lorenz_series

@@ -19,7 +19,7 @@ from burstcast_workflow.config.case import Measured, Simulated
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.model import Choice
 from burstcast_workflow.harness.canonical import canonical, canonical_json
-from burstcast_workflow.jobs import data
+from burstcast_workflow.jobs import cases as data
 from burstcast_workflow.jobs.networks import Networks
 from burstcast_workflow.tables.registry import table_names
 from kolmogorov_flow import KolmogorovFlow

@@ -11,8 +11,7 @@ from numpy.testing import assert_array_equal
 
 import burstcast_workflow
 from burstcast.base.files.netcdf import read_netcdf
-from burstcast.forecasts.window_forecasts import window_forecasts
-from burstcast.forecasts.windows import window_boundaries
+from burstcast.forecasts.windows import window_boundaries, window_forecasts
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from burstcast_workflow.summary import (
     MOST_ROWS,

@@ -23,7 +23,7 @@ from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.figures import registry
 from burstcast_workflow.figures.registry import FIGURES, figure_names
 from burstcast_workflow.harness.canonical import canonical_json
-from burstcast_workflow.jobs.network_inputs import CaseInputs
+from burstcast_workflow.jobs.forecasters import CaseInputs
 from burstcast_workflow.tables.registry import latex_names, table_names
 
 NUMBER = int(os.environ.get("BURSTCAST_MUTATIONS", "500"))

@@ -13,8 +13,8 @@ from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.harness.settings import exponent_in
 from burstcast_workflow.harness.storage import write_json
-from burstcast_workflow.jobs import data
-from burstcast_workflow.jobs.time_unit import Clock
+from burstcast_workflow.jobs import cases as data
+from burstcast_workflow.jobs.cases import Clock
 
 # -- lengths ---------------------------------------------------------------------------------------
 

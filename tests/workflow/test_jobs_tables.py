@@ -5,7 +5,7 @@ import pytest
 
 from burstcast_workflow.harness.job import job_identity, provenance
 from burstcast_workflow.harness.storage import write_json, write_netcdf
-from burstcast_workflow.jobs.gather import origins
+from burstcast_workflow.jobs.origins import origins
 from burstcast_workflow.jobs.tables import Tables, TablesOfCase, as_declared
 from burstcast_workflow.tables.registry import plain
 

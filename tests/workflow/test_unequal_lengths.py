@@ -7,9 +7,8 @@ from helpers_rebuilds import Project
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.base.files.tables import read_table
 from burstcast.forecasters.nvar import NVAR
-from burstcast.forecasts.observed_points import observed_points
-from burstcast.forecasts.window_forecasts import window_forecasts
-from burstcast.forecasts.windows import window_boundaries
+from burstcast.forecasts.points import observed_points
+from burstcast.forecasts.windows import window_boundaries, window_forecasts
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow import open_campaign

@@ -1,8 +1,8 @@
 """Tables: each case's, gathered from the files of many jobs; then of all cases, and LaTeX."""
 
 from burstcast_workflow.campaign.job_settings import settings_of_cases
-from burstcast_workflow.jobs.network_inputs import CaseInputs
-from burstcast_workflow.jobs.parameters import CaseData
+from burstcast_workflow.jobs.forecasters import CaseInputs
+from burstcast_workflow.jobs.cases import CaseData
 from burstcast_workflow.tables.declarations import TABLES
 from burstcast_workflow.tables.registry import (
     MAKERS,

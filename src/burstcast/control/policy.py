@@ -16,7 +16,7 @@ from burstcast.base.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from burstcast.base.exogenous import with_inputs
 from burstcast.control.actuation import ActuationValues
 from burstcast.forecasters.base import Forecaster
-from burstcast.forecasts.window_forecasts import side_by_side
+from burstcast.forecasts.windows import side_by_side
 
 FLOWS_PER_CALL = 64
 """Flows whose members forecast side by side: bounds the memory, changes no result."""

@@ -10,12 +10,15 @@ from burstcast.base import durations
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.base.events import upward_crossings
 from burstcast.forecasters._event_classifier import LabelledPoints
-from burstcast.forecasts.alarm_rule import AlarmRule
-from burstcast.forecasts.alarms import counts_at, useless_votes
-from burstcast.forecasts.calibration import isotonic, logistic
-from burstcast.forecasts.classification import ContingencyTable
-from burstcast.forecasts.observed_points import ObservedPoints
-from burstcast.forecasts.outcomes import Outcomes, outcomes_by_series
+from burstcast.forecasts.alarms import AlarmRule, isotonic, logistic
+from burstcast.forecasts.points import ObservedPoints
+from burstcast.forecasts.scores import (
+    ContingencyTable,
+    Outcomes,
+    counts_at,
+    outcomes_by_series,
+    useless_votes,
+)
 from burstcast.forecasts.windows import WindowSummaries, crosses, share_of_votes
 from burstcast.statistics.neighbour_divergence import correlation_steps
 

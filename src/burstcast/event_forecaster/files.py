@@ -20,7 +20,7 @@ import numpy.typing as npt
 from burstcast.event_forecaster.observed_states import Observable
 from burstcast.forecasters.base import ForecasterKind, ForecasterRecord, ForecastingCase
 from burstcast.forecasters.registry import kind_name
-from burstcast.forecasts.alarm_rule import AlarmRule
+from burstcast.forecasts.alarms import AlarmRule
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_system, parameters_of
 

@@ -43,14 +43,11 @@ from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasters._options import in_samples
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
 from burstcast.forecasters.registry import as_forecaster, class_of, kind_name, make_kind_of
-from burstcast.forecasts.alarm_rule import AlarmRule
-from burstcast.forecasts.calibration import UNCALIBRATED
-from burstcast.forecasts.observed_points import ObservedPoints, observed_points
-from burstcast.forecasts.out_of_sample import out_of_sample_forecasts
-from burstcast.forecasts.out_of_sample_classifiers import out_of_sample_probabilities
-from burstcast.forecasts.probability_scores import probability_scores
-from burstcast.forecasts.window_forecasts import member_forecasts, window_forecasts
-from burstcast.forecasts.windows import WindowSummaries
+from burstcast.forecasts.alarms import UNCALIBRATED, AlarmRule
+from burstcast.forecasts.points import ObservedPoints, observed_points
+from burstcast.forecasts.probabilities import out_of_sample_forecasts, out_of_sample_probabilities
+from burstcast.forecasts.scores import probability_scores
+from burstcast.forecasts.windows import WindowSummaries, member_forecasts, window_forecasts
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters
 
@@ -90,7 +87,7 @@ class EventForecaster(Estimator):
     After `fit`, ``members_`` are the fitted forecasters (a single one if the members of its
     ensemble vote, or if it is a classifier), ``hyperparameters_`` what the search found for each
     network, ``event_threshold_`` the threshold in units of the observable, ``alarms_`` the
-    calibrations and thresholds (`burstcast.forecasts.alarm_rule`) by prediction time,
+    calibrations and thresholds (`burstcast.forecasts.alarms`) by prediction time,
     ``warnings_`` signs of weakness, in sentences, and ``classes_`` the columns of `predict_proba`.
 
     Examples
@@ -394,7 +391,7 @@ class EventForecaster(Estimator):
         """All scores of the probabilities, and of the alarms that they raise, in series, by name.
 
         They are "alarm_f_score", "alarm_precision", "alarm_recall", "brier_skill", "roc_area", ...
-        (`burstcast.forecasts.probability_scores`), the "permanent_f_score" of an alarm at every
+        (`burstcast.forecasts.scores`), the "permanent_f_score" of an alarm at every
         starting point, and the numbers of "forecasts" and "events". NaN where a score is not
         defined, such as a recall without events. Starting points: see `outcomes`.
 

@@ -9,8 +9,7 @@ from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.base.resampled_score import ResampledScore
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
 from burstcast.data.starting_points import SeriesPoints
-from burstcast.forecasts.outcomes import Outcomes
-from burstcast.forecasts.probability_scores import resampled_scores
+from burstcast.forecasts.scores import Outcomes, resampled_scores
 
 _CONFIDENCE, _RESAMPLES = 0.95, 1000
 _LEAST_SERIES = 10
@@ -58,7 +57,7 @@ def blocks_of(points: SeriesPoints, reach: int) -> IntArray:
 def score_intervals(
     outcomes: Outcomes, threshold: float, bins: int, random_seed: int
 ) -> dict[str, ScoreInterval]:
-    """Scores of `burstcast.forecasts.probability_scores` with intervals of a bootstrap over blocks.
+    """Scores of `burstcast.forecasts.scores` with intervals of a bootstrap over blocks.
 
     ``outcomes``: By block, ``(blocks, levels)``.
     """

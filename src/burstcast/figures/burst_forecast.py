@@ -34,7 +34,7 @@ def draw(
 ) -> Figure:
     """Draw the observable over an event, above the true and the forecast fields.
 
-    ``event``: See `burstcast.forecasts.example_events.FlowEvent`. ``gain``, ``constant``: How
+    ``event``: See `burstcast.forecasts.examples.FlowEvent`. ``gain``, ``constant``: How
     states of the flow follow from channels. ``states``: True ones, ``(series, time, dimension)``.
     """
     if not len(event["time_lt"]):

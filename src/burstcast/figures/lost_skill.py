@@ -20,7 +20,7 @@ from burstcast.figures.parts import looks, medians, style
 from burstcast.figures.parts.ranked import SAME_EVERYWHERE, shown_once
 from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
-from burstcast.forecasts.ranking import ONSET
+from burstcast.forecasts.scores import ONSET
 
 _METRIC = "average_precision"
 _LEFT_OUT = ("climatology", "persistence")

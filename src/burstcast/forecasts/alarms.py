@@ -1,82 +1,203 @@
-"""Alarms from probabilities: raised where the probability reaches a threshold."""
+"""Alarms: calibrated probabilities, the alarm threshold, the rules of all sources of a case.
+
+A calibration maps forecast values to frequencies of events in past forecasts. Isotonic regression
+is the best non-decreasing map in the sense of least squares, found by pooling adjacent violators
+(Ayer et al., Annals of Mathematical Statistics 26, 1955; for forecasts Zadrozny & Elkan, KDD 2002).
+Ten training series hold few events, so that frequencies of rare values are mostly chance: a beta
+prior at each value counts like forecasts that came true with this frequency.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 
-from burstcast.base.arrays import FloatArray, IntArray
-from burstcast.forecasts.classification import ContingencyTable, ratio
-from burstcast.forecasts.outcomes import Outcomes
+from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.forecasts.points import AlarmSource, ForecastPoints
+from burstcast.forecasts.scores import Outcomes, best_threshold, ratio
 
 
-def counts_at(outcomes: Outcomes, threshold: float) -> ContingencyTable:
-    """Counts of alarms, raised where the forecast is at or above the threshold."""
-    alarm = outcomes.levels >= threshold
+@dataclass(frozen=True)
+class Calibration:
+    """A map from forecast values to probabilities, linear between its knots, constant beyond."""
+
+    values: FloatArray  #: knots, rising, ``(knots,)``
+    #: probability of an event at each of them, never falling, ``(knots,)``
+    probabilities: FloatArray
+
+    def __call__(self, values: FloatArray) -> FloatArray:
+        """Probability of an event for each forecast value; NaN without any knot."""
+        if not self.values.size:
+            return np.full(np.shape(values), np.nan)
+        return np.asarray(np.interp(values, self.values, self.probabilities))
+
+
+UNCALIBRATED = Calibration(np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+"""The identity: a share of votes is the probability."""
+
+
+def pool_adjacent_violators(values: FloatArray, weights: FloatArray) -> FloatArray:
+    """Non-decreasing sequence nearest to ``(count,)`` values, by weighted least squares."""
+    means: list[float] = []
+    sizes: list[float] = []
+    lengths: list[int] = []
+    for value, weight in zip(values.tolist(), weights.tolist(), strict=True):
+        mean, size, length = value, weight, 1
+        while means and means[-1] >= mean:
+            whole = sizes[-1] + size
+            mean = (sizes.pop() * means.pop() + size * mean) / whole
+            size, length = whole, length + lengths.pop()
+        means.append(mean)
+        sizes.append(size)
+        lengths.append(length)
+    return np.repeat(np.array(means), lengths)
+
+
+def isotonic(outcomes: Outcomes, prior: float = 0.0) -> Calibration:
+    """Calibrate by isotonic regression of the outcomes on the forecast values.
+
+    ``prior``: Number of forecasts at each value that the prior counts for: forecasts that came true
+    with this value as their frequency, so that values must be probabilities. 0: the regression
+    alone.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from burstcast.forecasts.alarms import isotonic
+    >>> from burstcast.forecasts.scores import Outcomes
+    >>> votes = Outcomes(np.array([0.0, 0.5, 1.0]), np.array([80, 10, 10]), np.array([4, 3, 9]))
+    >>> isotonic(votes)(np.array([0.0, 0.5, 1.0])).round(2).tolist()
+    [0.05, 0.3, 0.9]
+    """
+    if not 0 <= prior < np.inf:
+        raise ValueError(f"a prior counts as 0 forecasts or more, not as {prior}")
+    weights = outcomes.points + np.float64(prior)
+    frequency = ratio(outcomes.events + prior * outcomes.levels, weights)
+    if not outcomes.levels.size:
+        return Calibration(np.empty(0), np.empty(0))
+    fitted = pool_adjacent_violators(frequency, weights)
+    # the ends of each constant stretch suffice
+    ends = np.concatenate([[True], np.diff(fitted) != 0, [True]])
+    knots = ends[:-1] | ends[1:]
+    return Calibration(outcomes.levels[knots], fitted[knots])
+
+
+def logistic(outcomes: Outcomes) -> Calibration:
+    """Calibrate probabilities by logistic regression of the outcomes on their log-odds.
+
+    A smooth map, for classifiers, whose probabilities are all different. Source: Platt, in Advances
+    in Large Margin Classifiers, MIT Press 1999, with his targets, which keep the regression finite
+    where events are separated completely. Where events have no larger probabilities than quiet
+    points, all probabilities become the base rate.
+    """
+    if not outcomes.levels.size:
+        return Calibration(np.empty(0), np.empty(0))
     points, events = outcomes.points, outcomes.events
-    quiet = points - events
-    return ContingencyTable(
-        true_positive=events[..., alarm].sum(axis=-1),
-        false_positive=quiet[..., alarm].sum(axis=-1),
-        false_negative=events[..., ~alarm].sum(axis=-1),
-        true_negative=quiet[..., ~alarm].sum(axis=-1),
-    )
+    happened, quiet = int(events.sum()), int((points - events).sum())
+    # targets of events and of quiet points, and their sum at each level
+    high, low = (happened + 1) / (happened + 2), 1 / (quiet + 2)
+    wanted = events * high + (points - events) * low
+    ends = _probability(np.array([-_LARGEST_LOG_ODDS, _LARGEST_LOG_ODDS]))
+    odds = _log_odds(np.clip(outcomes.levels, *ends))
+    design = np.stack([odds, np.ones_like(odds)])
+    parameters = np.array([0.0, _log_odds(wanted.sum() / points.sum())])
+    for _ in range(_NEWTON_STEPS):
+        fitted = _probability(parameters @ design)
+        gradient = design @ (wanted - points * fitted)
+        curvature = (design * (points * fitted * (1 - fitted))) @ design.T
+        step = np.linalg.lstsq(curvature, gradient, rcond=None)[0]
+        parameters = parameters + step / max(1.0, float(np.abs(step).max()))
+    if parameters[0] <= 0:
+        parameters = np.array([0.0, _log_odds(wanted.sum() / points.sum())])
+    knots = np.linspace(-_LARGEST_LOG_ODDS, _LARGEST_LOG_ODDS, _KNOTS)
+    probabilities = _probability(parameters[0] * knots + parameters[1])
+    return Calibration(_probability(knots), probabilities)
 
 
-def best_threshold(probabilities: FloatArray, points: IntArray) -> float:
-    """Threshold whose alarms have the largest F-score that probabilities let expect.
-
-    Of n forecasts of the probability p, n p are expected to come true, so that alarms from a level
-    on have the F-score 2 sum_alarms(n p) / (sum_alarms(n) + sum(n p)) (Lewis, SIGIR 1995). The
-    threshold is the middle between the level from which alarms are raised and the next lower one;
-    of equally good ones it is the highest. It is 0 where alarms are raised always, and 1 where no
-    event is expected at all.
-
-    ``probabilities``, ``points``: Levels, rising, and forecasts of each, ``(levels,)``.
-    """
-    expected = points * probabilities
-    whole = float(expected.sum())
-    if whole == 0:
-        return 1.0
-    hits, raised = np.cumsum(expected[::-1]), np.cumsum(points[::-1])
-    level = probabilities.size - 1 - int(np.argmax(2 * hits / (raised + whole)))
-    if level == 0:
-        return 0.0
-    return float(probabilities[level - 1] + probabilities[level]) / 2
+_LARGEST_LOG_ODDS, _KNOTS = 25.0, 501
+"""Range and number of the knots of a logistic calibration, evenly spaced in log-odds."""
+_NEWTON_STEPS = 60
 
 
-def useless_votes(outcomes: Outcomes) -> str:
-    """Reason why votes carry no information about events; empty if they do.
-
-    It is that the area below the receiver operating characteristic is within two standard errors of
-    a half (Mann & Whitney, Ann. Math. Stat. 18, 1947), as if all points were independent.
-    """
-    events, points = int(outcomes.events.sum()), int(outcomes.points.sum())
-    quiet = points - events
-    if not events or not quiet:
-        return f"an event follows {events} of {points} starting points: there is nothing to learn"
-    area = float(roc_area(outcomes))
-    error = float(np.sqrt((points + 1) / (12 * events * quiet)))
-    if area > 0.5 + 2 * error:
-        return ""
-    return (
-        f"votes do not tell the {events} starting points that an event follows from the {quiet} "
-        f"others (area below the ROC curve {area:.2f}, chance 0.50 +- {error:.2f}): alarms are no "
-        f"better than chance"
-    )
+def _log_odds(probability: Any) -> Any:
+    return np.log(probability) - np.log1p(-probability)
 
 
-def roc_area(outcomes: Outcomes) -> FloatArray:
-    """Area below the receiver operating characteristic; NaN where all outcomes are alike.
-
-    The probability that an event had a larger forecast than a quiet point, ties counting half.
-    """
-    quiet = outcomes.points - outcomes.events
-    below = np.cumsum(quiet, axis=-1) - 0.5 * quiet
-    pairs = outcomes.events.sum(axis=-1) * quiet.sum(axis=-1)
-    return ratio((outcomes.events * below).sum(axis=-1), pairs)
+def _probability(log_odds: FloatArray) -> FloatArray:
+    return np.asarray(1.0 / (1.0 + np.exp(-log_odds)))
 
 
-def average_precision(outcomes: Outcomes) -> FloatArray:
-    """Area below the precision-recall curve, in steps; NaN without events."""
-    # alarms with each level as the threshold, from the highest
-    gained, raised = outcomes.events[..., ::-1], outcomes.points[..., ::-1].cumsum(axis=-1)
-    precision = np.nan_to_num(ratio(gained.cumsum(axis=-1), raised))
-    return ratio((gained * precision).sum(axis=-1), outcomes.events.sum(axis=-1))
+CALIBRATED, VOTES = "calibrated", "votes"
+"""What tables call calibrated probabilities, and shares of votes as they are."""
+
+
+@dataclass(frozen=True)
+class AlarmRule:
+    """Rule of alarms: a calibration and the alarm threshold."""
+
+    calibration: Calibration  #: function from what is forecast to the probability
+    threshold: float
+
+    @classmethod
+    def chosen(cls, outcomes: Outcomes, calibration: Calibration) -> Self:
+        """Rule with the best threshold for a calibration, by outcomes summed over series."""
+        levels = outcomes.at(calibration(outcomes.levels))
+        return cls(calibration, best_threshold(levels.levels, levels.points))
+
+    def alarms(self, values: FloatArray) -> BoolArray:
+        """Whether an alarm is raised, by what is forecast; never without a calibration."""
+        return np.asarray(self.calibration(values) >= self.threshold)
+
+    def record(self) -> dict[str, Any]:
+        """Lists and numbers from which `restore` recreates the rule."""
+        return {
+            "values": self.calibration.values.tolist(),
+            "probabilities": self.calibration.probabilities.tolist(),
+            "threshold": self.threshold,
+        }
+
+    @classmethod
+    def restore(cls, record: Mapping[str, Any]) -> Self:
+        """Make a rule from its record."""
+        calibration = Calibration(np.array(record["values"]), np.array(record["probabilities"]))
+        return cls(calibration, record["threshold"])
+
+
+def rules_of(
+    chosen: Mapping[str, Any], alarm: str, prediction_time_lt: float
+) -> dict[str, AlarmRule]:
+    """Rules of an alarm: by `CALIBRATED` probabilities, and, if it has any, by `VOTES`."""
+    records = chosen["alarms"][alarm][f"{prediction_time_lt:g}"]
+    return {name: AlarmRule.restore(record) for name, record in records.items()}
+
+
+def calibrated_alarms(
+    points: ForecastPoints,
+    prediction_times_lt: Sequence[float],
+    event_threshold: float,
+    prior: float,
+) -> dict[str, Any]:
+    """Records of `AlarmRule` by source of alarms, prediction time, and kind of probability."""
+    return {
+        alarm.identifier: {
+            f"{time:g}": _rules(points, alarm, time, event_threshold, prior)
+            for time in prediction_times_lt
+        }
+        for alarm in points.alarms
+    }
+
+
+def _rules(
+    points: ForecastPoints, alarm: AlarmSource, time: float, threshold: float, prior: float
+) -> dict[str, Any]:
+    """Records of the rules of one alarm at one prediction time."""
+    outcomes = points.outcomes(alarm, time, threshold).total()
+    if not alarm.forecasters:  # the values of a baseline are no probabilities
+        return {CALIBRATED: AlarmRule.chosen(outcomes, isotonic(outcomes)).record()}
+    shares = points.classifier(alarm) is None
+    calibrated = isotonic(outcomes, prior) if shares else logistic(outcomes)
+    return {
+        CALIBRATED: AlarmRule.chosen(outcomes, calibrated).record(),
+        VOTES: AlarmRule.chosen(outcomes, UNCALIBRATED).record(),
+    }

@@ -1,4 +1,9 @@
-"""Single forecasts worth looking at: one of each outcome, and the last ones before a success."""
+"""Single forecasts for figures: one of each outcome, the last ones before a success, one event.
+
+Source: the paper's figures of the midplane and of the vorticity during an event. There the flow
+slowly laminarises (t_1 to t_3) until the laminar structure suddenly breaks down into vortices
+(t_4). Which event of the test set to show is our choice, and is made by rule.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -8,12 +13,193 @@ import numpy as np
 
 from burstcast.base import durations
 from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.events import upward_crossings
 from burstcast.base.files.described import Described
-from burstcast.base.files.units import LYAPUNOV_TIMES, NUMBER, OBSERVABLE
-from burstcast.data.starting_points import SeriesPoints
+from burstcast.base.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
+from burstcast.data.starting_points import SeriesPoints, segments
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasts.horizon import HorizonSearch, accurate_steps
 from burstcast.forecasts.windows import WindowSummaries, crosses
+from burstcast.systems.state_space import StateSpace
+
+CANDIDATES_PER_BATCH = 64
+"""Events that are forecast side by side: bounds the time and memory, changes no result."""
+
+
+@dataclass(frozen=True)
+class EventCriterion:
+    """Conditions on events for figures.
+
+    The excursion of an event reaches from the last step at or below the calm level before it to the
+    first one after it. Isolated events are the only one within their excursion and ``quiet`` steps
+    on both sides.
+    """
+
+    threshold: float  #: the event threshold, k_e
+    calm: float  #: the calm level, below the threshold, such as the mean of the observable
+    quiet: int  #: steps below the threshold that are required on each side of the excursion
+    longest: int  #: largest number of steps from t_1 to t_4
+    wanted_peak: float  #: largest observable of the best event; others rank by their distance to it
+
+    def __post_init__(self) -> None:
+        if not self.calm < self.threshold:
+            raise ValueError(
+                f"the calm level {self.calm} must lie below the event threshold {self.threshold}"
+            )
+
+
+@dataclass(frozen=True)
+class ExampleEvent:
+    """An event to show."""
+
+    series: int  #: row of its series
+    #: steps t_1 < t_2 < t_3 < t_4 in the series: the last calm step before the event; on the rise,
+    #: the first step at or above the middle between the calm level and the peak; the peak, where
+    #: the flow is closest to laminar; and the first step after it below the threshold, when the
+    #: laminar structure has broken down
+    times: tuple[int, int, int, int]
+    peak: float  #: largest observable
+
+
+def isolated_events(
+    observable: FloatArray, criterion: EventCriterion, before: int = 0
+) -> list[ExampleEvent]:
+    """All events that meet a criterion, the best first; equally good ones in their order.
+
+    ``observable``: ``(series, time)``. ``before``: Steps that the series must have before t_1.
+    """
+    events = []
+    for row, values in enumerate(observable):
+        calm = values <= criterion.calm
+        above = values >= criterion.threshold
+        crossings = np.flatnonzero(upward_crossings(values, criterion.threshold))
+        for crossing in crossings.tolist():
+            calm_before = np.flatnonzero(calm[:crossing])
+            calm_after = np.flatnonzero(calm[crossing:])
+            if calm_before.size == 0 or calm_after.size == 0:
+                continue
+            begin, end = int(calm_before[-1]), crossing + int(calm_after[0])
+            quiet_begin, quiet_end = begin - criterion.quiet, end + criterion.quiet
+            if begin < before or quiet_begin < 0 or quiet_end >= len(values):
+                continue
+            # the only crossing between the two quiet stretches, and no event is under way at first
+            inside = (crossings > quiet_begin) & (crossings <= quiet_end)
+            if above[quiet_begin] or inside.sum() != 1:
+                continue
+            event = _timed(row, values, begin, end, criterion)
+            if event.times[3] - event.times[0] <= criterion.longest:
+                events.append(event)
+    return sorted(events, key=lambda event: abs(event.peak - criterion.wanted_peak))
+
+
+def _timed(
+    row: int, values: FloatArray, begin: int, end: int, criterion: EventCriterion
+) -> ExampleEvent:
+    """Event with its four times, from the first and last step of its excursion."""
+    peak = begin + int(values[begin:end].argmax())
+    height = float(values[peak])
+    middle = begin + int((values[begin:end] >= 0.5 * (criterion.calm + height)).argmax())
+    broken_down = peak + int((values[peak : end + 1] < criterion.threshold).argmax())
+    return ExampleEvent(row, (begin, middle, peak, broken_down), height)
+
+
+def predicted_event(
+    events: list[ExampleEvent],
+    forecaster: Forecaster,
+    observed: FloatArray,
+    states: FloatArray,
+    *,
+    lead: int,
+    washout: int,
+    tolerance: float,
+) -> ExampleEvent | None:
+    """Best event that a forecaster predicts from its build-up to its breakdown.
+
+    The forecast starts ``lead`` steps before t_1; its state must stay within the tolerance up to
+    t_4. Without such an event, the one with the largest share of accurate steps; None without
+    events. ``events``: The best first, with at least ``lead + washout - 1`` steps before t_1.
+    """
+    best: tuple[float, ExampleEvent] | None = None
+    for first in range(0, len(events), CANDIDATES_PER_BATCH):
+        batch = events[first : first + CANDIDATES_PER_BATCH]
+        points = SeriesPoints(
+            series=np.array([event.series for event in batch]),
+            step=np.array([event.times[0] - lead for event in batch]),
+        )
+        needed = np.array([event.times[3] for event in batch]) - points.step
+        ahead = int(needed.max())
+        # NaN beyond the breakdown: no forecast counts as accurate there
+        true = np.full((ahead, states.shape[2], len(batch)), np.nan)
+        for column, event in enumerate(batch):
+            start = int(points.step[column])
+            true[: needed[column], :, column] = states[event.series, start + 1 : event.times[3] + 1]
+        memory = forecaster.start(
+            np.ascontiguousarray(segments(observed, points, washout - 1, 0).transpose(1, 2, 0))
+        )
+        forecast, _ = forecaster.advance(memory, ahead)
+        # a forecast that is no longer finite is not near either
+        near = np.linalg.norm(forecast - true, axis=1) < tolerance
+        accurate = np.logical_and.accumulate(near).sum(axis=0)
+        for event, share in zip(batch, accurate / needed, strict=True):
+            if share >= 1:
+                return event
+            if best is None or share > best[0]:
+                best = (float(share), event)
+    return None if best is None else best[1]
+
+
+@dataclass(frozen=True)
+class FlowEvent:
+    """An event and its forecast, with states at the event's times; without an event, no time."""
+
+    time_lt: Annotated[
+        FloatArray,
+        Described("time", LYAPUNOV_TIMES, "time after the start of the forecast"),
+    ]
+    true: Annotated[FloatArray, Described("time", OBSERVABLE, "true observable")]
+    forecast: Annotated[FloatArray, Described("time", OBSERVABLE, "forecast observable")]
+    mark: Annotated[IntArray, Described("mark", NUMBER, "entries of time that the states are for")]
+    true_state: Annotated[FloatArray, Described("mark component", COMPONENT, "true states")]
+    forecast_state: Annotated[FloatArray, Described("mark component", COMPONENT, "forecast states")]
+
+
+def forecast_event(
+    event: ExampleEvent | None,
+    forecaster: Forecaster,
+    space: StateSpace,
+    observed: FloatArray,
+    states: FloatArray,
+    *,
+    lead: int,
+    washout: int,
+    after: int,
+    steps_per_lyapunov_time: int,
+) -> FlowEvent:
+    """Forecast an event, from its washout to some steps after its breakdown."""
+    if event is None:
+        nothing = np.empty((0, space.dimension))
+        time, shown, forecast, marks = np.empty(0), nothing, nothing, np.empty(0, dtype=np.int64)
+    else:
+        start = event.times[0] - lead
+        steps = np.arange(start - washout + 1, event.times[3] + after + 1)
+        time = (steps - start) / steps_per_lyapunov_time
+        shown = states[event.series, steps]
+        forecast = np.full_like(shown, np.nan)
+        # the forecast starts from the observed state
+        forecast[washout - 1] = observed[event.series, start]
+        memory = forecaster.start(observed[event.series, steps[:washout], :, np.newaxis])
+        outputs, _ = forecaster.advance(memory, len(steps) - washout)
+        forecast[washout:] = outputs[:, :, 0]
+        marks = np.array(event.times, dtype=np.int64) - steps[0]
+    return FlowEvent(
+        time,
+        space.observable(shown.T),
+        space.observable(forecast.T),
+        marks,
+        shown[marks],
+        forecast[marks],
+    )
+
 
 OUTCOMES = ("true positive", "false positive", "false negative")
 

@@ -11,8 +11,8 @@ from burstcast.base.files.netcdf import Variable
 from burstcast.base.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 from burstcast.base.series_lengths import numbers_of
 from burstcast.data.starting_points import SeriesPoints, segments
-from burstcast.forecasts.event_probabilities import EventProbabilities
-from burstcast.forecasts.observed_points import ObservedPoints
+from burstcast.forecasts.points import ObservedPoints
+from burstcast.forecasts.probabilities import EventProbabilities
 from burstcast.forecasts.windows import WindowForecasts
 
 

@@ -14,7 +14,7 @@ from burstcast.base import durations
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.base.resampling import percentile_interval
 from burstcast.data.starting_points import SeriesPoints
-from burstcast.forecasts.classification import ratio
+from burstcast.forecasts.scores import ratio
 
 
 @dataclass(frozen=True)

@@ -23,9 +23,9 @@ from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import MEASURED
 from burstcast_workflow.harness.settings import at
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.jobs.data import Training
+from burstcast_workflow.jobs.cases import Washed
 from burstcast_workflow.jobs.forecasters import Forecasting, read_kind
-from burstcast_workflow.jobs.time_unit import Washed
+from burstcast_workflow.jobs.series import Training
 
 Sensor: TypeAlias = ObservedPart | EncodedFlow
 

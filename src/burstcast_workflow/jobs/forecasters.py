@@ -11,11 +11,18 @@ from burstcast.data.encoders.state_maps import StateMaps
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecasterRecord, ForecastingCase
 from burstcast.forecasters.registry import as_forecaster, kind_class, make_kind
 from burstcast.systems.registry import make_system
-from burstcast_workflow.harness.settings import at
+from burstcast_workflow.harness.settings import JobSettings, at
 from burstcast_workflow.harness.storage import write_netcdf
-from burstcast_workflow.jobs.data import Observed
-from burstcast_workflow.jobs.systems import System
-from burstcast_workflow.jobs.time_unit import Clock
+from burstcast_workflow.jobs.cases import Clock, System
+from burstcast_workflow.jobs.series import Observed
+
+
+class CaseInputs(JobSettings):
+    """Noise of a case, and the bias of its networks' inputs."""
+
+    noise: float = at("case.training.noise")
+    input_bias: float = at("forecasters.esn.input_bias")
+
 
 Kind = TypeVar("Kind", bound=ForecasterKind)
 

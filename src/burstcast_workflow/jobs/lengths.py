@@ -17,7 +17,7 @@ from burstcast.networks.validation_strategies.base import ValidationPlan
 from burstcast.networks.validation_strategies.registry import VALIDATED_TOGETHER, make_strategy
 from burstcast.statistics.long_term import FixedPointCriterion, LongTermSettings
 from burstcast_workflow.harness.settings import at, names
-from burstcast_workflow.jobs.time_unit import Washed
+from burstcast_workflow.jobs.cases import Washed
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from burstcast.data.measured_data import (
 from burstcast.data.records import RecordedSeries, recorded_series
 from burstcast.systems.measured import MeasuredSeries
 from burstcast_workflow.harness.settings import at
-from burstcast_workflow.jobs.data import Tested
+from burstcast_workflow.jobs.series import Tested
 
 
 class MeasuredData(Tested):

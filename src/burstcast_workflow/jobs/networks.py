@@ -16,10 +16,8 @@ from burstcast.networks.validation import PointValidator
 from burstcast.networks.validation_strategies.base import ValidationPlan
 from burstcast.systems.parameters import Parameters
 from burstcast_workflow.harness.settings import at
-from burstcast_workflow.jobs.data import Observed
-from burstcast_workflow.jobs.scheduled import read_scheduled
-from burstcast_workflow.jobs.systems import System
-from burstcast_workflow.jobs.time_unit import Washed
+from burstcast_workflow.jobs.cases import System, Washed
+from burstcast_workflow.jobs.series import Observed, read_scheduled
 
 
 class Networks(Washed, Observed):

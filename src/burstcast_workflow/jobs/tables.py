@@ -10,8 +10,8 @@ from burstcast.tables.makers.registry import Gathered
 from burstcast.tables.percentiles import percentiles
 from burstcast_workflow.harness.settings import JobSettings, at
 from burstcast_workflow.harness.storage import write_table
-from burstcast_workflow.jobs.gather import origins
 from burstcast_workflow.jobs.inputs import content
+from burstcast_workflow.jobs.origins import origins
 
 Rows = Sequence[Mapping[str, Any]]
 

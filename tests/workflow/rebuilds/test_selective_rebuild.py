@@ -18,7 +18,7 @@ from helpers_rebuilds import RESULTS, TINY, Project, jobs_since
 
 # all but the figures, which take most of the time
 BITS = ("forecasters", "tables")
-MODULE = "src/burstcast/forecasts/classification.py"
+MODULE = "src/burstcast/forecasts/scores.py"
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def test_an_edit_without_effect_stops_where_results_are_equal(project, tmp_path)
     first, before = work.bits(), work.logs()
     (work.directory / MODULE).write_text((work.directory / MODULE).read_text() + "\nEDITED = 1\n")
     reasons = work.made("-n").text
-    assert "code of burstcast.forecasts.classification (Re400): " in reasons
+    assert "code of burstcast.forecasts.scores (Re400): " in reasons
     assert len(reasons) < 1500
     work.made(*BITS)
     ran, anew = computed(work, before)

@@ -1,8 +1,8 @@
 """Lay out the starting points that probabilities are calibrated on: never in the test series."""
 
 from burstcast_workflow.harness.job import at, job
-from burstcast_workflow.jobs.data import Tested, kept_series
 from burstcast_workflow.jobs.forecasts import Points
+from burstcast_workflow.jobs.series import Tested, kept_series
 
 
 class CalibrationPoints(Points, Tested):

@@ -11,8 +11,7 @@ from burstcast.data.encoders.channels import IDENTITY, StateChannels, encoding_c
 from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.systems.registry import make_space
 from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
-from burstcast_workflow.jobs.systems import System
-from burstcast_workflow.jobs.time_unit import Sampling
+from burstcast_workflow.jobs.cases import Sampling, System
 
 
 class Encoding(System, Sampling):

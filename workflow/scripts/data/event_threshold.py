@@ -4,7 +4,7 @@ from burstcast.base.files.netcdf import read_rows
 from burstcast.base.series_lengths import numbers_of
 from burstcast.data.event_threshold import threshold_at
 from burstcast_workflow.harness.job import at, job, write_json
-from burstcast_workflow.jobs.data import Training, kept_series
+from burstcast_workflow.jobs.series import Training, kept_series
 
 
 class AtQuantile(Training):

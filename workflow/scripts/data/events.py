@@ -6,8 +6,8 @@ from burstcast.data.starting_points import crossing_points, horizon_events, step
 from burstcast.forecasts.forecast_files import event_summary, event_variables
 from burstcast.statistics.warning_signs import few_events
 from burstcast_workflow.harness.job import at, concerning, job, tell, write_json, write_netcdf
-from burstcast_workflow.jobs.data import Observed, known_rows
-from burstcast_workflow.jobs.time_unit import Washed
+from burstcast_workflow.jobs.cases import Washed
+from burstcast_workflow.jobs.series import Observed, known_rows
 
 
 class Events(Observed, Washed):

@@ -8,8 +8,8 @@ from burstcast.base.series_lengths import held_after_the_end
 from burstcast.data.ensemble_files import START, ensemble_variables, schedule_variable
 from burstcast.data.measured_data import kept_series
 from burstcast_workflow.harness.job import at, job, tell, write_json, write_netcdf
+from burstcast_workflow.jobs.cases import Sampling
 from burstcast_workflow.jobs.measured import MeasuredData
-from burstcast_workflow.jobs.time_unit import Sampling
 
 
 class Imported(MeasuredData, Sampling):

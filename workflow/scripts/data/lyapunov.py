@@ -15,8 +15,8 @@ from burstcast.systems.lyapunov import (
     perturbation_growth,
 )
 from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
-from burstcast_workflow.jobs.data import check_kept_series, kept_series
-from burstcast_workflow.jobs.systems import System
+from burstcast_workflow.jobs.cases import System
+from burstcast_workflow.jobs.series import check_kept_series, kept_series
 
 
 class Exponents(System):

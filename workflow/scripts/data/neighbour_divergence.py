@@ -4,8 +4,8 @@ from burstcast.base import random_streams
 from burstcast.base.series_lengths import array_or_list
 from burstcast.statistics.neighbour_divergence import NoExponentError, neighbour_divergence
 from burstcast_workflow.harness.job import at, job, tell, write_json
-from burstcast_workflow.jobs.data import Training
-from burstcast_workflow.jobs.time_unit import Sampling
+from burstcast_workflow.jobs.cases import Sampling
+from burstcast_workflow.jobs.series import Training
 
 
 class Divergence(Training, Sampling):

@@ -7,8 +7,8 @@ from burstcast.statistics.profiles import equally_spaced_profiles
 from burstcast.statistics.reductions import reduce_series
 from burstcast.statistics.statistics_files import statistics_variables
 from burstcast_workflow.harness.job import at, job, read_json, write_netcdf
-from burstcast_workflow.jobs.data import Density, Training
-from burstcast_workflow.jobs.systems import System
+from burstcast_workflow.jobs.cases import Density, System
+from burstcast_workflow.jobs.series import Training
 
 MOST_SERIES, MOST_NUMBERS = 100, 2**25
 """Series that are read at a time, and numbers in them: bounds the memory, changes no result."""

@@ -4,8 +4,7 @@ import numpy as np
 
 from burstcast.data.scheduled_series import scheduled_variables
 from burstcast_workflow.harness.job import job, write_netcdf
-from burstcast_workflow.jobs.data import known_rows
-from burstcast_workflow.jobs.switched import Switched
+from burstcast_workflow.jobs.series import Switched, known_rows
 
 
 @job

@@ -9,7 +9,7 @@ from burstcast.data.dataset import generate_ensemble, initial_states
 from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.systems.sampling import sampled_initial_states
 from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
-from burstcast_workflow.jobs.systems import System
+from burstcast_workflow.jobs.cases import System
 
 
 class Simulation(System):

@@ -2,7 +2,7 @@
 
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.jobs.forecasts import EvaluationPoints
-from burstcast_workflow.jobs.switched import Switched
+from burstcast_workflow.jobs.series import Switched
 
 
 class SwitchedPoints(EvaluationPoints, Switched):

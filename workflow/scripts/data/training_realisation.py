@@ -13,9 +13,8 @@ from burstcast.data.training_realisations import (
     rows_of_realisation,
 )
 from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
-from burstcast_workflow.jobs.data import Tested, check_kept_series, known_rows
-from burstcast_workflow.jobs.systems import System
-from burstcast_workflow.jobs.time_unit import Sampling
+from burstcast_workflow.jobs.cases import Sampling, System
+from burstcast_workflow.jobs.series import Tested, check_kept_series, known_rows
 
 
 class Realisation(System, Sampling, Tested):

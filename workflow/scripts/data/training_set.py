@@ -1,8 +1,8 @@
 """Lay out the starting points in the training series that classifiers of events learn from."""
 
 from burstcast_workflow.harness.job import at, job
-from burstcast_workflow.jobs.data import kept_series
 from burstcast_workflow.jobs.forecasts import Points
+from burstcast_workflow.jobs.series import kept_series
 
 
 class TrainingPoints(Points):

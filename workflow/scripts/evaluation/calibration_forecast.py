@@ -4,13 +4,13 @@ import numpy as np
 
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.forecasts.forecast_files import forecast_variables
-from burstcast.forecasts.out_of_sample import out_of_sample_forecasts
-from burstcast.forecasts.window_forecasts import window_forecasts
+from burstcast.forecasts.probabilities import out_of_sample_forecasts
+from burstcast.forecasts.windows import window_forecasts
 from burstcast_workflow.harness.job import at, job, write_netcdf
+from burstcast_workflow.jobs.cases import Washed
 from burstcast_workflow.jobs.forecasters import Observing, seen
 from burstcast_workflow.jobs.forecasts import Windows
-from burstcast_workflow.jobs.scheduled import read_scheduled
-from burstcast_workflow.jobs.time_unit import Washed
+from burstcast_workflow.jobs.series import read_scheduled
 
 
 class Calibrating(Observing, Windows, Washed):

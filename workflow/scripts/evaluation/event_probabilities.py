@@ -4,11 +4,10 @@ import numpy as np
 
 from burstcast.base.files.netcdf import variables_of
 from burstcast.forecasters._event_classifier import EventClassifier
-from burstcast.forecasts.event_probabilities import EventProbabilities
-from burstcast.forecasts.out_of_sample_classifiers import out_of_sample_probabilities
+from burstcast.forecasts.probabilities import EventProbabilities, out_of_sample_probabilities
 from burstcast_workflow.harness.job import at, concerning, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import Forecasting, write_forecaster
-from burstcast_workflow.jobs.probabilities import Alarms
+from burstcast_workflow.jobs.forecasts import Alarms
 
 
 class Classifying(Forecasting, Alarms):

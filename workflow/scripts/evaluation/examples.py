@@ -11,9 +11,9 @@ from burstcast.forecasts.examples import (
 )
 from burstcast.forecasts.windows import WindowSummaries
 from burstcast_workflow.harness.job import at, job, write_netcdf
-from burstcast_workflow.jobs.data import Training
 from burstcast_workflow.jobs.forecasters import Forecasting, seen
 from burstcast_workflow.jobs.forecasts import Horizons, Windows
+from burstcast_workflow.jobs.series import Training
 
 BEFORE_WASHOUT_LT = 1.0
 AFTER_EVENT_LT = 0.5

@@ -3,16 +3,16 @@
 import numpy as np
 
 from burstcast.base.files.netcdf import read_rows, variables_of
-from burstcast.forecasts.example_events import (
+from burstcast.forecasts.examples import (
     EventCriterion,
     forecast_event,
     isolated_events,
     predicted_event,
 )
 from burstcast_workflow.harness.job import at, job, read_json, write_netcdf
-from burstcast_workflow.jobs.data import Observed, Tested, kept_series
+from burstcast_workflow.jobs.cases import Washed
 from burstcast_workflow.jobs.forecasters import Forecasting, seen_rows
-from burstcast_workflow.jobs.time_unit import Washed
+from burstcast_workflow.jobs.series import Observed, Tested, kept_series
 
 LEAD_LT, LONGEST_LT = 0.25, 6.0
 """From the start of the forecast to the event's first rise, and from there to its breakdown."""

@@ -4,7 +4,7 @@ from typing import Any
 
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.forecasts.forecast_files import forecast_variables
-from burstcast.forecasts.window_forecasts import window_forecasts
+from burstcast.forecasts.windows import window_forecasts
 from burstcast_workflow.harness.job import at, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import Forecasting, seen
 from burstcast_workflow.jobs.forecasts import Windows

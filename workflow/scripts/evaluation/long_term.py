@@ -3,7 +3,7 @@
 from burstcast.statistics.long_term import run_long_term
 from burstcast_workflow.harness.job import job, write_netcdf
 from burstcast_workflow.jobs.forecasters import Forecasting
-from burstcast_workflow.jobs.long_runs import LongTerm
+from burstcast_workflow.jobs.forecasts import LongTerm
 
 
 class FreeRuns(Forecasting, LongTerm):

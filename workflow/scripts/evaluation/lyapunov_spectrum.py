@@ -8,7 +8,7 @@ from burstcast.statistics.long_term import Fate
 from burstcast.statistics.lyapunov_spectrum import forecaster_spectrum
 from burstcast_workflow.harness.job import at, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import Forecasting
-from burstcast_workflow.jobs.long_runs import LongRuns
+from burstcast_workflow.jobs.forecasts import LongRuns
 
 
 class Spectrum(Forecasting, LongRuns):

@@ -3,7 +3,7 @@
 from burstcast.forecasters.registry import as_forecaster
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.jobs.forecasters import Observing, write_forecaster
-from burstcast_workflow.jobs.scheduled import read_scheduled
+from burstcast_workflow.jobs.series import read_scheduled
 
 
 @job

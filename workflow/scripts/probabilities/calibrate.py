@@ -1,9 +1,9 @@
 """Calibrate the probabilities of all sources of alarms in a case, and choose their thresholds."""
 
-from burstcast.forecasts.calibrated_alarms import calibrated_alarms
+from burstcast.forecasts.alarms import calibrated_alarms
 from burstcast_workflow.harness.job import at, job, write_json
-from burstcast_workflow.jobs.probabilities import Alarms
-from burstcast_workflow.jobs.time_unit import Clock
+from burstcast_workflow.jobs.cases import Clock
+from burstcast_workflow.jobs.forecasts import Alarms
 
 
 class Calibration(Alarms, Clock):

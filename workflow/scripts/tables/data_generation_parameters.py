@@ -6,8 +6,8 @@ from burstcast.systems.registry import parameters_of
 from burstcast.tables.latex import to_latex
 from burstcast.tables.parameters import data_parameters, described_parameters, side_by_side
 from burstcast_workflow.harness.job import JobSettings, at, job, read_json, write_table, write_text
-from burstcast_workflow.jobs.gather import origins
-from burstcast_workflow.jobs.parameters import CaseData
+from burstcast_workflow.jobs.cases import CaseData
+from burstcast_workflow.jobs.origins import origins
 
 
 class DataParameters(JobSettings):

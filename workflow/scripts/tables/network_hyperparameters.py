@@ -6,7 +6,7 @@ from burstcast.base.natural_order import natural_order
 from burstcast.tables.latex import to_latex
 from burstcast.tables.parameters import network_parameters, side_by_side
 from burstcast_workflow.harness.job import JobSettings, at, job, write_table, write_text
-from burstcast_workflow.jobs.network_inputs import CaseInputs
+from burstcast_workflow.jobs.forecasters import CaseInputs
 
 
 class Hyperparameters(JobSettings):

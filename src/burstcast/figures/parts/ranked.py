@@ -5,8 +5,8 @@ from dataclasses import replace
 import pandas as pd
 
 from burstcast.base.names import parsed
-from burstcast.forecasts.alarm_sources import BASELINES
-from burstcast.forecasts.ranking import PRECURSOR
+from burstcast.forecasts.points import BASELINES
+from burstcast.forecasts.scores import PRECURSOR
 
 SAME_EVERYWHERE = (*BASELINES, PRECURSOR)
 """Alarms that are the same in all cases of a flow."""

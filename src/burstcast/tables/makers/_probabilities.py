@@ -10,11 +10,10 @@ from burstcast.base import random_streams
 from burstcast.base.arrays import IntArray
 from burstcast.base.declared import at, gathered, read
 from burstcast.base.resampling import bootstrap_weights
-from burstcast.forecasts.alarm_rule import CALIBRATED, AlarmRule, rules_of
-from burstcast.forecasts.alarm_sources import AlarmSource
+from burstcast.forecasts.alarms import CALIBRATED, AlarmRule, rules_of
 from burstcast.forecasts.forecast_files import forecasts_from
-from burstcast.forecasts.forecast_points import ForecastPoints
-from burstcast.forecasts.outcomes import Outcomes
+from burstcast.forecasts.points import AlarmSource, ForecastPoints
+from burstcast.forecasts.scores import Outcomes
 from burstcast.tables.makers.registry import Gathered
 
 
@@ -52,7 +51,7 @@ class CaseProbabilities:
         return {**alarm.name.keys, "alarm": alarm.identifier}
 
     def rules(self, alarm: AlarmSource, prediction_time_lt: float) -> dict[str, AlarmRule]:
-        """Rules of an alarm (`burstcast.forecasts.alarm_rule.rules_of`)."""
+        """Rules of an alarm (`burstcast.forecasts.alarms.rules_of`)."""
         return rules_of(self.chosen, alarm.identifier, prediction_time_lt)
 
     def probabilities(

@@ -9,12 +9,10 @@ from burstcast.base import random_streams
 from burstcast.base.declared import at, declaring, gathered, read
 from burstcast.base.names import PERMANENT_ALARM, ForecasterName
 from burstcast.base.resampling import bootstrap_weights
-from burstcast.forecasts.alarm_rule import CALIBRATED, rules_of
-from burstcast.forecasts.alarms import counts_at
-from burstcast.forecasts.classification import SCORES
-from burstcast.forecasts.event_probabilities import EventProbabilities
+from burstcast.forecasts.alarms import CALIBRATED, rules_of
 from burstcast.forecasts.forecast_files import forecasts_from
-from burstcast.forecasts.outcomes import outcomes_by_series
+from burstcast.forecasts.probabilities import EventProbabilities
+from burstcast.forecasts.scores import SCORES, counts_at, outcomes_by_series
 from burstcast.forecasts.windows import WindowSummaries, crosses
 from burstcast.tables.cells import between
 from burstcast.tables.makers.registry import Gathered, Rows

@@ -11,7 +11,7 @@ from burstcast.base.declared import at, declaring, gathered
 from burstcast.base.names import ForecasterName
 from burstcast.base.resampled_score import ResampledScore
 from burstcast.base.resampling import bootstrap_weights
-from burstcast.forecasts.horizon_intervals import resampled_averages
+from burstcast.forecasts.horizon import resampled_averages
 from burstcast.tables.cells import Scores, between, medians_over_seeds, with_interval
 from burstcast.tables.makers.registry import Gathered, Rows
 

@@ -6,7 +6,7 @@ from burstcast.base import durations
 from burstcast.base.declared import at, declaring, made_by, read
 from burstcast.base.files.netcdf import read_rows
 from burstcast.data.starting_points import SeriesPoints, crossing_points
-from burstcast.forecasts.alarm_rule import CALIBRATED
+from burstcast.forecasts.alarms import CALIBRATED
 from burstcast.forecasts.lead_times import SeriesRatio, lead_time_scores, lead_times
 from burstcast.tables.makers._probabilities import CaseProbabilities, case_probabilities
 from burstcast.tables.makers.registry import Rows

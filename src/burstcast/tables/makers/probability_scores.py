@@ -5,8 +5,8 @@ from itertools import combinations
 
 from burstcast.base.declared import at, declaring, made_by
 from burstcast.base.resampled_score import median_scores
-from burstcast.forecasts.alarm_rule import CALIBRATED
-from burstcast.forecasts.probability_scores import resampled_scores
+from burstcast.forecasts.alarms import CALIBRATED
+from burstcast.forecasts.scores import resampled_scores
 from burstcast.tables.cells import Scores, with_interval
 from burstcast.tables.makers._probabilities import CaseProbabilities, case_probabilities
 from burstcast.tables.makers.registry import Rows

@@ -8,8 +8,8 @@ import numpy as np
 from burstcast.base.arrays import FloatArray
 from burstcast.base.declared import at, declaring, made_by, read
 from burstcast.base.resampled_score import ResampledScore
-from burstcast.forecasts.alarm_sources import AlarmSource
-from burstcast.forecasts.ranking import EVENTS, PRECURSOR, Window, ranking_scores
+from burstcast.forecasts.points import AlarmSource
+from burstcast.forecasts.scores import EVENTS, PRECURSOR, Window, ranking_scores
 from burstcast.forecasts.windows import WindowForecasts, WindowSummaries
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.registry import make_space

@@ -1,8 +1,7 @@
 """Reliability of the probabilities: how often events follow those of each bin."""
 
 from burstcast.base.declared import at, declaring, made_by
-from burstcast.forecasts.brier import binned
-from burstcast.forecasts.reliability import consistency_bars
+from burstcast.forecasts.scores import binned, consistency_bars
 from burstcast.tables.makers._probabilities import CaseProbabilities, case_probabilities
 from burstcast.tables.makers.registry import Rows
 

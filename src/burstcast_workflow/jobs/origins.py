@@ -1,8 +1,4 @@
-"""Gathering the files of many jobs, which are identified by their content.
-
-Every NetCDF and JSON file of a job carries its origin: the job's rule and wildcards, and its
-settings. Neither the path of a file nor the order of files matters.
-"""
+"""Origins of files: the jobs that wrote them, and the settings of these."""
 
 import json
 from collections.abc import Iterable, Mapping

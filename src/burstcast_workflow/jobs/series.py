@@ -1,18 +1,22 @@
-"""Data of a case for its jobs: training series and observations.
+"""Series of a job: training and test series, their observations, actuation at random."""
 
-It imports neither systems nor networks: what is observed does not depend on their code.
-"""
-
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from burstcast.base import random_streams
 from burstcast.base.arrays import FloatArray
-from burstcast.base.files.netcdf import read_netcdf, read_rows, variable_names
-from burstcast.base.series_lengths import numbers_of
+from burstcast.base.durations import positive_steps
+from burstcast.base.files.netcdf import read_attributes, read_netcdf, read_rows, variable_names
+from burstcast.control.actuation import ActuationValues, actuated_system
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.ensemble_files import SCHEDULE
-from burstcast.statistics.densities import bin_edges, edges_over
+from burstcast.data.scheduled_series import RandomActuation, TrainingSet, simulated_series
+from burstcast.systems.parameters import SHARE, Parameters, SystemParameters
 from burstcast_workflow.harness.settings import JobSettings, at
+from burstcast_workflow.jobs.cases import Clock, System
+from burstcast_workflow.jobs.origins import origins
 
 OBSERVED = "observed"
 """Variable of an ensemble whose states were observed, with noise, before they were encoded."""
@@ -103,15 +107,71 @@ class Observed(Training):
         )
 
 
-class Density(JobSettings):
-    """Density of the observable."""
+def read_scheduled(paths: Sequence[str], case: str) -> TrainingSet:
+    """Read the scheduled series of several cases, for a forecaster of one (`TrainingSet`)."""
+    parts = [read_netcdf(path, "state", "observed", "parameter") for path in paths]
+    free = [
+        number
+        for number, origin in enumerate(origins(paths))
+        if origin.identity["case"] == case and not int(read_attributes(origin.path)["actuated"])
+    ]
+    return TrainingSet.of_parts(parts, free[0] if free else None)
 
-    density: dict[str, Any] = at("case.density")
 
-    def edges(self, ensemble: str) -> FloatArray:
-        """Edges of its bins: over all the data where no range is said."""
-        bins = self.density["bins"]
-        if self.density["range"] is not None:
-            low, high = self.density["range"]
-            return bin_edges(low, high, bins)
-        return edges_over(numbers_of(read_netcdf(ensemble, "observable")["observable"]), bins)
+CANDIDATES = 8
+"""Series that are drawn for each one that is wanted, for some may laminarise."""
+
+
+class Switched(System, Clock, Observed):
+    """An actuator that switches at random, and what forecasters know about it."""
+
+    switching: dict[str, Any] | None = at("case.training.actuation")
+    actuation: dict[str, Any] | None = at("case.actuation")
+    laminarisation_threshold: float | None = at("case.laminarisation_threshold")
+    names: list[str] = at("job.parameters")
+
+    @property
+    def known_parameters(self) -> Parameters:
+        """Parameters that forecasters are given, with the case's own values."""
+        return self.forecaster_parameters(self.names, self.actuation)
+
+    def switched_series(
+        self, ensemble: str, rows: range, purpose: str
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """States of series under an actuator that switches at random; observations; schedules.
+
+        ``purpose``: "training" or "test": the random streams are called after it.
+        """
+        given, actuation, steps = self.switching, self.actuation, self.lyapunov_time
+        assert given is not None
+        assert actuation is not None
+        system, parameters = self.equations, self.known_parameters
+        on: tuple[float, ...] = (given["strength"],)
+        if self.names != [SHARE]:
+            actuated = actuated_system(
+                system, actuation["parameters"], actuation["force"], given["strength"]
+            )
+            on = SystemParameters.of(actuated, self.names).defaults
+        switching = RandomActuation(
+            positive_steps(given["interval_lt"], steps, f"{Switched.switching}.interval_lt"),
+            given["mean_on_lt"] / given["interval_lt"],
+            given["mean_off_lt"] / given["interval_lt"],
+        )
+        free = read_rows(ensemble, "state", rows.start, rows.stop)
+        acting = switching.draw(
+            CANDIDATES * len(rows),
+            free.shape[1] - 1,
+            random_streams.stream(self.random_seed, f"{purpose} actuation", self.case),
+        )
+        states, schedules = simulated_series(
+            parameters,
+            system,
+            np.ascontiguousarray(np.tile(free[:, -1].T, CANDIDATES)),
+            ActuationValues(parameters.defaults, on).schedule(acting.T).transpose(2, 0, 1),
+            len(rows),
+            time_step=self.time_step,
+            sampling_stride=self.sampling_stride,
+            laminarisation_threshold=self.laminarisation_threshold,
+        )
+        observed = self.observed_rows(ensemble, rows.start, states, "actuated")
+        return states, observed, schedules

@@ -1,31 +1,123 @@
-"""Starting points of a case: sources of alarms, their values, and the outcomes."""
+"""Starting points of a case: observations, true continuations, forecasts, outcomes.
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+An alarm source is a forecaster, a committee, or a baseline without forecasts. A committee votes
+with all networks of a size and strategy, or with the members of one ensemble.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from burstcast.base import durations
 from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.names import ForecasterName, parsed
+from burstcast.base.series_lengths import series_lengths
+from burstcast.data.starting_points import SeriesPoints, segments, starting_points
 from burstcast.forecasters._event_classifier import LabelledPoints, known_features
-from burstcast.forecasts.alarm_sources import AlarmSource, Forecasts, alarm_sources
-from burstcast.forecasts.event_probabilities import EventProbabilities
-from burstcast.forecasts.outcomes import Outcomes, outcomes_by_series
+from burstcast.forecasts.probabilities import EventProbabilities
+from burstcast.forecasts.scores import Outcomes, outcomes_by_series
 from burstcast.forecasts.windows import (
     WindowForecasts,
     WindowSummaries,
     crosses,
     share_of_votes,
+    summarise,
 )
+
+BASELINES = ("climatology", "observable_now")
+"""Alarms without a forecast: by the base rate alone, and by the observable at this moment."""
+
+
+@dataclass(frozen=True)
+class AlarmSource:
+    """Source of alarms in a case."""
+
+    #: its name: its forecaster's, ``esn-N1000-RV-committee``, ``quadratic_filtered-committee``, or
+    #: one of `BASELINES`
+    name: ForecasterName
+    #: identifiers of the forecasters that vote; none for baselines
+    forecasters: tuple[str, ...] = ()
+
+    @property
+    def identifier(self) -> str:
+        """Name of the source of alarms in tables and files."""
+        return self.name.identifier
+
+    @property
+    def committee(self) -> bool:
+        """Whether all members of the forecasters' ensembles vote, not their single forecasts."""
+        return self.name.role == "committee"
+
+    @property
+    def compared(self) -> bool:
+        """Whether it is compared with others: all but the single networks of an ensemble."""
+        return self.name.seed is None
+
+
+Forecasts: TypeAlias = Mapping[str, WindowForecasts | EventProbabilities]
+"""Forecasts of a case by the identifier of the forecaster."""
+
+
+def alarm_sources(forecasts: Forecasts) -> list[AlarmSource]:
+    """All sources of alarms in a case: baselines, forecasters, then committees."""
+    groups: dict[ForecasterName, list[str]] = {}
+    for name in forecasts:
+        groups.setdefault(replace(parsed(name), seed=None), []).append(name)
+    committees = []
+    for common, voters in groups.items():
+        first = forecasts[voters[0]]
+        if len(voters) > 1 or (isinstance(first, WindowForecasts) and first.member_first.size):
+            committees.append(AlarmSource(replace(common, role="committee"), tuple(voters)))
+    committees.sort(key=lambda source: len(source.forecasters) == 1)  # several networks first
+    baselines = [AlarmSource(ForecasterName(name)) for name in BASELINES]
+    return baselines + [AlarmSource(parsed(name), (name,)) for name in forecasts] + committees
+
+
+@dataclass(frozen=True)
+class ObservedPoints:
+    """Starting points with washouts and true continuations."""
+
+    points: SeriesPoints
+    #: observed states up to and including each point, ``(points, steps, component)``
+    washouts: FloatArray
+    seen: FloatArray  #: observed observable of the washouts, ``(points, steps)``
+    truth: WindowSummaries  #: window summaries of the true observable
+
+
+def observed_points(
+    observed: FloatArray,
+    true_observable: FloatArray,
+    observable: Callable[[FloatArray], FloatArray],
+    *,
+    spacing: int,
+    washout: int,
+    boundaries: tuple[int, ...],
+) -> ObservedPoints:
+    """Evenly spaced starting points (`starting_points`) of observed series.
+
+    ``observed``: ``(series, time, component)``. ``true_observable``: ``(series, time)``, which
+    forecasts are scored against.
+    """
+    series, length = true_observable.shape
+    lengths = series_lengths(observed)
+    points = starting_points(series, length, spacing, washout, boundaries[-1], lengths=lengths)
+    washouts = segments(observed, points, washout - 1, 0)
+    return ObservedPoints(
+        points,
+        washouts,
+        observable(washouts.transpose(2, 0, 1)),
+        summarise(segments(true_observable, points, 0, boundaries[-1])[:, 1:].T, boundaries),
+    )
 
 
 @dataclass(frozen=True)
 class ForecastPoints:
     """Starting points of a case, with outcomes and forecasts."""
 
-    #: variables of the points (`burstcast.forecasts.forecast_files.point_variables`)
+    #: variables of the points (`burstcast.forecasts.points.point_variables`)
     data: Mapping[str, Any]
     forecasts: Forecasts  #: forecasts from the points, by the identifier of the forecaster
     #: window_lt, resolution_lt: length of a prediction window, and of the windows that make it up,
