@@ -13,7 +13,7 @@ from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.harness.settings import exponent_in
 from burstcast_workflow.harness.storage import write_json
-from burstcast_workflow.jobs import cases as data
+from burstcast_workflow.jobs import series as data
 from burstcast_workflow.jobs.cases import Clock
 
 # -- lengths ---------------------------------------------------------------------------------------
