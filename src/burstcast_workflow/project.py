@@ -8,19 +8,15 @@ import subprocess
 from pathlib import Path
 
 PACKAGES = ("burstcast", "burstcast_workflow")
-"""Packages of the project, also where others lie beside them."""
+"""Packages whose code is fingerprinted by definition, also in a shared ``site-packages``."""
 
-VERSION = "burstcast_workflow.harness.version"
-"""Module of the version that stands for `HARNESS`, which runs scripts and writes files."""
-
-HARNESS = (
-    "burstcast_workflow.harness",
-    "burstcast_workflow.tracking",
-    "burstcast_workflow.project",
-    "burstcast.base.files.netcdf",
-    "burstcast.base.files.tables",
+UNTRACKED = (
+    "burstcast_workflow.harness.logs.",  # what logs tell
+    "burstcast_workflow.harness.running.",  # logs, caches and claims around a job
+    "burstcast_workflow.project.",  # where files lie
+    "burstcast_workflow.tracking.",  # hashes, digests, the cache, ownership
 )
-"""Packages and modules that are in no fingerprint: an edit of them would run everything again."""
+"""Packages and modules, each with a point, that are in no fingerprint: they change no result."""
 
 _PACKAGE = Path(__file__).resolve().parent
 # beside the workflow's files in a wheel: what they were built from

@@ -1,4 +1,4 @@
-"""Start of the workflow before any rule: checks, the config, trust in results."""
+"""Start of the workflow: checks, the config, trust in results, the beginning of a run."""
 
 import atexit
 import gc
@@ -16,13 +16,27 @@ from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.campaign.loading import ConfigError, load
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.measured_cases import OFF
-from burstcast_workflow.project import packages_of, project_root
+from burstcast_workflow.project import packages_of, project_root, source_revision
+from burstcast_workflow.snakemake_internals import (
+    at_start,
+    for_each_job,
+    force,
+    is_in_storage,
+    names_of_rules,
+    outputs_of,
+    parameters_of,
+    path_of_results,
+    planned_jobs,
+    recorded_parameters,
+    without_rate_limit,
+)
+from burstcast_workflow.stages.resources import beyond_memory
+from burstcast_workflow.tracking.cache import seconds_of_rules, tidy
 from burstcast_workflow.tracking.code import Sources, make_importable, search_directories
-from burstcast_workflow.tracking.results import damaged
-from burstcast_workflow.tracking.run import is_known, plan
-
-# Snakemake has not read its own options when it reads rules
-_FORCING = {"--forceall", "-F", "--touch", "-t", "--unlock"}
+from burstcast_workflow.tracking.results import Notes
+from burstcast_workflow.tracking.run import begin, plan
+from snakemake_logger_plugin_burstcast.reasons import unrecorded
+from snakemake_logger_plugin_burstcast.terminal import expect
 
 OFF_WITHOUT_NETWORKS = "hyperparameters, examples of forecasts, control by networks, their figures"
 
@@ -37,6 +51,7 @@ class Started(NamedTuple):
     config: dict[str, Any]
     results: str  # where they lie: below a prefix where another workflow has this one as a module
     sources: Sources
+    notes: Notes  # of the results
     directories: list[str]  # of a user's own modules
     file: Callable[[str], Path]  # of the workflow, by its path from the rules
 
@@ -63,7 +78,7 @@ def start(workflow: Any, config: Mapping[str, Any]) -> Started:
     # time takes a tenth of it; doing so once more when the process ends is as useless.
     gc.set_threshold(200_000, 50, 1000)
     atexit.register(gc.freeze)
-    claim = {} if workflow.is_main_process else plan()
+    claim = {} if workflow.is_main_process else plan(_path_of_results(workflow, config))
     directories = claim.get("directories") or search_directories(
         workflow.configfiles, project_root()
     )
@@ -72,9 +87,10 @@ def start(workflow: Any, config: Mapping[str, Any]) -> Started:
         checked = claim.get("config") or load(config, workflow.configfiles, defaults=defaults)
     except ConfigError as error:
         raise WorkflowError(str(error)) from None
-    place = workflow.modifier.path_modifier.replace_prefix(checked["results"])
-    if workflow.is_main_process:
-        check_results(place, forced=not _FORCING.isdisjoint(sys.argv))
+    place = path_of_results(workflow, checked["results"])
+    notes = Notes(place if workflow.is_main_process else "")
+    if faults := notes.damaged():
+        raise WorkflowError(f"{'; '.join(faults)}. Delete what should be made again, and run again")
     packages, beside = packages_of(project_root()), defaults.parent / "src"
     if beside.is_dir() and beside.resolve() != packages.resolve():
         raise WorkflowError(
@@ -83,28 +99,67 @@ def start(workflow: Any, config: Mapping[str, Any]) -> Started:
         )
     modules, with_libraries = own_modules(checked), checked["rerun_libraries"]
     sources = Sources(lambda name: file(f"../scripts/{name}"), packages, modules, with_libraries)
-    return Started(checked, place, sources, directories, file)
+    return Started(checked, place, sources, notes, directories, file)
 
 
-def check_results(results: str, forced: bool = False) -> None:
-    """Refuse a run where present results would be believed that should not be."""
-    if not (forced or is_known(results)):
-        raise WorkflowError(
-            f"{results} was last made from another directory, or .snakemake was deleted since: "
-            f"Snakemake does not know what it was made with. Run once with --forceall: what is in "
-            f"the cache is not computed again"
-        )
-    if files := damaged(results):
-        raise WorkflowError(
-            f"{', '.join(files)}: not what a job wrote, but edited, exchanged or cut off since. "
-            f"Delete what should be made again, and run again"
-        )
+def _path_of_results(workflow: Any, config: Mapping[str, Any]) -> str:
+    return path_of_results(workflow, str(config.get("results", "")))
+
+
+def follow(workflow: Any, started: Started, campaign: Campaign) -> None:
+    """Let Snakemake check results while it plans jobs, and begin the run before these start."""
+    checked: set[tuple[str, ...]] = set()
+
+    def check(rule: Any, wildcards: Any) -> None:
+        if not checked:
+            at_start(workflow, lambda: _begin(workflow, started, campaign))
+        if (job := (rule.name, *wildcards)) not in checked and not is_in_storage(workflow):
+            _check_results(workflow, started.notes, rule, wildcards)
+        checked.add(job)
+
+    if workflow.is_main_process:
+        for_each_job(workflow, check)
+
+
+def _check_results(workflow: Any, notes: Notes, rule: Any, wildcards: Any) -> None:
+    """Let a job run if Snakemake believes in results of it that it should not believe in.
+
+    It has no record of results that were made elsewhere, or whose record was lost, and none of
+    inputs that have been exchanged for older ones.
+    """
+    for file in outputs_of(rule, wildcards):
+        if os.path.exists(path := str(file)) and not notes.is_up_to_date(
+            path, recorded_parameters(workflow, file), lambda: parameters_of(rule, wildcards)
+        ):
+            force(workflow, [path])
+            unrecorded.add(path)
+
+
+def _begin(workflow: Any, started: Started, campaign: Campaign) -> None:
+    """Begin the run that has been planned."""
+    if workflow.local_exec:
+        if reason := beyond_memory(member.name.neurons for member in campaign.networks):
+            raise WorkflowError(reason)
+        without_rate_limit(workflow)
+    check_records(workflow, campaign)
+    started.sources.drop_stale_bytecode()
+    started.sources.keep()
+    started.notes.stamp()
+    begin(
+        started.results,
+        started.config,
+        started.sources.whole_entries(),
+        started.directories,
+        source_revision(),
+    )
+    tidy(10**9 * started.config["cache_gb"])
+    expect(planned_jobs(workflow), seconds_of_rules())
 
 
 def check_records(workflow: Any, campaign: Campaign) -> None:
     """Refuse files that jobs would import and that have mistakes, before any job."""
     imported, problems = campaign.where(has_equations=False, takes_series=False), []
-    for job in workflow.dag.needrun_jobs():
+    for job in planned_jobs(workflow):
         case = dict(job.wildcards.items()).get("case", "")
         data = campaign.cases[case].data if case in imported else None
         if data is None or not data.files:
@@ -134,11 +189,20 @@ def tell_what_is_off(campaign: Campaign) -> None:
         print(text, file=sys.stderr)
 
 
-def names_of_rules(workflow: Any) -> Mapping[str, Any]:
-    """Names that the rules of burstcast know, also where another workflow has them as a module."""
-    for rule in workflow.rules if workflow else ():
-        names: Mapping[str, Any] = rule.module_globals
-        if "campaign" in names and "of_script" in names:
-            return names
+def tell_what_is_hidden(sources: Sources) -> None:
+    """Print what reaches code that no reading of a user's own modules finds."""
+    for module, calls in sources.hidden().items():
+        print(
+            f"{module}: what this reaches is not followed, and its edits run nothing again: "
+            f"{'; '.join(calls)}. Name its files in `files` of the case",
+            file=sys.stderr,
+        )
+
+
+def rules_of_burstcast(workflow: Any) -> Mapping[str, Any]:
+    """Names that the rules of burstcast know; ends the command where there are none."""
+    names: Mapping[str, Any] | None = names_of_rules(workflow)
+    if names:
+        return names
     print("this workflow has no rules of burstcast", file=sys.stderr)
     raise SystemExit(2)

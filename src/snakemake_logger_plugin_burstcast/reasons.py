@@ -24,8 +24,12 @@ _REASONS = (
     (re.compile(r"Code has changed"), "the code has changed"),
     (re.compile(r"Software environment definition has changed"), "another software environment"),
 )
+_UNRECORDED = "made with other settings, code or inputs than now, or by no job"
 _LONGEST_VALUE = 60
 _MOST_MODULES = 3
+
+unrecorded: set[str] = set()
+"""Results that Snakemake would believe in, and the workflow does not."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,9 @@ def explanation(jobs: Sequence[PlannedJob]) -> str:
 def own_causes(job: PlannedJob) -> Iterator[tuple[str, str]]:
     """Text of each cause that lies in the job itself, and the case of a setting of several."""
     reason, _, parameters = job.reason.partition(_PARAMETERS)
+    if unrecorded.intersection(job.outputs):
+        yield _UNRECORDED, ""
+        return
     for pattern, text in _REASONS:
         if match := pattern.search(reason):
             yield text.format(**match.groupdict()).strip(), ""

@@ -1,7 +1,9 @@
 """Settings of a job by their paths: their values, and which do not concern it."""
 
+import os
 from collections.abc import Callable, Iterable, Mapping
-from functools import cached_property
+from functools import cache, cached_property
+from pathlib import Path
 from typing import Any
 
 from burstcast.base.names import ForecasterName
@@ -13,6 +15,7 @@ from burstcast_workflow.config.case import Case
 from burstcast_workflow.config.control_plans import ControlPlan
 from burstcast_workflow.harness.canonical import canonical
 from burstcast_workflow.harness.settings import JobSettings
+from burstcast_workflow.tracking.results import digest
 
 LEFT_OUT = object()
 """Value of a setting that does not concern a job."""
@@ -28,6 +31,18 @@ def computed(path: str) -> Callable[[Callable[["Job"], Any]], property]:
         return property(value)
 
     return property_of
+
+
+class NameWithoutSize(ForecasterName):
+    """Name of all networks that differ in size and seed alone: settings are the same for them."""
+
+    def __getattribute__(self, attribute: str) -> Any:
+        if attribute in ("neurons", "seed", "identifier", "keys"):
+            raise ValueError(
+                f"{attribute} of a network is no setting of its jobs: networks that differ in size "
+                f"and seed alone have the same settings, and a job has its name as a wildcard"
+            )
+        return super().__getattribute__(attribute)
 
 
 class Job:
@@ -50,7 +65,10 @@ class Job:
     @cached_property
     def name(self) -> ForecasterName:
         """Forecaster or controller of the job, or the network that its reservoir is for."""
-        return name_of(self.wildcards)
+        name = name_of(self.wildcards)
+        return NameWithoutSize(
+            name.kind, validation=name.validation, role=name.role, label=name.label
+        )
 
     @cached_property
     def plan(self) -> ControlPlan | None:
@@ -186,6 +204,12 @@ class Job:
         return {"level": level, "random_seed": self.campaign.config.random_seed} if level else None
 
     @property
+    def contents_of_data(self) -> list[list[str]]:
+        """Names and digests of the files that measured series come in."""
+        files = self.case.data.paths if self.case.data else []
+        return [[Path(file).name, _digest(file)] for file in files]
+
+    @property
     def drawn_shares(self) -> dict[str, Any] | None:
         """Shares of events that the choices up to a case's are drawn for; None: blocks of series.
 
@@ -206,6 +230,12 @@ class Job:
             "validations": sorted(filter(None, strategies)),
             "long_runs": self.case_name in long_runs,
         }
+
+
+@cache
+def _digest(file: str) -> str:
+    """Digest of a data file, once while a run is planned; empty if it is not there."""
+    return digest(file) if os.path.exists(file) else ""
 
 
 def settings_of_job(

@@ -24,7 +24,7 @@ import yaml
 from burstcast_workflow.commands.planned import planned, reasons
 from burstcast_workflow.harness.storage import atomic
 from burstcast_workflow.project import project_root
-from burstcast_workflow.start import names_of_rules
+from burstcast_workflow.start import rules_of_burstcast
 from burstcast_workflow.tracking import environment
 from burstcast_workflow.tracking.environment import library_version
 from burstcast_workflow.tracking.run import CLAIM
@@ -130,7 +130,7 @@ def _claim_of(results: Path) -> dict[str, Any]:
 def main(arguments: Sequence[str], output: Path | None = None) -> int:
     """Pack a campaign's results."""
     workflow = planned(arguments)
-    results = Path(os.path.abspath(names_of_rules(workflow)["campaign"].config.results))
+    results = Path(os.path.abspath(rules_of_burstcast(workflow)["campaign"].config.results))
     target = output or Path(f"{results.name}.zip")
     try:
         files = contents(results, _claim_of(results), reasons(workflow))

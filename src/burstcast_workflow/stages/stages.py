@@ -1,6 +1,5 @@
 """Inputs and parameters of stages: functions of a job's wildcards, which Snakemake calls."""
 
-import inspect
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -9,9 +8,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from snakemake.common import overwrite_function_params
 from snakemake.exceptions import WorkflowError
 from snakemake.io import local
+from snakemake.iocontainers import Wildcards
 
 from burstcast.base.declared import File, files_of, paths_of
 from burstcast.base.names import parsed
@@ -22,8 +21,10 @@ from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.campaign.members import CaseForecaster, ControlRun
 from burstcast_workflow.campaign.shown import Shown
-from burstcast_workflow.harness.job import function_of, settings_taken
+from burstcast_workflow.harness.call import settings_taken
+from burstcast_workflow.harness.job import function_of
 from burstcast_workflow.harness.settings import THRESHOLDS, TIME_UNIT, cases_of_thresholds
+from burstcast_workflow.snakemake_internals import of_wildcards
 from burstcast_workflow.tables.registry import cases_of, made_by, written
 from burstcast_workflow.tracking.code import Sources
 
@@ -35,45 +36,41 @@ OfJob: TypeAlias = Callable[..., Any]
 _FORECASTERS = ("forecaster", "controller", "reservoir")
 """Wildcards that name a forecaster, or the network that a reservoir is for."""
 
-_PARAMETERS = inspect.signature(lambda wildcards: None).parameters
-
-
-def of_job(function: OfJob) -> OfJob:
-    """Tell Snakemake the parameters of a function of wildcards.
-
-    It would inspect them several times for each job, which takes longer than calling the function.
-    """
-    overwrite_function_params(function, _PARAMETERS)
-    return function
-
 
 def _once(function: OfJob) -> OfJob:
     """A function of wildcards, called once for all networks that differ in size and seed alone.
 
-    Neither settings nor code depend on these, and a campaign has hundreds of such networks.
+    It is given names without these, so that what it returns cannot depend on them; a campaign has
+    hundreds of such networks.
     """
-    by_kind: dict[tuple[object, ...], Any] = {}
-    seen: dict[tuple[str, ...], Any] = {}
+    by_kind: dict[tuple[str, ...], Any] = {}
+    known: dict[tuple[str, ...], Any] = {}
 
-    @of_job
+    @of_wildcards
     def remembered(wildcards: Any) -> Any:
         values = tuple(wildcards)
-        if values not in seen:
-            about = tuple(
-                replace(parsed(value), neurons=None, seed=None) if name in _FORECASTERS else value
+        if values not in known:
+            without_size = {
+                name: _without_size(value) if name in _FORECASTERS else value
                 for name, value in wildcards.items()
-            )
-            if about not in by_kind:
-                by_kind[about] = function(wildcards)
-            seen[values] = by_kind[about]
-        return seen[values]
+            }
+            kind = tuple(without_size.values())
+            if kind not in by_kind:
+                by_kind[kind] = function(Wildcards(fromdict=without_size))
+            known[values] = by_kind[kind]
+        return known[values]
 
     return remembered
 
 
+def _without_size(identifier: str) -> str:
+    """Name of a forecaster without its size and seed."""
+    return replace(parsed(identifier), neurons=None, seed=None).identifier
+
+
 def _one(texts: OfJob, key: str) -> OfJob:
     """One of a job's parameters; empty where it does not concern the job."""
-    return of_job(lambda wildcards: texts(wildcards).get(key, ""))
+    return of_wildcards(lambda wildcards: texts(wildcards).get(key, ""))
 
 
 def any_of_regex(names: Iterable[str]) -> str:
@@ -113,7 +110,7 @@ class Stages:
         """A declared file of a job's case; nothing where it is a table that the case lacks."""
         table = Path(file.path).stem if "/tables/" in file.path else ""
 
-        @of_job
+        @of_wildcards
         def paths(wildcards: Any) -> Paths:
             if table and wildcards.case not in cases_of(self.campaign, table):
                 return []
@@ -132,7 +129,7 @@ class Stages:
     def scan_of_network(self, suffix: str) -> OfJob:
         """A file of the scan that a network's search continues."""
 
-        @of_job
+        @of_wildcards
         def path(wildcards: Any) -> Paths:
             reservoir, strategies = self.campaign.scan_of(wildcards.forecaster)
             return self.in_results(f"{wildcards.case}/scan/{reservoir}/{strategies}.{suffix}")
@@ -204,11 +201,11 @@ class Stages:
         These are functions of each job, which take time: they are left out if no case needs them.
         """
 
-        @of_job
+        @of_wildcards
         def thresholds(wildcards: Any) -> Paths:
             return self.thresholds_of(self._settings[stage](wildcards))
 
-        @of_job
+        @of_wildcards
         def time_unit(wildcards: Any) -> Paths:
             measures_time = "case.lyapunov.time_unit" in self._settings[stage](wildcards)
             if not measures_time:

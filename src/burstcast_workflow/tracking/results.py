@@ -1,21 +1,42 @@
-"""Results of jobs: what their job wrote, and whether they still are that.
+"""Results of jobs: what their job wrote, where, and from what; whether they still are that.
 
-Beside each result lies ``.<name>.sha256`` with the digest of what its job wrote, and the size, time
-and inode that the file had then. A file is only read again where one of these three differs.
+Beside each result lies ``.<name>.sha256``, its note: the digest of what its job wrote, its place
+below the results, a hash of the job's parameters, and the digests of the job's inputs; then the
+size, times and inode that the file had. A file is only read again where one of the latter differs.
+Notes travel with the results, so that these can be copied, moved and restored.
 """
 
 import hashlib
+import json
 import os
 import secrets
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
+from typing import Any, NamedTuple
 
 _SUFFIX = ".sha256"
+_MOST_NAMED = 5
 
 
 class DamagedResultError(ValueError):
     """A result is not what its job wrote."""
+
+
+class Making(NamedTuple):
+    """What a result is made from."""
+
+    parameters: str  #: hash of the job's parameters (`parameters_hash`)
+    inputs: Mapping[str, str]  #: digests of the job's inputs, by their places
+
+
+class Note(NamedTuple):
+    """What a job wrote."""
+
+    content: str  #: digest of the content
+    place: str  #: path below the results
+    making: Making
+    stamp: list[int]  #: size, times and inode of the file that has this content
 
 
 def digest(path: str | Path) -> str:
@@ -28,48 +49,125 @@ def digest(path: str | Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def note(path: str | Path, content: str) -> None:
-    """Write the digest of a result's content beside it."""
+def parameters_hash(parameters: Iterable[Any]) -> str:
+    """Hash of a job's parameters, each once, in any order, as Snakemake compares them."""
+    return hashlib.sha256("\n".join(sorted({*map(repr, parameters)})).encode()).hexdigest()[:16]
+
+
+def place_in(results: str | Path, path: str | Path) -> str:
+    """Path of a file below the results, also of a copy that a storage has fetched."""
+    root, parts = Path(os.path.normpath(results)).parts, Path(os.path.normpath(path)).parts
+    for start in range(len(parts) - len(root), -1, -1):
+        if parts[start : start + len(root)] == root:
+            return "/".join(parts[start + len(root) :])
+    return "/".join(parts)
+
+
+def note(path: str | Path, content: str, place: str, making: Making) -> None:
+    """Write down beside a result what its job wrote."""
+    _write(path, Note(content, place, making, _stamp(path)))
+
+
+def _write(path: str | Path, written: Note) -> None:
     sidecar = _sidecar(path)
     partial = sidecar.with_suffix(f".{secrets.token_hex(4)}")
-    partial.write_text(" ".join([content, *_stamp(path)]))
+    partial.write_text(json.dumps({**written._asdict(), "making": written.making._asdict()}))
     os.replace(partial, sidecar)
 
 
+def noted(path: str | Path) -> Note | None:
+    """What a job wrote, by the note beside a result; None without one that can be read."""
+    try:
+        record = json.loads(_sidecar(path).read_bytes())
+        return Note(**{**record, "making": Making(**record["making"])})
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
 def forget(path: str | Path) -> None:
-    """Remove the digest of a result that is about to be made again, perhaps not to its end."""
+    """Remove the note of a result that is about to be made again, perhaps not to its end."""
     _sidecar(path).unlink(missing_ok=True)
 
 
 def checked(path: str) -> str:
     """Digest of an input; `DamagedResultError` if it is a result, and not what its job wrote."""
-    try:
-        content, *stamp = _sidecar(path).read_text().split()
-    except (OSError, ValueError):
+    written = noted(path)
+    if written is None:
         return digest(path)  # no result of a job: a file of the user, or one of a storage
-    if stamp != _stamp(path):
-        if digest(path) != content:
-            raise DamagedResultError(
-                f"{path} is not what its job wrote: it was edited, exchanged or cut off since. "
-                f"Delete it, and run again"
-            )
-        with suppress(OSError):  # the results may be read-only
-            note(path, content)
-    return content
+    if fault := _fault(path, written):
+        raise DamagedResultError(f"{path} {fault}. Delete it, and run again")
+    return written.content
 
 
-def damaged(directory: str | Path) -> list[str]:
-    """Results in a directory that are not what their jobs wrote; deleted ones are none of them."""
-    files = []
-    for sidecar in Path(directory).rglob(f".*{_SUFFIX}"):
+def _fault(path: str | Path, written: Note) -> str:
+    """What is wrong with a result; empty if it is what its job wrote, where it wrote it."""
+    place = Path(written.place).parts
+    if Path(path).parts[-len(place) :] != place:
+        return f"is a copy of {written.place}, and not what its own job wrote"
+    if written.stamp != _stamp(path) and digest(path) != written.content:
+        return "is not what its job wrote: it was edited, exchanged or cut off since"
+    return ""
+
+
+class Notes:
+    """The notes of all results in a directory, read once."""
+
+    def __init__(self, results: str | Path) -> None:
+        self.results = Path(results)
+        self._notes = dict(_all_notes(self.results))
+
+    def damaged(self) -> list[str]:
+        """Results that are not what their jobs wrote; deleted ones are none of them."""
+        return [
+            f"{path} {fault}"
+            for path, written in sorted(self._notes.items())
+            if (fault := _fault(path, written))
+        ]
+
+    def stamp(self) -> None:
+        """Note the size, times and inode of files that were copied, so that none is read again."""
+        for path, written in self._notes.items():
+            if path.exists() and (stamp := _stamp(path)) != written.stamp:
+                with suppress(OSError):  # the results may be read-only
+                    _write(path, written._replace(stamp=stamp))
+
+    def is_up_to_date(
+        self, path: str, recorded: list[str] | None, parameters: Callable[[], Iterable[Any]]
+    ) -> bool:
+        """Whether an existing result is one of its job's parameters and of the inputs there are.
+
+        Or whether Snakemake sees by itself that it is not: by the parameters that it has
+        ``recorded`` (their representations), and by inputs that are newer than the result.
+        ``parameters``: Those of the job as it is now.
+        """
+        written = self._notes.get(Path(path))
+        if written is None:
+            return False
+        hashes = (_hash_of_representations(recorded) if recorded else "", written.making.parameters)
+        if hashes[0] != hashes[1] and parameters_hash(parameters()) != written.making.parameters:
+            return False
+        return not any(self._is_older(place, path) for place in self._others(written))
+
+    def _others(self, written: Note) -> Iterator[str]:
+        """Inputs that have another content than those a result was made from."""
+        for place, content in written.making.inputs.items():
+            now = self._notes.get(self.results / place)
+            if now is not None and now.content != content:
+                yield place
+
+    def _is_older(self, place: str, path: str) -> bool:
+        return os.stat(self.results / place).st_mtime_ns <= os.stat(path).st_mtime_ns
+
+
+def _hash_of_representations(texts: Iterable[str]) -> str:
+    return hashlib.sha256("\n".join(sorted({*texts})).encode()).hexdigest()[:16]
+
+
+def _all_notes(results: Path) -> Iterator[tuple[Path, Note]]:
+    for sidecar in results.rglob(f".*{_SUFFIX}"):
         path = sidecar.with_name(sidecar.name.removeprefix(".").removesuffix(_SUFFIX))
-        try:
-            checked(str(path))
-        except FileNotFoundError:
-            sidecar.unlink(missing_ok=True)
-        except DamagedResultError:
-            files.append(str(path))
-    return sorted(files)
+        if path.exists() and (written := noted(path)):
+            yield path, written
 
 
 def date_after(outputs: Iterable[str], inputs: Iterable[str]) -> None:
@@ -85,6 +183,6 @@ def _sidecar(path: str | Path) -> Path:
     return path.with_name(f".{path.name}{_SUFFIX}")
 
 
-def _stamp(path: str | Path) -> list[str]:
+def _stamp(path: str | Path) -> list[int]:
     state = os.stat(path)
-    return [str(state.st_size), str(state.st_mtime_ns), str(state.st_ino)]
+    return [state.st_size, state.st_mtime_ns, state.st_ctime_ns, state.st_ino]

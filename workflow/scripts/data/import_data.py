@@ -16,6 +16,8 @@ class Imported(MeasuredData, Sampling):
     """Measured series, and the thresholds of what is kept of them."""
 
     laminarisation_threshold: float | None = at("case.laminarisation_threshold")
+    #: names and digests of the files, whose dates may be those of older ones
+    contents: list[list[str]] = at("job.contents_of_data")
 
 
 @job
