@@ -14,7 +14,7 @@ from kept_tables import Tables, part, table, text
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.tables.registry import table_names
-from burstcast_workflow.tracking.results import digest, note
+from burstcast_workflow.tracking.results import Making, digest, note
 from burstcast_workflow.tracking.run import VARIABLE, begin
 
 ROOT = Path(__file__).parents[2]
@@ -40,7 +40,7 @@ def results(tmp_path, monkeypatch):
 def put_table(results, name, text):
     path = results / "tables" / f"{name}.csv"
     path.write_text(text)
-    note(path, digest(path))
+    note(path, digest(path), path.name, Making("", {}))
 
 
 def test_collected_tables_are_those_of_the_campaign(results, capsys):

@@ -31,7 +31,7 @@ sources = Sources(lambda name: ROOT / "scripts" / name, ROOT / "none", {})
 CODE = sources.entries("step.py", {})
 
 onstart:
-    begin("results", {}, CODE, [], "")
+    begin("results", {}, sources.whole_entries(), [], "")
 
 rule all:
     input: "results/total/6.txt"

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from burstcast.figures.registry import available_figures
-from burstcast_workflow.project import PACKAGES
+from burstcast_workflow.project import PACKAGES, UNTRACKED
 from burstcast_workflow.tracking.code import Sources
 from helpers_library import said_by
 
@@ -34,8 +34,8 @@ def names(entries) -> frozenset[str]:
 
 @cache
 def modules_of(path: Path) -> frozenset[str]:
-    """Modules that a script reaches."""
-    return names(sources_of(path.parent).entries(path.name, {}))
+    """Modules that a script reaches, also those of which it uses nothing."""
+    return frozenset(sources_of(path.parent).definitions(path.name, {}))
 
 
 def test_all_packages_are_those_of_the_project():
@@ -56,11 +56,6 @@ for script in sys.argv[1:]:
         os._exit(0)
     os.wait()
 """
-# which have a version instead
-OF_HARNESS = (
-    *("burstcast_workflow.harness", "burstcast_workflow.project", "burstcast_workflow.tracking"),
-    *("burstcast.base.files.netcdf", "burstcast.base.files.tables"),
-)
 
 
 def test_closures_have_what_scripts_load():
@@ -69,10 +64,8 @@ def test_closures_have_what_scripts_load():
     loaded = [line.split() for line in lines]
     assert [Path(script) for script, *_ in loaded] == SCRIPTS
     for script, *modules in loaded:
-        closure = names(SEEN.entries(str(Path(script).relative_to(STAGES)), {}))
-        # what reads and writes files loads more, for which the version stands, too
-        left_out = (*OF_HARNESS, "burstcast.base.files.")
-        missing = {name for name in modules if not name.startswith(left_out)} - closure
+        tracked = {name for name in modules if not f"{name}.".startswith(UNTRACKED)}
+        missing = tracked - SEEN.definitions(str(Path(script).relative_to(STAGES)), {}).keys()
         assert not [name for name in missing if name.startswith("burst")], script
 
 
@@ -157,9 +150,13 @@ def test_a_script_depends_on_what_concerns_its_numbers_alone(path):
     assert "snakemake" not in used(path)  # only what parameters carry
     modules = modules_of(path)
     assert not {module for module in modules if module.startswith("burstcast_workflow.config")}
-    # of the harness, which is left out, its version
-    of_harness = {module for module in modules if module.startswith(OF_HARNESS)}
-    assert of_harness == {"burstcast_workflow.harness.version"}
+    assert not {module for module in modules if f"{module}.".startswith(UNTRACKED)}
+    # of the harness, what gives the function its arguments
+    definitions = SEEN.definitions(str(path.relative_to(STAGES)), {})
+    assert {"Call", "parameters", "provenance"} <= definitions[
+        "burstcast_workflow.harness.call"
+    ].keys()
+    assert "Setting" in definitions["burstcast.base.declared"]
     # others than control know what an actuation is; tables know its records
     if path.parent.name != "control":
         control = {module for module in modules if module.startswith("burstcast.control.")}
@@ -179,7 +176,8 @@ def test_packages_import_nothing_by_themselves():
     notebook = {SOURCE / name / "__init__.py" for name in ("burstcast", "burstcast_workflow")}
     assert packages == plugins | notebook
     for path in notebook:
-        assert modules_of(path) == {"__init__.py"}
+        body = ast.parse(path.read_text()).body[1:]
+        assert [type(node) for node in body] == [ast.FunctionDef] * len(body)
 
 
 def test_scripts_do_not_depend_on_what_others_compute_with():
@@ -290,8 +288,8 @@ def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_wit
 # Each may import those before it; what offers the rest to notebooks and commands is above all.
 DOWNWARDS = ("burstcast", "snakemake_logger_plugin_burstcast", "burstcast_workflow")
 PARTS = (
-    *("project", "tracking", "harness", "jobs", "config", "campaign", "tables", "start", "opened"),
-    *("summary", "stages", "figures", "commands"),
+    *("project", "snakemake_internals", "tracking", "harness", "jobs", "config", "campaign"),
+    *("tables", "stages", "start", "opened", "summary", "figures", "commands"),
 )
 # Rooms of the library, floor by floor: none imports another of its own floor, or of one above.
 FLOORS = (

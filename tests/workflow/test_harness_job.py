@@ -15,11 +15,13 @@ import pytest
 from helpers_configs import ROOT
 from snakemake.iocontainers import Namedlist
 
-from burstcast_workflow.harness.job import JobSettings, at, run_job
+from burstcast_workflow.harness.call import Call
+from burstcast_workflow.harness.job import JobSettings, at
 from burstcast_workflow.harness.logs import cache_summary, failure_summary
+from burstcast_workflow.harness.running import run_job
 from burstcast_workflow.harness.storage import atomic, write_json
 from burstcast_workflow.tracking.code import Sources
-from burstcast_workflow.tracking.results import DamagedResultError, checked, damaged
+from burstcast_workflow.tracking.results import DamagedResultError, Notes, checked, noted
 from burstcast_workflow.tracking.run import begin
 
 HEADER = """
@@ -28,15 +30,16 @@ from types import SimpleNamespace
 
 Path("data.nc").write_text("data")
 script = Path("train.py").resolve()
-script.write_text("import burstcast.base.durations")
+script.write_text("import burstcast.base.durations as d; d.steps")
 sources = Sources(lambda name: script, SOURCES, {})
 code = sources.entries("train.py", {})
-begin("results", {}, code, [os.path.abspath("mine")], "abc")
+begin("deep", {}, sources.whole_entries(), [os.path.abspath("mine")], "abc")
 
 snakemake = SimpleNamespace(
     rule="train", resources={}, scriptdir=str(script.parent), log=["logs/train.log"],
     wildcards={"case": "Re400", "seed": "3"},
     input=files(data="data.nc"), output=files(network="deep/er/network.json"),
+    config={"results": "deep"},
     params=Namedlist(toclone=['number = 3', 'name = "Re400"', "", *code]),
 )
 """
@@ -53,7 +56,7 @@ class Named(JobSettings):
 GIVEN = {
     **{"os": os, "time": time, "np": np, "files": lambda **items: Namedlist(fromdict=items)},
     **{"SOURCES": ROOT / "src", "Sources": Sources, "begin": begin, "Namedlist": Namedlist},
-    **{"atomic": atomic, "write_json": write_json, "run_job": run_job},
+    **{"atomic": atomic, "write_json": write_json, "run_job": run_job, "Call": Call},
     **{"Named": Named},
 }
 
@@ -73,7 +76,7 @@ def started(directory, body, channels):
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
             signal.signal(number, signal.SIG_DFL)  # whatever the shell of these tests ignores
         names = {"__name__": "__main__", **GIVEN}
-        exec(f"{HEADER}{textwrap.dedent(body)}\nrun_job(snakemake, main)\n", names)
+        exec(f"{HEADER}{textwrap.dedent(body)}\nrun_job(snakemake, main, Call)\n", names)
         status = 0
     except SystemExit as stop:
         status = stop.code if isinstance(stop.code, int) else 1
@@ -106,7 +109,7 @@ def test_success(tmp_path):
     os.write(2, b"from compiled code")
     np.log(np.zeros(1))
     time.sleep(0.2)
-    script.write_text("import burstcast.base.durations  # a comment is no edit")
+    script.write_text("import burstcast.base.durations as d; d.steps  # no edit")
     assert data == "data.nc"
     read = {{"name": settings.name, "number": settings.number, "rate": own_flow.RATE}}
     write_json(network, {{"read": read, "provenance": settings.provenance}})
@@ -155,11 +158,11 @@ def main_with(parameters):
             "missing 1 required keyword-only argument: 'other'",
         ),
         (
-            f'script.write_text("import burstcast.systems; EDITED = 1")\n{MAIN}    open("ran")',
+            f'script.write_text("EDITED = 1")\n{MAIN}    open("ran")',
             "UnlikeCodeError: train.py changed after the workflow was planned",
         ),
         (
-            f'{MAIN}    script.write_text("import burstcast.base.durations; EDITED = 1")',
+            f'{MAIN}    script.write_text("EDITED = 1")',
             "train.py changed after the workflow was planned",
         ),
     ],
@@ -181,6 +184,8 @@ def test_outputs_come_from_the_cache_with_their_log(tmp_path):
     second = run(tmp_path, f"{MAIN}    raise ValueError('computed again')")[1]
     assert output.read_bytes() == content
     assert checked(str(output))
+    written = noted(output)
+    assert (written.place, {*written.making.inputs}) == ("er/network.json", {"data.nc"})
     for log in (first, second):
         assert "computed\n" in log
         assert "settings not read: number" in log
@@ -222,13 +227,13 @@ def test_what_a_killed_job_leaves_is_removed_and_not_taken_for_a_damaged_result(
     killed = f"snakemake.wildcards['seed'] = '4'\n{MAIN}    write_json(network, [1]), os._exit(9)"
     assert run(tmp_path, killed)[0].returncode == 9
     assert (tmp_path / "deep/er/network.json").read_text() == "[\n  1\n]\n"
-    assert damaged(tmp_path) == []
+    assert Notes(tmp_path).damaged() == []
 
 
 def test_a_damaged_input_stops_the_job(tmp_path):
     damage = """
-from burstcast_workflow.tracking.results import note
-note("data.nc", "0" * 64)
+from burstcast_workflow.tracking.results import Making, note
+note("data.nc", "0" * 64, "data.nc", Making("", {}))
 os.utime("data.nc", (1, 1))
 """
     result, _ = run(tmp_path, f"{damage}{MAIN}    open('ran', 'w')")

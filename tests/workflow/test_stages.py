@@ -22,8 +22,9 @@ from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.jobs import FigureJobs
 from burstcast_workflow.figures.registry import FIGURES, settings_of
-from burstcast_workflow.harness.job import function_of, settings_taken
-from burstcast_workflow.harness.job import parameters as parameters_of
+from burstcast_workflow.harness.call import parameters as parameters_of
+from burstcast_workflow.harness.call import settings_taken
+from burstcast_workflow.harness.job import function_of
 from burstcast_workflow.harness.settings import Setting
 from burstcast_workflow.stages.stages import Stages, any_of_regex
 from burstcast_workflow.tables.declarations import TABLES as DECLARED
@@ -189,8 +190,8 @@ def test_a_figure_has_its_settings_and_its_own_module_and_what_that_reaches(name
     _, modules = of_job("figure", Wildcards(figure=name, of_case=""))
     figures = {f"burstcast.figures.{figure}" for figure in FIGURES}
     assert modules & figures == {f"burstcast.figures.{name}"}
-    version = "burstcast_workflow.harness.version"
-    assert modules > {"figures/figure.py", "burstcast.figures.parts.style", version}
+    call = "burstcast_workflow.harness.call"
+    assert modules > {"figures/figure.py", "burstcast.figures.parts.style", call}
     # of what the module itself finds by name, only what the case is about
     strategies = {
         "burstcast.networks.validation_strategies.recycle",

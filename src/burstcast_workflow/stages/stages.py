@@ -264,19 +264,31 @@ class Stages:
     ) -> list[Any]:
         """Parameters of jobs, by functions of their settings and of modules found by name."""
         code = self._sources.entries
-        always = code(script, {})
-        sometimes = sorted({*code(script, everything)} - {*always})
+        least, most = code(script, {}), code(script, everything)
+        # the same for all jobs of the script: the more modules a job reaches, the more definitions
+        same = [entry for entry in most if entry in least]
+        others = sorted({_name(entry) for entry in most if entry not in least})
         texts = _once(
             lambda wildcards: {
                 path: f"{path} = {json.dumps(value, ensure_ascii=False)}"
                 for path, value in settings(wildcards).items()
             }
         )
-        reached = _once(
-            lambda wildcards: {entry: entry for entry in code(script, modules(wildcards))}
-        )
+
+        @_once
+        def reached(wildcards: Any) -> dict[str, str]:
+            entries = {*code(script, modules(wildcards))} - {*same}
+            by_entry = {_name(entry): entry for entry in entries}
+            assert by_entry.keys() <= {*others}, f"{script} reaches more for {wildcards}"
+            return by_entry
+
         return [
             *(_one(texts, path) for path in dict.fromkeys(paths)),
-            *always,
-            *(_one(reached, entry) for entry in sometimes),
+            *same,
+            *(_one(reached, name) for name in others),
         ]
+
+
+def _name(entry: str) -> str:
+    """Name of a module, script, file or library in an entry of code."""
+    return re.split(r" @| ==", entry)[0]

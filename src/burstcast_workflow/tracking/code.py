@@ -46,7 +46,7 @@ ByName = Mapping[str, Iterable[str]]
 Import: TypeAlias = tuple[str, str, str]
 """The name that an import binds, the module, with dots if it is relative, and the name in it."""
 
-_ALL, _AT_IMPORT, _LATE = "*", "", "__getattr__"
+_ALL, _AT_IMPORT, _LATE, _LISTED = "*", "", "__getattr__", "__all__"
 
 
 class Definition(NamedTuple):
@@ -122,8 +122,24 @@ class Sources:
 
     def _closure(self, script: str, by_name: ByName) -> dict[str, str]:
         """Hashes of what a script uses of itself, of modules and of files, by their names."""
+        used = self.definitions(script, by_name)
+        # a module of which nothing is used and that does nothing when it is imported is no code
+        code = {
+            name: _hash(repr([pair for pair in sorted(of.items()) if pair[1]]).encode())
+            for name, of in used.items()
+            if name == script or self._is_own(name) or any(of.values())
+        }
+        files = {
+            f"{_FILE}{name}:{file}": _hash((path.parent / file).read_bytes())
+            for name in used
+            for file in self._own.get(name) or ()
+            if (path := self._file(name))
+        }
+        return {**code, **files}
+
+    def definitions(self, script: str, by_name: ByName) -> dict[str, dict[str, str]]:
+        """Definitions that a script uses, with their hashes, by the names of their modules."""
         used: dict[str, dict[str, str]] = {}
-        files: dict[str, str] = {}
         waiting = [(Place(script, self.script(script)), _ALL)]
         while waiting:
             place, wanted = waiting.pop()
@@ -131,9 +147,6 @@ class Sources:
             if place.name not in used:
                 used[place.name] = {}
                 waiting.append((place, _AT_IMPORT))
-                for file in self._own.get(place.name) or ():
-                    content = (place.path.parent / file).read_bytes()
-                    files[f"{_FILE}{place.name}:{file}"] = _hash(content)
             if wanted == _ALL or self._is_own(place.name):
                 names = [*definitions]
             else:
@@ -144,13 +157,7 @@ class Sources:
                     waiting += self._reach(place, name)
                     if name != _AT_IMPORT:
                         waiting += self._of_registry(place.name, by_name)
-        # a module of which nothing is used and that does nothing when it is imported is no code
-        code = {
-            name: _hash(repr([pair for pair in sorted(of.items()) if pair[1]]).encode())
-            for name, of in used.items()
-            if name == script or self._is_own(name) or any(of.values())
-        }
-        return {**code, **files}
+        return used
 
     def _is_own(self, name: str) -> bool:
         return not name.endswith(".py") and name.partition(".")[0] not in PACKAGES
@@ -225,7 +232,7 @@ class Sources:
         for place in self._located(module)[-1:]:
             if place.name == module:
                 yield place, _ALL
-                listed = self._parse(place.path).definitions.get("__all__")
+                listed = self._parse(place.path).definitions.get(_LISTED)
                 for name in listed.names if listed else []:
                     if self._file(f"{module}.{name}"):
                         yield from self._use_all(f"{module}.{name}")
@@ -233,10 +240,14 @@ class Sources:
     def _of_registry(self, name: str, by_name: ByName) -> list[tuple[Place, str]]:
         package, _, module = name.rpartition(".")
         names = by_name.get(package, ()) if module == "registry" else ()
-        modules = (
+        modules = [
             chosen.partition(":")[0] if ":" in chosen else f"{package}.{chosen}" for chosen in names
-        )
-        return [(place, _ALL) for module in modules for place in self._located(module)]
+        ]
+        return [
+            (place, _ALL if place.name == module else _AT_IMPORT)
+            for module in modules
+            for place in self._located(module)
+        ]
 
     def _located(self, module: str) -> list[Place]:
         """A module with its file, after the packages that it lies in; nothing of libraries."""
@@ -385,6 +396,8 @@ def _definition(statements: list[ast.stmt], bound: list[Import], name: str) -> D
     """Definition of a name by its statements, in a module that binds names by imports."""
     read = [*map(_read, statements)]
     names = sorted({used for each in read for used in each.names})
+    if name == _LISTED:
+        names = [*_texts(statements)]
     imports = [*dict.fromkeys(binding for each in read for binding in each.imports)]
     if name == _AT_IMPORT:
         # that a module is imported is no code; what its statements do is
@@ -400,6 +413,14 @@ def _definition(statements: list[ast.stmt], bound: list[Import], name: str) -> D
 
 def _text(statements: Iterable[ast.stmt]) -> bytes:
     return "\n".join(map(ast.unparse, statements)).encode("utf-8", "surrogatepass")
+
+
+def _texts(statements: Iterable[ast.stmt]) -> Iterator[str]:
+    """Texts that stand in statements."""
+    for statement in statements:
+        for node in ast.walk(statement):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                yield node.value
 
 
 def _defined(statement: ast.stmt) -> list[str]:

@@ -212,10 +212,11 @@ def _pretend(script: str) -> None:
         with open(output, "w"):
             pass
 
-    from burstcast_workflow.tracking.results import note
+    from burstcast_workflow.tracking import results
 
+    making = results.Making(results.parameters_hash(job.params), {})
     for output in job.output:
-        note(output, EMPTY)
+        results.note(output, EMPTY, results.place_in(job.config["results"], output), making)
 
 
 if __name__ == "__main__":

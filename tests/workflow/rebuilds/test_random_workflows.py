@@ -40,7 +40,7 @@ def of_script(script, **values):
     return [*settings, *sources.entries(script, {})]
 
 onstart:
-    begin("results", {}, sources.all_entries(), [], "")
+    begin("results", {}, sources.whole_entries(), [], "")
 """
 SCRIPT = """
 import hashlib

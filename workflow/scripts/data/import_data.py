@@ -46,4 +46,4 @@ def import_data(*, sources: list[str], ensemble: str, summary: str, settings: Im
         start = measured.start[index] + settings.past * settings.sampling_interval
         variables[START] = Variable(("series",), start, TIME, "time of the first sample")
     write_netcdf(ensemble, variables, settings.provenance)
-    write_json(summary, of_all, settings.provenance)
+    write_json(summary, {**of_all, "files": settings.contents}, settings.provenance)
