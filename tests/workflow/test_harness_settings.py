@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from burstcast_workflow.harness.call import is_script, parameters
 from burstcast_workflow.harness.canonical import canonical, canonical_json
 from burstcast_workflow.harness.settings import (
     JobSettings,
@@ -169,3 +170,12 @@ def test_what_has_no_canonical_form_is_refused_with_its_place(value, error, mess
         canonical({"case": {"list": [0, value]}})
     with pytest.raises(error, match=r"^params\.a "):
         canonical({"a": value}, "params")
+
+
+def test_entries_of_code_and_settings_are_told_apart_whatever_names_say():
+    files = ["file:my:sub.py @12", "file:my:a = b.txt @1f"]
+    texts = ['a = "b.py @12"', "scripts/x.py @3", *files, "burstcast.one @0a", "numpy ==2.0", ""]
+    settings, code = parameters(texts)
+    assert settings == {"a": "b.py @12"}
+    assert code == sorted(["scripts/x.py @3", *files, "burstcast.one @0a"])
+    assert [entry for entry in code if is_script(entry)] == ["scripts/x.py @3"]

@@ -375,8 +375,16 @@ class Campaign:
 
     def all_modules(self) -> dict[str, list[str]]:
         """Modules that any job reaches by a name (`modules`)."""
-        strategies = {run.plan.kind for run in self.strategy_runs}
-        return {**self.modules({}), "burstcast.control.strategies": sorted(strategies)}
+        jobs: list[dict[str, str]] = [{}]
+        # a scan may be validated by more strategies than there are networks of
+        scans = {scanned_with(str(network.name.validation)) for network in self.networks}
+        jobs += [{"strategies": "+".join(strategies)} for strategies in scans]
+        jobs += [{"strategy": run.plan.identifier} for run in self.strategy_runs]
+        every: dict[str, set[str]] = {}
+        for job in jobs:
+            for package, names in self.modules(job).items():
+                every.setdefault(package, set()).update(names)
+        return {package: sorted(names) for package, names in every.items()}
 
     def scan_of(self, identifier: str) -> tuple[str, str]:
         """Reservoir and strategies of the scan that a network's search goes on from."""

@@ -77,6 +77,14 @@ def by_name(campaign: Campaign, record: dict) -> dict[str, list[str]]:
     return {**campaign.modules(record["wildcards"]), **makers}
 
 
+def is_used(source: Path, used: dict, file: str, line: int) -> bool:
+    """Whether a line is in code that a job uses, or in what is in no code."""
+    parts = Path(file).relative_to(source).with_suffix("").parts
+    module = ".".join(parts).removesuffix(".__init__")
+    is_outside = f"{module}.".startswith(UNTRACKED)
+    return is_outside or definition_at(Path(file), line) in used.get(module, {})
+
+
 def unplanned(directory: Path, records: Path) -> dict[str, list[str]]:
     """Functions that jobs have called, and that are not in the code of these, by the rule."""
     source, scripts = directory / "src", directory / "workflow" / "scripts"
@@ -89,20 +97,13 @@ def unplanned(directory: Path, records: Path) -> dict[str, list[str]]:
         record = json.loads(path.read_text())
         entries = [text for text in record["params"] if " @" in text and " = " not in text]
         (script,) = [text.partition(" @")[0] for text in entries if ".py @" in text]
-        used = sources.definitions(script, by_name(campaign, record))
         # the definitions are those of the job
         assert sorted(entries) == sources.entries(script, by_name(campaign, record))
-
-        def is_used(file: str, line: int) -> bool:
-            parts = Path(file).relative_to(source).with_suffix("").parts  # noqa: B023
-            module = ".".join(parts).removesuffix(".__init__")
-            is_outside = f"{module}.".startswith(UNTRACKED)
-            return is_outside or definition_at(Path(file), line) in used.get(module, {})
-
+        used = sources.definitions(script, by_name(campaign, record))
         for (file, line, name), importing in record["called"]:
             # what makes a constant that the job does not use is no code of it
-            concerned = importing is None or (importing[1] and is_used(*importing))
-            if file.startswith(str(source)) and concerned and not is_used(file, line):
+            concerned = importing is None or (importing[1] and is_used(source, used, *importing))
+            if file.startswith(str(source)) and concerned and not is_used(source, used, file, line):
                 missing.setdefault(record["rule"], set()).add(f"{file}:{line} {name}")
     return {rule: sorted(names) for rule, names in missing.items()}
 

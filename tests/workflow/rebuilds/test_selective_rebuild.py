@@ -18,7 +18,7 @@ from helpers_rebuilds import RESULTS, TINY, Project, jobs_since
 
 # all but the figures, which take most of the time
 BITS = ("forecasters", "tables")
-MODULE = "src/burstcast/forecasts/scores.py"
+HORIZON = "src/burstcast/forecasts/horizon.py"
 
 
 @pytest.fixture(scope="module")
@@ -53,16 +53,20 @@ def test_reasons_count_the_jobs_that_another_setting_runs(project, tmp_path):
     assert ran == anew > 10
 
 
-def test_an_edit_without_effect_stops_where_results_are_equal(project, tmp_path):
+def test_an_edit_without_effect_runs_its_jobs_and_stops_where_results_are_equal(project, tmp_path):
     work = project.copy(tmp_path / "project")
     first, before = work.bits(), work.logs()
-    (work.directory / MODULE).write_text((work.directory / MODULE).read_text() + "\nEDITED = 1\n")
-    reasons = work.made("-n").text
-    assert "code of burstcast.forecasts.scores (Re400): " in reasons
-    assert len(reasons) < 1500
+    work.edit(HORIZON, "STEPS_BETWEEN_CHECKS = 16", "STEPS_BETWEEN_CHECKS = 8")
+    assert "code of burstcast.forecasts.horizon (Re400): horizon (7)" in work.made("-n").text
+    figures = "horizon_by_size horizon_evaluations published_scores"
+    figures += " prediction_examples prediction_schematic"
+    tables = "horizon_table/Re400 joined_horizon report_page"
+    jobs = {f"figure/{name}" for name in figures.split()} | {*tables.split()}
+    searched = {name for name in before if name.startswith(("horizon/", "examples/"))}
+    assert work.planned() == jobs | {name.removesuffix(".log") for name in searched}
     work.made(*BITS)
-    ran, anew = computed(work, before)
-    assert 0 < anew < ran
+    # whatever reads the same numbers again has them in the cache
+    assert computed(work, before) == (len(searched) + 2, len(searched))
     assert work.bits() == first
 
 
@@ -110,7 +114,7 @@ def test_a_damaged_result_stops_the_run_with_its_name(project, tmp_path):
     for arguments in (["-n"], ["--forceall"]):
         outcome = work.snakemake(*arguments)
         assert outcome.status == 1
-        assert f"{RESULTS}/Re400/tables/horizon.csv: not what a job wrote" in outcome.text
+        assert f"{RESULTS}/Re400/tables/horizon.csv is not what its job wrote" in outcome.text
     table.unlink()
     before = work.logs()
     work.made(*BITS)
@@ -119,12 +123,119 @@ def test_a_damaged_result_stops_the_run_with_its_name(project, tmp_path):
     assert work.bits() == first
 
 
-def test_results_that_snakemake_does_not_know_are_not_believed(project, tmp_path):
+THRESHOLD = {"case_defaults": {"event_threshold": 0.12}}
+RECORDS = ".snakemake/metadata"
+
+
+def test_results_are_believed_for_what_they_are_made_from_whatever_snakemake_knows(
+    project, tmp_path
+):
     work = project.copy(tmp_path / "project")
+    expected = work.dry_run(overlay=THRESHOLD)
+    assert sum(expected.values()) > 20
     shutil.rmtree(work.directory / ".snakemake")
+    assert work.dry_run() == {}
+    assert work.dry_run(overlay=THRESHOLD) == expected
+    # another directory with the results alone
+    elsewhere = project.without_results(tmp_path / "elsewhere")
+    shutil.copytree(project.results, elsewhere.results)
+    assert elsewhere.dry_run() == {}
+    assert elsewhere.dry_run(overlay=THRESHOLD) == expected
+    # a file that no job wrote
+    (elsewhere.results / "Re400" / ".events.json.sha256").unlink()
+    assert "made with other settings, code or inputs than now" in elsewhere.made("-n").text
+
+
+@pytest.mark.parametrize("damage", ["emptied", "deleted"])
+def test_records_of_snakemake_may_be_lost(project, tmp_path, damage):
+    work = project.copy(tmp_path / "project")
+    expected = work.dry_run(overlay=THRESHOLD)
+    for record in (work.directory / RECORDS).rglob("*"):
+        if record.is_file() and b'"events"' in record.read_bytes():
+            record.unlink() if damage == "deleted" else os.truncate(record, 0)
+    assert work.dry_run() == {}
+    assert work.dry_run(overlay=THRESHOLD) == expected
+
+
+def test_a_backup_is_believed_as_far_as_it_is_of_these_settings(project, tmp_path):
+    work = project.copy(tmp_path / "project")
+    kept, first, name = tmp_path / "kept", work.bits(), "Re400/events.nc"
+    shutil.copytree(work.results, kept)
+    shutil.rmtree(work.results)
+    shutil.copytree(kept, work.results)
+    assert work.dry_run() == {}
+    work.made(f"{RESULTS}/{name}", overlay=THRESHOLD)
+    other = work.bits()[name]
+    assert other != first[name]
+    # an older file in the place of a newer one
+    for file in ("events.nc", ".events.nc.sha256"):
+        shutil.copy2(kept / "Re400" / file, work.results / "Re400" / file)
+    assert work.dry_run(f"{RESULTS}/{name}", overlay=THRESHOLD) == {"events": 1}
+    work.made(f"{RESULTS}/{name}", overlay=THRESHOLD)
+    assert work.bits()[name] == other
+    # and what it is read by is made of what is there
+    shutil.rmtree(work.results)
+    shutil.copytree(kept, work.results)
+    assert work.dry_run(overlay=THRESHOLD) == project.dry_run(overlay=THRESHOLD)
+    work.made(f"{RESULTS}/{name}")
+    assert work.bits() == first
+
+
+@pytest.mark.parametrize("act", ["exchanged", "copied over"])
+def test_results_belong_to_their_directories(project, tmp_path, act):
+    work = project.copy(tmp_path / "project")
+    networks = work.results / "Re400" / "networks"
+    first, second = networks / "esn-N30-RV-seed0", networks / "esn-N40-RV-seed0"
+    if act == "exchanged":
+        first.rename(tmp_path / "kept")
+        second.rename(first)
+        (tmp_path / "kept").rename(second)
+    else:
+        shutil.copytree(first, second, dirs_exist_ok=True)
     outcome = work.snakemake("-n")
     assert outcome.status == 1
-    assert "Run once with --forceall" in outcome.text
+    assert "esn-N40-RV-seed0/forecast.nc is a copy of Re400/networks/esn-N30" in outcome.text
+
+
+# one file of each kind that no target of the campaign needs, and two that some need
+KINDS = """ensemble.nc events.nc evaluation_set.nc lyapunov.json statistics_floor.nc
+    networks/esn-N40-RV-seed0/hyperparameters.json networks/esn-N40-RV-seed0/examples.nc
+    scan/esn-N40-seed0/RV+SSV.nc models/equations/forecast.nc tables/horizon.csv"""
+
+
+def files(project: Project) -> list[str]:
+    """All results."""
+    return sorted(name for name in project.bits() if not name.endswith(".log"))
+
+
+def made_again(project: Project, name: str) -> bool:
+    """Whether a dry run plans the file, once it is away; the dry run changes nothing."""
+    path, away = project.results / name, project.directory / "away"
+    hidden = {file: file.read_bytes() for file in project.results.rglob(".*") if file.is_file()}
+    path.rename(away)
+    text = project.made("--verbose", "-n").text
+    assert hidden == {file: file.read_bytes() for file in hidden}
+    away.rename(path)
+    outputs = re.findall(r"^ +output: (.*)$", text, re.M)
+    return any(f"{RESULTS}/{name}" in re.split(", | ", line) for line in outputs)
+
+
+@pytest.mark.parametrize("name", KINDS.split())
+def test_each_kind_of_result_is_a_target(project, name):
+    """A dry run changes nothing: what is put back is what it was."""
+    assert made_again(project, name if name.startswith("Re400") else f"Re400/{name}")
+    assert project.planned() == set()
+
+
+@pytest.mark.long
+def test_every_result_is_a_target_and_has_its_bits_again(project, tmp_path):
+    work = project.copy(tmp_path / "project")
+    assert [name for name in files(work) if not made_again(work, name)] == []
+    first = work.bits()
+    for name in files(work)[::7]:
+        (work.results / name).unlink()
+    assert work.snakemake(BURSTCAST_TEST_PRETEND="figure.py").status == 0
+    assert work.bits() == first
 
 
 # -- edits that mean nothing -----------------------------------------------------------------------
@@ -239,7 +350,7 @@ WITHOUT_EFFECT = [
     *edits_of(r"""
 help of the command line | WORKFLOW/commands/command_line.py |
   help="the zip; <results>.zip if left out" | help="the archive"
-another message of the harness | WORKFLOW/harness/job.py |
+another message of the harness | WORKFLOW/harness/running.py |
   "%s starts with settings %s" | "%s begins; its settings: %s"
 a check of lengths | WORKFLOW/campaign/lengths.py | \n    if problems:\n |
   \n    if steps == 3:\n        return ["a"]\n    if problems:\n
