@@ -15,6 +15,7 @@ from burstcast_workflow.campaign.loading import ConfigError, load, misread
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.reference import schema_of, section_of, settings
 from burstcast_workflow.figures.registry import figure_names
+from snakemake_logger_plugin_burstcast.config_files import unreadable_config, unwieldy
 
 CHOICE = re.compile(r"(statistics|control)\.forecasters\.")
 SCHEMA = schema_of(Configuration)
@@ -203,6 +204,63 @@ def test_what_yaml_reads_otherwise_than_it_looks(config, tmp_path, text, message
     if message:
         with pytest.raises(ConfigError, match="mine"):
             load(config, [tmp_path / "mine"])
+
+
+# -- what would take for ever ----------------------------------------------------------------------
+
+NINE = range(1, 10)
+BOMB = "a0: &a0 [1,1,1,1,1,1,1,1,1]\n" + "".join(
+    f"a{n}: &a{n} [{','.join([f'*a{n - 1}'] * 9)}]\n" for n in NINE
+)
+MAPS = "a0: &a0 {x: 1}\n" + "".join(
+    f"a{n}: &a{n} {{{','.join(f'k{k}: *a{n - 1}' for k in NINE)}}}\n" for n in NINE
+)
+UNWIELDY = {
+    "a bomb of lists": (BOMB, "line 6: with *a4, anchors repeat over 100000 values"),
+    "a bomb of mappings": (MAPS, "line 6: with *a4, anchors repeat over 100000 values"),
+    "within itself": ("search: &a {grid: *a}", "line 1: *a lies within &a, which never ends"),
+    "in a list": ("a: &a\n- 1\n- [*a]", "line 3: *a lies within &a, which never ends"),
+    "deep": (f"a: {'[' * 60}{']' * 60}", "line 1: more than 50 levels of settings"),
+    "very deep": (f"a: {'[' * 10**6}", "line 1: more than 50 levels of settings"),
+    "deep mappings": (
+        "".join(f"{' ' * n}a:\n" for n in range(60)),
+        "line 51: more than 50 levels of settings",
+    ),
+    "digits": (f"random_seed: {'9' * 5000}", "line 1: a number of 5000 digits"),
+}
+
+
+@pytest.mark.parametrize("name", UNWIELDY)
+def test_a_file_that_would_never_be_read_is_told(config, tmp_path, monkeypatch, name):
+    """Before Snakemake reads it, and where the program is another one."""
+    text, problem = UNWIELDY[name]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load(config, ["mine.yaml"])
+    assert caught.value.problems == [f"mine.yaml, {problem}"]
+    assert unreadable_config(["--configfile", "mine.yaml"]) == f"mine.yaml, {problem}"
+
+
+def test_ordinary_anchors_are_read(config, tmp_path):
+    """Also many of them, quoted digits, and a file of ten thousand names."""
+    names = ", ".join(f"run_{n}.csv" for n in range(10_000))
+    text = f"x: &x [{names}]\ny: &y {{a: *x}}\nz: [*x, *y, *y]\nw: '{'9' * 5000}'\nv: *none\n"
+    assert unwieldy(text.replace("v: *none\n", "")) is None
+    assert unwieldy(f"a: {'[' * 49}{']' * 49}") is None
+    (tmp_path / "mine.yaml").write_text(text)
+    assert load(config, [tmp_path / "mine.yaml"]) == load(config)
+
+
+def test_a_pipe_is_no_config(config, tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", "/dev/zero"):
+        with pytest.raises(ConfigError, match="not a file, which jobs can read again"):
+            load(config, [path])
+        problem = unreadable_config(["--configfile", str(path)])
+        assert (
+            problem == f"--configfile {path}: a pipe or a device; jobs read it, too: write a file"
+        )
 
 
 # -- the JSON Schema of configs --------------------------------------------------------------------
