@@ -163,6 +163,11 @@ def test_a_study_may_have_rules_of_its_own(tmp_path):
     assert "no rules of burstcast" in said_by([*COMMAND, "archive", "own"], tmp_path, status=2)
 
 
+def test_snakemake_finds_nothing_to_better(job_server):
+    outcome = job_server.snakemake(ROOT, "--lint")
+    assert outcome.status == 0, outcome.text
+
+
 # -- the archive -----------------------------------------------------------------------------------
 
 

@@ -8,6 +8,7 @@ import re
 import jsonschema
 import pytest
 from helpers_configs import PRESETS, ROOT, paper_with, put, read, records_of
+from snakemake.cli import parse_config
 
 from burstcast.forecasters._options import SECTIONS
 from burstcast_workflow.campaign.campaign import Campaign
@@ -100,6 +101,23 @@ def test_kinds_are_a_list_or_a_mapping(config):
     esn = config["control"]["forecasters"]["esn"]
     put(config, "control.forecasters", [{"esn": esn}, "equations"])
     assert load(config) == expected
+
+
+def test_words_of_the_command_line_are_values(config):
+    """Within a mapping of --config, Snakemake gives all values as text."""
+    given = parse_config(["figures={published_overlay: true, fixed_neurons: null}", "cache_gb=3"])
+    assert given["figures"] == {"published_overlay": "true", "fixed_neurons": "null"}
+    loaded = load(paper_with(given))
+    values = {"published_overlay": True, "fixed_neurons": None}
+    assert loaded == load(paper_with({"figures": values, "cache_gb": 3}))
+    assert loaded != load(paper_with({"figures": {**values, "published_overlay": False}}))
+    words = parse_config(["campaign=[{reynolds: [400], forecasters: {equations: {}, esn: null}}]"])
+    given = {"campaign": [{"reynolds": [400], "forecasters": {"equations": {}, "esn": None}}]}
+    assert load(paper_with(words)) == load(paper_with(given))
+    plan = "{strategy: reactive, settings: {level: [5e-2], decision_interval_lt: [0.25]}}"
+    words = parse_config([f"control={{strategies: [{plan}]}}"])
+    (block,) = load(paper_with(words))["control"]["strategies"]
+    assert block["settings"] == {"level": [0.05], "decision_interval_lt": [0.25]}
 
 
 # -- canonical form --------------------------------------------------------------------------------

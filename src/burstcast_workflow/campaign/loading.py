@@ -34,6 +34,10 @@ _NUMBERS = {
 }
 
 
+# as text, since within a mapping Snakemake reads no values of --config
+_WORDS = {"true": True, "false": False, "null": None}
+
+
 class ConfigError(ValueError):
     """A configuration with mistakes: a message for each.
 
@@ -68,7 +72,7 @@ def load(
     """
     if problems := unreadable(files := [*files]):
         raise ConfigError(problems)
-    config = dict(config)
+    config = _with_words(config)
     if defaults is not None:
         whole = yaml.load(Path(defaults).read_text(encoding="utf-8"), _LOADER)
         update_config(whole, config)
@@ -87,6 +91,15 @@ def load(
     if problems or sound is None:
         raise ConfigError(problems, aside)
     return sound.dump()
+
+
+def _with_words(value: Any) -> Any:
+    """A value of a config, and all in it, with what the texts true, false and null mean."""
+    if isinstance(value, Mapping):
+        return {key: _with_words(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_with_words(inner) for inner in value]
+    return _WORDS.get(value, value) if isinstance(value, str) else value
 
 
 def unreadable(paths: Iterable[str | Path]) -> list[str]:

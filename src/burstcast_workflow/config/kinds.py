@@ -150,7 +150,9 @@ NetworkOrNull = Annotated[
     Must("the name of a network of kind esn, no variant, such as esn-N2000-RV-seed0, or null"),
 ]
 StrategyValue = Annotated[
-    float | bool | str | list[float], Must("a number, true or false, text, or a list of numbers")
+    float | bool | str | list[Number],
+    BeforeValidator(_number),
+    Must("a number, true or false, text, or a list of numbers"),
 ]
 CaseName = Annotated[
     str,
