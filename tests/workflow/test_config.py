@@ -7,7 +7,7 @@ import re
 
 import jsonschema
 import pytest
-from helpers_configs import PRESETS, ROOT, paper_with, put, read, records_of
+from helpers_configs import PRESETS, ROOT, TINY, paper_with, put, read, records_of, tiny_with
 from snakemake.cli import parse_config
 
 from burstcast.forecasters._options import SECTIONS
@@ -118,6 +118,17 @@ def test_words_of_the_command_line_are_values(config):
     words = parse_config([f"control={{strategies: [{plan}]}}"])
     (block,) = load(paper_with(words))["control"]["strategies"]
     assert block["settings"] == {"level": [0.05], "decision_interval_lt": [0.25]}
+
+
+@pytest.mark.parametrize("reynolds", [[400, 600, 800, 1000], [400, 450.5], [500]])
+def test_tiny_takes_reynolds_numbers_in_its_one_line(reynolds):
+    """It has defaults of its own for all of them, and the settings of Re = 400 stay."""
+    block = read(TINY)["campaign"][0]
+    records = records_of(load(tiny_with({"campaign": [{**block, "reynolds": reynolds}]})))
+    assert list(records) == [f"Re{number}" for number in reynolds]
+    assert {record["test_series"] for record in records.values()} == {12}
+    if 400 in reynolds:
+        assert records["Re400"] == records_of(load(tiny_with()))["Re400"]
 
 
 # -- canonical form --------------------------------------------------------------------------------
