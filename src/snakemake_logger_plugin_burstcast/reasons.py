@@ -13,7 +13,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-_LITERAL = re.compile(r"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"")
+# names of code may have " = " in them: files that a module reads
+_CODE = re.compile(r"(.+) @([0-9a-f]+)", re.S)
+_NOW = " now: "
+_LITERAL_OR_NOW = re.compile(rf"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"|{_NOW}")
 _PARAMETERS = "Params have changed since last execution: "
 _REASONS = (
     (re.compile(r"Forced execution"), "asked for by an option"),
@@ -26,6 +29,9 @@ _REASONS = (
 )
 _UNRECORDED = "made with other settings, code or inputs than now, or by no job"
 _LONGEST_VALUE = 60
+_BEFORE = 20
+"""Characters of a long value that are shown before where it differs from others."""
+
 _MOST_MODULES = 3
 
 unrecorded: set[str] = set()
@@ -76,12 +82,20 @@ def own_causes(job: PlannedJob) -> Iterator[tuple[str, str]]:
         if match := pattern.search(reason):
             yield text.format(**match.groupdict()).strip(), ""
     if parameters:
-        before, _, now = parameters.partition(" now: ")
-        yield from differences(_literals(before), _literals(now))
+        yield from differences(*_before_and_now(parameters))
 
 
-def _literals(text: str) -> list[str]:
-    return [str(ast.literal_eval(literal)) for literal in _LITERAL.findall(text)]
+def _before_and_now(text: str) -> tuple[list[str], list[str]]:
+    """Parameters before and now, from Snakemake's text of both."""
+    before: list[str] = []
+    now: list[str] = []
+    found = before
+    for match in _LITERAL_OR_NOW.finditer(text):
+        if match[0] == _NOW:
+            found = now
+        else:
+            found.append(str(ast.literal_eval(match[0])))
+    return before, now
 
 
 def differences(before: Iterable[str], now: Iterable[str]) -> Iterator[tuple[str, str]]:
@@ -90,7 +104,7 @@ def differences(before: Iterable[str], now: Iterable[str]) -> Iterator[tuple[str
     settings_now, code_now, libraries_now = _sorted_out(now)
     for case, path in sorted({*settings, *settings_now}):
         pair = (settings.get((case, path), _NONE), settings_now.get((case, path), _NONE))
-        if pair[0] != pair[1]:
+        if _text(pair[0]) != _text(pair[1]):
             yield f"{path} {_change(*pair)}", case
     changed = sorted(code.keys() & code_now.keys()) or sorted(code.keys() ^ code_now.keys())
     if changed:
@@ -108,11 +122,10 @@ def _sorted_out(texts: Iterable[str]) -> tuple[dict[tuple[str, str], Any], dict[
     code, libraries = {}, {}
     for text in texts:
         path, is_setting, value = text.partition(" = ")
-        if is_setting:
+        if match := _CODE.fullmatch(text):
+            code[match[1]] = match[2]
+        elif is_setting:
             settings.update(_leaves(path, json.loads(value)))
-        elif " @" in text:
-            name, _, content = text.rpartition(" @")
-            code[name] = content
         elif " ==" in text:
             name, _, version = text.partition(" ==")
             libraries[name] = version
@@ -132,19 +145,42 @@ def _leaves(path: str, value: Any) -> Iterator[tuple[tuple[str, str], Any]]:
 
 def _change(before: Any, now: Any) -> str:
     if isinstance(before, list) and isinstance(now, list) and len(before) + len(now) > 4:
-        old, new = Counter(map(_shown, before)), Counter(map(_shown, now))
-        added = [f"with {value}" for value in (new - old).elements()]
-        removed = [f"without {value}" for value in (old - new).elements()]
+        old, new = Counter(map(_text, before)), Counter(map(_text, now))
+        added, removed = [*(new - old).elements()], [*(old - new).elements()]
         if len(added) + len(removed) < min(len(before), len(now)):
-            return ", ".join([*added, *removed]) or "in another order"
-    return f"{_shown(before)} -> {_shown(now)}"
+            others = {*old, *new}
+            changes = [f"with {_shown(text, others)}" for text in added]
+            changes += [f"without {_shown(text, others)}" for text in removed]
+            return ", ".join(changes) or "in another order"
+    pair = _text(before), _text(now)
+    return " -> ".join(_shown(text, pair) for text in pair)
 
 
-def _shown(value: Any) -> str:
-    if value is _NONE:
-        return "none"
-    text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
-    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 3] + "..."
+def _text(value: Any) -> str:
+    """A value as JSON, which tells 1 from true and from "1"."""
+    return "none" if value is _NONE else json.dumps(value, ensure_ascii=False, sort_keys=True)
+
+
+def _shown(text: str, others: Iterable[str]) -> str:
+    """A value for a person: of a long one, what no other begins with is among the characters."""
+    if text.startswith('"') and text[1:-1] not in others:
+        text, others = json.loads(text), [json.loads(o) for o in others if o.startswith('"')]
+    if len(text) <= _LONGEST_VALUE:
+        return text
+    shared = max((_shared(text, other) for other in others if other != text), default=0)
+    room = _LONGEST_VALUE - len("...")
+    if shared < room:
+        return f"{text[:room]}..."
+    start = shared - _BEFORE
+    if start >= len(text) - room:
+        return f"...{text[-room:]}"
+    return f"...{text[start : start + room - len('...')]}..."
+
+
+def _shared(one: str, other: str) -> int:
+    """Number of characters that two texts begin with alike."""
+    pairs = enumerate(zip(one, other, strict=False))
+    return next((n for n, (a, b) in pairs if a != b), min(len(one), len(other)))
 
 
 def _users(jobs: Sequence[PlannedJob]) -> list[set[int]]:

@@ -163,6 +163,11 @@ def test_a_study_may_have_rules_of_its_own(tmp_path):
     assert "no rules of burstcast" in said_by([*COMMAND, "archive", "own"], tmp_path, status=2)
 
 
+def test_snakemake_finds_nothing_to_better(job_server):
+    outcome = job_server.snakemake(ROOT, "--lint")
+    assert outcome.status == 0, outcome.text
+
+
 # -- the archive -----------------------------------------------------------------------------------
 
 
@@ -173,6 +178,7 @@ def results(tmp_path):
     for name in (
         *("tables/scores.csv", "tables/scores.tex", "figures/scores.pdf", "Re400/ensemble.nc"),
         *("report.html", "tables/.scores.csv.1.partial", "tables/.scores.csv.sha256"),
+        *("tables/former.csv", "tables/notes.txt", "figures/former.pdf", "figures/.former.pdf"),
     ):
         path = directory / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -182,12 +188,13 @@ def results(tmp_path):
 
 CLAIM_OF_RUN = {"revision": "a1-dirty", "linear algebra": ["a kernel"]}
 KEPT = ("tables/scores.csv", "tables/scores.tex", "figures/scores.pdf", "report.html")
+LISTED = (*KEPT[:3], "tables/missing.csv", "Re400/ensemble.nc")
 MADE = ("config.yaml", "versions.json", "why.txt", "README.md", "CITATION.cff")
 
 
 def test_an_archive_has_what_can_be_cited(results, tmp_path):
     claim = {**CLAIM_OF_RUN, "config": {"results": str(results), "random_seed": 3}}
-    files = contents(results, claim, "nothing")
+    files = contents(results, LISTED, claim, "nothing")
     assert set(files) == {f"quick/{name}" for name in (*KEPT, *MADE)}
     config = yaml.safe_load(files["quick/config.yaml"])
     assert config == {"results": "results/quick", "random_seed": 3}
@@ -198,7 +205,8 @@ def test_an_archive_has_what_can_be_cited(results, tmp_path):
 
 
 def test_equal_results_make_equal_archives(results, tmp_path):
-    files = contents(results, {**CLAIM_OF_RUN, "config": {"results": "results/quick"}}, "nothing")
+    claim = {**CLAIM_OF_RUN, "config": {"results": "results/quick"}}
+    files = contents(results, LISTED, claim, "nothing")
     packed = []
     for number, order in enumerate((sorted(files), sorted(files, reverse=True))):
         path = tmp_path / f"{number}.zip"
@@ -229,11 +237,58 @@ def test_an_archive_replaces_archives_alone(tmp_path):
 @pytest.mark.parametrize("damage", ['{"token": ', "[1]", "{}"])
 def test_an_archive_of_nothing_or_with_a_damaged_claim_is_refused(damage, tmp_path):
     with pytest.raises(NothingToArchiveError, match="neither tables nor figures"):
-        contents(tmp_path, {}, "")
+        contents(tmp_path, (), {}, "")
+    with pytest.raises(NothingToArchiveError, match=r"no results of a campaign: it has no \.run"):
+        _claim_of(tmp_path)
     claim = tmp_path / ".run.json"
     claim.write_text(damage)
     with pytest.raises(NothingToArchiveError, match=r"\.run\.json is damaged"):
         _claim_of(tmp_path)
+
+
+def test_a_directory_is_packed_with_what_its_config_makes(finished, tmp_path):
+    """Not what an older config has left there, which is told."""
+    project = finished.copy(tmp_path / "copy")
+    shutil.copy(ROOT / "CITATION.cff", project.directory)
+    for name in ("tables/former.csv", "tables/former.tex", "figures/horizon_former.pdf"):
+        (project.results / name).parent.mkdir(exist_ok=True)
+        (project.results / name).write_text("of an older config")
+    pack = [*COMMAND, "archive", "--output", tmp_path / "x.zip"]
+    options = ["--configfile", TINY]
+    told = "left out, as the config does not make them: tables/former.csv, tables/former.tex, "
+    for arguments in (["results/tiny/"], ["results/tiny", *options], options):
+        output = said_by([*pack, *arguments], project.directory, **project.environment())
+        packing, others = output.splitlines()
+        assert packing.startswith(f"{tmp_path / 'x.zip'}: ")
+        assert others == told + "figures/horizon_former.pdf"
+        with zipfile.ZipFile(tmp_path / "x.zip") as archive:
+            packed = {name: archive.read(f"tiny/{name}").decode() for name in PACKED}
+            assert not [name for name in archive.namelist() if "former" in name]
+        made = (project.results / "tables/horizon.csv").read_text()
+        assert packed["tables/horizon.csv"] == made
+        # the figures, which nobody has made yet, and nothing for another reason
+        assert re.findall(r"^(.*?):", packed["why.txt"], re.M) == ["results are missing (Re400)"]
+        assert yaml.safe_load(packed["config.yaml"])["results"] == "results/tiny"
+
+
+PACKED = ("tables/horizon.csv", "why.txt", "config.yaml")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["a", "b"], "one directory at a time, not a, b"),
+        (["a"], "a holds no results of a campaign: it has no .run.json"),
+        (["a", "--configfile", TINY], "the config makes results/tiny, seen from ..., and not a"),
+        (["--no-such-option"], "unrecognized arguments: --no-such-option"),
+    ],
+)
+def test_a_directory_that_cannot_be_packed_is_told(arguments, message, tmp_path):
+    for name in "ab":
+        (tmp_path / name).mkdir()
+    command = [*COMMAND, "archive", "-s", ROOT / "Snakefile", *arguments]
+    output = said_by(command, tmp_path, status=2)
+    assert message.replace("...", str(tmp_path)) in output
 
 
 def test_a_run_says_its_revision_and_files_do_not(finished):

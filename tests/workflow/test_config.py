@@ -7,7 +7,8 @@ import re
 
 import jsonschema
 import pytest
-from helpers_configs import PRESETS, ROOT, paper_with, put, read, records_of
+from helpers_configs import PRESETS, ROOT, TINY, paper_with, put, read, records_of, tiny_with
+from snakemake.cli import parse_config
 
 from burstcast.forecasters._options import SECTIONS
 from burstcast_workflow.campaign.campaign import Campaign
@@ -15,6 +16,7 @@ from burstcast_workflow.campaign.loading import ConfigError, load, misread
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.reference import schema_of, section_of, settings
 from burstcast_workflow.figures.registry import figure_names
+from snakemake_logger_plugin_burstcast.config_files import unreadable_config, unwieldy
 
 CHOICE = re.compile(r"(statistics|control)\.forecasters\.")
 SCHEMA = schema_of(Configuration)
@@ -99,6 +101,34 @@ def test_kinds_are_a_list_or_a_mapping(config):
     esn = config["control"]["forecasters"]["esn"]
     put(config, "control.forecasters", [{"esn": esn}, "equations"])
     assert load(config) == expected
+
+
+def test_words_of_the_command_line_are_values(config):
+    """Within a mapping of --config, Snakemake gives all values as text."""
+    given = parse_config(["figures={published_overlay: true, fixed_neurons: null}", "cache_gb=3"])
+    assert given["figures"] == {"published_overlay": "true", "fixed_neurons": "null"}
+    loaded = load(paper_with(given))
+    values = {"published_overlay": True, "fixed_neurons": None}
+    assert loaded == load(paper_with({"figures": values, "cache_gb": 3}))
+    assert loaded != load(paper_with({"figures": {**values, "published_overlay": False}}))
+    words = parse_config(["campaign=[{reynolds: [400], forecasters: {equations: {}, esn: null}}]"])
+    given = {"campaign": [{"reynolds": [400], "forecasters": {"equations": {}, "esn": None}}]}
+    assert load(paper_with(words)) == load(paper_with(given))
+    plan = "{strategy: reactive, settings: {level: [5e-2], decision_interval_lt: [0.25]}}"
+    words = parse_config([f"control={{strategies: [{plan}]}}"])
+    (block,) = load(paper_with(words))["control"]["strategies"]
+    assert block["settings"] == {"level": [0.05], "decision_interval_lt": [0.25]}
+
+
+@pytest.mark.parametrize("reynolds", [[400, 600, 800, 1000], [400, 450.5], [500]])
+def test_tiny_takes_reynolds_numbers_in_its_one_line(reynolds):
+    """It has defaults of its own for all of them, and the settings of Re = 400 stay."""
+    block = read(TINY)["campaign"][0]
+    records = records_of(load(tiny_with({"campaign": [{**block, "reynolds": reynolds}]})))
+    assert list(records) == [f"Re{number}" for number in reynolds]
+    assert {record["test_series"] for record in records.values()} == {12}
+    if 400 in reynolds:
+        assert records["Re400"] == records_of(load(tiny_with()))["Re400"]
 
 
 # -- canonical form --------------------------------------------------------------------------------
@@ -203,6 +233,63 @@ def test_what_yaml_reads_otherwise_than_it_looks(config, tmp_path, text, message
     if message:
         with pytest.raises(ConfigError, match="mine"):
             load(config, [tmp_path / "mine"])
+
+
+# -- what would take for ever ----------------------------------------------------------------------
+
+NINE = range(1, 10)
+BOMB = "a0: &a0 [1,1,1,1,1,1,1,1,1]\n" + "".join(
+    f"a{n}: &a{n} [{','.join([f'*a{n - 1}'] * 9)}]\n" for n in NINE
+)
+MAPS = "a0: &a0 {x: 1}\n" + "".join(
+    f"a{n}: &a{n} {{{','.join(f'k{k}: *a{n - 1}' for k in NINE)}}}\n" for n in NINE
+)
+UNWIELDY = {
+    "a bomb of lists": (BOMB, "line 6: with *a4, anchors repeat over 100000 values"),
+    "a bomb of mappings": (MAPS, "line 6: with *a4, anchors repeat over 100000 values"),
+    "within itself": ("search: &a {grid: *a}", "line 1: *a lies within &a, which never ends"),
+    "in a list": ("a: &a\n- 1\n- [*a]", "line 3: *a lies within &a, which never ends"),
+    "deep": (f"a: {'[' * 60}{']' * 60}", "line 1: more than 50 levels of settings"),
+    "very deep": (f"a: {'[' * 10**6}", "line 1: more than 50 levels of settings"),
+    "deep mappings": (
+        "".join(f"{' ' * n}a:\n" for n in range(60)),
+        "line 51: more than 50 levels of settings",
+    ),
+    "digits": (f"random_seed: {'9' * 5000}", "line 1: a number of 5000 digits"),
+}
+
+
+@pytest.mark.parametrize("name", UNWIELDY)
+def test_a_file_that_would_never_be_read_is_told(config, tmp_path, monkeypatch, name):
+    """Before Snakemake reads it, and where the program is another one."""
+    text, problem = UNWIELDY[name]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load(config, ["mine.yaml"])
+    assert caught.value.problems == [f"mine.yaml, {problem}"]
+    assert unreadable_config(["--configfile", "mine.yaml"]) == f"mine.yaml, {problem}"
+
+
+def test_ordinary_anchors_are_read(config, tmp_path):
+    """Also many of them, quoted digits, and a file of ten thousand names."""
+    names = ", ".join(f"run_{n}.csv" for n in range(10_000))
+    text = f"x: &x [{names}]\ny: &y {{a: *x}}\nz: [*x, *y, *y]\nw: '{'9' * 5000}'\nv: *none\n"
+    assert unwieldy(text.replace("v: *none\n", "")) is None
+    assert unwieldy(f"a: {'[' * 49}{']' * 49}") is None
+    (tmp_path / "mine.yaml").write_text(text)
+    assert load(config, [tmp_path / "mine.yaml"]) == load(config)
+
+
+def test_a_pipe_is_no_config(config, tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", "/dev/zero"):
+        with pytest.raises(ConfigError, match="not a file, which jobs can read again"):
+            load(config, [path])
+        problem = unreadable_config(["--configfile", str(path)])
+        assert (
+            problem == f"--configfile {path}: a pipe or a device; jobs read it, too: write a file"
+        )
 
 
 # -- the JSON Schema of configs --------------------------------------------------------------------

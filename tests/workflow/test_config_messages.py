@@ -112,6 +112,10 @@ results: 'a{b}' | results: must be the path of a directory, without braces
 results: . | of their own
 results: .. | of their own
 results: / | of their own
+results: "a\\0b" | results: must be the path of a directory | control characters
+results: "a\\nb" | results: must be the path of a directory | control characters
+campaign.0.realisations: 10001 | campaign[0].realisations: Input should be less than or equal to
+control.sweep.seeds: 10001 | control.sweep.seeds: Input should be less than or equal to
 results: false | results: must be the path | YAML reads yes, no, on and off as
 cases.tables: {} | cases.tables: the name must be
 cases.Re400-training1: {parameters: {reynolds: 400}} | other training series of Re400
@@ -350,3 +354,26 @@ def test_a_mistake_is_told_in_these_words_and_no_other_is(
 def test_nothing_is_wrong(table, line, nothing, directory, monkeypatch):
     monkeypatch.chdir(directory)
     load(changed(table, line))
+
+
+LONG, LARGE = "n" * 300, 10**400
+HUGE = [
+    ("results", LONG, "results: a path has at most 3000 bytes, and 255 in each part"),
+    ("results", "n/" * 1600, "results: a path has at most 3000 bytes, and 255 in each part"),
+    (f"cases.{LONG}", {"parameters": {"reynolds": 400}}, ": the name must be a letter, then at mo"),
+    ("campaign.0.forecasters.esn.variants", [LONG], "variants[0]: must be a lower-case letter"),
+    ("horizon.events", LARGE, "horizon.events: no setting takes a number as large as this"),
+    ("horizon.tolerance", LARGE, "horizon.tolerance: Input should be a valid number"),
+    ("random_seed", -LARGE, "random_seed: no setting takes a number as large as this"),
+]
+
+
+@pytest.mark.parametrize("number", range(len(HUGE)))
+def test_what_is_too_long_or_too_large_is_told(number):
+    name, value, message = HUGE[number]
+    config = paper_with()
+    put(config, name, value)
+    with pytest.raises(ConfigError) as caught:
+        load(config)
+    assert len(caught.value.problems) == 1
+    assert message in caught.value.problems[0]

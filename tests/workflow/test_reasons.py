@@ -1,5 +1,6 @@
 """What a dry run says: reasons with all jobs that they set off, from what Snakemake tells."""
 
+import json
 import random
 
 import pytest
@@ -17,6 +18,10 @@ def job(rule, reason="", inputs=(), outputs=None, case="Re400"):
     return PlannedJob(rule, case, inputs, outputs or [f"{case}/{rule}"], reason)
 
 
+Y = "y" * 56
+NINE = range(9), range(1, 10)
+
+
 def causes(reason):
     return [text for text, _ in own_causes(job("train", reason))]
 
@@ -27,6 +32,7 @@ def causes(reason):
         (["a.b = 0.2"], ["a.b = 0.25"], ["a.b 0.2 -> 0.25"]),
         (["a = 1", "b = 1"], ["b = 2", "a = 2"], ["a 1 -> 2", "b 1 -> 2"]),
         (['a = "it\'s"'], ['a = "x; now: y, \\"z\\""'], ['a it\'s -> x; now: y, "z"']),
+        (['a = "it now: y"'], ["a = 1"], ["a it now: y -> 1"]),
         (["a = null"], [], ["a null -> none"]),
         (*([f'a = {{"b": {{"c": 1, "d": [{d}]}}}}'] for d in (2, 3)), ["a.b.d [2] -> [3]"]),
         (["a = [1, 2, 3]"], ["a = [1, 2, 3, 4]"], ["a with 4"]),
@@ -39,6 +45,32 @@ def causes(reason):
         (["file:own:my a.csv @1"], ["file:own:my a.csv @2"], ["code of file:own:my a.csv"]),
         ([""], ["a = 1"], ["a none -> 1"]),
         (['a = "x"'], [f'a = "{"y" * 99}"'], [f"a x -> {'y' * 57}..."]),
+        # whole values are compared, and what they differ in is shown
+        (*([f'a = "{"y" * 99}{end}"'] for end in "pq"), [f"a ...{Y}p -> ...{Y}q"]),
+        (
+            *([f'a = "{"y" * 99}{middle}{"z" * 99}"'] for middle in "pq"),
+            [f"a ...{Y[:20]}p{'z' * 33}... -> ...{Y[:20]}q{'z' * 33}..."],
+        ),
+        (
+            *([f'a = "{"y" * 99}{end}"'] for end in ("", "more")),
+            [f"a ...{'y' * 57} -> ...{'y' * 53}more"],
+        ),
+        (
+            *([f"a = {json.dumps([Y * 2 + f'_{n}.csv' for n in some])}"] for some in NINE),
+            [f"a with ...{Y[:51]}_9.csv, without ...{Y[:51]}_0.csv"],
+        ),
+        (
+            *([f"a = {json.dumps([{Y * 2: n} for n in some])}"] for some in NINE),
+            [f'a with ...{Y[:52]}": 9}}, without ...{Y[:52]}": 0}}'],
+        ),
+        # other values, which look alike
+        (["a = 1"], ["a = true"], ["a 1 -> true"]),
+        (["a = 1"], ['a = "1"'], ['a 1 -> "1"']),
+        (["a = null"], ['a = "null"'], ['a null -> "null"']),
+        (["a = [1, 2, 3]"], ['a = [3, 2, "1"]'], ['a with "1", without 1']),
+        # a name of a file with an equals sign, or that looks like code
+        (["file:my:a = b.txt @1"], ["file:my:a = b.txt @2"], ["code of file:my:a = b.txt"]),
+        (['a = "x @12ab"'], ['a = "x @34cd"'], ["a x @12ab -> x @34cd"]),
     ],
 )
 def test_changes_of_parameters_in_words(before, now, words):

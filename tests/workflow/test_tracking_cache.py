@@ -1,8 +1,10 @@
 """The cache of actions: what is taken from it, what is not, and what it does in trouble."""
 
+import ctypes
 import os
 import shutil
 import subprocess
+import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -10,7 +12,7 @@ from pathlib import Path
 import pytest
 from helpers_rebuilds import mounted
 
-from burstcast_workflow.tracking import cache
+from burstcast_workflow.tracking import cache, environment
 from burstcast_workflow.tracking.cache import Entry, seconds_of_rules, tidy
 from burstcast_workflow.tracking.results import digest
 
@@ -74,7 +76,24 @@ def test_results_are_links_which_cost_nothing_and_share_no_time(tmp_path, place)
     assert all(state.st_nlink == 2 and state.st_mtime_ns > begin for state in states)
 
 
-@pytest.mark.parametrize("damage", ["a bit", "cut off", "missing", "record", "no log"])
+RECORDS = {
+    **{"empty": "", "no JSON": "{", "nested": "[" * 100_000, "a list": "[1, 2]", "null": "null"},
+    **{"endless": "NaN", "negative": "-1", "huge": "1" + "0" * 400, "text": '"long"'},
+}
+"""Damaged records of entries, or seconds in them."""
+
+
+def record_of(name):
+    text = RECORDS[name]
+    return (
+        text if name in list(RECORDS)[:5] else f'{{"rule": "r", "seconds": {text}, "digests": []}}'
+    )
+
+
+DAMAGES = ["a bit", "cut off", "missing", "no log", "a directory", "a pipe", "a file", *RECORDS]
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
 def test_a_damaged_entry_is_noticed_removed_and_made_again(tmp_path, place, damage, caplog):
     computed(tmp_path / "one")
     blob = blobs(place)[1]
@@ -82,12 +101,16 @@ def test_a_damaged_entry_is_noticed_removed_and_made_again(tmp_path, place, dama
         blob.write_text("3")
     elif damage == "cut off":
         os.truncate(tmp_path / "one" / "b.json", 0)  # a result in place, which is a link
-    elif damage == "missing":
-        blob.unlink()
-    elif damage == "record":
-        (blob.parent / "entry.json").write_text("{")
-    else:
+    elif damage in RECORDS:
+        (blob.parent / "entry.json").write_text(record_of(damage))
+    elif damage == "no log":
         (blob.parent / "log").unlink()
+    elif damage == "a file":
+        shutil.rmtree(blob.parent)
+        blob.parent.touch()
+    else:
+        blob.unlink()
+        {"missing": str, "a directory": os.mkdir, "a pipe": os.mkfifo}[damage](blob)
     assert taken(tmp_path / "two") is None
     assert not list((tmp_path / "two").iterdir())
     assert "is damaged" in caplog.text
@@ -210,5 +233,153 @@ def test_seconds_of_rules_are_medians_and_damaged_entries_do_not_count(tmp_path,
     computed(tmp_path / "one", key=9, rule="scan", seconds=7.5)
     record = Entry([], key=9)._place / "entry.json"
     assert seconds_of_rules() == {"train": 2.0, "scan": 7.5}
-    record.write_text("[]")
-    assert seconds_of_rules() == {"train": 2.0}
+    for name in RECORDS:
+        record.write_text(record_of(name))
+        assert seconds_of_rules() == {"train": 2.0}
+        tidy(10**9)
+
+
+# -- what is computed whatever the cache has -------------------------------------------------------
+
+
+@pytest.mark.parametrize("variable", ["1", "yes"])
+def test_a_refresh_takes_nothing_and_replaces_what_is_there(tmp_path, place, variable, monkeypatch):
+    computed(tmp_path / "one")
+    monkeypatch.setenv(cache.REFRESH, variable)
+    assert taken(tmp_path / "two") is None
+    computed(tmp_path / "two", content="34")
+    assert taken(tmp_path / "three") is None
+    computed(tmp_path / "two", content="56")
+    monkeypatch.delenv(cache.REFRESH)
+    assert taken(tmp_path / "three") == "56"
+    assert len(list(place.glob("*/*"))) == 1
+    for none in ("", "0"):
+        monkeypatch.setenv(cache.REFRESH, none)
+        assert taken(tmp_path / "four") == "56"
+
+
+def test_a_refresh_says_where_an_older_entry_stays(tmp_path, place, monkeypatch, caplog):
+    computed(tmp_path / "one")
+    monkeypatch.setenv(cache.REFRESH, "1")
+    monkeypatch.setattr(cache, "_remove", lambda entry: None)  # another user's
+    assert taken(tmp_path / "two") is None
+    computed(tmp_path / "two", content="34")
+    assert "nothing is put into the cache" in caplog.text
+
+
+def test_every_library_that_files_name_is_in_the_key(monkeypatch):
+    """scikit-optimize computes with scikit-learn, which no module of the search imports."""
+    before, version = environment.environment(), environment.library_version
+    for library in environment.LIBRARIES:
+        versions = {library: "another"}
+        monkeypatch.setattr(
+            environment,
+            "library_version",
+            lambda name, versions=versions: versions.get(name, version(name)),
+        )
+        assert environment.environment() != before
+
+
+# -- other users, and places that are no cache -----------------------------------------------------
+
+JOB = """
+import sys
+from pathlib import Path
+from burstcast_workflow.tracking.cache import Entry, seconds_of_rules, tidy
+from burstcast_workflow.tracking.results import digest
+
+outputs = sys.argv[1:]
+entry = Entry(outputs, key=1)
+assert entry.restore() is None
+for path in outputs:
+    Path(path).write_text("mine")
+entry.store([*map(digest, outputs)], "train", 1.0, Path(outputs[0]))
+assert [Path(path).read_text() for path in outputs] == ["mine"] * 2
+tidy(0), tidy(0)
+seconds_of_rules()
+"""
+
+
+def as_anyone():
+    """Take from root, in a process that begins, the power to open what permissions forbid."""
+    if os.geteuid() == 0:
+        for capability in (1, 2):  # CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH
+            ctypes.CDLL(None).prctl(24, capability, 0, 0, 0)  # PR_CAPBSET_DROP
+
+
+def told_by_a_job(directory):
+    """What the cache says on the terminal and in the log while a job computes."""
+    directory.mkdir()
+    command = [sys.executable, "-c", JOB, *(directory / name for name in ("a.nc", "b.json"))]
+    done = subprocess.run(
+        command, preexec_fn=as_anyone, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stderr.splitlines()
+
+
+TAKEN, PUT = "nothing is taken from the cache: ", "nothing is put into the cache: "
+NO_CACHE = "there is no cache, since its directory (BURSTCAST_CACHE) cannot be used: "
+
+
+@pytest.mark.parametrize(
+    ("closed", "words"),
+    [("prefix", (TAKEN, PUT)), ("entry", (TAKEN,)), ("cache", (TAKEN, PUT, NO_CACHE))],
+)
+def test_directories_of_another_user_fail_no_job(tmp_path, place, closed, words):
+    computed(tmp_path / "one")
+    (entry,) = place.glob("*/*")
+    where = {"prefix": entry.parent, "entry": entry, "cache": place}[closed]
+    where.chmod(0o000)
+    lines = told_by_a_job(tmp_path / "two")
+    where.chmod(0o700)
+    assert len(lines) == len(words)
+    assert all(line.startswith(text) for line, text in zip(lines, words, strict=True)), lines
+    assert taken(tmp_path / "three") == "12"
+
+
+def test_a_private_umask_shuts_nobody_out_of_a_shared_cache(tmp_path, place):
+    place.mkdir()
+    place.chmod(0o2770)
+    before = os.umask(0o077)
+    try:
+        computed(tmp_path / "one")
+    finally:
+        os.umask(before)
+    (prefix,) = place.iterdir()
+    assert prefix.stat().st_mode & 0o7777 == 0o2770
+
+
+@pytest.mark.parametrize(
+    ("where", "words"),
+    [
+        ("/dev/null", NO_CACHE),
+        ("/proc/none", NO_CACHE),
+        ("file", NO_CACHE),
+        ("file/cache", NO_CACHE),
+        ("loop", NO_CACHE),
+        ("n" * 300, NO_CACHE),
+        ("~nobody_of_this_name/cache", "no home directory is known"),
+        ("closed", "nothing is put into the cache, which cannot be written: "),
+    ],
+)
+def test_a_place_that_cannot_be_a_cache_is_told_in_one_line(tmp_path, where, words, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").touch()
+    (tmp_path / "loop").symlink_to("loop")
+    (tmp_path / "closed").mkdir(0o555)
+    monkeypatch.setenv(cache.VARIABLE, where)
+    lines = told_by_a_job(tmp_path / "two")
+    told = [line for line in lines if not line.startswith((TAKEN, PUT))]
+    assert len(told) == 1
+    assert words in told[0]
+    assert where.removeprefix("~") in told[0]
+    left = {"file", "loop", "closed", "two"}
+    assert {path.name for path in tmp_path.iterdir()} == left
+
+
+def test_a_sound_place_is_told_nothing_of(tmp_path, place, monkeypatch):
+    assert told_by_a_job(tmp_path / "two") == []
+    assert cache.trouble() is None
+    monkeypatch.setenv(cache.VARIABLE, "")
+    assert cache.trouble() is None

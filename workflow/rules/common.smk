@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 # plan and jobs draw to files, also if a notebook has started them
-os.environ["MPLBACKEND"] = "agg"
+os.environ.update(MPLBACKEND="agg")
 
 from burstcast.base.names import MODEL, NETWORK
 from burstcast_workflow.campaign.campaign import Campaign

@@ -21,6 +21,7 @@ from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.problems import problems_of
 from burstcast_workflow.config.sound_part import sound_part
 from burstcast_workflow.project import project_root
+from snakemake_logger_plugin_burstcast.config_files import unwieldy
 
 # libyaml's loader where there is one: ten times as fast
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -31,6 +32,10 @@ _NUMBERS = {
     "int": re.compile(r"[-+]?(0|[1-9][0-9]*)"),
     "float": re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[-+][0-9]+)?|[-+]?\.(inf|nan)", re.I),
 }
+
+
+# as text, since within a mapping Snakemake reads no values of --config
+_WORDS = {"true": True, "false": False, "null": None}
 
 
 class ConfigError(ValueError):
@@ -65,7 +70,9 @@ def load(
     it was read from, to be searched for `misread`. ``defaults``: A configuration file for what is
     not said: the workflow's own, which another workflow that takes it as a module has not read.
     """
-    config = dict(config)
+    if problems := unreadable(files := [*files]):
+        raise ConfigError(problems)
+    config = _with_words(config)
     if defaults is not None:
         whole = yaml.load(Path(defaults).read_text(encoding="utf-8"), _LOADER)
         update_config(whole, config)
@@ -86,11 +93,33 @@ def load(
     return sound.dump()
 
 
+def _with_words(value: Any) -> Any:
+    """A value of a config, and all in it, with what the texts true, false and null mean."""
+    if isinstance(value, Mapping):
+        return {key: _with_words(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_with_words(inner) for inner in value]
+    return _WORDS.get(value, value) if isinstance(value, str) else value
+
+
+def unreadable(paths: Iterable[str | Path]) -> list[str]:
+    """Find files that are none, or that would take for ever to check."""
+    problems = []
+    for path in dict.fromkeys(map(os.path.relpath, paths)):
+        if not os.path.isfile(path):
+            problems.append(f"{path}: not a file, which jobs can read again")
+        # what is no YAML is JSON, without anchors: Snakemake has read it already
+        else:
+            with suppress(yaml.YAMLError):
+                if problem := unwieldy(Path(path).read_text(encoding="utf-8")):
+                    problems.append(f"{path}, {problem}")
+    return problems
+
+
 def misread(paths: Iterable[str | Path]) -> list[str]:
     """Find pitfalls of YAML: duplicate keys, octal (0400) and sexagesimal (6:40) numbers, dates."""
     problems: list[str] = []
     for path in dict.fromkeys(map(os.path.relpath, paths)):
-        # what is no YAML is JSON: Snakemake has read it already
         with Path(path).open(encoding="utf-8") as file, suppress(yaml.YAMLError):
             problems += [f"{path}, {text}" for text in _misread(yaml.compose(file, _LOADER), "")]
     return problems

@@ -2,10 +2,12 @@
 
 ::
 
-    burstcast archive [--output FILE] [options of snakemake]
+    burstcast archive [RESULTS] [--output FILE] [options of snakemake]
 
-It holds tables, figures, the page of the report, the config, ``versions.json`` (libraries, and the
-git revision of the last run), ``why.txt`` (whether anything would run again, and why),
+It is of a directory of results, with the config of its last run, or of the config that options
+name. It holds the tables and figures that the config makes, the page of the report, the config,
+``versions.json`` (libraries, and the git revision of the last run), ``why.txt`` (whether anything
+would run again, and why),
 ``CITATION.cff``, and a README. Files are in a fixed order and without times: equal results make
 equal archives. Series and forecasters, which are large and follow from the config, are left out.
 """
@@ -15,17 +17,19 @@ import os
 import platform
 import sys
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import yaml
 
-from burstcast_workflow.commands.planned import planned, reasons
+from burstcast_workflow.commands.planned import options_of, planned, reasons
 from burstcast_workflow.harness.storage import atomic
 from burstcast_workflow.project import project_root
 from burstcast_workflow.start import rules_of_burstcast
 from burstcast_workflow.tracking import environment
+from burstcast_workflow.tracking.code import make_importable
 from burstcast_workflow.tracking.environment import library_version
 from burstcast_workflow.tracking.run import CLAIM
 
@@ -40,6 +44,8 @@ LIBRARIES = [
 ]
 """Libraries whose versions are recorded, with the libraries that change results."""
 
+_KINDS = {"tables": (".csv", ".tex"), "figures": (".pdf", ".png")}
+_MOST_NAMES = 5
 _TIME = (1980, 1, 1, 0, 0, 0)  # the earliest time of a zip file
 _README = """\
 # {name}
@@ -92,14 +98,25 @@ def _is_archive(path: Path) -> bool:
         return any(name.endswith("/versions.json") for name in archive.namelist())
 
 
-def contents(results: Path, claim: Mapping[str, Any], why: str) -> dict[str, bytes]:
-    """Files of the archive of a campaign, by their names in it."""
-    files = {
-        f"{directory}/{path.name}": path.read_bytes()
-        for directory, suffixes in (("tables", (".csv", ".tex")), ("figures", (".pdf", ".png")))
+def tables_and_figures(results: Path) -> list[str]:
+    """Names of the tables and figures that are there, whichever config made them."""
+    return [
+        f"{directory}/{path.name}"
+        for directory, suffixes in _KINDS.items()
         for path in sorted((results / directory).glob("*"))
-        if path.suffix in suffixes
-    }
+        if path.suffix in suffixes and not path.name.startswith(".")
+    ]
+
+
+def contents(
+    results: Path, listed: Collection[str], claim: Mapping[str, Any], why: str
+) -> dict[str, bytes]:
+    """Files of the archive of a campaign, by their names in it.
+
+    ``listed``: Names of the tables and figures that the config makes.
+    """
+    present = [name for name in tables_and_figures(results) if name in listed]
+    files = {name: (results / name).read_bytes() for name in present}
     if not files:
         raise NothingToArchiveError(
             f"{results} has neither tables nor figures yet: run the campaign first"
@@ -119,25 +136,67 @@ def contents(results: Path, claim: Mapping[str, Any], why: str) -> dict[str, byt
 
 
 def _claim_of(results: Path) -> dict[str, Any]:
-    path = results / CLAIM
+    path, names = results / CLAIM, ("config", "revision", "linear algebra", "directories")
     try:
         claim = json.loads(path.read_bytes())
-        return {name: claim[name] for name in ("config", "revision", "linear algebra")}
+        return {name: claim[name] for name in names}
+    except FileNotFoundError:
+        raise NothingToArchiveError(
+            f"{results} holds no results of a campaign: it has no {CLAIM}"
+        ) from None
     except (ValueError, KeyError, TypeError):
         raise NothingToArchiveError(f"{path} is damaged: run the campaign again") from None
 
 
+def _config_of_run(directory: str, temporary: Path) -> list[str]:
+    """Options of snakemake for the config of the last run in a directory of results."""
+    claim, config = _claim_of(Path(directory)), temporary / "config.yaml"
+    config.write_text(yaml.safe_dump(claim["config"]), encoding="utf-8")
+    make_importable(claim["directories"])
+    return ["--configfile", str(config)]
+
+
 def main(arguments: Sequence[str], output: Path | None = None) -> int:
     """Pack a campaign's results."""
-    workflow = planned(arguments)
-    results = Path(os.path.abspath(rules_of_burstcast(workflow)["campaign"].config.results))
-    target = output or Path(f"{results.name}.zip")
     try:
-        files = contents(results, _claim_of(results), reasons(workflow))
-        write_archive(target, files)
+        return _pack([*arguments], output)
     except (NothingToArchiveError, OSError) as error:
         print(f"nothing is archived: {error}", file=sys.stderr)
         return 2
+
+
+def _pack(arguments: list[str], output: Path | None) -> int:
+    options = options_of(arguments)
+    directories = [target for target in options.targets if Path(target).is_dir()]
+    if len(directories) > 1:
+        raise NothingToArchiveError(f"one directory at a time, not {', '.join(directories)}")
+    for directory in directories:
+        arguments.remove(directory)
+    with TemporaryDirectory() as temporary:
+        if directories and not (options.configfile or options.config):
+            arguments += _config_of_run(directories[0], Path(temporary))
+        workflow = planned(arguments)
+        why = reasons(workflow)
+    names = rules_of_burstcast(workflow)
+    made = names["started"].results
+    for directory in directories:
+        if os.path.realpath(directory) != os.path.realpath(made):
+            raise NothingToArchiveError(
+                f"the config makes {made}, seen from {os.getcwd()}, and not {directory}"
+            )
+    results, rules = Path(os.path.abspath(made)), names["rules"]
+    listed = {
+        os.path.relpath(os.path.abspath(path), results)
+        for path in (*rules.tables.input, *rules.figures.input)
+    }
+    target = output or Path(f"{results.name}.zip")
+    files = contents(results, listed, _claim_of(results), why)
+    write_archive(target, files)
     size = target.stat().st_size / 1e6
     print(f"{target}: {len(files)} files, {size:.1f} MB")
+    if others := [name for name in tables_and_figures(results) if name not in listed]:
+        more = f" and {len(others) - _MOST_NAMES} more" if len(others) > _MOST_NAMES else ""
+        print(
+            f"left out, as the config does not make them: {', '.join(others[:_MOST_NAMES])}{more}"
+        )
     return 0

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
-_OF_SNAKEMAKE = "options of snakemake follow, such as --configfile"
+_OF_SNAKEMAKE = """the directory of the results may follow, such as results/tiny, whose last run had
+the config; or options of snakemake, such as --configfile"""
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -17,12 +17,29 @@ _CHANGING += ["delete_all_output", "delete_temp_output", "export_cwl", "containe
 _CHANGING += ["conda_cleanup_envs", "conda_create_envs_only"]
 
 
+def options_of(arguments: Sequence[str]) -> Any:
+    """Options of Snakemake, by their names."""
+    return _parsed(arguments)[1]
+
+
+def _parsed(arguments: Sequence[str]) -> tuple[Any, Any]:
+    """Snakemake's parser and options; `SystemExit`, with its words, for a mistake in them."""
+    output = io.StringIO()
+    try:
+        with redirect_stdout(output), redirect_stderr(output):
+            parsed: tuple[Any, Any] = parse_args([*arguments])
+    except SystemExit:
+        print(output.getvalue(), file=sys.stderr)
+        raise
+    return parsed
+
+
 def planned(arguments: Sequence[str]) -> Any:
     """Snakemake's workflow, planned under its own options; `SystemExit` if that fails."""
     output = io.StringIO()
+    # quiet in this way, Snakemake ends a dry run before it pretends to execute the jobs
+    parser, options = _parsed([*arguments, "--dry-run", "--quiet", "rules", "progress"])
     with redirect_stdout(output), redirect_stderr(output):
-        # quiet in this way, Snakemake ends a dry run before it pretends to execute the jobs
-        parser, options = parse_args([*arguments, "--dry-run", "--quiet", "rules", "progress"])
         changing = [name for name in _CHANGING if getattr(options, name, None)]
         succeeded = not changing and args_to_api(options, parser)
     if changing:

@@ -50,6 +50,8 @@ def wrong(text: str) -> PydanticCustomError:
     return PydanticCustomError("wrong", text)
 
 
+_LARGEST = 2**64
+_LONGEST_PART, _LONGEST_PATH = 255, 3000  # bytes; the files below it have names, too
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
@@ -63,6 +65,8 @@ def _number(value: Any) -> Any:
 def _whole(value: Any) -> Any:
     """Take 3.0 for the whole number that it is."""
     value = _number(value)
+    if isinstance(value, int | float) and abs(value) >= _LARGEST:
+        raise wrong("no setting takes a number as large as this")
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
@@ -96,6 +100,9 @@ def _named(path: str) -> str:
         raise wrong("results need a directory of their own, such as results/mine")
     if os.path.isfile(path):
         raise wrong("this is a file: results need a directory")
+    whole = os.fsencode(path)
+    if len(whole) > _LONGEST_PATH or max(map(len, whole.split(b"/"))) > _LONGEST_PART:
+        raise wrong(f"a path has at most {_LONGEST_PATH} bytes, and {_LONGEST_PART} in each part")
     # POSIX keeps two slashes at the beginning, which Snakemake does not
     return posixpath.normpath(re.sub("^//+", "/", path))
 
@@ -143,20 +150,25 @@ NetworkOrNull = Annotated[
     Must("the name of a network of kind esn, no variant, such as esn-N2000-RV-seed0, or null"),
 ]
 StrategyValue = Annotated[
-    float | bool | str | list[float], Must("a number, true or false, text, or a list of numbers")
+    float | bool | str | list[Number],
+    BeforeValidator(_number),
+    Must("a number, true or false, text, or a list of numbers"),
 ]
 CaseName = Annotated[
     str,
-    Field(pattern=rf"^(?!(?:{_RESERVED}|report)\Z)[A-Za-z][A-Za-z0-9_.-]*\Z"),
+    Field(pattern=rf"^(?!(?:{_RESERVED}|report)\Z)[A-Za-z][A-Za-z0-9_.-]{{,99}}\Z"),
     Must(
-        "a letter, then letters, digits, _, - and . (not tables, figures, logs, benchmarks or "
-        "report, nor what reads as a number or truth value)"
+        "a letter, then at most 99 letters, digits, _, - and . (not tables, figures, logs, "
+        "benchmarks or report, nor what reads as a number or truth value)"
     ),
 ]
 Label = Annotated[
     str,
-    Field(pattern=rf"^(?!(?:{ROLE}|{SEED})\Z){LABEL}\Z"),
-    Must("a lower-case letter, then lower-case letters and digits (not committee, random, seed1)"),
+    Field(pattern=rf"^(?!(?:{ROLE}|{SEED})\Z){LABEL}\Z", max_length=50),
+    Must(
+        "a lower-case letter, then lower-case letters and digits, at most 50 in all (not "
+        "committee, random, seed1)"
+    ),
 ]
 ParameterName = Annotated[
     str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*\Z"), Must("the name of a parameter of the system")
@@ -169,8 +181,11 @@ SystemName = Annotated[
 ]
 Directory = Annotated[
     str,
-    Field(pattern=r"^(?!~)[^\s{}*?](?:[^{}*?]*[^\s{}*?])?\Z"),
-    Must("the path of a directory, without braces, *, ?, a leading ~ or spaces around it"),
+    Field(pattern=r"^(?!~)[^\s{}*?\x00-\x1f](?:[^{}*?\x00-\x1f]*[^\s{}*?\x00-\x1f])?\Z"),
+    Must(
+        "the path of a directory, without braces, *, ?, control characters, a leading ~ or spaces "
+        "around it"
+    ),
     AfterValidator(_named),
 ]
 

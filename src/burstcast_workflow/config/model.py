@@ -52,6 +52,7 @@ class Block(Section):
         "number of choices of the training series: the case itself, and cases `<case>-training<k>` "
         "with other training series",
         default=1,
+        le=10_000,
     )
     event_shares: Distinct[EventShare] = setting(
         "instead of realisations: choices `<case>-training<k>` whose training series are drawn at "
@@ -177,7 +178,7 @@ class Sweep(Section):
 
     cases: Distinct[CaseName] = setting("cases that the sweep is made for; none switches it off")
     prediction_times_lt: Distinct[Positive] = setting("prediction times")
-    seeds: Count = setting("networks of the first seeds")
+    seeds: Count = setting("networks of the first seeds", le=10_000)
 
 
 class StrategyBlock(Section):
@@ -195,7 +196,7 @@ class StrategyBlock(Section):
     forecasters: Choice | None = optional(
         "forecasters that control so; none for a strategy that asks none"
     )
-    seeds: Count | None = optional("networks of the first seeds; null for all")
+    seeds: Count | None = optional("networks of the first seeds; null for all", le=10_000)
     committee: bool = setting(
         "whether all networks of a size and validation strategy, or all members of a forecaster's "
         "ensemble, control as one: by the share of them that votes for an alarm, vote_share",

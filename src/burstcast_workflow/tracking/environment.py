@@ -13,10 +13,15 @@ LIBRARIES = ("numpy", "scipy", "llvmlite", "scikit-learn", "scikit-optimize")
 
 
 def environment() -> dict[str, Any]:
-    """All that last digits depend on beside the libraries that a job imports, as plain data."""
+    """All that last digits depend on beside the code, as plain data.
+
+    All of `LIBRARIES`, as every file names them: a job's code may not import what computes for it,
+    as scikit-learn does for scikit-optimize.
+    """
     import numpy  # most jobs that ask for it have it loaded; the others start without it
 
     return {
+        "libraries": {library: library_version(library) for library in LIBRARIES},
         "python": ".".join(platform.python_version_tuple()[:2]),
         "machine": platform.machine(),
         "instructions": numpy.show_config(mode="dicts").get("SIMD Extensions"),
