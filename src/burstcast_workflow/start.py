@@ -102,19 +102,28 @@ def start(workflow: Any, config: Mapping[str, Any]) -> Started:
     return Started(checked, place, sources, notes, directories, file)
 
 
+def checked_notes(results: str) -> Notes:
+    """Notes of all results; refuses a run where some are not what their jobs wrote."""
+    notes = Notes.of(results)
+    if faults := notes.damaged():
+        text = "; ".join(faults)
+        raise WorkflowError(f"{text}. Delete what should be made again, and run again")
+    return notes
+
+
 def _path_of_results(workflow: Any, config: Mapping[str, Any]) -> str:
     return path_of_results(workflow, str(config.get("results", "")))
 
 
-def follow(workflow: Any, started: Started, campaign: Campaign) -> None:
+def follow(workflow: Any, notes: Notes, begin_run: Callable[[], None]) -> None:
     """Let Snakemake check results while it plans jobs, and begin the run before these start."""
     checked: set[tuple[str, ...]] = set()
 
     def check(rule: Any, wildcards: Any) -> None:
         if not checked:
-            at_start(workflow, lambda: _begin(workflow, started, campaign))
+            at_start(workflow, begin_run)
         if (job := (rule.name, *wildcards)) not in checked and not is_in_storage(workflow):
-            _check_results(workflow, started.notes, rule, wildcards)
+            _check_results(workflow, notes, rule, wildcards)
         checked.add(job)
 
     if workflow.is_main_process:
@@ -135,7 +144,7 @@ def _check_results(workflow: Any, notes: Notes, rule: Any, wildcards: Any) -> No
             unrecorded.add(path)
 
 
-def _begin(workflow: Any, started: Started, campaign: Campaign) -> None:
+def begin_run(workflow: Any, started: Started, campaign: Campaign) -> None:
     """Begin the run that has been planned."""
     if workflow.local_exec:
         if reason := beyond_memory(member.name.neurons for member in campaign.networks):
@@ -143,7 +152,6 @@ def _begin(workflow: Any, started: Started, campaign: Campaign) -> None:
         without_rate_limit(workflow)
     check_records(workflow, campaign)
     started.sources.drop_stale_bytecode()
-    started.sources.keep()
     started.notes.stamp()
     begin(
         started.results,

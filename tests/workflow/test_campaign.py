@@ -19,7 +19,7 @@ from burstcast_workflow.config.case import Measured, Simulated
 from burstcast_workflow.config.cases import own_modules
 from burstcast_workflow.config.model import Choice
 from burstcast_workflow.harness.canonical import canonical, canonical_json
-from burstcast_workflow.jobs import cases as data
+from burstcast_workflow.jobs import series
 from burstcast_workflow.jobs.networks import Networks
 from burstcast_workflow.tables.registry import table_names
 from kolmogorov_flow import KolmogorovFlow
@@ -234,7 +234,7 @@ def test_noise_of_a_plan_is_said_also_where_the_truth_is_seen():
 
 
 def test_settings_of_cases_are_those_of_the_jobs_of_each():
-    records = settings_of_cases(PAPER, data.Tested)
+    records = settings_of_cases(PAPER, series.Tested)
     paths = ["case.training.series", "case.test_series"]
     assert records == {case: settings_of_job(PAPER, paths, {"case": case}) for case in records}
     assert list(records) == list(PAPER.case_names)

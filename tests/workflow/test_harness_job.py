@@ -227,7 +227,7 @@ def test_what_a_killed_job_leaves_is_removed_and_not_taken_for_a_damaged_result(
     killed = f"snakemake.wildcards['seed'] = '4'\n{MAIN}    write_json(network, [1]), os._exit(9)"
     assert run(tmp_path, killed)[0].returncode == 9
     assert (tmp_path / "deep/er/network.json").read_text() == "[\n  1\n]\n"
-    assert Notes(tmp_path).damaged() == []
+    assert Notes.of(tmp_path).damaged() == []
 
 
 def test_a_damaged_input_stops_the_job(tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from burstcast_workflow.harness.job import job_identity, provenance
+from burstcast_workflow.harness.call import job_identity, provenance
 from burstcast_workflow.harness.storage import write_json, write_netcdf
 from burstcast_workflow.jobs.origins import origins
 from burstcast_workflow.jobs.tables import Tables, TablesOfCase, as_declared

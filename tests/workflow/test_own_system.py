@@ -220,8 +220,7 @@ def test_a_module_runs_and_its_results_are_known(tmp_path, job_server, finished,
     """Files say the stages that made them, whatever the rules are called; where they are, too."""
     where = f"\n    prefix: {prefix!r}" if prefix else ""
     module = AS_MODULE.replace("    config: config", f"    config: config{where}")
-    handler = "onstart:\n    burstcast.onstart()\n"
-    (tmp_path / "Snakefile").write_text(f"{module} as flow_*\n{handler}", encoding="utf-8")
+    (tmp_path / "Snakefile").write_text(f"{module} as flow_*\n", encoding="utf-8")
     results = tmp_path / prefix / "results" / "tiny"
     table = results / "tables" / "control.csv"
     # what another rule has made, under its own name, comes from the cache

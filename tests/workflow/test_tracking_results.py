@@ -65,7 +65,7 @@ def test_a_result_that_was_changed_stops_who_reads_it_and_is_listed(result, chan
     change(result)
     with pytest.raises(DamagedResultError, match=r"events\.nc is not what its job wrote.*Delete"):
         checked(str(result))
-    (fault,) = Notes(result.parents[1]).damaged()
+    (fault,) = Notes.of(result.parents[1]).damaged()
     assert fault.startswith(f"{result} is not what its job wrote")
 
 
@@ -84,7 +84,7 @@ def test_the_same_content_is_the_same_result_and_is_read_once(result, change, mo
     content = digest(result)
     change(result)
     assert checked(str(result)) == content
-    notes = Notes(result.parents[1])
+    notes = Notes.of(result.parents[1])
     assert notes.damaged() == []
     notes.stamp()  # what was found is remembered
     monkeypatch.setattr("burstcast_workflow.tracking.results.digest", None)
@@ -95,7 +95,7 @@ def test_files_of_others_are_read_and_deleted_ones_are_no_damage(result, tmp_pat
     (tmp_path / "own.csv").write_text("1,2")
     assert checked(str(tmp_path / "own.csv")) == digest(tmp_path / "own.csv")
     result.unlink()
-    assert Notes(tmp_path).damaged() == []
+    assert Notes.of(tmp_path).damaged() == []
     assert noted(result)  # looking changes nothing
     forget(result)
     result.write_text("Events")  # of somebody else, or made again
@@ -109,9 +109,9 @@ def test_a_result_belongs_to_its_place(tmp_path):
     first = made(tmp_path / "results", "a/esn-N30/forecaster.nc", "30")
     second = made(tmp_path / "results", "a/esn-N40/forecaster.nc", "40")
     shutil.copytree(tmp_path / "results", tmp_path / "elsewhere")
-    assert Notes(tmp_path / "elsewhere").damaged() == []
+    assert Notes.of(tmp_path / "elsewhere").damaged() == []
     shutil.copytree(first.parent, second.parent, dirs_exist_ok=True)
-    (fault,) = Notes(tmp_path / "results").damaged()
+    (fault,) = Notes.of(tmp_path / "results").damaged()
     assert fault == (
         f"{second} is a copy of a/esn-N30/forecaster.nc, and not what its own job wrote"
     )
@@ -157,9 +157,9 @@ def test_a_result_is_believed_if_it_is_of_the_parameters_of_its_job(
 ):
     path = made(tmp_path, "a/table.csv", "1")
     record = record and recorded(record)
-    assert Notes(tmp_path).is_up_to_date(str(path), record, lambda: now) == expected
+    assert Notes.of(tmp_path).is_up_to_date(str(path), record, lambda: now) == expected
     forget(path)
-    assert not Notes(tmp_path).is_up_to_date(str(path), record, lambda: now)  # of no job
+    assert not Notes.of(tmp_path).is_up_to_date(str(path), record, lambda: now)  # of no job
 
 
 @pytest.mark.parametrize("newer", [False, True])
@@ -168,7 +168,7 @@ def test_a_result_of_other_inputs_is_noticed_whatever_the_dates(tmp_path, newer)
     second = made(tmp_path, "a/table.csv", "2", ["a/series.nc"])
 
     def is_believed():
-        notes, record = Notes(tmp_path), recorded(PARAMETERS)
+        notes, record = Notes.of(tmp_path), recorded(PARAMETERS)
         return notes.is_up_to_date(str(second), record, lambda: PARAMETERS)
 
     assert is_believed()

@@ -92,7 +92,7 @@ def _run(snakemake: Any, call: Call, label: str) -> None:
     """Compute a job's outputs, or take them from the cache."""
     start = time.monotonic()
     logger.info("%s starts with settings %s", label, canonical_json(call.declared))
-    planned = plan(snakemake.config["results"])
+    planned = plan(snakemake.config.get("results", ""))
     make_importable(planned["directories"])
     sources = _checked_code(snakemake, call, planned)
     inputs = _contents(snakemake.input)
@@ -122,7 +122,7 @@ def _run(snakemake: Any, call: Call, label: str) -> None:
         logger.info("settings not read: %s", ", ".join(unread))
 
     # what was edited meanwhile may have taken part
-    _checked_code(snakemake, call, plan(snakemake.config["results"]))
+    _checked_code(snakemake, call, plan(snakemake.config.get("results", "")))
     if inputs != _contents(snakemake.input):
         raise UnlikeCodeError("an input has changed while the job ran: run again")
     seconds = time.monotonic() - start

@@ -13,10 +13,9 @@ import secrets
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 _SUFFIX = ".sha256"
-_MOST_NAMED = 5
 
 
 class DamagedResultError(ValueError):
@@ -110,11 +109,15 @@ def _fault(path: str | Path, written: Note) -> str:
 
 
 class Notes:
-    """The notes of all results in a directory, read once."""
+    """Notes of results, by the paths of these, as they were when they were read."""
 
-    def __init__(self, results: str | Path) -> None:
-        self.results = Path(results)
-        self._notes = dict(_all_notes(self.results))
+    def __init__(self, results: str | Path = "", notes: Mapping[Path, Note] | None = None) -> None:
+        self.results, self._notes = Path(results), dict(notes or {})
+
+    @classmethod
+    def of(cls, results: str | Path) -> Self:
+        """All notes in a directory of results."""
+        return cls(results, dict(_all_notes(Path(results))))
 
     def damaged(self) -> list[str]:
         """Results that are not what their jobs wrote; deleted ones are none of them."""

@@ -24,22 +24,27 @@ OPTIONS = (
     *("--rerun-triggers", "mtime", "params", "input", "software-env"),
 )
 SNAKEFILE = """
-import json, sys
+import json
 from pathlib import Path
+from burstcast_workflow.snakemake_internals import all_files
+from burstcast_workflow.start import checked_notes, follow
 from burstcast_workflow.tracking.cache import tidy
-from burstcast_workflow.start import check_results
 from burstcast_workflow.tracking.code import Sources
+from burstcast_workflow.tracking.results import digest
 from burstcast_workflow.tracking.run import begin
 
 ROOT = Path(str(workflow.current_basedir))
-check_results("results", "--forceall" in sys.argv)
+campaign = None  # as the project's rules have one
+notes = checked_notes("results") if workflow.is_main_process else None
 sources = Sources(lambda name: ROOT / "scripts" / name, ROOT / "none", {"own": ()})
 
 def of_script(script, **values):
     settings = [f"{name} = {json.dumps(value)}" for name, value in values.items()]
     return [*settings, *sources.entries(script, {})]
 
-onstart:
+
+def begin_run():
+    notes.stamp()
     begin("results", {}, sources.whole_entries(), [], "")
 """
 SCRIPT = """
@@ -113,7 +118,9 @@ class Workflow:
             # Snakemake sees which inputs a job has, and neither their names nor their order
             files = [self.file(place) for place in sorted(rule["inputs"])]
             inputs = f"in0={files[::2]}, in1={files[1::2]}"
-            settings = f"**{rule['settings']}"
+            # data files count by their contents, as parameters
+            data = [name for name in files if name.startswith("data/")]
+            settings = f"**{rule['settings']}, contents=[digest(path) for path in {data}]"
             rules.append(
                 f"rule r{place}:\n    input: {inputs}\n"
                 f"    output: made='results/{{case}}/r{place}.txt',\n"
@@ -124,7 +131,10 @@ class Workflow:
             )
             everything += [f"results/{case}/r{place}.txt" for case in self.cases]
         texts["Snakefile"] = (
-            SNAKEFILE + f"rule all:\n    input: {everything}\n\n" + "\n".join(rules)
+            SNAKEFILE
+            + f"rule all:\n    input: lambda wildcards: all_files(workflow, {everything})\n\n"
+            + "\n".join(rules)
+            + "\nfollow(workflow, notes, begin_run)\n"
         )
         return texts
 
@@ -158,14 +168,34 @@ class Workflow:
                 path.unlink() if kind == "delete" else path.touch()
         elif kind == "touch a source":
             (directory / f"data/s{chance.randrange(3)}.txt").touch()
-        elif kind == "forget":  # and run with --forceall
+        elif kind == "older source":  # in the place of another one
+            number = chance.randrange(3)
+            self.sources[number] = f"another {chance.randrange(4)}"
+            path = directory / f"data/s{number}.txt"
+            path.write_text(self.sources[number])
+            os.utime(path, (1e9, 1e9))
+        elif kind == "save":
+            shutil.rmtree(directory / "saved", ignore_errors=True)
+            shutil.copytree(directory / "results", directory / "saved")
+        elif kind == "restore" and (directory / "saved").exists():
+            keep = chance.random() < 0.5  # all results, or over those that are there
+            if not keep:
+                shutil.rmtree(directory / "results")
+            shutil.copytree(directory / "saved", directory / "results", dirs_exist_ok=True)
+        elif kind == "forget":
             shutil.rmtree(directory / ".snakemake", ignore_errors=True)
+        elif kind == "lose records":
+            for record in sorted((directory / ".snakemake/metadata").rglob("*")):
+                if record.is_file() and chance.random() < 0.3:
+                    os.truncate(record, 0)
 
 
 KINDS = (
     *("source", "module", "setting", "more settings", "imports", "inputs", "script", "comment"),
     *("cases", "delete", "touch", "touch a source", "back", "back", "forget"),
+    *("older source", "save", "restore", "restore", "lose records"),
 )
+WITHOUT_EFFECT = {"comment", "delete", "touch", "touch a source", "forget", "save", "lose records"}
 
 
 def imported(modules):
@@ -241,9 +271,10 @@ def run(directory, *arguments, cache=""):
 
 
 def contents(directory, texts):
-    """Results that the workflow asks for, by name."""
-    wanted = eval(texts["Snakefile"].partition("rule all:\n    input: ")[2].partition("\n")[0])
-    return {name: (directory / name).read_text() for name in wanted}
+    """All results of the workflow, by name."""
+    wanted = eval(texts["Snakefile"].partition("all_files(workflow, ")[2].partition(")\n")[0])
+    files = wanted + [name.replace("/r", "/t") for name in wanted]
+    return {name: (directory / name).read_text() for name in files}
 
 
 def trial(seed, edits, place):
@@ -263,8 +294,7 @@ def trial(seed, edits, place):
         if back := "back" in kinds:
             texts = workflow.random.choice(states)
         write(texts, directory)
-        options = ["--forceall"] if "forget" in kinds else []
-        computed, failure = run(directory, *options, cache=cache)
+        computed, failure = run(directory, cache=cache)
         if failure:
             yield kinds, failure
             continue
@@ -278,7 +308,7 @@ def trial(seed, edits, place):
             problem = f"unlike a run from scratch: {wrong}"
         elif back and computed and kinds == ["back"]:
             problem = f"computed on the way back: {computed}"
-        elif set(kinds) <= {"comment", "delete", "touch", "touch a source", "forget"} and computed:
+        elif set(kinds) <= WITHOUT_EFFECT and computed:
             problem = f"computed in vain: {computed}"
         elif again := run(directory, cache=cache)[0]:
             problem = f"runs twice: {again}"
@@ -302,7 +332,8 @@ def check(seed, edits, place):
 
 
 def test_some_edits_of_a_workflow_give_the_results_of_a_run_from_scratch(tmp_path):
-    check(1, [["module"], ["back"], ["forget"], ["delete", "comment"]], tmp_path)
+    edits = [["save"], ["module"], ["restore"], ["back"], ["forget"], ["older source"]]
+    check(1, [*edits, ["lose records"], ["delete", "comment"]], tmp_path)
 
 
 @pytest.mark.long
