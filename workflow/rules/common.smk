@@ -16,6 +16,7 @@ from burstcast_workflow.stages.resources import resources_of
 from burstcast_workflow.snakemake_internals import all_files
 from burstcast_workflow.stages.stages import Stages, any_of_regex
 from burstcast_workflow.start import (
+    begin_run,
     follow,
     start,
     tell_what_is_hidden,
