@@ -9,13 +9,12 @@ the lowest level is rarest.
 
 from typing import Any
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from burstcast.base.declared import at, read
-from burstcast.figures.parts import looks, style
+from burstcast.figures.parts import looks, medians, style
 from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
 
@@ -91,14 +90,11 @@ def _draw(axes: Axes, rows: pd.DataFrame, look: Any, label: str) -> None:
     """Draw a run: intervals along the return period, and bounds where nothing was observed."""
     rows = rows.sort_values("return_level")
     seen = rows[rows["events"] > 0]
-    bars = np.abs(seen[["return_time_low", "return_time_high"]].sub(seen["return_time"], axis=0).T)
-    look = {"marker": "o", **look, "markersize": 3.0}
-    axes.errorbar(
-        seen["return_time"], seen["return_level"], xerr=bars.to_numpy(), label=label, **style.BARS,
-        **look,
-    )  # fmt: skip
+    bars = medians.lengths(seen, "return_time", "return_time_low", "return_time_high")
+    look = {"marker": "o", **look, "markersize": 3.0, **style.BARS}
+    axes.errorbar(seen["return_time"], seen["return_level"], xerr=bars, label=label, **look)
     unseen = rows[rows["events"] == 0].head(1)
     if not unseen.empty:
-        at_bound = unseen["return_time_low"], unseen["return_level"]
+        bound = unseen["return_time_low"]
         look |= {"linestyle": "none", "markerfacecolor": "white"}
-        axes.errorbar(*at_bound, xerr=0.4 * at_bound[0], xlolims=True, **style.BARS, **look)
+        axes.errorbar(bound, unseen["return_level"], xerr=0.4 * bound, xlolims=True, **look)
