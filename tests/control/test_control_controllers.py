@@ -1,5 +1,6 @@
 """Controllers of one's own: the interface, the arenas, the entries of the benchmark."""
 
+import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +22,7 @@ from burstcast.control.rules import (
 )
 from burstcast.control.strategies.reactive import Reactive
 from burstcast.systems.integration import integrate
+from helpers_library import ROOT
 
 SMALL = Lorenz96Arena(flows=6, years=0.05, settling_years=0.01)
 
@@ -181,3 +183,13 @@ def test_a_better_intervention_is_found_among_all():
     assert action.tolist() == options[best].tolist()
     assert peaks[0] >= 11.0
     assert peaks[best] < peaks[0]
+
+
+def test_the_controller_of_the_page_keeps_to_the_interface(tmp_path, monkeypatch):
+    page = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
+    code = page.split("```python\n")[1].split("```")[0]
+    (tmp_path / "controller_of_the_page.py").write_text(code, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    controller = make_controller("controller_of_the_page:HighAndRising", {"level": 0.03})
+    report = check_controller(controller)
+    assert re.search(r"shear flow +acts at [1-9]\d* % of the decisions", report)
