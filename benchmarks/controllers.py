@@ -78,24 +78,22 @@ class LearntRing(Forecaster):
     def fit(self, training: FloatArray, case: object) -> "LearntRing":
         """Learn from all sites of the series, ``(series, time, component)``."""
         shifts = range(-self.reach, self.reach + 1)
-        terms = [(), *((v,) for v in shifts), *combinations_with_replacement(shifts, 2)]
+        terms: list[tuple[int, ...]] = [(), *((v,) for v in shifts)]
+        terms += combinations_with_replacement(shifts, 2)
         states = training.transpose(2, 0, 1)
-        near = {v: np.roll(states, v, axis=0)[..., 1:-1] for v in shifts}
         change = (states[..., 2:] - states[..., :-2]) / (2 * self.interval)
+        before, here, after = (
+            self._powers(states[..., lag : states.shape[2] - 2 + lag]) for lag in range(3)
+        )
+        terms_here = self._monomials(terms, here)
         # terms at the times before and after have other noise than those of the moment
-        around = [
-            (self._corrected(term, states[..., :-2]) + self._corrected(term, states[..., 2:])) / 6
-            for term in terms
-        ]
-        here = [self._monomial(term, near) for term in terms]
-        moments: dict[tuple[int, ...], float] = {}
-        for first, second in product(terms, repeat=2):
-            key = tuple(sorted(first + second))
-            if key not in moments:
-                moments[key] = float(self._monomial(key, near).mean())
-        now = np.array([[moments[tuple(sorted(a + b))] for a in terms] for b in terms])
-        apart = np.array([[float((b * a).mean()) for a in around] for b in here])
-        target = np.array([float((b * change).mean()) for b in here])
+        around = (self._monomials(terms, before) + self._monomials(terms, after)) / 6
+        apart = terms_here @ around.T / change.size
+        target = terms_here @ change.ravel() / change.size
+        pairs = [[tuple(sorted(a + b)) for a in terms] for b in terms]
+        keys = sorted({key for row in pairs for key in row})
+        moment = {key: float(self._monomials([key], here).mean()) for key in keys}
+        now = np.array([[moment[key] for key in row] for row in pairs])
         gram, kept = 4 / 6 * now + apart, np.arange(len(terms))
         for _ in range(5):
             weights = np.linalg.solve(gram[np.ix_(kept, kept)], target[kept])
@@ -105,24 +103,24 @@ class LearntRing(Forecaster):
         learnt = RingEquations(variables=len(states), terms=chosen, weights=tuple(weights.tolist()))
         return self.with_fitted(system=learnt)
 
-    def _monomial(self, term: tuple[int, ...], near: dict[int, FloatArray]) -> FloatArray:
-        """Product of neighbours, whose mean is that of the true ones."""
-        variance, values = self.noise**2, np.ones_like(near[0])
-        for shift, power in Counter(term).items():
-            x = near[shift]
-            values = (
-                values
-                * {
-                    1: x,
-                    2: x**2 - variance,
-                    3: x**3 - 3 * variance * x,
-                    4: x**4 - 6 * variance * x**2 + 3 * variance**2,
-                }[power]
-            )
-        return values
+    def _powers(self, states: FloatArray) -> FloatArray:
+        """First to fourth powers of all neighbours, in the mean those of the true state.
 
-    def _corrected(self, term: tuple[int, ...], states: FloatArray) -> FloatArray:
-        return self._monomial(term, {v: np.roll(states, v, axis=0) for v in (*term, 0)})
+        ``(4, 2 * reach + 1, samples)``.
+        """
+        shifts = range(-self.reach, self.reach + 1)
+        x, variance = np.stack([np.roll(states, v, axis=0).ravel() for v in shifts]), self.noise**2
+        square = x * x
+        third, fourth = x * (square - 3 * variance), square * (square - 6 * variance)
+        return np.stack([x, square - variance, third, fourth + 3 * variance**2])
+
+    def _monomials(self, terms: list[tuple[int, ...]], powers: FloatArray) -> FloatArray:
+        """Products of neighbours, ``(terms, samples)``."""
+        values = np.ones((len(terms), powers.shape[2]))
+        for value, term in zip(values, terms, strict=True):
+            for shift, power in Counter(term).items():
+                value *= powers[power - 1, shift + self.reach]
+        return values
 
     def start(self, washout: FloatArray) -> FloatArray:
         """The last state is the memory."""
