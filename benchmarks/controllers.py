@@ -1,9 +1,9 @@
 """Controllers compared in two arenas: the shear flow by return times, Lorenz 96 by events avoided.
 
-    python benchmarks/controllers.py lorenz96 shear_flow >> benchmarks/controllers.csv
+    python benchmarks/controllers.py shear_flow lorenz96 > benchmarks/controllers.csv
+    python benchmarks/controllers.py table    # of that file, for docs/controllers.md
 
-Every controller has the same flows and the same noise, and never sees the truth. A row is printed
-after each run; docs/controllers.md has the table.
+Every controller has the same flows and the same noise, and never sees the truth.
 """
 
 import sys
@@ -11,8 +11,10 @@ import time
 from collections import Counter
 from dataclasses import dataclass
 from itertools import combinations_with_replacement, product
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from burstcast.base.arrays import FloatArray
 from burstcast.base.poisson import poisson_interval, rate_bound
@@ -249,7 +251,43 @@ def _shear_flow(flows: int, span_lt: float) -> tuple[ControlExperiment, FloatArr
     return experiment, learnt + noise * generator.standard_normal(learnt.shape), noise
 
 
+def table() -> str:
+    """Markdown of the rows in ``controllers.csv``."""
+    rows = pd.read_csv(Path(__file__).with_suffix(".csv"), keep_default_na=False)
+    lines = [
+        "| arena | controller | model | events | in | avoided [%] | return time (95 %) | effort | "
+        "acting [%] | ms per decision |",
+        "|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    free = rows[rows["controller"] == "no control"].set_index("arena")["rate"]
+    for run in rows.to_dict("records"):
+        low, high = run["rate_low"], run["rate_high"]
+        if run["events"]:
+            times = f"{1 / run['rate']:.3g} ({1 / high:.3g} to {1 / low:.3g})"
+        else:
+            times = f"above {1 / high:.3g}"
+        avoided = [100 * (1 - rate / free[run["arena"]]) for rate in (run["rate"], high, low)]
+        shares = "{:.1f} ({:.1f} to {:.1f})".format(*avoided)
+        cells = (
+            run["arena"].replace("_", " ").replace("lorenz96", "Lorenz 96"),
+            run["controller"],
+            run["model"] or "none",
+            run["events"],
+            f"{float(run['time']):.3g} {run['unit']}",
+            "" if run["controller"] == "no control" else shares,
+            f"{times} {run['unit']}",
+            f"{run['effort']:.3g}",
+            f"{100 * run['acting']:.2g}",
+            f"{1000 * run['seconds_per_decision']:.2g}",
+        )
+        lines.append(f"| {' | '.join(map(str, cells))} |")
+    return "\n".join(lines)
+
+
 if __name__ == "__main__":
-    print(HEAD, flush=True)
-    for chosen in sys.argv[1:]:
-        {"lorenz96": lorenz96, "shear_flow": shear_flow}[chosen]()
+    if sys.argv[1:] == ["table"]:
+        print(table())
+    else:
+        print(HEAD, flush=True)
+        for chosen in sys.argv[1:]:
+            {"lorenz96": lorenz96, "shear_flow": shear_flow}[chosen]()
