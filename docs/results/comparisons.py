@@ -356,7 +356,7 @@ def onsets(tables: Tables, source: str = "turbulence") -> pd.DataFrame:
 # -- control ---------------------------------------------------------------------------------------
 
 _MEASURED = re.compile(
-    "(left|acting|effort|power|condition|means|name|scored_flows|.*_(low|high)"
+    "(left|acting|effort|power|condition|means|name|scored_flows|rarer_than_lt|.*_(low|high)"
     "|(exceedance|events_per|switchings|input|relative|dissipation|laminarisation|laminarised).*)"
 )
 

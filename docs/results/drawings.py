@@ -121,7 +121,7 @@ def draw_late_actuator(tables: Tables) -> Figure:
             value, low, high = (100 * best[f"{metric}{end}"] for end in ("", "_low", "_high"))
             # a hair apart, so that bars do not hide each other
             position = best["delay_lt"] + 0.012 * (number - 1)
-            bars = (value - low, high - value)
+            bars = (value - low, (high - value).fillna(0.0))
             axes.errorbar(position, value, bars, label=name, capsize=2, **look)
         axes.set_xlabel("delay [LT]")
         axes.set_ylabel(title)

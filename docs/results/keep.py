@@ -35,7 +35,8 @@ OF_SINGLE_NETWORKS = (
 
 KEPT_TABLES = (
     *OF_SINGLE_NETWORKS,
-    *("warnings", "control_choices", "control_density", "training_realisations", "ranking"),
+    *("warnings", "control_choices", "return_times", "control_density"),
+    *("training_realisations", "ranking"),
     *(
         f"{name}_percentiles"
         for name in (

@@ -95,7 +95,8 @@ class Tables:
         """Runs of control: a row each, with a column for the value and each end of each metric.
 
         ``left``, ``acting``: Remaining share of the exceedance, share of the time under actuation.
-        ``condition``, ``means``: Condition and strategy in words.
+        ``condition``, ``means``: Condition and strategy in words. ``rarer_than_lt``: Where no event
+        was observed, the return time in Lyapunov times that is exceeded with confidence 0.95.
         """
         table = self.rows(name, **where)
         keys = [column for column in table if column not in RESULTS]
@@ -106,6 +107,10 @@ class Tables:
                 short = {"relative_exceedance": "left", "control_fraction": "acting"}
                 title = short.get(metric, metric)
                 row |= {title: value, f"{title}_low": low, f"{title}_high": high}
+            if row.get("left") == 0:
+                # tables of earlier versions bound the exceedance by an assumed length of events
+                row |= {"left_high": np.nan, "exceedance_controlled_high": np.nan}
+                row["rarer_than_lt"] = counted_time(row) / -np.log(0.05)
             rows.append({**row, "condition": condition(row), "means": means(row)})
         return pd.DataFrame(rows)
 
@@ -117,6 +122,22 @@ class Tables:
     def cases(self) -> list[str]:
         """The campaign's cases, in its order."""
         return [str(case) for case in self.rows("dataset")["case"]]
+
+
+def counted_time(run: Mapping[str, Any]) -> float:
+    """Counted time of all flows of a run, in Lyapunov times; NaN if its table does not tell.
+
+    Where the number of flows is not in the table, it follows from the bound of laminarisation with
+    control, 3.0 / (flows x time at risk), less the flows that laminarise without control.
+    """
+    if "scored_flows" in run:
+        return float(run["scored_flows"] * run["span_lt"])
+    if run.get("laminarisation_hazard_controlled") != 0:
+        return float("nan")
+    each = run["quiet_lt"] + run["span_lt"]
+    flows = -np.log(0.05) / run["laminarisation_hazard_controlled_high"] / each
+    kept = np.exp(-each * run["laminarisation_hazard_uncontrolled"])
+    return float(flows * kept * run["span_lt"])
 
 
 @cache

@@ -389,7 +389,7 @@ def frontier_rows():
         size = SIZE if forecaster.startswith("esn") else NO_SIZE
         keys = {"case": "Re400", "forecaster": forecaster, "strategy": strategy, **size}
         for metric, value in (("relative_exceedance", left), ("control_fraction", acting)):
-            score = {"value": value, "low": 0.5 * value, "high": 1.5 * value if value else 0.005}
+            score = {"value": value, "low": 0.5 * value, "high": 1.5 * value if value else np.nan}
             rows.append({**keys, **usual, **changes, "metric": metric, **score})
 
     horizons = ((1.0, 2e-2, 0.1), (2.0, 1e-3, 0.05), (3.0, 0.0, 0.03))
@@ -409,6 +409,32 @@ def frontier_rows():
         run("esn_committee", "receding_horizon", left, acting, **votes)
     for level, left, acting in ((0.04, 0.01, 0.5), (0.06, 0.06, 0.24)):
         run("none", "reactive", left, acting, level=level, decision_interval_lt=0.25)
+    return pd.DataFrame(rows)
+
+
+def return_rows():
+    """Return times of long runs: each level is ten times as rare as the one 0.1 below it."""
+    rows = []
+    usual = {"delay_lt": 0.0, "strength": 1.0, "noise": 0.01, "quiet_lt": 20.0}
+
+    def run(strategy, forecaster, base, time=1e5, **changes):
+        for level in (0.1, 0.2, 0.3):
+            return_time = base * 10 ** (10 * level - 1)
+            events = int(time / return_time)
+            ends = (0.8, 1.2) if events else (np.nan, np.nan)
+            times = {
+                "return_time": return_time if events else np.nan,
+                "return_time_low": 0.8 * return_time if events else time / 3,
+                "return_time_high": ends[1] * return_time,
+            }
+            keys = {"strategy": strategy, "forecaster": forecaster, **NO_SIZE, **usual, **changes}
+            rows.append({**keys, "return_level": level, "events": events, **times})
+
+    run("uncontrolled", "none", 20.0)
+    for horizon in (1.0, 3.0):
+        run("receding_horizon", "equations_noisy", 1e3 * horizon**2, horizon_lt=horizon)
+    run("reactive", "none", 3e3, level=0.06)
+    run("receding_horizon", "equations_noisy", 100.0, horizon_lt=3.0, delay_lt=1.0)
     return pd.DataFrame(rows)
 
 
@@ -594,6 +620,7 @@ ARGUMENTS = {
         **{"scores": frontier_rows(), "network": {"forecaster": "esn", **SIZE}, "symbol": "k"},
         **USUAL,
     },
+    "return_levels": lambda: {"times": return_rows(), "symbol": "k"},
     "skill_by_parameter": lambda: {
         **parameter_rows(),
         **{"parameter": PARAMETER, "prediction_times_lt": [2, 3], "neurons": 500},

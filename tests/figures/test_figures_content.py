@@ -34,6 +34,7 @@ from helpers_figures import (
     published_scores,
     ranking_rows,
     reliability_rows,
+    return_rows,
     reynolds_rows,
     score_rows,
     search_rows,
@@ -452,6 +453,24 @@ def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_cond
     # nothing left has a place on the axis
     low, high = frontier.get_ylim()
     assert low < 0 < high
+
+
+def test_return_levels_stand_against_return_periods_and_bounds_where_nothing_was_seen():
+    figure = drawn("return_levels")
+    usual, late = figure.axes
+    free = [[20.0, 200.0, 2000.0], [0.1, 0.2, 0.3]]
+    for axes in (usual, late):
+        np.testing.assert_allclose(curve_of(axes, "no control"), free)
+    # of two horizons the one under which events are rarer; its highest level was not seen
+    label = next(name for name in texts(figure) if name.startswith("receding horizon"))
+    np.testing.assert_allclose(curve_of(usual, label), [[9e3, 9e4], [0.1, 0.2]])
+    assert any(name.endswith("1 LT late") for name in texts(figure))
+    bounds = [line for line in usual.lines if line.get_markerfacecolor() == "white"]
+    positions = [line.get_xydata().tolist() for line in bounds]
+    assert [[pytest.approx(1e5 / 3), 0.3]] in positions
+    assert usual.get_xscale() == "log"
+    of_free = return_rows().query("strategy == 'uncontrolled'")
+    assert len(drawn("return_levels", times=of_free).axes) == 1
 
 
 def test_of_many_forecasters_those_with_most_runs_are_shown():

@@ -19,6 +19,7 @@ TARGETS = (
     "figures/control_frontier_Re600.png",
     "figures/skill_by_parameter.png",
     "Re400/tables/control_choices.csv",
+    "figures/return_levels_Re600.png",
 )
 
 
@@ -69,6 +70,19 @@ def test_control_says_what_it_was_told_and_what_it_cost(results):
     )
     for metric in ("effort", "power"):
         assert ((wide[metric] > 0) == (wide["control_fraction"] > 0)).all()
+
+
+def test_long_runs_have_return_times_of_each_level(results):
+    table = read_table(results / "Re600" / "tables" / "return_times.csv")
+    assert sorted(set(table["strategy"])) == ["planned", "uncontrolled"]
+    assert sorted(set(table["return_level"])) == [0.07, 0.1, 0.2]
+    free = table[table["strategy"] == "uncontrolled"]
+    assert (free["control_fraction"] == 0).all()
+    assert (table["lyapunov_times"] <= 6.5 * table["flows"]).all()
+    seen = table[table["events"] > 0]
+    np.testing.assert_allclose(seen["return_time"], seen["lyapunov_times"] / seen["events"])
+    assert (seen["return_time_low"] < seen["return_time"]).all()
+    assert table.loc[table["events"] == 0, "return_time"].isna().all()
 
 
 def test_choices_are_the_cheapest_runs_of_half_of_the_flows_scored_on_the_others(results):

@@ -1,7 +1,9 @@
 """Programs of benchmarks, with their smallest sizes: they run, and print what they measure."""
 
+import importlib
 import re
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -100,3 +102,23 @@ def test_a_short_benchmark_measures_each_stage():
     _, _, beside = text.partition("Beside ReservoirPy")
     (times,) = re.findall(r"^\| 1000 \| [\d.]+ \| ([\d.]+) \|", beside, re.M)
     assert float(times) > 1
+
+
+def test_equations_of_a_ring_are_learnt_from_noisy_observations(monkeypatch):
+    """Lorenz's equations, from observations with noise of standard deviation 1."""
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    controllers = importlib.import_module("controllers")
+    arena = controllers.Lorenz96Arena()
+    learnt = controllers.LearntRing().fit(arena._training(series=6, years=0.5), None).system
+    weights = dict(zip(learnt.terms, learnt.weights, strict=True))
+    expected = {(): 8.0, (0,): -1.0, (-1, 1): 1.0, (1, 2): -1.0}
+    assert weights == {term: pytest.approx(value, abs=0.15) for term, value in expected.items()}
+    state = arena._start()
+    np.testing.assert_allclose(
+        replace(learnt, weights=tuple(expected[term] for term in learnt.terms)).right_hand_side(
+            state
+        ),
+        arena.system.right_hand_side(state),
+        rtol=1e-9,
+        atol=1e-9,
+    )

@@ -21,7 +21,7 @@ from burstcast_workflow.config.model import Choice
 from burstcast_workflow.harness.canonical import canonical, canonical_json
 from burstcast_workflow.jobs import series
 from burstcast_workflow.jobs.networks import Networks
-from burstcast_workflow.tables.registry import table_names
+from burstcast_workflow.tables.registry import cases_of, table_names
 from kolmogorov_flow import KolmogorovFlow
 
 PAPER = campaign()
@@ -378,3 +378,24 @@ def test_options_of_a_class_of_ones_own_are_the_same_for_every_job():
     for _ in range(2):
         expected = {"forecaster.options": {}, "forecaster.divergence_bound": 3}
         assert settings_of_job(campaign_of_own, paths, member.identity) == expected
+
+
+def test_long_runs_are_of_their_own_blocks_and_leave_other_runs_as_they_are():
+    block = {"strategy": "uncontrolled", "cases": ["Re400"], "span_lt": 50}
+    receding = {
+        "strategy": "receding_horizon",
+        "settings": {"horizon_lt": [1, 2], "decision_interval_lt": [0.25]},
+        "forecasters": {"equations_noisy": {}},
+        "cases": ["Re400"],
+    }
+    with_long = campaign({"control": {"long_runs": [block, receding], "return_levels": [0.2]}})
+    assert with_long.strategy_runs == PAPER.strategy_runs
+    assert PAPER.long_runs == ()
+    free, *others = sorted(with_long.long_runs, key=lambda run: run.controller.kind != "none")
+    assert free.plan.identifier == "uncontrolled-unselected-quiet20-span50"
+    assert [run.controller.kind for run in others] == ["equations_noisy"] * 2
+    assert {run.plan.span_lt for run in others} == {1000}
+    for run in with_long.long_runs:
+        assert with_long.plan(run.plan.identifier) == run.plan
+    assert cases_of(with_long, "return_times") == ["Re400"]
+    assert cases_of(PAPER, "return_times") == []

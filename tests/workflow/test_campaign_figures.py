@@ -274,7 +274,7 @@ def test_the_paper_has_all_figures_tables_and_those_of_other_cases():
     # of other strategies than the paper's, of parts of a state, and of plane flows
     assert set(FIGURES) - set(names) == {
         *("burst_forecast", "burst_vorticity", "control_frontier"),
-        *("encoder_loss", "lost_skill", "skill_by_parameter"),
+        *("encoder_loss", "lost_skill", "skill_by_parameter", "return_levels"),
     }
     for case in ("Re600", "Re800", "Re1000"):
         assert f"classification_scores_{case}" in names
@@ -283,7 +283,7 @@ def test_the_paper_has_all_figures_tables_and_those_of_other_cases():
     assert "classification_scores_Re400" not in names  # the example's case has the plain name
     declared = {layout for table in TABLES.values() for layout in table.latex}
     assert set(latex_names(PAPER)) == declared - {"control_choices"}
-    others = {"training_realisations", "control_choices", "ranking"}
+    others = {"training_realisations", "control_choices", "ranking", "return_times"}
     assert set(TABLES) - set(table_names(PAPER)) == others
 
 

@@ -35,8 +35,8 @@ stages = Stages(campaign, sources)
 # uses of each module, directly or not (of kinds, only the ones in the wildcards). A job runs again
 # where one has changed: docs/selective_rebuilds.md.
 of_script = stages.of_script
-# Resources of rules: work of seconds is "short", of minutes "usual"; "training" grows with the square
-# of the neurons. All double at each retry; amounts: stages/resources.py.
+# Resources of rules: work of seconds is "short", of minutes "usual", of an hour "long"; "training"
+# grows with the square of the neurons. All double at each retry; amounts: stages/resources.py.
 # Inputs: thresholds and units of time that jobs compute; files of all cases or forecasters.
 computed_settings_files = stages.computed_settings_files
 case_files, forecaster_files = stages.case_files, stages.forecaster_files

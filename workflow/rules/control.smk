@@ -23,6 +23,27 @@ rule control:
         "../scripts/control/control.py"
 
 
+rule long_control:
+    input:
+        **computed_settings_files("long_control"),
+        ensemble="<results>/{case}/ensemble.nc",
+        summary="<results>/{case}/dataset.json",
+        forecasters=stages.controlling,
+        encoder=stages.encoder_of_observed,
+    output:
+        counts="<results>/{case}/control/{controller}/{strategy}/long_run.nc",
+    log:
+        "<logs>/long_control/{case}/{controller}/{strategy}.log",
+    conda:
+        "../envs/burstcast.yaml"
+    resources:
+        **resources_of("long"),
+    params:
+        *of_script("control/long_control.py"),
+    script:
+        "../scripts/control/long_control.py"
+
+
 rule suppressed_event:
     input:
         **computed_settings_files("suppressed_event"),

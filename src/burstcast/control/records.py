@@ -5,9 +5,9 @@ control is resampled together with the same flow without it. Flows that laminari
 control, are left out of both samples of the observable (as in the paper); they count in the hazard
 of laminarisation alone.
 
-Where no flow has any exceedance left, a bootstrap gives no upper bound. By the rule of three, at
-most a share 1 - (1 - c)^(1/n) of n flows (3/n at c = 0.95) can exceed at all, with confidence c;
-the bound assumes that they would exceed for as long as the uncontrolled flows that exceed do.
+Where no event was observed, a bootstrap gives no upper bound. The rate of events is then at most
+-log(1 - c) / T with confidence c (3.0 / T at 0.95), T being the counted time of all flows. How long
+an event would last is not known: exceedances of zero have no upper end.
 """
 
 import math
@@ -23,6 +23,7 @@ from burstcast.base.events import upward_crossings
 from burstcast.base.files.described import Described
 from burstcast.base.files.units import NUMBER, POWER
 from burstcast.base.laminarisation import first_laminar_step
+from burstcast.base.poisson import rate_bound
 from burstcast.base.resampled_score import ResampledScore
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
 from burstcast.control.loop import ControlledFlows
@@ -248,23 +249,17 @@ def _bounds_of_nothing(
 ) -> dict[str, Interval]:
     """Upper bounds for counts of zero in all flows (see the module)."""
     bounds = {}
-    records, span, counts = sample.records, sample.span, sample.records.kept
-    flows = int(counts.sum())
-    share = 1 - (1 - confidence) ** (1 / flows) if flows else math.nan
-    for run in ("uncontrolled", "controlled"):
-        name = f"laminarisation_hazard_{run}"
+    span, flows = sample.span, int(sample.records.kept.sum())
+    at_risk = {"laminarisation_hazard": (len(sample), span.steps_at_risk)}
+    at_risk["events_per_lyapunov_time"] = (flows, span.steps)
+    for rate, (number, steps) in at_risk.items():
+        for run in ("uncontrolled", "controlled"):
+            if intervals[f"{rate}_{run}"].value == 0:
+                time = number * steps / span.steps_per_lyapunov_time
+                bounds[f"{rate}_{run}"] = Interval(0.0, 0.0, rate_bound(time, confidence))
+    for name in ("exceedance_uncontrolled", "exceedance_controlled", "relative_exceedance"):
         if intervals[name].value == 0:
-            risk = len(sample) * span.steps_at_risk / span.steps_per_lyapunov_time
-            bounds[name] = Interval(0.0, 0.0, -math.log(1 - confidence) / risk)
-    exceeding = records.exceeding_uncontrolled[counts]
-    if intervals["exceedance_controlled"].value == 0 and exceeding.any():
-        typical = float(exceeding[exceeding > 0].mean()) / span.steps
-        uncontrolled = intervals["exceedance_uncontrolled"].value
-        bounds["exceedance_controlled"] = Interval(0.0, 0.0, min(1.0, share * typical))
-        bounds["relative_exceedance"] = Interval(0.0, 0.0, share * typical / uncontrolled)
-        events = records.events_uncontrolled[counts][exceeding > 0].mean()
-        per_time = float(events) * span.steps_per_lyapunov_time / span.steps
-        bounds["events_per_lyapunov_time_controlled"] = Interval(0.0, 0.0, share * per_time)
+            bounds[name] = Interval(0.0, 0.0, math.nan)
     return bounds
 
 

@@ -4,9 +4,9 @@ without actuation, of each at most the four with most runs. Against the share of
 actuation, small markers are the runs with all settings, such as horizons or levels; lines join the
 runs that no other run of the same strategy and forecaster betters in both. Against conditions,
 curves have the setting that was tried at most values, and of several the one that leaves least. The
-vertical axes are linear in the shaded strip: a marker on 0 has left nothing, and its bar ends at
-the bound of the rule of three. Bars: confidence intervals over flows. One network is shown, and the
-committee of all networks of its size.
+vertical axes are linear in the shaded strip: a marker on 0 has left nothing in these flows; how
+rare an event is, long runs say (return levels). Bars: confidence intervals over flows. One network
+is shown, and the committee of all networks of its size.
 """
 
 import math

@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
+from burstcast.base.poisson import poisson_interval
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ def escape_rate(
     """Rate of the exponential distribution of lifetimes, by maximum likelihood.
 
     It is the number of escapes over the time at risk, with the exact interval of a Poisson count
-    (Garwood, Biometrika 28 (1936) 437). ``start``: Steps at the beginning of each series that are
+    (`burstcast.base.poisson`). ``start``: Steps at the beginning of each series that are
     left out, in which it still remembers where it began; None: the first quarter.
     """
     if start is None:
@@ -79,7 +80,4 @@ def escape_rate(
     time = float(np.maximum(lifetimes.steps - start, 0).sum() * sampling_interval)
     if time == 0:
         return EscapeRate(escapes, time, *[float("nan")] * 3)
-    tail = (1 - confidence) / 2
-    low = float(scipy.special.gammaincinv(escapes, tail)) if escapes else 0.0
-    high = float(scipy.special.gammaincinv(escapes + 1, 1 - tail))
-    return EscapeRate(escapes, time, escapes / time, low / time, high / time)
+    return EscapeRate(escapes, time, escapes / time, *poisson_interval(escapes, time, confidence))

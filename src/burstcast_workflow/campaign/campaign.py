@@ -207,6 +207,12 @@ class Campaign:
         runs = {run for block in self.config.control.strategies for run in self._runs_of(block)}
         return (*self.control_runs, *sorted(runs - {*self.control_runs}, key=lambda run: run.order))
 
+    @cached_property
+    def long_runs(self) -> tuple[ControlRun, ...]:
+        """Long runs of control, whose events are counted for return times, each once."""
+        runs = {run for block in self.config.control.long_runs for run in self._runs_of(block)}
+        return tuple(sorted(runs, key=lambda run: run.order))
+
     @property
     def chosen_runs(self) -> tuple[ControlRun, ...]:
         """Runs of control whose settings are chosen on half of the flows; none by default."""
@@ -257,7 +263,7 @@ class Campaign:
 
     @cached_property
     def _plans(self) -> dict[str, ControlPlan]:
-        return {run.plan.identifier: run.plan for run in self.strategy_runs}
+        return {run.plan.identifier: run.plan for run in (*self.strategy_runs, *self.long_runs)}
 
     def plan(self, identifier: str) -> ControlPlan:
         """The plan of control that is called so (a KeyError if there is none)."""
@@ -298,7 +304,7 @@ class Campaign:
     @property
     def unused_columns(self) -> set[str]:
         """Columns of tables that the campaign has no value of: of control, and leak rates."""
-        plans = [run.plan for run in self.strategy_runs]
+        plans = [run.plan for run in (*self.strategy_runs, *self.long_runs)]
         names = {(network.name.kind, network.name.label) for network in self.networks}
         leak_rates = [self.options(kind, label=label)["leak_rate"] for kind, label in names]
         used = {
@@ -379,7 +385,9 @@ class Campaign:
         # a scan may be validated by more strategies than there are networks of
         scans = {scanned_with(str(network.name.validation)) for network in self.networks}
         jobs += [{"strategies": "+".join(strategies)} for strategies in scans]
-        jobs += [{"strategy": run.plan.identifier} for run in self.strategy_runs]
+        jobs += [
+            {"strategy": run.plan.identifier} for run in (*self.strategy_runs, *self.long_runs)
+        ]
         every: dict[str, set[str]] = {}
         for job in jobs:
             for package, names in self.modules(job).items():

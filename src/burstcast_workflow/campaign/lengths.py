@@ -65,11 +65,11 @@ def _control(campaign: Campaign, case: Simulated, steps: int) -> list[str]:
     problems: list[str] = []
     if case.actuation is None:
         return problems
-    for index, plan in plans_of(campaign.config, case.name):
+    for place, plan in plans_of(campaign.config, case.name):
         seen = campaign.cases.get(plan.observed) if plan.observed else case
         if seen is None or seen.source is not case:
             continue
-        with listing(problems, f"control.strategies[{index}]"):
+        with listing(problems, place):
             schedule = Schedule(
                 washout=max(1, durations.steps(campaign.config.washout_lt, steps)),
                 quiet_lt=plan.quiet_lt,
@@ -87,11 +87,11 @@ def _control(campaign: Campaign, case: Simulated, steps: int) -> list[str]:
     return problems
 
 
-def plans_of(config: Configuration, case: str) -> Iterator[tuple[int, ControlPlan]]:
-    """Valid plans of the blocks of strategies that control a case, with the block's number."""
-    for index, block in enumerate(config.control.strategies):
+def plans_of(config: Configuration, case: str) -> Iterator[tuple[str, ControlPlan]]:
+    """Valid plans of the blocks of strategies that control a case, with the block's place."""
+    for place, block in config.control.blocks:
         if case in (block.cases or [case]):
             for plan in block_plans(block):
                 with suppress(ValueError):  # reported with the block
                     _ = plan.strategy
-                    yield index, plan
+                    yield place, plan

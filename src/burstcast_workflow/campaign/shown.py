@@ -137,6 +137,12 @@ class Choices:
         cases = {run.case for run in self.campaign.strategy_runs if run not in papers}
         return [case for case in self.every if case in cases]
 
+    @property
+    def long_controlled(self) -> list[str]:
+        """Cases with long runs of control, the example's first."""
+        cases = {run.case for run in self.campaign.long_runs}
+        return [case for case in self.every if case in cases]
+
 
 class Shown(Choices):
     """What figures and tables show of one case."""

@@ -1,4 +1,4 @@
-"""Checks before a campaign: ``burstcast check-system``, ``burstcast check-forecaster``."""
+"""Checks of classes of one's own: ``burstcast check-system``, ``-forecaster``, ``-controller``."""
 
 import json
 import math
@@ -10,6 +10,8 @@ from typing import Any
 
 from burstcast.base.discovery import UnsoundError
 from burstcast.base.random_streams import stream
+from burstcast.control.check import check_controller
+from burstcast.control.controller import make_controller
 from burstcast.forecasters.check import check_forecaster
 from burstcast.forecasters.registry import make_kind
 from burstcast.systems.check import check_system
@@ -18,19 +20,21 @@ from burstcast_workflow.tracking.code import make_importable
 
 
 def main(kind: str, name: str, values: Sequence[str]) -> int:
-    """Check a system with parameters (``rho=28``), or a forecaster with options (``lags=3``).
+    """Check a system with parameters (``rho=28``), or another class with options (``lags=3``).
 
     Prints the report, or what is wrong. Returns 0 if the class keeps to its interface.
-    ``kind``: "system" or "forecaster".
+    ``kind``: "system", "forecaster" or "controller".
     """
     make_importable([os.fspath(Path.cwd())])
     try:
         if kind == "system":
             parameters = _values(values, "parameter", "rho=28", _number)
             report = check_system(make_system(name, parameters), stream(0, "check system"))
+        elif kind == "controller":
+            report = check_controller(make_controller(name, _options(values, "level=0.06")))
         else:
-            options = _values(values, "option", "lags=3", _json)
-            report = check_forecaster(make_kind(name, options), stream(0, "check forecaster"))
+            forecaster = make_kind(name, _options(values, "lags=3"))
+            report = check_forecaster(forecaster, stream(0, "check forecaster"))
     except UnsoundError as error:
         listed = "\n".join(f"  {problem}" for problem in error.problems)
         message = f"{name} has mistakes:\n{listed}"
@@ -43,6 +47,11 @@ def main(kind: str, name: str, values: Sequence[str]) -> int:
         return 0
     print(message, file=sys.stderr)
     return 1
+
+
+def _options(texts: Sequence[str], example: str) -> dict[str, Any]:
+    """Options by name."""
+    return _values(texts, "option", example, _json)
 
 
 def _values(

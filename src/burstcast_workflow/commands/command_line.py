@@ -35,6 +35,7 @@ def _parser() -> argparse.ArgumentParser:
     for kind, example, values in (
         ("system", "lorenz63", "parameters of its equations"),
         ("forecaster", "nvar", "options of its class"),
+        ("controller", "burstcast.control.rules:WhileHigh", "options of its class"),
     ):
         check = command(f"check-{kind}", "commands.check", f"check a {kind}")
         check.set_defaults(kind=kind)

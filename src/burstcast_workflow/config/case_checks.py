@@ -165,7 +165,7 @@ def _system(config: Configuration, name: str, case: Simulated) -> Iterator[str]:
         return
     strengths = dict.fromkeys(
         strength
-        for block in config.control.strategies
+        for _, block in config.control.blocks
         if name in (block.cases or [name])
         for strength in block.strength
     )
@@ -201,10 +201,9 @@ def _measured(config: Configuration, name: str, case: Measured) -> Iterator[str]
         for key in ("trained_on", "actuation"):
             if getattr(case.training, key):
                 yield f"training.{key} means nothing for measured series (data): leave it out"
-    for index, block in enumerate(config.control.strategies):
+    for place, block in config.control.blocks:
         if name in block.cases:
-            place = f"control.strategies[{index}].cases"
-            yield f"{place}: control needs equations, which data have not"
+            yield f"{place}.cases: control needs equations, which data have not"
 
 
 def _parameters(config: Configuration, name: str, case: Simulated) -> Iterator[str]:

@@ -179,8 +179,8 @@ def _realisations(config: Configuration, place: str, block: Block, name: str) ->
 
 
 def _strategies(config: Configuration) -> Iterator[str]:
-    for index, block in enumerate(config.control.strategies):
-        place, name = f"control.strategies[{index}]", block.strategy
+    for place, block in config.control.blocks:
+        name = block.strategy
         text = f"{place}.cases: the campaign has no case {{}}"
         yield from unknown(block.cases, config.case_names, text)
         strategy = strategy_class(name)

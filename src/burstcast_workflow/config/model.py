@@ -233,6 +233,20 @@ class StrategyBlock(Section):
         return self.forecasters.kinds if self.forecasters else {}
 
 
+class LongRunBlock(StrategyBlock):
+    """Long runs of control, for return times of rare events.
+
+    Flows start unselected, settle for ``quiet_lt`` and count for ``span_lt``. They are not compared
+    with themselves without control.
+    """
+
+    starts: Literal["unselected"] = setting(
+        "where the flows start: unselected, of which none is left out", default="unselected"
+    )
+    quiet_lt: Number = setting("time for which a flow settles before it counts", ge=0, default=20)
+    span_lt: Positive = setting("time for which each of the flows counts", default=1000)
+
+
 class Control(Section):
     """Prediction-triggered control, and strategies beyond the paper's."""
 
@@ -255,6 +269,26 @@ class Control(Section):
     strategies: list[StrategyBlock] = setting(
         "control beyond the paper's: the union of these blocks"
     )
+    long_runs: list[LongRunBlock] = setting(
+        "long runs, whose states are not kept, for return times: the union of these blocks; the "
+        "strategy `uncontrolled` is the free flow",
+        default=[],
+    )
+    return_levels: Rising[Number] = setting(
+        "levels whose return times are counted in long runs, beside the event threshold",
+        OBSERVABLE,
+        default=[],
+    )
+
+    @property
+    def blocks(self) -> list[tuple[str, StrategyBlock]]:
+        """All blocks of strategies, with their places in the config."""
+        by_name: dict[str, list[Any]] = {"strategies": self.strategies, "long_runs": self.long_runs}
+        return [
+            (f"control.{name}[{index}]", block)
+            for name, blocks in by_name.items()
+            for index, block in enumerate(blocks)
+        ]
 
 
 class Probability(Section):

@@ -15,7 +15,7 @@ from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.strategies.registry import make_strategy
 from burstcast.control.timing import Schedule
 from burstcast.control.windows import WindowCounts
-from burstcast.data.dataset import component_scales
+from burstcast.data.dataset import Scales, component_scales
 from burstcast.data.encoders.channels import IDENTITY, EncodedFlow, StateChannels, encoding_case
 from burstcast.data.observation.part import ObservedPart
 from burstcast.systems.base import DynamicalSystem
@@ -69,6 +69,28 @@ class Controlled(Forecasting, Washed, Training):
         noise of each flow at each step, ``(flows, steps, dimension)``; None for forecasters that
         see the truth. ``aware`` says what forecasters know of parameters.
         """
+        strategy, experiment, asked = self.deciding(ensemble, summary, forecasters, sensor, aware)
+        noise, scales = None, self.noise_scales(ensemble, asked, sensor)
+        if scales is not None:
+            noise = noise_of_flows(
+                experiment.series,
+                strategy.timing(experiment.schedule).length,
+                self.noise,
+                scales,
+                experiment.root_seed,
+                self.observed or experiment.case,
+            )
+        return strategy, experiment, asked, noise
+
+    def deciding(
+        self,
+        ensemble: str,
+        summary: str,
+        forecasters: Sequence[str],
+        sensor: Sensor | None,
+        aware: Mapping[str, Any] | None,
+    ) -> tuple[ControlStrategy, ControlExperiment, list[Any]]:
+        """Strategy, experiment and forecasters of the job (see `setup`)."""
         strategy = make_strategy(self.kind_of_strategy, self.strategy_settings)
         experiment = replace(self.experiment(ensemble, summary), sensor=sensor)
         if strategy.informed:
@@ -83,20 +105,18 @@ class Controlled(Forecasting, Washed, Training):
             case = replace(case, system=experiment.observed_space)
             unfitted = self.unfitted()
             asked = [read_kind(unfitted, path, case) for path in forecasters]
-        noise = None
-        if not any(forecaster.sees_truth for forecaster in asked):
-            seen = read_rows(ensemble, "state", 0, self.training_series)
-            if sensor is not None:
-                seen = np.moveaxis(sensor(np.moveaxis(seen, -1, 0)), 0, -1)
-            noise = noise_of_flows(
-                experiment.series,
-                strategy.timing(experiment.schedule).length,
-                self.noise,
-                component_scales(seen),
-                experiment.root_seed,
-                self.observed or experiment.case,
-            )
-        return strategy, experiment, asked, noise
+        return strategy, experiment, asked
+
+    def noise_scales(
+        self, ensemble: str, asked: Sequence[Any], sensor: Sensor | None
+    ) -> Scales | None:
+        """Scales of the observation noise; None for forecasters that see the truth."""
+        if any(forecaster.sees_truth for forecaster in asked):
+            return None
+        seen = read_rows(ensemble, "state", 0, self.training_series)
+        if sensor is not None:
+            seen = np.moveaxis(sensor(np.moveaxis(seen, -1, 0)), 0, -1)
+        return component_scales(seen)
 
     def experiment(self, ensemble: str, summary: str) -> ControlExperiment:
         """Experiment of the job.

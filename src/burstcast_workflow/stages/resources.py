@@ -7,12 +7,12 @@ from typing import Any, Literal
 
 from burstcast.base.names import parsed
 
-Level = Literal["short", "usual", "training"]
-"""Work of seconds (tables, figures), of minutes, and of networks: its memory and time grow with the
-square of the neurons, for the Gram matrix of the states, of all series or of each."""
+Level = Literal["short", "usual", "long", "training"]
+"""Work of seconds (tables, figures), of minutes, of an hour, and of networks: its memory and time
+grow with the square of the neurons, for the Gram matrix of the states, of all series or of each."""
 
 _MIB = 500
-_MINUTES = {"short": 2, "usual": 10, "training": 10}
+_MINUTES = {"short": 2, "usual": 10, "long": 120, "training": 10}
 _MATRICES = 16
 _MINUTES_OF_1000_NEURONS = 10.0
 

@@ -154,6 +154,7 @@ _STRATEGIES = {
     "prediction_triggered": ("the paper's strategy", "s"),
     "reactive": ("reactive", "^"),
     "planned": ("planned", "v"),
+    "uncontrolled": ("no control", "D"),
 }
 COMPARING = ("receding_horizon", "planned")
 """Strategies that compare forecasts with and without actuation."""

@@ -1,0 +1,105 @@
+"""Check that a controller keeps to the interface: shapes, limits, no state between runs."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from burstcast.base.arrays import FloatArray
+from burstcast.base.discovery import UnsoundError
+from burstcast.control.arenas import Lorenz96Arena, checked_action
+from burstcast.control.controller import Controller, ControlTask
+from burstcast.systems.integration import integrate
+from burstcast.systems.mfe import MoehlisFaisstEckhardt
+
+_FLOWS, _DECISIONS = 5, 12
+
+
+def check_controller(controller: Controller) -> str:
+    """Report on a controller, after a few decisions in each of the arenas.
+
+    It need not be for both: a controller of the shear flow has one actuator to switch, one of the
+    model of Lorenz 1996 forty variables to push. Raises UnsoundError with all violations of the
+    interface that were noticed, if it fits neither.
+
+    Examples
+    --------
+    >>> from burstcast.control.rules import NoAction
+    >>> print(check_controller(NoAction()).splitlines()[0])
+    NoAction(): keeps to the interface
+    """
+    trials = {"shear flow": _shear_flow(), "Lorenz 96": _lorenz96()}
+    problems = {name: list(_problems(controller, *trial)) for name, trial in trials.items()}
+    if all(problems.values()):
+        raise UnsoundError(
+            [f"{name}: {text}" for name, texts in problems.items() for text in texts]
+        )
+    lines = []
+    for name, texts in problems.items():
+        text = f"does not fit: {texts[0]}" if texts else _share_of_actions(controller, trials[name])
+        lines.append(f"  {name:20s} {text}\n")
+    return f"{controller!r}: keeps to the interface\n{''.join(lines)}"
+
+
+def _shear_flow() -> tuple[ControlTask, FloatArray]:
+    """Task of the shear flow, and observations of free flows ``(time, components, flows)``."""
+    system, generator = MoehlisFaisstEckhardt(reynolds=400.0), np.random.default_rng(0)
+    start = np.zeros((9, _FLOWS + 3))
+    start[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
+    start[3] += 0.01 * generator.random(_FLOWS + 3)
+    states = integrate(system, start, 0.25, 4 * 800, stride=4)[200:]
+    noise = 0.01 * states.std(axis=(0, 2))
+    seen = states + noise[:, np.newaxis] * generator.normal(size=states.shape)
+    task = ControlTask(
+        space=system,
+        threshold=0.1,
+        interval=1.0,
+        stride=4,
+        steps_per_lyapunov_time=61,
+        between=15,
+        window=30,
+        noise=noise,
+        actuators=1,
+        limit=1.0,
+        most=1,
+        training=np.ascontiguousarray(seen[..., _FLOWS:].transpose(2, 0, 1)),
+        equations=system,
+    )
+    return task, np.ascontiguousarray(seen[..., :_FLOWS])
+
+
+def _lorenz96() -> tuple[ControlTask, FloatArray]:
+    """Task of the model of Lorenz, and observations of free flows."""
+    arena = Lorenz96Arena(flows=_FLOWS)
+    task = arena.task()
+    return task, np.ascontiguousarray(task.training[:_FLOWS, :_DECISIONS].transpose(1, 2, 0))
+
+
+def _run(controller: Controller, task: ControlTask, seen: FloatArray) -> list[FloatArray]:
+    """Actions of a controller at all decisions; ValueError where one is not allowed."""
+    controller.begin(task, _FLOWS)
+    actions = []
+    for number in range(_DECISIONS):
+        end = task.window + number * task.between
+        window = seen[end - task.window : end].copy()
+        before = window.copy()
+        controller.observe(window)
+        if not np.array_equal(window, before):
+            raise ValueError("observe changes the observations that it is given")
+        actions.append(checked_action(controller.act(), task, _FLOWS).copy())
+    return actions
+
+
+def _problems(controller: Controller, task: ControlTask, seen: FloatArray) -> Iterator[str]:
+    try:
+        first, second = (_run(controller, task, seen) for _ in range(2))
+    except Exception as error:  # whatever the controller raises
+        kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
+        yield f"{kind}{error}"
+        return
+    if not np.array_equal(first, second):
+        yield "a second run acts otherwise: begin leaves something of the run before"
+
+
+def _share_of_actions(controller: Controller, trial: tuple[ControlTask, FloatArray]) -> str:
+    acts = np.array(_run(controller, *trial)).any(axis=1)
+    return f"acts at {100 * acts.mean():.0f} % of the decisions on free flows"

@@ -1,0 +1,47 @@
+"""Long run of control: flows go on for as long as asked, and only their events are counted."""
+
+from typing import Any
+
+from burstcast.base.files.netcdf import variables_of
+from burstcast.base.names import parsed
+from burstcast.control.controllers import controlling_policy
+from burstcast.control.long_run import run_long
+from burstcast_workflow.harness.job import at, job, write_netcdf
+from burstcast_workflow.jobs.control import Controlled, sensor_of
+
+
+class LongControl(Controlled):
+    """Long runs of control by any controller."""
+
+    aware: dict[str, Any] | None = at("forecasters.aware", otherwise=None)
+    sensor: dict[str, Any] | None = at("control.sensor", otherwise=None)
+    levels: list[float] = at("control.return_levels")
+
+
+@job
+def long_control(
+    *,
+    ensemble: str,
+    summary: str,
+    forecasters: list[str],
+    encoder: str | list[str],
+    counts: str,
+    settings: LongControl,
+) -> None:
+    """Write counts of each flow and level."""
+    sensor = sensor_of(settings.sensor, settings.equations, encoder)
+    strategy, experiment, asked = settings.deciding(
+        ensemble, summary, forecasters, sensor, settings.aware
+    )
+    role = parsed(settings.controller).role or "forecaster"
+    scales = settings.noise_scales(ensemble, asked, sensor)
+    run = run_long(
+        experiment,
+        strategy.timing(experiment.schedule),
+        controlling_policy(role, strategy, experiment, asked),
+        levels=sorted({settings.event_threshold, *settings.levels}),
+        laminarisation_threshold=settings.laminarisation_threshold,
+        noise_scale=None if scales is None else settings.noise * scales.standard_deviation,
+    )
+    steps = {"steps_per_lyapunov_time": settings.lyapunov_time}
+    write_netcdf(counts, variables_of(run), {**settings.provenance, **steps})
