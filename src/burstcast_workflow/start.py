@@ -88,9 +88,7 @@ def start(workflow: Any, config: Mapping[str, Any]) -> Started:
     except ConfigError as error:
         raise WorkflowError(str(error)) from None
     place = path_of_results(workflow, checked["results"])
-    notes = Notes(place if workflow.is_main_process else "")
-    if faults := notes.damaged():
-        raise WorkflowError(f"{'; '.join(faults)}. Delete what should be made again, and run again")
+    notes = checked_notes(place) if workflow.is_main_process else Notes("", {})
     packages, beside = packages_of(project_root()), defaults.parent / "src"
     if beside.is_dir() and beside.resolve() != packages.resolve():
         raise WorkflowError(

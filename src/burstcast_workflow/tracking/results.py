@@ -111,8 +111,8 @@ def _fault(path: str | Path, written: Note) -> str:
 class Notes:
     """Notes of results, by the paths of these, as they were when they were read."""
 
-    def __init__(self, results: str | Path = "", notes: Mapping[Path, Note] | None = None) -> None:
-        self.results, self._notes = Path(results), dict(notes or {})
+    def __init__(self, results: str | Path, notes: Mapping[Path, Note]) -> None:
+        self.results, self._notes = Path(results), notes
 
     @classmethod
     def of(cls, results: str | Path) -> Self:
