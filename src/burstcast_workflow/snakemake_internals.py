@@ -125,6 +125,17 @@ def planned_jobs(workflow: Any) -> Iterable[Any]:
     return jobs
 
 
+def reasons_of_jobs(workflow: Any) -> list[tuple[Any, str]]:
+    """Jobs that would run, each after those that it reads from, with Snakemake's reason."""
+    dag = workflow.dag
+    return [
+        (job, str(dag.reason(job)))
+        for level in dag.toposorted()
+        for job in sorted(level, key=lambda job: [job.rule.name, *map(str, job.output)])
+        if dag.needrun(job)
+    ]
+
+
 def path_of_results(workflow: Any, results: str) -> str:
     """Path of the results below the prefix that another workflow gives a module."""
     path: str = workflow.modifier.path_modifier.replace_prefix(results)

@@ -28,6 +28,7 @@ onstart:
     print("onstart")
     internals.without_rate_limit(workflow)
     print("jobs", sorted(job.rule.name for job in internals.planned_jobs(workflow)))
+    print("reasons", [reason[:7] for _, reason in internals.reasons_of_jobs(workflow)])
     print("storage", internals.is_in_storage(workflow))
 
 
@@ -74,7 +75,8 @@ def test_hooks_and_records(tmp_path):
     assert "place results\nnames []\n" in first
     for output in ("a/1.txt a/1.log None ['n = 1']", "b/1.txt None []"):
         assert f"planned {output}\n" in first
-    assert "before onstart\nonstart\njobs ['a', 'all', 'b']\nstorage False\n" in first
+    assert "before onstart\nonstart\njobs ['a', 'all', 'b']\n" in first
+    assert "reasons ['Missing', 'Missing', 'Input f']\nstorage False\n" in first
     second = run(tmp_path)
     assert "Nothing to be done" in second
     assert """a/1.log ["'n = 1'"] ['n = 1']""" in second

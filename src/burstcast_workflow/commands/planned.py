@@ -9,6 +9,7 @@ from typing import Any
 from snakemake.cli import args_to_api, parse_args
 
 from burstcast_workflow import start
+from burstcast_workflow.snakemake_internals import reasons_of_jobs
 from snakemake_logger_plugin_burstcast.reasons import PlannedJob, explanation
 
 # options of snakemake that do something else than planning, even in a dry run
@@ -54,17 +55,15 @@ def planned(arguments: Sequence[str]) -> Any:
 
 def reasons(workflow: Any) -> str:
     """What the jobs of a plan would run for, as ``snakemake -n`` says it."""
-    dag = workflow.dag
     jobs = [
         PlannedJob(
             job.rule.name,
             job.wildcards_dict.get("case", ""),
             [*map(str, job.input)],
             [*map(str, job.output)],
-            str(dag.reason(job)),
+            reason,
         )
-        for level in dag.toposorted()
-        for job in sorted(level, key=lambda job: [job.rule.name, *map(str, job.output)])
-        if job.output and dag.needrun(job)
+        for job, reason in reasons_of_jobs(workflow)
+        if job.output
     ]
     return explanation(jobs) if jobs else "Nothing would run: all results are up to date."
