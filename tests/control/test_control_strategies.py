@@ -30,6 +30,7 @@ SETTINGS = {
     "probability_triggered": {"probability": 0.3, "hold_lt": 1.0, "decision_interval_lt": 0.25},
     "receding_horizon": {"horizon_lt": 2.0, "decision_interval_lt": 0.25},
     "reactive": {"level": 0.05, "decision_interval_lt": 0.25},
+    "uncontrolled": {"decision_interval_lt": 0.5},
 }
 
 

@@ -122,3 +122,8 @@ def test_equations_of_a_ring_are_learnt_from_noisy_observations(monkeypatch):
         rtol=1e-9,
         atol=1e-9,
     )
+
+
+def test_the_page_has_the_table_of_controllers():
+    page = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
+    assert said("controllers.py", "table").strip() in page

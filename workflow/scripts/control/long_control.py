@@ -1,5 +1,6 @@
 """Long run of control: flows go on for as long as asked, and only their events are counted."""
 
+from dataclasses import replace
 from typing import Any
 
 from burstcast.base.files.netcdf import variables_of
@@ -33,6 +34,8 @@ def long_control(
     strategy, experiment, asked = settings.deciding(
         ensemble, summary, forecasters, sensor, settings.aware
     )
+    # random streams are called after the case that is observed
+    experiment = replace(experiment, case=settings.observed or experiment.case)
     role = parsed(settings.controller).role or "forecaster"
     scales = settings.noise_scales(ensemble, asked, sensor)
     run = run_long(
