@@ -49,6 +49,22 @@ class FilterOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
+class FilteredNetworkOptions:
+    """Options of networks that are trained on smoothed series and start from a filter."""
+
+    section: ClassVar[str] = "esn_filtered"
+
+    denoising_rounds: int = 2  #: how often the training series are smoothed and learnt from again
+    #: noise of the inputs of a training on smoothed series, in units of the observation noise
+    jitter: float = 0.05
+    members: int = 30  #: size of the ensemble: even
+    voters: int = 10  #: members that forecast: even
+    #: start of a washout that the members follow, before it corrects them, in Lyapunov times
+    start_up_lt: float = 0.17
+    lag_lt: float = 0.2  #: time by which later observations correct smoothed series
+
+
+@dataclass(frozen=True, kw_only=True)
 class QuadraticOptions:
     """Options of learnt equations."""
 
@@ -128,12 +144,14 @@ SECTIONS: dict[str, type] = {
     options.section: options
     for options in (
         *(NetworkOptions, ObservationOptions, FilterOptions, QuadraticOptions, AnalogueOptions),
+        FilteredNetworkOptions,
         *(NVAROptions, ClassifierOptions, PrecursorOptions, DirectReadoutOptions, AwareOptions),
     )
 }
 """Classes of options by section."""
 
 _IN_SAMPLES: dict[type, dict[str, Any]] = {
+    FilteredNetworkOptions: {"start_up_lt": 5.0, "lag_lt": 5.0},
     QuadraticOptions: {"window_lt": 1.0},
     ClassifierOptions: {"start_spacing_lt": 1.0},
     PrecursorOptions: {"lags_lt": (1.0, 2.0, 3.0, 4.0)},

@@ -1,0 +1,234 @@
+"""The ensemble filter of a network: reservoir states that many noisy observations agree on.
+
+Its members are reservoirs. Each predicts the next sample, to which it adds an error as large as the
+model's; the observation of this sample then moves the predictions, and with them the states, as in
+`burstcast.forecasters._square_root_filter`; the corrected predictions drive the reservoirs. With
+past samples among the rows that are corrected, it is a fixed-lag smoother (Evensen & van Leeuwen,
+Monthly Weather Review 128, 2000). The errors are additive and independent from step to step, and
+their variance follows the innovations (Desroziers et al., Quarterly Journal of the Royal
+Meteorological Society 131, 2005).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from burstcast.base import random_streams
+from burstcast.base.arrays import BoolArray, FloatArray, IntArray
+from burstcast.forecasters._square_root_filter import combinations
+from burstcast.networks.network import EchoStateNetwork
+
+_SYNCHRONISATION = 12
+"""Steps that the first observation drives a reservoir before the filter begins, in the place of
+observations before it."""
+_FIRST_ERROR = 0.2
+"""Error of the model, in units of the noise, from which its estimate starts."""
+LEAST_ERROR, LARGEST_ERROR = 0.01, 2.0
+"""Bounds of the estimated error of the model, in units of the noise."""
+_ADAPTATION = 0.02
+"""Share of an innovation by which the variance of the model's error follows it."""
+
+
+class DrivenModel(Protocol):
+    """What the filter asks of a model: its states are driven by samples, and predict the next."""
+
+    def begin(self, observation: FloatArray) -> FloatArray:
+        """States ``(rows, batch)`` before a first observation ``(dimension, batch)``."""
+
+    def predict(self, states: FloatArray) -> FloatArray:
+        """Next sample ``(dimension, batch, members)`` of states ``(rows, batch, members)``."""
+
+    def drive(self, states: FloatArray, samples: FloatArray) -> FloatArray:
+        """States after samples, of the shapes of `predict`."""
+
+
+@dataclass(frozen=True)
+class DrivenNetwork:
+    """An echo state network as a `DrivenModel`."""
+
+    network: EchoStateNetwork
+
+    def begin(self, observation: FloatArray) -> FloatArray:
+        """Reservoir states that an observation has driven for some steps."""
+        return self.network.washout(np.tile(observation, (_SYNCHRONISATION, 1, 1)))
+
+    def predict(self, states: FloatArray) -> FloatArray:
+        """Readout of reservoir states."""
+        weights, dynamics = self.network.readout.weights, self.network.dynamics
+        features = dynamics.features(states).transpose(1, 0, 2)
+        # one product for each point: the sums of a larger one would depend on the batch
+        predicted = np.matmul(weights[:-1].T, features) + weights[-1][:, np.newaxis]
+        if self.network.input_offset is not None:
+            predicted += self.network.input_offset[:, np.newaxis]
+        return np.ascontiguousarray(predicted.transpose(1, 0, 2))
+
+    def drive(self, states: FloatArray, samples: FloatArray) -> FloatArray:
+        """Reservoir states after one more input."""
+        side_by_side = samples.reshape(1, len(samples), -1)
+        driven = self.network.washout(side_by_side, states.reshape(len(states), -1))
+        return driven.reshape(states.shape)
+
+
+@dataclass(frozen=True)
+class Followed:
+    """Results of an ensemble filter along series.
+
+    Attributes
+    ----------
+    states
+        States of the members that have seen all observations, ``(rows, batch, members)``.
+    smoothed
+        Series as the smoother estimates them, ``(series, time, dimension)``, NaN where they have
+        ended; without a lag, the filter's estimates.
+    spread
+        Standard deviation of the members of the smoother, root mean square, ``(dimension,)``.
+    model_error
+        Standard deviation of the additive error of the model, ``(dimension,)``.
+    consistency
+        Mean square of the innovations over the one that filter and noise expect, ``(dimension,)``.
+    kept
+        Mean states after the samples that were to be kept, by step, ``(rows, batch)``.
+    """
+
+    states: FloatArray
+    smoothed: FloatArray
+    spread: FloatArray
+    model_error: FloatArray
+    consistency: FloatArray
+    kept: dict[int, FloatArray]
+
+
+def opposite_pairs(random_seed: int, dimension: int, members: int) -> Iterator[FloatArray]:
+    """Standard normal numbers ``(dimension, members)`` of each step, in pairs of opposite signs.
+
+    They are the same for all points and series, so that no result depends on a batch.
+    """
+    generator = random_streams.stream(random_seed, "ensemble of a network", dimension, members)
+    while True:
+        half = generator.standard_normal((dimension, members // 2))
+        yield np.concatenate([half, -half], axis=1)
+
+
+def follow(
+    model: DrivenModel,
+    observed: FloatArray,
+    noise: FloatArray,
+    numbers: Iterator[FloatArray],
+    model_error: FloatArray | None,
+    *,
+    start_up: int,
+    lag: int = 0,
+    lengths: IntArray | None = None,
+    keep: Sequence[int] = (),
+) -> Followed:
+    """Follow series by an ensemble of a model's states.
+
+    ``observed``: Series or washouts, ``(series, time, dimension)``, held after their ends.
+    ``noise``: Standard deviation of its errors, ``(dimension,)``. ``numbers``: Random numbers of
+    each step (`opposite_pairs`). ``model_error``: As in `Followed`; None: it is estimated.
+    ``start_up``: Steps in which members follow the observations, with errors as large as the noise.
+    ``lag``: Steps by which later observations correct a sample. ``lengths``: Samples of each
+    series; None: all. ``keep``: Steps of `Followed.kept`.
+    """
+    batch, steps, dimension = observed.shape
+    samples = np.ascontiguousarray(observed.transpose(1, 2, 0))
+    ends = np.full(batch, steps) if lengths is None else lengths
+    variance, adaptive = np.square(noise), model_error is None
+    error = np.square(_FIRST_ERROR * noise if model_error is None else model_error)
+    first, recent = next(numbers), range(lag)
+    members = first.shape[1]
+    states = np.repeat(model.begin(samples[0])[..., np.newaxis], members, axis=2)
+    past = np.empty((lag, dimension, batch, members))
+    smoothed = np.full((steps, dimension, batch), np.nan)
+    spread, ratios, errors = np.zeros((3, dimension))
+    counts = np.zeros(3)
+    kept: dict[int, FloatArray] = {}
+
+    def settle(step: int, estimate: FloatArray, some: BoolArray) -> None:
+        """Note the final estimate of a sample, ``(dimension, batch, members)``, of some series."""
+        smoothed[step][:, some] = estimate[:, some].mean(axis=2)
+        spread[:] += estimate[:, some].var(axis=2, ddof=1).sum(axis=1)
+        counts[0] += np.count_nonzero(some)
+
+    for step, observation in enumerate(samples):
+        number = first if step == 0 else next(numbers)
+        running = ends > step
+        if step < start_up:
+            drawn = noise[:, np.newaxis] * number
+            current = observation[..., np.newaxis] + drawn[:, np.newaxis]
+        else:
+            drawn = np.sqrt(error)[:, np.newaxis] * number
+            current = model.predict(states) + drawn[:, np.newaxis]
+            weights = combinations(current, observation, noise)
+            expected = current[:, running].var(axis=2, ddof=1).mean(axis=1) + variance
+            off = observation - current.mean(axis=2)
+            innovation = np.square(off[:, running]).mean(axis=1)
+            if 4 * step >= steps:
+                ratios += innovation / np.where(expected > 0, expected, 1.0)
+                counts[1] += 1
+            if adaptive:
+                error = error + _ADAPTATION * (innovation - expected)
+                bounds = np.square([LEAST_ERROR, LARGEST_ERROR])[:, np.newaxis] * variance
+                error = np.clip(error, *bounds)
+                if 2 * step >= steps:
+                    errors += error
+                    counts[2] += 1
+            current, states = combined(current, weights), combined(states, weights)
+            if step and lag:
+                rows = combined(past.reshape(-1, batch, members), weights)
+                past = rows.reshape(past.shape)
+        if lag == 0:
+            settle(step, current, running)
+        else:
+            if step >= lag:
+                settle(step - lag, past[step % lag], running)
+            past[step % lag] = current
+            ended = ends == step + 1
+            if ended.any():
+                for back in recent:
+                    if step - back >= 0:
+                        settle(step - back, past[(step - back) % lag], ended)
+        states = model.drive(states, current)
+        if step in keep:
+            kept[step] = states.mean(axis=2)
+    estimate = np.sqrt(errors / counts[2] if adaptive and counts[2] else error)
+    return Followed(
+        states,
+        np.ascontiguousarray(smoothed.transpose(2, 0, 1)),
+        np.sqrt(spread / counts[0]),
+        estimate,
+        ratios / max(counts[1], 1),
+        kept,
+    )
+
+
+def combined(rows: FloatArray, weights: FloatArray) -> FloatArray:
+    """Members ``(rows, batch, members)`` after the update by `combinations`."""
+    after = np.empty_like(rows)
+    np.matmul(rows.transpose(1, 0, 2), weights, out=after.transpose(1, 0, 2))
+    return after
+
+
+def joined(parts: Sequence[Followed], sizes: Sequence[int]) -> Followed:
+    """Results along several batches of series of these sizes, whose estimates are averaged."""
+    if len(parts) == 1:
+        return parts[0]
+
+    def average(name: str, power: int) -> FloatArray:
+        values = np.array([getattr(part, name) for part in parts])
+        mean = np.average(values**power, axis=0, weights=sizes)
+        return np.asarray(mean ** (1 / power))
+
+    return Followed(
+        np.concatenate([part.states for part in parts], axis=1),
+        np.concatenate([part.smoothed for part in parts]),
+        average("spread", 2),
+        average("model_error", 2),
+        average("consistency", 1),
+        {
+            step: np.concatenate([part.kept[step] for part in parts], axis=1)
+            for step in parts[0].kept
+        },
+    )
