@@ -25,8 +25,8 @@ _SYNCHRONISATION = 12
 observations before it."""
 _FIRST_ERROR = 0.2
 """Error of the model, in units of the noise, from which its estimate starts."""
-LEAST_ERROR, LARGEST_ERROR = 0.01, 2.0
-"""Bounds of the estimated error of the model, in units of the noise."""
+_LEAST_ERROR = 0.01
+"""Least estimated error of the model, in units of the noise."""
 _ADAPTATION = 0.02
 """Share of an innovation by which the variance of the model's error follows it."""
 
@@ -170,8 +170,7 @@ def follow(
                 counts[1] += 1
             if adaptive:
                 error = error + _ADAPTATION * (innovation - expected)
-                bounds = np.square([LEAST_ERROR, LARGEST_ERROR])[:, np.newaxis] * variance
-                error = np.clip(error, *bounds)
+                error = np.maximum(error, _LEAST_ERROR**2 * variance)
                 if 2 * step >= steps:
                     errors += error
                     counts[2] += 1

@@ -85,6 +85,7 @@ def combinations(forecast: FloatArray, observation: FloatArray, noise: FloatArra
     ``forecast``: Observed components of the members before the observation, ``(observed, batch,
     members)``. ``observation``, ``noise``: As for `assimilate`.
     """
+    forecast = np.ascontiguousarray(forecast)  # sums depend on the layout in their last bits
     _, batch, members = forecast.shape
     with np.errstate(over="ignore", invalid="ignore"):
         centre = forecast.mean(axis=2)

@@ -23,7 +23,6 @@ from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.series_lengths import held_after_the_end, samples_of, series_lengths
 from burstcast.data.observation_noise import observation_noise
 from burstcast.forecasters._network_filter import (
-    LARGEST_ERROR,
     DrivenNetwork,
     Followed,
     follow,
@@ -47,6 +46,8 @@ _CONSISTENT = (0.8, 1.25)
 """Ratio of innovations to their expected size within which a filter is consistent."""
 _MOST_REMOVED = 1.1
 """Noise removed from smoothed series, in units of the noise, beyond which dynamics go with it."""
+_LARGE_ERROR = 2.0
+"""Error of the network in a step, in units of the noise, from which observations outweigh it."""
 _FORECAST_LT, _MOST_STARTS = 2, 1000
 """Length, and most starting points, of the forecasts that judge a round of denoising."""
 _LOST = 100.0
@@ -172,11 +173,12 @@ class FilteredNetwork(FilteredNetworkOptions, ObservationOptions, NetworkForecas
                 f"smoothing removes {_span(self.noise_removed)} times the noise from the training "
                 "series, and dynamics with it: sample them more often, or lower observation.noise"
             )
-        relative = self.model_error[self.errors > 0] / self.errors[self.errors > 0]
-        if (relative >= 0.99 * LARGEST_ERROR).any():
+        there = self.errors > 0
+        relative = float((self.model_error[there] / self.errors[there]).max(initial=0.0))
+        if relative > _LARGE_ERROR:
             found.append(
-                f"the network's error in a step is {LARGEST_ERROR:g} times the noise, the largest "
-                "that the filter allows: take more neurons, or no filter (esn)"
+                f"the network's error in a step is {relative:.2g} times the noise: the filter "
+                "gains little over the last observation; take more neurons"
             )
         if self.denoising_rounds and self.kept_round == 0:
             found.append(

@@ -62,6 +62,12 @@ def problems_of_case(config: Configuration, name: str) -> Iterator[str]:
                 f"forecasters.filter.members is {members}; it must be at least twice the "
                 f"components of a state: {2 * space.dimension} for {whose}"
             )
+    start_up = config.forecasters.esn_filtered.start_up_lt
+    if "esn_filtered" in config.kinds_of(name) and start_up >= config.washout_lt:
+        yield (
+            f"forecasters.esn_filtered.start_up_lt is {start_up:g}; it must be below washout_lt, "
+            f"{config.washout_lt:g}, whose other observations correct the filter"
+        )
     if not config.probability.calibration_series and case.training.series < 2:
         others = "cut a long one (data.blocks)"
         if data is None:

@@ -252,8 +252,8 @@ class FilteredNetworks(Section):
         "members that forecast", ge=2, at_most="forecasters.esn_filtered.members"
     )
     start_up_lt: Positive = setting(
-        "start of a washout that the members follow, before its observations correct them",
-        below="washout_lt",
+        "start of a washout that the members follow, before its observations correct them; shorter "
+        "than washout_lt"
     )
     lag_lt: Positive = setting("time by which later observations correct smoothed series")
 
