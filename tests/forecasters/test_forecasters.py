@@ -270,7 +270,7 @@ def test_rounds_of_denoising_remove_noise_and_the_filter_finds_the_present(filte
 def test_a_filter_is_synchronised_before_it_begins(filtered_network):
     """Soon after a start-up from a reservoir at zero, the present would be unknown."""
     model = filtered_network
-    short = model.start_up + 5
+    short = model.start_up + 3
     washout, truth = washouts_of(NOISY_LORENZ[3:], short)[0], washouts_of(TRUE_LORENZ[3:], short)[1]
     ahead = model.advance(model.start(washout), 1)[0][0]
     off = (ahead - truth) / LORENZ_NOISE[:, np.newaxis]

@@ -151,7 +151,7 @@ SECTIONS: dict[str, type] = {
 """Classes of options by section."""
 
 _IN_SAMPLES: dict[type, dict[str, Any]] = {
-    FilteredNetworkOptions: {"start_up_lt": 5.0, "lag_lt": 5.0},
+    FilteredNetworkOptions: {"start_up_lt": 2.0, "lag_lt": 3.0},
     QuadraticOptions: {"window_lt": 1.0},
     ClassifierOptions: {"start_spacing_lt": 1.0},
     PrecursorOptions: {"lags_lt": (1.0, 2.0, 3.0, 4.0)},

@@ -38,7 +38,7 @@ from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.reservoir import ReservoirSeed
 from burstcast.networks.training import TrainingSeries, train, train_leaving_one_out
 
-_CORRECTED_STEPS = 5
+_CORRECTED_STEPS = 3
 """Least number of observations of a washout that correct the ensemble after its start-up."""
 _SERIES_PER_BATCH, _POINTS_PER_BATCH = 32, 16
 """Series that are smoothed side by side, and washouts: they bound the memory."""
