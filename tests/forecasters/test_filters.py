@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from burstcast.data.encoders._moments import kalman_gain
-from burstcast.forecasters._network_filter import combined, follow, opposite_pairs
+from burstcast.forecasters._ensemble_smoother import combined, follow, opposite_pairs
 from burstcast.forecasters._square_root_filter import (
     assimilate,
     combinations,
@@ -145,13 +145,15 @@ class LinearModel:
         radius = np.abs(np.linalg.eigvals(undisturbed)).max()
         self.transition, self.driving = 0.9 / radius * self.transition, 0.9 / radius * self.driving
 
-    def begin(self, observation):
-        return np.zeros((len(self.transition), observation.shape[1]))
+    hidden = slice(0)
+
+    def begin(self, samples, number):
+        return np.zeros((len(self.transition), *samples.shape[1:]))
 
     def predict(self, states):
         return np.einsum("ij,jbm->ibm", self.readout, states)
 
-    def drive(self, states, samples):
+    def drive(self, states, samples, number):
         return np.einsum("ij,jbm->ibm", self.transition, states) + np.einsum(
             "ij,jbm->ibm", self.driving, samples
         )

@@ -75,6 +75,22 @@ class QuadraticOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
+class HiddenQuadraticOptions:
+    """Options of learnt quadratic equations with hidden variables."""
+
+    section: ClassVar[str] = "quadratic_hidden"
+
+    hidden: int = 2  #: number of hidden variables, which nothing but prior knowledge tells
+    #: whether the observable is a component that follows from the others and the hidden variables
+    observable_follows: bool = False
+    rounds: int = 8  #: how often the training series are smoothed and the equations learnt again
+    #: rates of moving averages that the first hidden variables may be, per Lyapunov time
+    rates_per_lt: tuple[float, ...] = (0.18, 0.4, 0.73, 1.5, 3.0, 5.5)
+    smoothing_lag_lt: float = 0.65  #: time by which later observations correct smoothed series
+    members: int = 40  #: size of the ensemble: even
+
+
+@dataclass(frozen=True, kw_only=True)
 class AnalogueOptions:
     """Options of analogues."""
 
@@ -144,7 +160,7 @@ SECTIONS: dict[str, type] = {
     options.section: options
     for options in (
         *(NetworkOptions, ObservationOptions, FilterOptions, QuadraticOptions, AnalogueOptions),
-        FilteredNetworkOptions,
+        *(FilteredNetworkOptions, HiddenQuadraticOptions),
         *(NVAROptions, ClassifierOptions, PrecursorOptions, DirectReadoutOptions, AwareOptions),
     )
 }
@@ -152,6 +168,10 @@ SECTIONS: dict[str, type] = {
 
 _IN_SAMPLES: dict[type, dict[str, Any]] = {
     FilteredNetworkOptions: {"start_up_lt": 2.0, "lag_lt": 3.0},
+    HiddenQuadraticOptions: {
+        "rates_per_lt": (0.02, 0.05, 0.1, 0.2, 0.4),
+        "smoothing_lag_lt": 10.0,
+    },
     QuadraticOptions: {"window_lt": 1.0},
     ClassifierOptions: {"start_spacing_lt": 1.0},
     PrecursorOptions: {"lags_lt": (1.0, 2.0, 3.0, 4.0)},

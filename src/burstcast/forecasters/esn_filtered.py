@@ -1,11 +1,11 @@
 """The echo state network that learns from smoothed series and starts from a filter's estimate.
 
 The error of a network that is trained on noisy series is mostly the noise of its inputs (errors in
-variables), and that of its forecasts mostly the noise of the washout. Here an ensemble filter
-(`burstcast.forecasters._network_filter`) removes most of both: the trained network smooths its own
-training series, it is trained again on the result with a little noise in the inputs, which closed
-loops need to stay stable, and so on for some rounds; forecasts start from the same filter. The
-hyperparameters are those that a search found for the kind `esn`.
+variables), and that of its forecasts mostly the noise of the washout. An ensemble filter
+(`burstcast.forecasters._ensemble_smoother`) removes most of both: the trained network smooths its
+own training series, it is trained again on the result with a little noise in the inputs, which
+closed loops need to stay stable, and so on for some rounds; forecasts start from the same filter.
+The hyperparameters are those that a search found for the kind `esn`.
 
 Related: Brajard, Carrassi, Bocquet and Bertino, Journal of Computational Science 44 (2020) 101171;
 Tomizawa and Sawada, Geoscientific Model Development 14 (2021) 5623; Wikner et al., Chaos 31 (2021)
@@ -22,8 +22,7 @@ from burstcast.base import durations, random_streams
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.series_lengths import held_after_the_end, samples_of, series_lengths
 from burstcast.data.observation_noise import observation_noise
-from burstcast.forecasters._network_filter import (
-    DrivenNetwork,
+from burstcast.forecasters._ensemble_smoother import (
     Followed,
     follow,
     joined,
@@ -38,6 +37,9 @@ from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.reservoir import ReservoirSeed
 from burstcast.networks.training import TrainingSeries, train, train_leaving_one_out
 
+_SYNCHRONISATION = 12
+"""Steps that the first observation drives a reservoir before the filter begins, in the place of
+observations before it."""
 _CORRECTED_STEPS = 3
 """Least number of observations of a washout that correct the ensemble after its start-up."""
 _SERIES_PER_BATCH, _POINTS_PER_BATCH = 32, 16
@@ -230,7 +232,7 @@ class FilteredNetwork(FilteredNetworkOptions, ObservationOptions, NetworkForecas
             rows = slice(first, first + _SERIES_PER_BATCH)
             parts.append(
                 follow(
-                    DrivenNetwork(self.network),
+                    _DrivenNetwork(self.network),
                     held[rows],
                     self.errors,
                     self._numbers(),
@@ -269,7 +271,7 @@ class FilteredNetwork(FilteredNetworkOptions, ObservationOptions, NetworkForecas
         for first in range(0, batch, _POINTS_PER_BATCH):
             points = slice(first, first + _POINTS_PER_BATCH)
             states = follow(
-                DrivenNetwork(self.network),
+                _DrivenNetwork(self.network),
                 washout[..., points].transpose(2, 0, 1),
                 self.errors,
                 self._numbers(),
@@ -317,6 +319,40 @@ _RECORDED = {
     "round_errors": "round_errors",
 }
 """Arrays of a record, and the fields that hold them."""
+
+
+@dataclass(frozen=True)
+class _DrivenNetwork:
+    """An echo state network as a `DrivenModel`."""
+
+    network: EchoStateNetwork
+
+    @property
+    def hidden(self) -> slice:
+        """Reservoir states are not smoothed."""
+        return slice(0)
+
+    def begin(self, samples: FloatArray, number: FloatArray) -> FloatArray:
+        """Reservoir states that the mean of the samples has driven for some steps."""
+        centre = samples.mean(axis=2)
+        states = self.network.washout(np.tile(centre, (_SYNCHRONISATION, 1, 1)))
+        return np.repeat(states[..., np.newaxis], samples.shape[2], axis=2)
+
+    def predict(self, states: FloatArray) -> FloatArray:
+        """Readout of reservoir states."""
+        weights, dynamics = self.network.readout.weights, self.network.dynamics
+        features = dynamics.features(states).transpose(1, 0, 2)
+        # one product for each point: the sums of a larger one would depend on the batch
+        predicted = np.matmul(weights[:-1].T, features) + weights[-1][:, np.newaxis]
+        if self.network.input_offset is not None:
+            predicted += self.network.input_offset[:, np.newaxis]
+        return np.ascontiguousarray(predicted.transpose(1, 0, 2))
+
+    def drive(self, states: FloatArray, samples: FloatArray, number: FloatArray) -> FloatArray:
+        """Reservoir states after one more input."""
+        side_by_side = samples.reshape(1, len(samples), -1)
+        driven = self.network.washout(side_by_side, states.reshape(len(states), -1))
+        return driven.reshape(states.shape)
 
 
 @dataclass(frozen=True)

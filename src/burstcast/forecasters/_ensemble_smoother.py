@@ -1,12 +1,12 @@
-"""The ensemble filter of a network: reservoir states that many noisy observations agree on.
+"""The ensemble filter of a model that is driven by samples, such as a network.
 
-Its members are reservoirs. Each predicts the next sample, to which it adds an error as large as the
-model's; the observation of this sample then moves the predictions, and with them the states, as in
-`burstcast.forecasters._square_root_filter`; the corrected predictions drive the reservoirs. With
-past samples among the rows that are corrected, it is a fixed-lag smoother (Evensen & van Leeuwen,
-Monthly Weather Review 128, 2000). The errors are additive and independent from step to step, and
-their variance follows the innovations (Desroziers et al., Quarterly Journal of the Royal
-Meteorological Society 131, 2005).
+Its members are states of the model, such as reservoirs. Each predicts the next sample, to which it
+adds an error as large as the model's; the observation of this sample then moves the predictions,
+and with them the states, as in `burstcast.forecasters._square_root_filter`; the corrected
+predictions drive the states. With past samples among the rows that are corrected, it is a fixed-lag
+smoother (Evensen & van Leeuwen, Monthly Weather Review 128, 2000). The errors are additive and
+independent from step to step, and their variance follows the innovations (Desroziers et al.,
+Quarterly Journal of the Royal Meteorological Society 131, 2005).
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,11 +18,7 @@ import numpy as np
 from burstcast.base import random_streams
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.forecasters._square_root_filter import combinations
-from burstcast.networks.network import EchoStateNetwork
 
-_SYNCHRONISATION = 12
-"""Steps that the first observation drives a reservoir before the filter begins, in the place of
-observations before it."""
 _FIRST_ERROR = 0.2
 """Error of the model, in units of the noise, from which its estimate starts."""
 _LEAST_ERROR = 0.01
@@ -32,43 +28,23 @@ _ADAPTATION = 0.02
 
 
 class DrivenModel(Protocol):
-    """What the filter asks of a model: its states are driven by samples, and predict the next."""
+    """What the filter asks of a model: its states are driven by samples, and predict the next.
 
-    def begin(self, observation: FloatArray) -> FloatArray:
-        """States ``(rows, batch)`` before a first observation ``(dimension, batch)``."""
+    States are ``(rows, batch, members)``, samples ``(dimension, batch, members)``.
+    """
 
-    def predict(self, states: FloatArray) -> FloatArray:
-        """Next sample ``(dimension, batch, members)`` of states ``(rows, batch, members)``."""
+    @property
+    def hidden(self) -> slice:
+        """Rows of the states that are smoothed with the samples."""
 
-    def drive(self, states: FloatArray, samples: FloatArray) -> FloatArray:
-        """States after samples, of the shapes of `predict`."""
-
-
-@dataclass(frozen=True)
-class DrivenNetwork:
-    """An echo state network as a `DrivenModel`."""
-
-    network: EchoStateNetwork
-
-    def begin(self, observation: FloatArray) -> FloatArray:
-        """Reservoir states that an observation has driven for some steps."""
-        return self.network.washout(np.tile(observation, (_SYNCHRONISATION, 1, 1)))
+    def begin(self, samples: FloatArray, number: FloatArray) -> FloatArray:
+        """States before a first sample, with the numbers of their members."""
 
     def predict(self, states: FloatArray) -> FloatArray:
-        """Readout of reservoir states."""
-        weights, dynamics = self.network.readout.weights, self.network.dynamics
-        features = dynamics.features(states).transpose(1, 0, 2)
-        # one product for each point: the sums of a larger one would depend on the batch
-        predicted = np.matmul(weights[:-1].T, features) + weights[-1][:, np.newaxis]
-        if self.network.input_offset is not None:
-            predicted += self.network.input_offset[:, np.newaxis]
-        return np.ascontiguousarray(predicted.transpose(1, 0, 2))
+        """Next sample."""
 
-    def drive(self, states: FloatArray, samples: FloatArray) -> FloatArray:
-        """Reservoir states after one more input."""
-        side_by_side = samples.reshape(1, len(samples), -1)
-        driven = self.network.washout(side_by_side, states.reshape(len(states), -1))
-        return driven.reshape(states.shape)
+    def drive(self, states: FloatArray, samples: FloatArray, number: FloatArray) -> FloatArray:
+        """States after samples, with the numbers of their members."""
 
 
 @dataclass(frozen=True)
@@ -80,10 +56,11 @@ class Followed:
     states
         States of the members that have seen all observations, ``(rows, batch, members)``.
     smoothed
-        Series as the smoother estimates them, ``(series, time, dimension)``, NaN where they have
-        ended; without a lag, the filter's estimates.
+        Series as the smoother estimates them, ``(series, time, dimension + hidden)``, NaN where
+        they have ended; without a lag, the filter's estimates.
     spread
-        Standard deviation of the members of the smoother, root mean square, ``(dimension,)``.
+        Standard deviation of the members of the smoother, root mean square, of each of these
+        components.
     model_error
         Standard deviation of the additive error of the model, ``(dimension,)``.
     consistency
@@ -127,23 +104,26 @@ def follow(
 
     ``observed``: Series or washouts, ``(series, time, dimension)``, held after their ends.
     ``noise``: Standard deviation of its errors, ``(dimension,)``. ``numbers``: Random numbers of
-    each step (`opposite_pairs`). ``model_error``: As in `Followed`; None: it is estimated.
-    ``start_up``: Steps in which members follow the observations, with errors as large as the noise.
-    ``lag``: Steps by which later observations correct a sample. ``lengths``: Samples of each
-    series; None: all. ``keep``: Steps of `Followed.kept`.
+    each step (`opposite_pairs`), with as many rows as samples have components, or more.
+    ``model_error``: As in `Followed`; None: it is estimated. ``start_up``: Steps in which members
+    follow the observations, with errors as large as the noise. ``lag``: Steps by which later
+    observations correct a sample. ``lengths``: Samples of each series; None: all. ``keep``: Steps
+    of `Followed.kept`.
     """
     batch, steps, dimension = observed.shape
     samples = np.ascontiguousarray(observed.transpose(1, 2, 0))
     ends = np.full(batch, steps) if lengths is None else lengths
     variance, adaptive = np.square(noise), model_error is None
     error = np.square(_FIRST_ERROR * noise if model_error is None else model_error)
-    first, recent = next(numbers), range(lag)
-    members = first.shape[1]
-    states = np.repeat(model.begin(samples[0])[..., np.newaxis], members, axis=2)
-    past = np.empty((lag, dimension, batch, members))
-    smoothed = np.full((steps, dimension, batch), np.nan)
-    spread, ratios, errors = np.zeros((3, dimension))
-    counts = np.zeros(3)
+    number = next(numbers)
+    members = number.shape[1]
+    drawn = noise[:, np.newaxis] * number[:dimension]
+    current = samples[0][..., np.newaxis] + drawn[:, np.newaxis]
+    states = model.begin(current, number)
+    size = dimension + len(states[model.hidden])
+    past = np.empty((lag, size, batch, members))
+    smoothed, spread = np.full((steps, size, batch), np.nan), np.zeros(size)
+    ratios, errors, counts = np.zeros(dimension), np.zeros(dimension), np.zeros(3)
     kept: dict[int, FloatArray] = {}
 
     def settle(step: int, estimate: FloatArray, some: BoolArray) -> None:
@@ -153,13 +133,14 @@ def follow(
         counts[0] += np.count_nonzero(some)
 
     for step, observation in enumerate(samples):
-        number = first if step == 0 else next(numbers)
         running = ends > step
-        if step < start_up:
-            drawn = noise[:, np.newaxis] * number
+        if step:
+            number = next(numbers)
+        if 0 < step < start_up:
+            drawn = noise[:, np.newaxis] * number[:dimension]
             current = observation[..., np.newaxis] + drawn[:, np.newaxis]
-        else:
-            drawn = np.sqrt(error)[:, np.newaxis] * number
+        elif step:
+            drawn = np.sqrt(error)[:, np.newaxis] * number[:dimension]
             current = model.predict(states) + drawn[:, np.newaxis]
             weights = combinations(current, observation, noise)
             expected = current[:, running].var(axis=2, ddof=1).mean(axis=1) + variance
@@ -175,21 +156,22 @@ def follow(
                     errors += error
                     counts[2] += 1
             current, states = combined(current, weights), combined(states, weights)
-            if step and lag:
+            if lag:
                 rows = combined(past.reshape(-1, batch, members), weights)
                 past = rows.reshape(past.shape)
+        whole = np.concatenate([current, states[model.hidden]])
         if lag == 0:
-            settle(step, current, running)
+            settle(step, whole, running)
         else:
             if step >= lag:
                 settle(step - lag, past[step % lag], running)
-            past[step % lag] = current
+            past[step % lag] = whole
             ended = ends == step + 1
             if ended.any():
-                for back in recent:
+                for back in range(lag):
                     if step - back >= 0:
                         settle(step - back, past[(step - back) % lag], ended)
-        states = model.drive(states, current)
+        states = model.drive(states, current, number)
         if step in keep:
             kept[step] = states.mean(axis=2)
     estimate = np.sqrt(errors / counts[2] if adaptive and counts[2] else error)
