@@ -20,6 +20,7 @@ from burstcast.forecasters.nvar import NVAR
 from burstcast.forecasters.persistence import Persistence
 from burstcast.forecasters.quadratic import QuadraticModel
 from burstcast.forecasters.quadratic_filtered import FilteredQuadraticModel
+from burstcast.forecasters.quadratic_hidden import HiddenQuadraticModel
 from burstcast.forecasters.registry import (
     all_kinds,
     available_kinds,
@@ -36,8 +37,10 @@ from burstcast.networks.training import TrainingSeries, train
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast.systems.polynomials.hidden import hidden_series, moving_averages
 from burstcast.systems.polynomials.system import PolynomialSystem
 from helpers_library import (
+    FirstObserved,
     assert_depends_on_its_washout_alone,
     assert_perturbations_grow_as_differences,
     lorenz_series,
@@ -59,6 +62,7 @@ SEED = ReservoirSeed(random_seed=2022, neurons=30, seed=5, connectivity=6, input
 
 NOISE = np.linspace(0.001, 0.002, 9)
 COEFFICIENTS = 0.05 * np.random.default_rng(7).standard_normal((55, 9))
+COEFFICIENTS_OF_TEN = 0.05 * np.random.default_rng(9).standard_normal((66, 10))
 SERIES = np.random.default_rng(8).standard_normal((3, 40, 9))
 STEPS = {"time_step": 0.25, "sampling_stride": 4}
 QUADRATIC = QuadraticModel(
@@ -69,6 +73,26 @@ READOUT = Readout(0.1 * np.random.default_rng(5).normal(size=(31, 9)), 1e-6, "ch
 DYNAMICS = Dynamics(SEED.reservoir(9), 0.9, 1.0, "scipy")
 NETWORK = {"network": EchoStateNetwork(DYNAMICS, READOUT, np.linspace(0.2, 1, 9)), "seed": SEED}
 CASE = ForecastingCase(system=SYSTEM, time_step=0.25, sampling_stride=4, steps_per_lyapunov_time=61)
+
+HIDDEN = HiddenQuadraticModel(
+    hidden=1,
+    members=8,
+    system=PolynomialSystem(0.3 * COEFFICIENTS_OF_TEN, 2, SYSTEM),
+    coefficients=0.3 * COEFFICIENTS_OF_TEN,
+    prior=0.1 * np.ones((10, 1)),
+    prior_root=0.1 * np.eye(1),
+    errors=NOISE,
+    model_error=0.3 * NOISE,
+    hidden_scale=np.ones(1),
+    reach=10.0 * np.ones(10),
+    place=-1,
+    random_seed=3,
+    rates=np.array([0.5, 1.0]),
+    explained=0.5,
+    round_errors=np.array([-1.0, -2.0]),
+    consistency=np.ones(9),
+    **STEPS,
+)
 
 FORECASTERS = {
     "analogues": Analogues(neighbours=5, training=SERIES),
@@ -101,6 +125,7 @@ FORECASTERS = {
     "nvar": NVAR(lags=3, ridge=1e-3).fit(SERIES, CASE),
     "persistence": Persistence(),
     "quadratic": QUADRATIC,
+    "quadratic_hidden": HIDDEN,
     "quadratic_filtered": FilteredQuadraticModel(
         members=18, inflation=1.01, model=QUADRATIC, errors=NOISE
     ),
@@ -160,8 +185,8 @@ AWARE = {"esn_aware", "quadratic_aware", "quadratic_aware_filtered"}
         ("has_trajectories", {*FORECASTERS, *AWARE}),
         ("sees_truth", {"equations", "esn_true_washout"}),  # only the bounds
         ("needs_equations", INTEGRATING),
-        ("provides_ensemble", {"analogues", "esn_filtered", *FILTERING}),
-        ("has_filter", {"esn_filtered", *FILTERING}),
+        ("provides_ensemble", {"analogues", "esn_filtered", "quadratic_hidden", *FILTERING}),
+        ("has_filter", {"esn_filtered", "quadratic_hidden", *FILTERING}),
         ("aware", {*INTEGRATING, *AWARE}),
         ("learns_parameters", AWARE),
         ("has_search", {"esn", "esn_aware", "esn_filtered", "esn_true_washout"}),
@@ -233,10 +258,12 @@ def filtered_network():
 
 
 def washouts_of(series, length=25, spacing=10):
-    """Washouts ``(steps, 3, points)`` and the state after each."""
+    """Washouts ``(steps, dimension, points)`` and the state after each."""
     ends = range(length, series.shape[1], spacing)
     cut = [series[:, end - length : end].transpose(1, 2, 0) for end in ends]
-    return np.concatenate(cut, axis=2), series[:, ends].transpose(2, 1, 0).reshape(3, -1)
+    return np.concatenate(cut, axis=2), series[:, ends].transpose(2, 1, 0).reshape(
+        series.shape[2], -1
+    )
 
 
 def test_rounds_of_denoising_remove_noise_and_the_filter_finds_the_present(filtered_network):
@@ -404,6 +431,134 @@ def test_a_round_that_makes_forecasts_worse_is_not_kept_and_says_so():
 def test_options_of_a_filtered_network_are_checked(options, message):
     with pytest.raises(ValueError, match=message):
         FilteredNetwork(**options)
+
+
+# -- equations with hidden variables ---------------------------------------------------------------
+
+
+class OfTwo(FirstObserved):
+    """Two components of Lorenz's flow, and its observable where that is a third one."""
+
+    dimension = 2
+
+
+HIDDEN_CASE = ForecastingCase(OfTwo(), 0.01, 2, 55)
+HIDDEN_OPTIONS = {"hidden": 1, "rates_per_lt": (0.8, 1.65, 2.93, 5.5), "rounds": 1, "members": 20}
+LONG_LORENZ = lorenz_series(5, 200, 1100)
+NOISY_LONG = LONG_LORENZ + 0.01 * LORENZ_SCALE * np.random.default_rng(6).normal(
+    size=LONG_LORENZ.shape
+)
+
+
+@pytest.fixture(scope="module")
+def hidden_model():
+    return HiddenQuadraticModel(**HIDDEN_OPTIONS).fit(NOISY_LONG[:4, :, :2], HIDDEN_CASE)
+
+
+def share_explained(target, known):
+    """R^2 of a linear regression with a constant; ``known``: ``(samples, ...)``."""
+    return LinearRegression().fit(known, target).score(known, target)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+def test_a_hidden_component_of_lorenz_is_a_moving_average_that_is_found(noise):
+    """dz/dt = x y - 8/3 z: the average of x y with the rate 8/3, which is among those offered."""
+    series = LONG_LORENZ + noise * LORENZ_SCALE * np.random.default_rng(3).normal(
+        size=LONG_LORENZ.shape
+    )
+    rates = [0.015, 0.03, 8 / 3 * 0.02, 0.1]
+    found = hidden_series(list(series[:, :, :2]), noise * LORENZ_SCALE[:2], 1, rates, 4)
+    assert rates[2] in found.rates
+    assert found.explained < 0.02
+    hidden = np.concatenate(found.series)
+    np.testing.assert_allclose(hidden.std(), 1.0, rtol=1e-3)
+    seen = LONG_LORENZ[:, found.first :].reshape(-1, 3)
+    known = np.column_stack([seen[:, :2], hidden])
+    assert share_explained(seen[:, 2], known) > 0.99
+    assert share_explained(seen[:, 2], seen[:, :2]) < 0.5
+
+
+def test_a_moving_average_forgets_exponentially():
+    impulse = np.zeros((1, 30))
+    impulse[0, 4] = 1.0
+    averages = moving_averages(impulse, 0.2)[0]
+    assert (averages[:4] == 0.0).all()
+    np.testing.assert_allclose(averages[6:] / averages[5:-1], np.exp(-0.2))
+    np.testing.assert_allclose(averages.sum(), 1.0, atol=1e-2)
+    np.testing.assert_array_equal(moving_averages(np.full((2, 9), 3.0), 0.7), 3.0)
+
+
+def test_hidden_variables_that_cannot_be_found_are_refused():
+    series = [np.random.default_rng(0).normal(size=(100, 2)) for _ in range(2)]
+    for arguments, message in (
+        ((series, np.zeros(2), 3, [0.1], 4), "hidden is 3; it must be from 1 to the 2 components"),
+        ((series[:1], np.zeros(2), 1, [0.1], 4), "take two series at least"),
+        ((series, np.zeros(2), 1, [0.01], 4), "raise the lowest rate"),
+        (([np.zeros((9, 13))], np.zeros(13), 1, [0.1], 4), "behind 12 components at most, not 13"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            hidden_series(*arguments)
+    for options, message in (
+        ({"hidden": 0}, "hidden must be 1 at least"),
+        ({"rounds": -1}, "rounds must be 0 at least"),
+        ({"members": 5}, "members must be even"),
+        ({"rates_per_lt": (0.0, 1.0)}, "rates_per_lt must be above 0"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            HiddenQuadraticModel(**options)
+
+
+def test_equations_with_a_hidden_variable_forecast_what_quadratic_ones_cannot(hidden_model):
+    assert hidden_model.weaknesses() == []
+    np.testing.assert_allclose(hidden_model.consistency, 1, atol=0.25)
+    washout, _ = washouts_of(NOISY_LONG[4:, :850, :2], 30, 55)
+    truth = np.concatenate(
+        [LONG_LORENZ[4:, end : end + 40, :2].transpose(1, 2, 0) for end in range(30, 850, 55)],
+        axis=2,
+    )
+    scale = LORENZ_SCALE[:2, np.newaxis]
+    outputs = hidden_model.advance(hidden_model.start(washout), 40)[0]
+    off = np.sqrt(np.square((outputs - truth) / scale).mean(axis=(0, 1)))
+    blind = FilteredQuadraticModel(members=20).fit(NOISY_LONG[:4, :, :2], HIDDEN_CASE)
+    missed = blind.advance(blind.start(washout), 40)[0]
+    missed = np.sqrt(np.square((missed - truth) / scale).mean(axis=(0, 1)))
+    assert np.median(off) < 0.1
+    assert np.median(missed) > 5 * np.median(off)
+    assert_depends_on_its_washout_alone(hidden_model, washout[..., :5], 12, HIDDEN_CASE)
+    refitted = list(hidden_model.leave_one_out(NOISY_LONG[:4, :, :2], HIDDEN_CASE, 30))
+    assert len(refitted) == 4
+    for other in refitted:
+        again = other.advance(other.start(washout), 20)[0]
+        assert np.median(np.abs((again - outputs[:20]) / scale).max(axis=(0, 1))) < 0.3
+
+
+def test_an_observable_that_follows_is_learnt_from_all_variables():
+    class WithEnergy(OfTwo):
+        dimension = 3
+
+        def observable(self, state):
+            return np.array(state[1])
+
+    energy = np.square(NOISY_LONG / LORENZ_SCALE).sum(axis=2)
+    series = np.stack([NOISY_LONG[..., 0], energy, NOISY_LONG[..., 1]], axis=2)
+    case = replace(HIDDEN_CASE, system=WithEnergy())
+    options = {**HIDDEN_OPTIONS, "rounds": 0, "observable_follows": True}
+    model = HiddenQuadraticModel(**options).fit(series[:4], case)
+    assert model.place == 1
+    washout, _ = washouts_of(series[4:, :800], 30, 55)
+    outputs = model.advance(model.start(washout), 10)[0]
+    assert outputs.shape[1] == 3
+    truth = np.concatenate(
+        [
+            np.square(LONG_LORENZ[4:, end : end + 10] / LORENZ_SCALE).sum(axis=2).T
+            for end in range(30, 800, 55)
+        ],
+        axis=1,
+    )
+    assert np.median(np.abs(outputs[:, 1] - truth)) < 0.05 * truth.std()
+    assert_depends_on_its_washout_alone(model, washout[..., :5], 12, case)
+    with pytest.raises(ValueError, match="one of whose components is the observable"):
+        HiddenQuadraticModel(**options).fit(series[:4, :, ::-1] + 1.0, replace(case, system=SYSTEM))
 
 
 # -- analogues and persistence ---------------------------------------------------------------------

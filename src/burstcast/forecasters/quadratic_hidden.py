@@ -369,7 +369,7 @@ class _DrivenEquations:
         ahead = np.clip(np.nan_to_num(ahead, nan=np.inf, posinf=np.inf), -reach, reach)
         error = _HIDDEN_ERROR * model.hidden_scale[:, np.newaxis] * number[self._observed :]
         ahead[self._observed :] += error[:, np.newaxis]
-        return ahead
+        return np.asarray(ahead)
 
 
 def _parted(training: FloatArray, place: int) -> tuple[FloatArray, FloatArray | None]:

@@ -297,6 +297,26 @@ class Quadratic(Section):
     window_lt: Positive = setting("time that the equations are integrated over, to learn them")
 
 
+@with_defaults(vars(SECTIONS["quadratic_hidden"]()))
+class HiddenQuadratic(Section):
+    """Learnt quadratic equations with hidden variables, `quadratic_hidden`."""
+
+    hidden: Count = setting("number of hidden variables, which must be known beforehand")
+    observable_follows: bool = setting(
+        "whether the observable is a component that follows from the others and the hidden "
+        "variables, and has no equation of its own"
+    )
+    rounds: Whole = setting(
+        "how often the training series are smoothed by the equations, which are learnt again", ge=0
+    )
+    rates_per_lt: Some[Positive] = setting(
+        "rates of moving averages that hidden variables begin as, two of which are chosen",
+        "per Lyapunov time",
+    )
+    smoothing_lag_lt: Positive = setting("time by which later observations correct smoothed series")
+    members: Annotated[Whole, Field(multiple_of=2)] = setting("size of the ensemble", ge=4)
+
+
 @with_defaults(vars(SECTIONS["analogues"]()))
 class AnalogueForecasters(Section):
     """Analogues."""
@@ -375,6 +395,7 @@ class Forecasters(Section):
     observation: Observation = setting("", default_factory=Observation)
     filter: Filter = setting("", default_factory=Filter)
     quadratic: Quadratic = setting("", default_factory=Quadratic)
+    quadratic_hidden: HiddenQuadratic = setting("", default_factory=HiddenQuadratic)
     analogues: AnalogueForecasters = setting("", default_factory=AnalogueForecasters)
     nvar: NonlinearVectorAutoregression = setting("", default_factory=NonlinearVectorAutoregression)
     classifiers: Classifiers = setting("", default_factory=Classifiers)
