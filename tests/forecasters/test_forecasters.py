@@ -492,7 +492,6 @@ def test_hidden_variables_that_cannot_be_found_are_refused():
     series = [np.random.default_rng(0).normal(size=(100, 2)) for _ in range(2)]
     for arguments, message in (
         ((series, np.zeros(2), 3, [0.1], 4), "hidden is 3; it must be from 1 to the 2 components"),
-        ((series[:1], np.zeros(2), 1, [0.1], 4), "take two series at least"),
         ((series, np.zeros(2), 1, [0.01], 4), "raise the lowest rate"),
         (([np.zeros((9, 13))], np.zeros(13), 1, [0.1], 4), "behind 12 components at most, not 13"),
     ):

@@ -21,7 +21,7 @@ from typing import ClassVar, NamedTuple, Self
 import numpy as np
 
 from burstcast.base import durations
-from burstcast.base.arrays import FloatArray
+from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.series_lengths import (
     held_after_the_end,
     padded,
@@ -98,7 +98,7 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
     place: int = fitted()  #: component that follows; -1: none
     random_seed: int = fitted()  #: root of the random numbers of the ensemble
     rates: FloatArray = fitted()  #: chosen rates of the moving averages, per Lyapunov time
-    #: residual on series left out, as a share of the one without hidden variables
+    #: residual of the first equations, as a share of the one without hidden variables
     explained: float = fitted()
     #: mean log10 square error of forecasts after each round, ``(1 + rounds,)``
     round_errors: FloatArray = fitted()
@@ -133,9 +133,12 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
         states = padded(
             [
                 np.concatenate([part[found.first :], hidden], axis=1)
-                for part, hidden in zip(series, found.series, strict=True)
+                for part, hidden in zip(
+                    [series[row] for row in found.rows], found.series, strict=True
+                )
             ]
         )
+        follows = None if followed_by is None else followed_by[found.rows]
         common = {
             "errors": errors,
             "place": place,
@@ -146,22 +149,25 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
             "sampling_stride": case.sampling_stride,
         }
         noise, first = np.concatenate([errors, np.zeros(self.hidden)]), found.first
+        points = _starts(observed, _FORECAST_LT * unit, unit)
         candidates: list[Self] = []
         judged: list[float] = []
         for number in range(self.rounds + 1):
-            learnt = _learnt(states, noise, interval, window, followed_by, first, len(errors))
+            learnt = _learnt(states, noise, interval, window, follows, first, len(errors))
             current = self._with(learnt, case, **common)
-            points = _starts(observed, _FORECAST_LT * unit, unit)
-            followed = current._follow(observed, unit, points)
+            followed = current._follow(observed, unit, points[0])
             current = current.with_fitted(
                 model_error=followed.model_error, consistency=followed.consistency
             )
             candidates.append(current)
-            judged.append(_error(current, observed, followed, points, _FORECAST_LT * unit))
+            if points[0]:
+                judged.append(_error(current, observed, followed, points, _FORECAST_LT * unit))
             if number < self.rounds:
                 states, first = _settled(followed.smoothed, observed, unit)
                 noise, window = np.zeros_like(noise), max(2, durations.steps(_WINDOW_LT, unit))
-        return candidates[int(np.argmin(judged))].with_fitted(round_errors=np.array(judged))
+                follows = followed_by
+        best = int(np.argmin(judged)) if judged else self.rounds
+        return candidates[best].with_fitted(round_errors=np.array(judged, dtype=np.float64))
 
     def _place(self, training: FloatArray, case: ForecastingCase) -> int:
         """Component that is the observable and follows from the others; -1 for none."""
@@ -233,7 +239,7 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
         if self.explained > _LITTLE_EXPLAINED:
             found.append(
                 f"hidden variables explain little: equations with them leave {self.explained:.2g} "
-                "times what equations without them leave on series left out (hidden)"
+                "times what equations without them leave (hidden, rates_per_lt)"
             )
         for rate, edge in ((self.rates.min(), min), (self.rates.max(), max)):
             if len(self.rates_per_lt) > 2 and np.isclose(rate, edge(self.rates_per_lt)):
@@ -247,7 +253,7 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
                 f"{self.consistency.min():.2g} to {self.consistency.max():.2g} times the expected "
                 "ones (observation.noise)"
             )
-        if self.rounds and int(np.argmin(self.round_errors)) == 0:
+        if self.rounds and self.round_errors.size and int(np.argmin(self.round_errors)) == 0:
             found.append("no round of smoothing improved forecasts (quadratic_hidden.rounds)")
         return found
 
@@ -420,34 +426,37 @@ def _settled(smoothed: FloatArray, observed: FloatArray, unit: int) -> tuple[Flo
     first, last = durations.steps(_SETTLING_LT, unit), durations.steps(_ENDING_LT, unit)
     lengths = series_lengths(observed)
     ends = [observed.shape[1]] * len(observed) if lengths is None else lengths.tolist()
-    parts = [series[first : end - last] for series, end in zip(smoothed, ends, strict=True)]
+    parts = [
+        series[first : max(first, end - last)] for series, end in zip(smoothed, ends, strict=True)
+    ]
     return padded(parts), first
 
 
-def _starts(observed: FloatArray, ahead: int, spacing: int) -> list[int]:
-    """Steps from which all series are forecast to judge a round."""
+def _starts(observed: FloatArray, ahead: int, spacing: int) -> tuple[list[int], IntArray]:
+    """Steps from which forecasts judge a round, and the series that are long enough for them."""
     lengths = series_lengths(observed)
-    shortest = observed.shape[1] if lengths is None else int(lengths.min())
+    ends = np.full(len(observed), observed.shape[1]) if lengths is None else lengths
+    rows = np.flatnonzero(ends > ahead + spacing + 2)
+    shortest = int(ends[rows].min()) if rows.size else 0
     steps = list(range(spacing, shortest - ahead - 1, spacing))
-    return steps[:: max(1, -(-len(steps) * len(observed) // _MOST_STARTS))]
+    return steps[:: max(1, -(-len(steps) * len(rows) // _MOST_STARTS))], rows
 
 
 def _error(
     model: HiddenQuadraticModel,
     observed: FloatArray,
     followed: Followed,
-    points: list[int],
+    points: tuple[list[int], IntArray],
     ahead: int,
 ) -> float:
     """Mean log10 square error of forecasts of the observed components."""
-    if not points:
-        return 0.0
+    steps, rows = points
     scale = samples_of(observed).std(axis=0)[:, np.newaxis]
     # a state that was kept is the forecast for the next sample
-    memory = np.concatenate([followed.kept[step] for step in points], axis=1)
+    memory = np.concatenate([followed.kept[step][:, rows] for step in steps], axis=1)
     states = IntegratedForecaster.advance(model, memory, ahead)[0][:, : observed.shape[2]]
     truth = np.concatenate(
-        [observed[:, step + 2 : step + 2 + ahead].transpose(1, 2, 0) for step in points], axis=2
+        [observed[rows, step + 2 : step + 2 + ahead].transpose(1, 2, 0) for step in steps], axis=2
     )
     with np.errstate(over="ignore", invalid="ignore"):
         square = np.square((states[: len(truth)] - truth) / scale).mean(axis=(0, 1))

@@ -26,8 +26,6 @@ _ITERATIONS = 12
 """Steps of alternating least squares."""
 _PAIRS = 5
 """Pairs of rates that are tried with as many hidden variables as are wanted."""
-_LEFT_OUT = 5
-"""Every fifth series judges the rates, at least one."""
 MOST_COMPONENTS = 12
 """Most observed components: moments of all products of their monomials fill the memory."""
 
@@ -39,20 +37,23 @@ class HiddenSeries:
     Attributes
     ----------
     series
-        Hidden variables of each observed series from sample ``first`` on, of unit variance,
-        ``(time - first, hidden)``.
+        Hidden variables of the observed series that are long enough, from sample ``first`` on, of
+        unit variance, ``(time - first, hidden)``.
+    rows
+        Numbers of these series.
     first
         First sample at which the moving averages have forgotten where they began.
     rates
         Rates of the moving averages, in inverse samples.
     explained
-        Mean square residual of the equations on series left out, as a share of that of equations
-        without hidden variables.
+        Mean square residual of the increments, in units of those of the noise, as a share of that
+        of equations without hidden variables.
     singular_values
         Those of the regression, the largest one being 1.
     """
 
     series: list[FloatArray]
+    rows: list[int]
     first: int
     rates: tuple[float, ...]
     explained: float
@@ -87,8 +88,8 @@ def hidden_series(
     """Estimate hidden variables of series ``(time, dimension)`` of quadratic equations.
 
     ``noise``: Standard deviation of the observation noise, ``(dimension,)``. ``hidden``: Number of
-    hidden variables. ``rates``: Rates that the moving averages may have, in inverse samples; two of
-    them are chosen by the residual on series left out. ``window``: Samples of the windows of the
+    hidden variables. ``rates``: Rates that the moving averages may have, in inverse samples; the
+    two that leave the smallest residual are chosen. ``window``: Samples of the windows of the
     regression.
     """
     dimension = series[0].shape[1]
@@ -99,14 +100,15 @@ def hidden_series(
             f"hidden variables are found behind {MOST_COMPONENTS} components at most, not "
             f"{dimension}"
         )
-    if len(series) < 2:
-        raise ValueError("hidden variables take two series at least: one is left out")
     first = int(np.ceil(1 / min(rates)))
-    if min(map(len, series)) <= first + 4 * window:
+    least = first + 4 * window
+    rows = [row for row, states in enumerate(series) if len(states) > least]
+    if not rows:
         raise ValueError(
-            f"moving averages with the rate {min(rates):.3g} take series of more than "
-            f"{first + 4 * window} samples, one has {min(map(len, series))}: raise the lowest rate"
+            f"moving averages with the rate {min(rates):.3g} take series of more than {least} "
+            f"samples, the longest has {max(map(len, series))}: raise the lowest rate"
         )
+    series = [series[row] for row in rows]
     moments = _Moments.of(series, noise, list(rates), window, first)
     chosen, directions, explained, singular_values = moments.best(hidden)
     parts = [moments.averages(states, chosen)[:, first:].T @ directions for states in series]
@@ -115,7 +117,7 @@ def hidden_series(
     whiten = np.linalg.inv(np.linalg.cholesky(np.cov(together.T).reshape(hidden, hidden)))
     found = [(part - centre) @ whiten.T for part in parts]
     return HiddenSeries(
-        found, first, tuple(rates[number] for number in chosen), explained, singular_values
+        found, rows, first, tuple(rates[number] for number in chosen), explained, singular_values
     )
 
 
@@ -124,7 +126,7 @@ class _Moments:
     """Moments of increments, and of integrals of monomials and of products with their averages.
 
     Regressors are the monomials, and, for each rate, the averages of all monomials but 1, alone and
-    times each component. Series that are left out have moments of their own.
+    times each component.
     """
 
     rates: list[float]
@@ -154,13 +156,9 @@ class _Moments:
         blank = cls(rates, noise, scale, size, *(np.empty(0) for _ in range(4)))
         weights = gregory_weights(window)
         count = len(basis) + len(rates) * len(size) * (1 + dimension)
-        gram, cross = np.zeros((2, count, count)), np.zeros((2, count, dimension))
-        square, counts = np.zeros((2, dimension)), np.zeros(2)
-        all_averages = []
-        for number, states in enumerate(series):
-            left_out = number % _LEFT_OUT == _LEFT_OUT - 1 or (
-                len(series) < _LEFT_OUT and number == len(series) - 1
-            )
+        gram, cross = np.zeros((count, count)), np.zeros((count, dimension))
+        square, samples, all_averages = np.zeros(dimension), 0, []
+        for states in series:
             values = blank.values(states)
             averages = [moving_averages(values[1:], rate) for rate in rates]
             regressors = [values]
@@ -174,17 +172,14 @@ class _Moments:
                 for point, weight in enumerate(weights)
             )
             increments = (states[first + window :] - states[first : first + windows]) / scale
-            gram[int(left_out)] += integrals @ integrals.T
-            cross[int(left_out)] += integrals @ increments
-            square[int(left_out)] += np.square(increments).sum(axis=0)
-            counts[int(left_out)] += windows
+            gram += integrals @ integrals.T
+            cross += integrals @ increments
+            square += np.square(increments).sum(axis=0)
+            samples += windows
             all_averages.append(np.concatenate(averages)[:, first:])
         spread = np.cov(np.concatenate(all_averages, axis=1))
-        for part, samples in enumerate(counts):
-            gram[part] /= samples
-            cross[part] /= samples
-            square[part] /= samples
-        return cls(rates, noise, scale, size, gram, cross, square, spread)
+        moments = gram / samples, cross / samples, square / samples
+        return cls(rates, noise, scale, size, *moments, spread)
 
     @property
     def monomials(self) -> int:
@@ -203,22 +198,16 @@ class _Moments:
         values = self.values(states)[1:]
         return np.concatenate([moving_averages(values, self.rates[number]) for number in chosen])
 
-    def columns(self, chosen: Sequence[int]) -> list[int]:
-        """Regressors of the monomials and of the averages with the chosen rates."""
-        block = len(self.size) * (1 + len(self.scale))
-        columns = list(range(self.monomials))
-        for number in chosen:
-            first = self.monomials + number * block
-            columns += range(first, first + block)
-        return columns
+    def residual(self, gram: FloatArray, cross: FloatArray) -> FloatArray:
+        """Mean square residual of a regression with some moments, ``(dimension,)``."""
+        coefficients = _ridge(gram, cross)
+        squares = (coefficients * (gram @ coefficients - 2 * cross)).sum(axis=0)
+        return np.asarray(self.square + squares)
 
-    def residual(self, chosen: Sequence[int]) -> FloatArray:
-        """Mean square residual on the series left out, ``(dimension,)``."""
-        columns = self.columns(chosen)
-        coefficients = _ridge(self.gram[0][np.ix_(columns, columns)], self.cross[0][columns])
-        explained = (coefficients * self.cross[1][columns]).sum(axis=0)
-        part = self.gram[1][np.ix_(columns, columns)] @ coefficients
-        return np.asarray(self.square[1] - 2 * explained + (coefficients * part).sum(axis=0))
+    @cached_property
+    def closure(self) -> FloatArray:
+        """Mean square residual of equations without hidden variables, ``(dimension,)``."""
+        return self.residual(*self.by_factor([]))
 
     @cached_property
     def floor(self) -> FloatArray:
@@ -226,57 +215,41 @@ class _Moments:
 
         Those of the noise, and a thousandth of the largest residual without hidden variables.
         """
-        floor: FloatArray = 2 * np.square(self.noise / self.scale) + 1e-3 * self.residual([]).max()
+        floor: FloatArray = 2 * np.square(self.noise / self.scale) + 1e-3 * self.closure.max()
         return floor
 
     def best(self, hidden: int) -> tuple[list[int], FloatArray, float, FloatArray]:
         """Rates, directions of their averages, the share that they leave, and singular values.
 
-        Of the pairs of rates whose averages leave the least on the series left out, some are tried
-        with directions, and the pair is chosen whose directions leave the least.
+        The pairs of rates whose averages leave the least are tried with directions, and the one is
+        chosen whose directions leave the least.
         """
-        closure = (self.residual([]) / self.floor).sum()
+
+        def share(residual: FloatArray) -> float:
+            return float((residual / self.floor).sum() / (self.closure / self.floor).sum())
+
         numbers = range(len(self.rates))
         several = [list(pair) for pair in combinations(numbers, min(2, len(self.rates)))]
-        several.sort(key=lambda pair: float((self.residual(pair) / self.floor).sum()))
-        shares = []
+        several.sort(key=lambda pair: share(self.residual(*self.by_factor(pair))))
+        tried = []
         for chosen in several[:_PAIRS]:
-            directions, _ = self.reduced(chosen, hidden, self.gram[0], self.cross[0])
-            left = self.residual_of(chosen, directions)
-            shares.append(float((left / self.floor).sum() / closure))
-        best = int(np.argmin(shares))
-        learnt = self.gram.mean(axis=0), self.cross.mean(axis=0)
-        directions, singular_values = self.reduced(several[best], hidden, *learnt)
-        return several[best], directions, shares[best], singular_values
+            directions, singular_values = self.reduced(chosen, hidden)
+            moments = _projected(*self.by_factor(chosen), self.monomials, directions)
+            tried.append((chosen, directions, share(self.residual(*moments)), singular_values))
+        return min(tried, key=lambda one: one[2])
 
-    def by_factor(
-        self, chosen: Sequence[int], gram: FloatArray, cross: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def by_factor(self, chosen: Sequence[int]) -> tuple[FloatArray, FloatArray]:
         """Moments with products sorted by their factor, 1, x_0, ..., and then by the average."""
-        columns, count = np.array(self.columns(chosen)), self.monomials
-        shape = len(chosen), 1 + len(self.scale), len(self.size)
-        products = columns[count:].reshape(shape).swapaxes(0, 1).reshape(-1)
-        order = np.concatenate([columns[:count], products])
-        return gram[np.ix_(order, order)], cross[order]
+        count, shape = self.monomials, (len(self.rates), 1 + len(self.scale), len(self.size))
+        products = count + np.arange(np.prod(shape)).reshape(shape)[list(chosen)]
+        order = np.concatenate([np.arange(count), products.swapaxes(0, 1).reshape(-1)])
+        return self.gram[np.ix_(order, order)], self.cross[order]
 
-    def residual_of(self, chosen: Sequence[int], directions: FloatArray) -> FloatArray:
-        """Mean square residual on the series left out with hidden variables, ``(dimension,)``."""
-        learnt, left_out = (
-            _projected(*self.by_factor(chosen, gram, cross), self.monomials, directions)
-            for gram, cross in zip(self.gram, self.cross, strict=True)
-        )
-        coefficients = _ridge(*learnt)
-        explained = (coefficients * left_out[1]).sum(axis=0)
-        squares = (coefficients * (left_out[0] @ coefficients)).sum(axis=0)
-        return np.asarray(self.square[1] - 2 * explained + squares)
-
-    def reduced(
-        self, chosen: Sequence[int], hidden: int, gram: FloatArray, cross: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def reduced(self, chosen: Sequence[int], hidden: int) -> tuple[FloatArray, FloatArray]:
         """Directions of the averages that act on increments, and all singular values."""
         count, dimension = self.monomials, len(self.scale)
         averages = len(self.size) * len(chosen)
-        gram, cross = self.by_factor(chosen, gram, cross)
+        gram, cross = self.by_factor(chosen)
         weight = np.sqrt(self.floor)
         of_products = gram[count:, count:].reshape(1 + dimension, averages, 1 + dimension, averages)
         mixed = gram[:count, count:].reshape(count, 1 + dimension, averages)
