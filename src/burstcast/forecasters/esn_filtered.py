@@ -7,9 +7,9 @@ own training series, it is trained again on the result with a little noise in th
 closed loops need to stay stable, and so on for some rounds; forecasts start from the same filter.
 The hyperparameters are those that a search found for the kind `esn`.
 
-Related: Brajard, Carrassi, Bocquet and Bertino, Journal of Computational Science 44 (2020) 101171;
-Tomizawa and Sawada, Geoscientific Model Development 14 (2021) 5623; Wikner et al., Chaos 31 (2021)
-053114, which train on analyses; Wikner et al., Neural Networks 170 (2024) 94, on noise in inputs.
+Related: Brajard, Carrassi, Bocquet and Bertino, Journal of Computational Science 44 (2020) 101171,
+and Tomizawa and Sawada, Geoscientific Model Development 14 (2021) 5623, train on analyses; Wikner
+et al., Neural Networks 170 (2024) 94, study noise in inputs.
 """
 
 from collections.abc import Iterator, Sequence

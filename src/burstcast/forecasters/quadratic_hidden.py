@@ -9,9 +9,6 @@ observed components say of them.
 
 An observable that is measured and depends on hidden variables is no variable of its own: it is
 learnt as a quadratic function of them all (``observable_follows``).
-
-Related: Bakarji, Champion, Kutz and Brunton, Proceedings of the Royal Society A 479 (2023)
-20230422; Somacal et al., Physical Review E 105 (2022) 054209, on equations with hidden variables.
 """
 
 from collections.abc import Iterator
