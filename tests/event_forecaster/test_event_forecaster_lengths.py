@@ -172,6 +172,8 @@ def test_every_kind_runs_on_a_short_record_in_samples(kind, yearly):
         pytest.skip("one series has one value of the parameters")
     few = {"members": 2, "neurons": 50, "grid": 2, "bayesian_points": 0}
     few |= {"options": {"neurons": 50}} if kind == "esn_direct" else {}
+    if kind == "quadratic_hidden":
+        few |= {"options": {"hidden": 1, "rates_per_lt": (0.2, 0.4), "rounds": 1}}
     forecaster = EventForecaster(kind=kind, event_threshold={"quantile": 0.9}, **few)
     scores = forecaster.fit(yearly[:, :220]).scores(yearly[:, 220:])
     assert scores["forecasts"] > 20

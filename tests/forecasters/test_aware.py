@@ -192,7 +192,9 @@ def network(training):
     plain = TrainingSeries(training, np.ptp(training[..., :3], axis=(0, 1)))
     series = factored_training(plain, RHO, NETWORK)
     dynamics = Dynamics(seed.reservoir(3), 0.2, 1.0)
-    return NETWORK.trained(dynamics, seed, series, washout=WASHOUT, tikhonov=1e-9)
+    return NETWORK.trained(
+        dynamics, seed, series, washout=WASHOUT, tikhonov=1e-9, steps_per_lyapunov_time=61
+    )
 
 
 def test_a_network_that_is_told_forecasts_under_unseen_values(network, switched):
@@ -279,7 +281,9 @@ def trained(kind, case, states, schedules):
     plain = TrainingSeries(with_inputs(states, schedules), np.ptp(states, axis=(0, 1)))
     series = factored_training(plain, case.parameters, NETWORK)
     dynamics = Dynamics(seed.reservoir(3), 0.3, 0.5, "scipy")
-    return NETWORK.trained(dynamics, seed, series, washout=20, tikhonov=1e-9)
+    return NETWORK.trained(
+        dynamics, seed, series, washout=20, tikhonov=1e-9, steps_per_lyapunov_time=61
+    )
 
 
 @pytest.mark.parametrize("kind", ["quadratic_aware", "esn_aware"])

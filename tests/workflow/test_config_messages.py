@@ -89,7 +89,10 @@ def lines_of(tables):
 
 TABLES = {}
 TABLES["paper"] = """
-seeds: 1 | seeds: unknown setting | campaign[].forecasters.esn.seeds or | control.sweep.seeds or
+campaign: [{reynolds: [400], forecasters: {esn_filtered: {neurons: [50], validation: [RV],
+  seeds: 1}}}], washout_lt: 0.15 | start_up_lt is 0.17 | below washout_lt, 0.15
+forecasters.esn_filtered.voters: 40 | voters: must be at most | esn_filtered.members, 30 (got 40)
+seeds: 1 | seeds: unknown setting | campaign[].forecasters.esn.seeds or | control.sweep.seeds
 cases.Re400.lyapunov.xyz: 1 | cases.Re400.lyapunov.xyz | known are time_unit
 search.5: null | search: the key 5 must be text; in braces a comma ends a value
 search.input_scaling: [1] | search.input_scaling: must be [low, high], two rising

@@ -87,6 +87,7 @@ def trained_committee(
             training,
             washout=washout,
             tikhonov=chosen.validation.tikhonov,
+            steps_per_lyapunov_time=case.steps_per_lyapunov_time,
         )
         members.append(trained)
     records = [optima[number % len(optima)].record() for number in range(len(members))]

@@ -240,6 +240,7 @@ class EventForecaster(Estimator):
             findings += committee.search_edges(hyperparameters, checked, len(samples_of(states)))
         else:
             members = [as_forecaster(kind).fit(training, case)]
+        findings += dict.fromkeys(text for member in members for text in member.weaknesses())
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
         if self.calibrate:
             if labelled is None:

@@ -49,6 +49,22 @@ class FilterOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
+class FilteredNetworkOptions:
+    """Options of networks that are trained on smoothed series and start from a filter."""
+
+    section: ClassVar[str] = "esn_filtered"
+
+    denoising_rounds: int = 2  #: how often the training series are smoothed and learnt from again
+    #: noise of the inputs of a training on smoothed series, in units of the observation noise
+    jitter: float = 0.05
+    members: int = 30  #: size of the ensemble: even
+    voters: int = 10  #: members that forecast: even
+    #: start of a washout that the members follow, before it corrects them, in Lyapunov times
+    start_up_lt: float = 0.17
+    lag_lt: float = 0.2  #: time by which later observations correct smoothed series
+
+
+@dataclass(frozen=True, kw_only=True)
 class QuadraticOptions:
     """Options of learnt equations."""
 
@@ -56,6 +72,22 @@ class QuadraticOptions:
 
     degree: int = 2  #: highest degree of the polynomials
     window_lt: float = 0.2  #: time that the equations are integrated over, in Lyapunov times
+
+
+@dataclass(frozen=True, kw_only=True)
+class HiddenQuadraticOptions:
+    """Options of learnt quadratic equations with hidden variables."""
+
+    section: ClassVar[str] = "quadratic_hidden"
+
+    hidden: int = 2  #: number of hidden variables, which nothing but prior knowledge tells
+    #: whether the observable is a component that follows from the others and the hidden variables
+    observable_follows: bool = False
+    rounds: int = 8  #: how often the training series are smoothed and the equations learnt again
+    #: rates of moving averages that the first hidden variables may be, per Lyapunov time
+    rates_per_lt: tuple[float, ...] = (0.18, 0.4, 0.73, 1.5, 3.0, 5.5)
+    smoothing_lag_lt: float = 0.65  #: time by which later observations correct smoothed series
+    members: int = 40  #: size of the ensemble: even
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,12 +160,18 @@ SECTIONS: dict[str, type] = {
     options.section: options
     for options in (
         *(NetworkOptions, ObservationOptions, FilterOptions, QuadraticOptions, AnalogueOptions),
+        *(FilteredNetworkOptions, HiddenQuadraticOptions),
         *(NVAROptions, ClassifierOptions, PrecursorOptions, DirectReadoutOptions, AwareOptions),
     )
 }
 """Classes of options by section."""
 
 _IN_SAMPLES: dict[type, dict[str, Any]] = {
+    FilteredNetworkOptions: {"start_up_lt": 2.0, "lag_lt": 3.0},
+    HiddenQuadraticOptions: {
+        "rates_per_lt": (0.02, 0.05, 0.1, 0.2, 0.4),
+        "smoothing_lag_lt": 10.0,
+    },
     QuadraticOptions: {"window_lt": 1.0},
     ClassifierOptions: {"start_spacing_lt": 1.0},
     PrecursorOptions: {"lags_lt": (1.0, 2.0, 3.0, 4.0)},

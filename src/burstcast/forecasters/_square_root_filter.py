@@ -75,6 +75,44 @@ def assimilate(
     return updated
 
 
+def combinations(forecast: FloatArray, observation: FloatArray, noise: FloatArray) -> FloatArray:
+    """The update of `assimilate` as weights of the members, ``(batch, members, members)``.
+
+    Members ``(rows, members)`` of a point before the observation, times its matrix, are the members
+    after it, whatever the rows are. This is the faster form for ensembles with many more rows than
+    members.
+
+    ``forecast``: Observed components of the members before the observation, ``(observed, batch,
+    members)``. ``observation``, ``noise``: As for `assimilate`.
+    """
+    forecast = np.ascontiguousarray(forecast)  # sums depend on the layout in their last bits
+    _, batch, members = forecast.shape
+    with np.errstate(over="ignore", invalid="ignore"):
+        centre = forecast.mean(axis=2)
+        deviation = forecast - centre[..., np.newaxis]
+        weights = np.tile(np.eye(members), (batch, 1, 1))
+        shift = np.zeros((batch, members))
+        for component, variance in enumerate(np.square(noise)):
+            own = deviation[component].copy()
+            total = np.square(own).sum(axis=1) / (members - 1) + variance
+            # known without error, and observed without error: nothing to learn
+            certain = total == 0.0
+            total[certain] = 1.0
+            gain = np.where(certain, 0.0, 1.0 / ((members - 1) * total))
+            reduced = gain / (1.0 + np.sqrt(variance / total))
+            innovation = gain * (observation[component] - centre[component])
+            covariance = (deviation * own).sum(axis=2)
+            centre += covariance * innovation
+            deviation -= (covariance * reduced)[..., np.newaxis] * own
+            along = (weights * own[:, np.newaxis]).sum(axis=2)
+            shift += along * innovation[:, np.newaxis]
+            weights -= along[..., np.newaxis] * (reduced[:, np.newaxis] * own)[:, np.newaxis]
+        weights += shift[..., np.newaxis]
+        # of deviations from the mean, and the mean itself
+        weights += 1.0 / members - weights.mean(axis=1, keepdims=True)
+    return weights
+
+
 def _gains(deviation: FloatArray, component: int, variance: float) -> tuple[FloatArray, FloatArray]:
     """Gains of the mean and of the deviations from an observed component, ``(rows, batch)``."""
     rows, members, batch = deviation.shape

@@ -151,6 +151,10 @@ class ForecasterKind:
         """Return a forecaster with the same options and these fitted fields."""
         return dataclasses.replace(self, **values)  # type: ignore[type-var]
 
+    def weaknesses(self) -> list[str]:
+        """Sentences about a fit that is less than it seems; none by default."""
+        return []
+
     def tuned(self) -> Self:
         """Return a forecaster whose `fit` takes the hyperparameters that this one has chosen.
 

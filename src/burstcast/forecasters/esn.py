@@ -49,10 +49,12 @@ class NetworkForecaster(NetworkOptions, Forecaster):
         *,
         washout: int,
         tikhonov: float,
+        steps_per_lyapunov_time: int,
     ) -> Self:
         """Train a network on all series.
 
         ``washout``: Steps at the beginning of each series that training leaves out.
+        ``steps_per_lyapunov_time``: Unit of durations among the options of some kinds.
         """
         readout = train(dynamics, training, washout=washout, tikhonov=tikhonov)
         scales = training.input_range, training.input_offset

@@ -32,6 +32,8 @@ class TrainingSeries:
     input_offset
         What is subtracted from inputs and targets, ``(dimension,)``; None: nothing. The ridge
         regression penalises the bias of the readout, too, which would have to make up for it.
+    inputs
+        What drives the reservoir in training, where that is not ``observed``, of the same shape.
     knowledge
         Fields of the trained forecaster that say how the series depend on parameters.
     """
@@ -39,6 +41,7 @@ class TrainingSeries:
     observed: FloatArray
     input_range: FloatArray
     input_offset: FloatArray | None = None
+    inputs: FloatArray | None = field(default=None, kw_only=True)
     knowledge: Mapping[str, Any] = field(default_factory=dict, kw_only=True)
 
     def longest_first(self) -> Self:
@@ -48,7 +51,8 @@ class TrainingSeries:
 
     def part(self, rows: slice | IntArray) -> Self:
         """Some of the series."""
-        return replace(self, observed=self.observed[rows])
+        inputs = None if self.inputs is None else self.inputs[rows]
+        return replace(self, observed=self.observed[rows], inputs=inputs)
 
     def feature_count(self, dynamics: Dynamics) -> int:
         """Number of features that the readout of a network multiplies."""
@@ -126,7 +130,8 @@ def collect(
         raise ValueError("the steps asked for lie outside of the training series")
     # inputs 0 .. end - 1 lead to the states at steps 1 .. end
     # a copy always: for a single series the transpose is contiguous as it is
-    inputs = np.array(training.observed[:, :end].transpose(1, 2, 0), order="C")
+    driving = training.observed if training.inputs is None else training.inputs
+    inputs = np.array(driving[:, :end].transpose(1, 2, 0), order="C")
     offset = training.input_offset
     if offset is not None:
         inputs -= offset[:, np.newaxis]

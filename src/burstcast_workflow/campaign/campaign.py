@@ -284,8 +284,11 @@ class Campaign:
         inputs follow from the case where the config leaves them open.
         """
         sections: dict[str, Any] = self.plain["forecasters"]
-        if label in sections["variants"]:
-            sections = {**sections, "esn": {**sections["esn"], **sections["variants"][label]}}
+        if differing := sections["variants"].get(label):
+            sections = dict(sections)
+            for name in ("esn", "esn_filtered"):
+                own = {key: value for key, value in differing.items() if key in sections[name]}
+                sections[name] = {**sections[name], **own}
         measured = bool(case and self.cases[case].data)
         inputs = MEASURED_INPUTS if measured else SIMULATED_INPUTS
         left_open = {name: value for name, value in inputs.items() if sections["esn"][name] is None}

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from burstcast.control.actuation import actuated_system
 from burstcast.data.encoders.registry import encoder_class
 from burstcast.forecasters._parameter_factors import ParameterFactors
-from burstcast.forecasters.registry import kind_class
+from burstcast.forecasters.registry import kind_class, sections_of_kind
 from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class
 from burstcast_workflow.config.bounds import out_of_bounds
@@ -53,7 +53,7 @@ def problems_of_case(config: Configuration, name: str) -> Iterator[str]:
         yield from _simulated(config, name, case)
     elif isinstance(case, Measured):
         yield from _measured(config, name, case)
-    filters = _kinds(config, name, "has_filter")
+    filters = [kind for kind in config.kinds_of(name) if "filter" in sections_of_kind(kind)]
     if any(not (case.is_encoded and kind_class(kind).needs_equations) for kind in filters):
         members, space = config.forecasters.filter.members, space_of(vars(case))
         if space is not None and members < 2 * space.dimension:
@@ -62,6 +62,12 @@ def problems_of_case(config: Configuration, name: str) -> Iterator[str]:
                 f"forecasters.filter.members is {members}; it must be at least twice the "
                 f"components of a state: {2 * space.dimension} for {whose}"
             )
+    start_up = config.forecasters.esn_filtered.start_up_lt
+    if "esn_filtered" in config.kinds_of(name) and start_up >= config.washout_lt:
+        yield (
+            f"forecasters.esn_filtered.start_up_lt is {start_up:g}; it must be below washout_lt, "
+            f"{config.washout_lt:g}, whose other observations correct the filter"
+        )
     if not config.probability.calibration_series and case.training.series < 2:
         others = "cut a long one (data.blocks)"
         if data is None:

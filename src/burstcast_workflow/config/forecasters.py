@@ -126,7 +126,7 @@ class NetworkAxes(Section):
     seeds: Count = setting("realisations of the random matrices, seeds 0 to seeds - 1", le=10_000)
     variants: Distinct[Label] = setting(
         "names of `forecasters.variants`: networks of each of them instead of networks with the "
-        "settings of `forecasters.esn`",
+        "settings of `forecasters.esn` and `forecasters.esn_filtered`",
         default=[],
     )
 
@@ -148,6 +148,9 @@ class BlockForecasters(AllKinds):
     )
     esn_aware: NetworkAxes | None = optional(
         "echo state networks that know the parameters in force"
+    )
+    esn_filtered: NetworkAxes | None = optional(
+        "echo state networks that learn from smoothed series and start from a filter's estimate"
     )
 
     @property
@@ -192,6 +195,9 @@ class Choice(AllKinds):
     esn_aware: NetworkChoice | None = optional(
         "echo state networks that know the parameters in force"
     )
+    esn_filtered: NetworkChoice | None = optional(
+        "echo state networks that start from a filter's estimate"
+    )
 
 
 @with_defaults(vars(SECTIONS["esn"]()))
@@ -229,8 +235,31 @@ class EchoStateNetwork(Section):
     )
 
 
-class Variant(EchoStateNetwork):
-    """Settings of networks that differ from `forecasters.esn`."""
+@with_defaults(vars(SECTIONS["esn_filtered"]()))
+class FilteredNetworks(Section):
+    """Smoothing and filter of `esn_filtered`, whose networks have the settings of `esn`."""
+
+    denoising_rounds: Whole = setting(
+        "how often the training series are smoothed by the network and learnt from again", ge=0
+    )
+    jitter: Number = setting(
+        "noise of the inputs in a training on smoothed series",
+        "standard deviations of the observation noise",
+        ge=0,
+    )
+    members: Annotated[Whole, Field(multiple_of=2)] = setting("size of the ensemble", ge=4)
+    voters: Annotated[Whole, Field(multiple_of=2)] = setting(
+        "members that forecast", ge=2, at_most="forecasters.esn_filtered.members"
+    )
+    start_up_lt: Positive = setting(
+        "start of a washout that the members follow, before its observations correct them; shorter "
+        "than washout_lt"
+    )
+    lag_lt: Positive = setting("time by which later observations correct smoothed series")
+
+
+class Variant(FilteredNetworks, EchoStateNetwork):
+    """Settings of networks that differ from `forecasters.esn` or `forecasters.esn_filtered`."""
 
     @model_serializer(mode="wrap")
     def _given(self, serialise: Any) -> dict[str, Any]:
@@ -266,6 +295,26 @@ class Quadratic(Section):
 
     degree: Whole = setting("highest degree of the polynomials", ge=1, le=3)
     window_lt: Positive = setting("time that the equations are integrated over, to learn them")
+
+
+@with_defaults(vars(SECTIONS["quadratic_hidden"]()))
+class HiddenQuadratic(Section):
+    """Learnt quadratic equations with hidden variables, `quadratic_hidden`."""
+
+    hidden: Count = setting("number of hidden variables, which must be known beforehand")
+    observable_follows: bool = setting(
+        "whether the observable is a component that follows from the others and the hidden "
+        "variables, and has no equation of its own"
+    )
+    rounds: Whole = setting(
+        "how often the training series are smoothed by the equations, which are learnt again", ge=0
+    )
+    rates_per_lt: Some[Positive] = setting(
+        "rates of moving averages that hidden variables begin as, two of which are chosen",
+        "per Lyapunov time",
+    )
+    smoothing_lag_lt: Positive = setting("time by which later observations correct smoothed series")
+    members: Annotated[Whole, Field(multiple_of=2)] = setting("size of the ensemble", ge=4)
 
 
 @with_defaults(vars(SECTIONS["analogues"]()))
@@ -338,12 +387,15 @@ class Forecasters(Section):
 
     esn: EchoStateNetwork = setting("", default_factory=EchoStateNetwork)
     variants: dict[Label, Variant] = setting(
-        "networks that differ from `forecasters.esn`, by a name: the settings that differ",
+        "networks that differ from `forecasters.esn` or `forecasters.esn_filtered`, by a name: the "
+        "settings that differ",
         default={},
     )
+    esn_filtered: FilteredNetworks = setting("", default_factory=FilteredNetworks)
     observation: Observation = setting("", default_factory=Observation)
     filter: Filter = setting("", default_factory=Filter)
     quadratic: Quadratic = setting("", default_factory=Quadratic)
+    quadratic_hidden: HiddenQuadratic = setting("", default_factory=HiddenQuadratic)
     analogues: AnalogueForecasters = setting("", default_factory=AnalogueForecasters)
     nvar: NonlinearVectorAutoregression = setting("", default_factory=NonlinearVectorAutoregression)
     classifiers: Classifiers = setting("", default_factory=Classifiers)

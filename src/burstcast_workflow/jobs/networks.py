@@ -27,8 +27,6 @@ class Networks(Washed, Observed):
     input_bias: float = at("forecasters.esn.input_bias")
     input_range: Literal["all", "first"] = at("forecasters.esn.input_range")
     input_offset: Literal["mean", "none"] = at("forecasters.esn.input_offset")
-    readout: Literal["linear", "quadratic"] = at("forecasters.esn.readout")
-    backend: Literal["compiled", "scipy"] = at("forecasters.esn.backend")
     aware: dict[str, Any] = at("forecasters.aware")
 
     def reservoir_seed(self, identifier: str) -> ReservoirSeed:
@@ -68,6 +66,8 @@ class Search(System, Networks):
     spectral_radius: tuple[float, float] = at("search.spectral_radius", make=tuple)
     input_scaling: tuple[float, float] = at("search.input_scaling", make=tuple)
     leak_rate: tuple[float, ...] = at("forecasters.esn.leak_rate", make=tuple)
+    readout: Literal["linear", "quadratic"] = at("forecasters.esn.readout")
+    backend: Literal["compiled", "scipy"] = at("forecasters.esn.backend")
     tikhonov: list[float] = at("search.tikhonov")
     interval_lt: float = at("search.interval_lt")
     single_shot_lead_steps: int = at("search.single_shot_lead_steps")

@@ -1,7 +1,7 @@
 """Fit a forecaster of a kind that needs no search."""
 
 from burstcast.forecasters.registry import as_forecaster
-from burstcast_workflow.harness.job import job
+from burstcast_workflow.harness.job import job, tell
 from burstcast_workflow.jobs.forecasters import Observing, write_forecaster
 from burstcast_workflow.jobs.series import read_scheduled
 
@@ -14,4 +14,7 @@ def fit(*, ensemble: str, scheduled: list[str], forecaster: str, settings: Obser
         training = read_scheduled(scheduled, settings.case).observed
     else:
         training = settings.learnt_rows(unfitted, ensemble)
-    write_forecaster(forecaster, unfitted.fit(training, case), settings.provenance)
+    fitted = unfitted.fit(training, case)
+    for text in fitted.weaknesses():
+        tell(text)
+    write_forecaster(forecaster, fitted, settings.provenance)

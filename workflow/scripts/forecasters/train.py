@@ -1,11 +1,13 @@
 """Train a network on all training series with the hyperparameters that the search found."""
 
+from typing import Any
+
 from burstcast.base.names import parsed
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.registry import make_kind
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.scan import leak_rate_of
-from burstcast_workflow.harness.job import job, read_json
+from burstcast_workflow.harness.job import at, job, read_json, tell
 from burstcast_workflow.jobs.forecasters import write_forecaster
 from burstcast_workflow.jobs.networks import Networks
 
@@ -13,18 +15,12 @@ from burstcast_workflow.jobs.networks import Networks
 class Training(Networks):
     """A network that is trained."""
 
+    options: dict[str, Any] = at("forecaster.options")
+
     @property
     def unfitted(self) -> NetworkForecaster:
         """The network with its options alone."""
-        options = {
-            "connectivity": self.connectivity,
-            "input_bias": self.input_bias,
-            "input_range": self.input_range,
-            "input_offset": self.input_offset,
-            "readout": self.readout,
-            "backend": self.backend,
-            "divergence_bound": None,
-        }
+        options = {**self.options, "divergence_bound": None}
         kind = make_kind(parsed(self.forecaster).kind, options)
         assert isinstance(kind, NetworkForecaster)
         return kind
@@ -57,5 +53,8 @@ def train(
         series,
         washout=settings.washout,
         tikhonov=chosen["tikhonov"],
+        steps_per_lyapunov_time=settings.lyapunov_time,
     )
+    for text in network.weaknesses():
+        tell(text)
     write_forecaster(forecaster, network, settings.provenance)
