@@ -1,5 +1,6 @@
 """Fit a forecaster of a kind that needs no search."""
 
+from burstcast.forecasters._limits import TrainingLimits
 from burstcast.forecasters.registry import as_forecaster
 from burstcast_workflow.harness.job import job
 from burstcast_workflow.jobs.forecasters import Observing, write_forecaster
@@ -14,4 +15,5 @@ def fit(*, ensemble: str, scheduled: list[str], forecaster: str, settings: Obser
         training = read_scheduled(scheduled, settings.case).observed
     else:
         training = settings.learnt_rows(unfitted, ensemble)
-    write_forecaster(forecaster, unfitted.fit(training, case), settings.provenance)
+    limits = TrainingLimits.of(training, case.system.dimension)
+    write_forecaster(forecaster, unfitted.fit(training, case), settings.provenance, limits)

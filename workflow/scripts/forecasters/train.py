@@ -1,6 +1,7 @@
 """Train a network on all training series with the hyperparameters that the search found."""
 
 from burstcast.base.names import parsed
+from burstcast.forecasters._limits import TrainingLimits
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.registry import make_kind
 from burstcast.networks.dynamics import Dynamics
@@ -58,4 +59,5 @@ def train(
         washout=settings.washout,
         tikhonov=chosen["tikhonov"],
     )
-    write_forecaster(forecaster, network, settings.provenance)
+    limits = TrainingLimits.of(series.observed, series.dimension)
+    write_forecaster(forecaster, network, settings.provenance, limits)
