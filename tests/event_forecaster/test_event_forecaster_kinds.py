@@ -89,7 +89,10 @@ def test_a_name_a_class_and_an_object_are_the_same_forecaster(training, tested, 
     assert_array_equal(member.weights, alone.weights)
     expected = fitted[0].predict_proba(tested[:, :300])
     scores = fitted[0].scores(tested)
-    assert scores["roc_area"] > 0.6
+    first, *_ = fitted[0].alarms_
+    assert list(scores) == list(fitted[0].alarms_)
+    assert scores[first]["roc_area"] > 0.6
+    assert scores[first] == fitted[0].scores(tested, first)
     for forecaster in fitted:
         assert_array_equal(forecaster.predict_proba(tested[:, :300]), expected)
         assert forecaster.scores(tested) == scores

@@ -170,6 +170,11 @@ class ForecasterKind:
 class Forecaster(ForecasterKind, abc.ABC):
     """Continues many observed series at once."""
 
+    tolerated_invalid: ClassVar[float] = 0.01
+    """Share of invalid forecasts above which users are warned."""
+    why_invalid: ClassVar[str] = "not finite, or more than ten training ranges away"
+    """Why forecasts of the kind are invalid, in words."""
+
     limits: TrainingLimits | None = None
     """Ranges of the training series (`within`), far beyond which a forecast is invalid; None: it is
     invalid only where it is not finite."""
