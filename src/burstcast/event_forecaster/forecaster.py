@@ -17,17 +17,26 @@ from typing import Any, Literal, Self, cast, overload
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from burstcast.base import random_streams
 from burstcast.base.arrays import BoolArray, FloatArray, float_array
 from burstcast.base.compiled.backends import usable_backend
 from burstcast.base.exogenous import up_to_sample, with_inputs
 from burstcast.base.series_lengths import padded, samples_of, series_lengths
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
+from burstcast.data.observation_noise import estimate_noise
 from burstcast.data.series_layout import LabelledSeries, labelled_series, observation_of
 from burstcast.data.starting_points import SeriesPoints, segments
 from burstcast.event_forecaster import files
 from burstcast.event_forecaster.causes import causes, diagnosed, step_error
 from burstcast.event_forecaster.components import Components
+from burstcast.event_forecaster.consistency import (
+    ALPHA,
+    LEAST_WASHOUT,
+    ConsistencyTest,
+    rank_histogram,
+    spread_and_error,
+)
 from burstcast.event_forecaster.estimator import Estimator
 from burstcast.event_forecaster.events import (
     ByTime,
@@ -54,7 +63,7 @@ from burstcast.forecasters.registry import as_forecaster, class_of, kind_name, m
 from burstcast.forecasts.alarms import UNCALIBRATED, AlarmRule
 from burstcast.forecasts.points import ObservedPoints, observed_points
 from burstcast.forecasts.probabilities import out_of_sample_forecasts, out_of_sample_probabilities
-from burstcast.forecasts.scores import probability_scores
+from burstcast.forecasts.scores import outcomes_by_series, probability_scores
 from burstcast.forecasts.windows import WindowSummaries, member_forecasts, window_forecasts
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters
@@ -63,7 +72,7 @@ _REFERENCE_STATES = 8
 _FITTED = (
     *("components", "own_parameters", "reference_states", "reference_observable"),
     *("event_threshold", "hyperparameters", "labels", "clock", "unskilled_times"),
-    "training_range",
+    *("training_range", "consistency"),
 )
 """Names of what a fit has found, beside members and alarms, without their underscores."""
 
@@ -81,6 +90,9 @@ PARTS = 5
 
 _POINTS_OF_KEPT = 128
 """Starting points in the training series from which the kept models are tried, at most."""
+
+_OWN_WASHOUTS = 400
+"""Washouts that the model makes itself for its test of consistency, at most."""
 
 BINS = 11
 """Of the probability, for those scores that need them."""
@@ -302,6 +314,9 @@ class EventForecaster(Estimator):
         self.reference_observable_ = case.system.observable(self.reference_states_.T)
         self.event_threshold_, self.warnings_ = events.threshold, findings
         self.unskilled_times_ = list(unskilled)
+        self.consistency_ = None
+        if labelled is None and learnt is None and not kind.sees_truth:
+            self.consistency_ = self._consistency_test(members[0], observed, points)
         self.training_range_ = [limits.low.tolist(), limits.high.tolist()]
 
     @property
@@ -376,6 +391,82 @@ class EventForecaster(Estimator):
         time = self._time(prediction_time)
         washouts = self._with_inputs(self._washouts(series), parameters, planned)
         return self._values(washouts)[1][time]
+
+    def consistent(self, series: Any) -> BoolArray:
+        """Whether the model can have made the last washout of each series, ``(series,)``.
+
+        The first member continues the first half of the washout, and its error in the second half
+        is compared with the errors for washouts that it has made itself
+        (`burstcast.event_forecaster.consistency`). Of washouts of the model's own flow, 5 % are
+        called inconsistent. A forecast from an inconsistent washout is not to be trusted: the
+        noise, the gain of a sensor, or the flow differ from what the model has learnt.
+
+        Raises ValueError if there is no test: for classifiers, kinds that know parameters, and
+        washouts of fewer than six samples.
+        """
+        return np.asarray(self._p_values(self._washouts(series)) > ALPHA)
+
+    def scores_by_consistency(
+        self, series: Any, prediction_time: float | None = None
+    ) -> dict[str, dict[str, float]]:
+        """Scores of the probabilities after washouts that are `consistent`, and after the others.
+
+        By "consistent" and "inconsistent": the "share" of the starting points, and scores as of
+        `scores`; NaN where there is no such point.
+
+        ``prediction_time``: One of ``prediction_times``; None: the first.
+        """
+        time = self._time(prediction_time)
+        events, points, values, _ = self._verified(series)
+        rule, quiet = self.alarms_[time], events.quiet(points)
+        agrees = self._p_values(points.washouts) > ALPHA
+        happened, table = events.happened(points, time), {}
+        for name, chosen in (("consistent", agrees), ("inconsistent", ~agrees)):
+            here = chosen & quiet
+            whole = np.zeros(len(here), dtype=np.int64)
+            raw = outcomes_by_series(values[time], happened, here, whole, 1).total()
+            outcomes = raw.at(rule.calibration(raw.levels))
+            scores = probability_scores(outcomes, rule.threshold, BINS)
+            table[name] = {
+                "share": float(here.sum() / max(1, quiet.sum())),
+                "forecasts": int(outcomes.points.sum()),
+                "events": int(outcomes.events.sum()),
+                **{score: float(value) for score, value in scores.items()},
+            }
+        return table
+
+    def ensemble_scores(
+        self, series: Any, prediction_time: float | None = None
+    ) -> dict[str, float | FloatArray]:
+        """Reliability of the ensemble of forecasts when the window begins, in test series.
+
+        "spread" and "error": root mean square spread of the observable over the forecasts (members
+        of a committee, a filter, or analogues), and error of their mean; equal if the ensemble is
+        reliable. "rank_histogram": how often the truth has each rank among them, ``(forecasts +
+        1,)``, level if it is.
+
+        ``prediction_time``: One of ``prediction_times``; None: the first. Raises ValueError for
+        classifiers, and for a single forecast.
+        """
+        time = self._time(prediction_time)
+        as_forecaster(self._kind)  # refuses classifiers
+        states, case = self._like_training(series), self._case(self._components)
+        points = self._points(
+            case, states, _observable_of(case, states), self._samples("start_spacing")
+        )
+        start = self._timing.span(time)[0]
+        batch = np.ascontiguousarray(points.washouts.transpose(1, 2, 0))
+        forecasts = [member_forecasts(member, batch, start)[-1] for member in self.members_]
+        values = case.system.observable(np.concatenate(forecasts, axis=1))
+        if len(values) < 2:
+            raise ValueError("a single forecast has no spread: take a committee, or a filter")
+        truth = points.truth.first[:, self._timing.windows(time)[0]]
+        spread, error = spread_and_error(values, truth)
+        return {
+            "spread": spread,
+            "error": error,
+            "rank_histogram": rank_histogram(values, truth),
+        }
 
     def what_if(
         self,
@@ -532,6 +623,7 @@ class EventForecaster(Estimator):
         fitted["alarms"] = [
             {"prediction_time": time, **rule.record()} for time, rule in self.alarms_.items()
         ]
+        fitted["consistency"] = self.consistency_ and self.consistency_.record()
         fitted["stream"] = None if self._stream is None else self._stream.record()
         members = [member.record() for member in self.members_]
         parameters = self.get_params()
@@ -566,10 +658,13 @@ class EventForecaster(Estimator):
                 "clock": None,
                 "unskilled_times": [],
                 "training_range": None,
+                "consistency": None,
             }
             fitted = {**older, **fitted}
             for name in _FITTED:
                 setattr(self, f"{name}_", fitted[name])
+            if fitted["consistency"] is not None:
+                self.consistency_ = ConsistencyTest.restore(fitted["consistency"])
             self.labels_ = None if self.labels_ is None else tuple(map(str, self.labels_))
             for name in ("reference_states_", "reference_observable_"):
                 setattr(self, name, np.array(getattr(self, name), dtype=np.float64))
@@ -816,6 +911,24 @@ class EventForecaster(Estimator):
         points = self._points(case, states, value, self._samples("start_spacing"))
         events = Events(self._timing, self.event_threshold_)
         return events, points, *self._values(points.washouts)
+
+    def _consistency_test(
+        self, member: Forecaster, observed: FloatArray, points: ObservedPoints
+    ) -> ConsistencyTest | None:
+        """Test of consistency, by washouts that the first member makes itself."""
+        if observed.shape[1] <= LEAST_WASHOUT + 2 or not len(points.washouts):
+            return None
+        some = points.washouts[:: -(-len(points.washouts) // _OWN_WASHOUTS)]
+        generator = random_streams.stream(self.random_seed, "consistency", self.case)
+        return ConsistencyTest.of(member, some, estimate_noise(observed), generator)
+
+    def _p_values(self, washouts: FloatArray) -> FloatArray:
+        if self.consistency_ is None:
+            raise ValueError(
+                "there is no test of consistency: it takes trajectories of a kind without "
+                f"parameters, and a washout of {LEAST_WASHOUT} samples at least"
+            )
+        return self.consistency_.p_values(self.members_[0], washouts)
 
     def _warn_of_invalid(self, valid: FloatArray) -> None:
         """Warn the caller's caller of probabilities that invalid forecasts have a part in."""
