@@ -52,7 +52,7 @@ class Bank:
 
 def _duffing(s: FloatArray, t: float) -> list[FloatArray]:
     x, v = s
-    return [v, -0.1 * v - x**3 + 12.0 * np.cos(t)]
+    return [v, -0.05 * v - x**3 + 7.5 * np.cos(t)]
 
 
 def _forced(frequency: float) -> Callable[[FloatArray, float], FloatArray]:
