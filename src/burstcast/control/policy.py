@@ -100,6 +100,7 @@ def check_fallback(name: str) -> None:
         raise ValueError(f"fallback must be one of {', '.join(FALLBACKS)}, not {name!r}")
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def forecast(forecaster: Forecaster, look: Look, steps: int) -> FloatArray:
     """Forecast of the free flow after a look, components first, ``(dimension, steps, batch)``.
 
@@ -114,6 +115,7 @@ def is_invalid(states: FloatArray) -> BoolArray:
     return np.asarray(np.isnan(states[:, -1]).any(axis=0))
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def informed_memory(forecaster: Forecaster, look: Look, values: ActuationValues) -> FloatArray:
     """Memory of a forecaster at the step at which a decision takes effect.
 

@@ -30,6 +30,8 @@ FEW_EVENTS = 10
 LITTLE_SKILL = 0.05
 """Brier skill in series that were left out, below which probabilities are no better than the base
 rate: a tenth of the skill of most useful forecasts."""
+_ROUGH = 1.1
+"""Samples in a Lyapunov time over whole ones, beyond which durations are told to be rounded."""
 _FOLDS = 10
 """Parts of the training series, each of which has alarms by rules of the others."""
 
@@ -121,6 +123,13 @@ class Events:
         events = self.number(observable)
         if events < FEW_EVENTS:
             yield f"there are {events} events in the training series, fewer than {FEW_EVENTS}"
+        exact = (self.timing.lyapunov_time or 1.0) / self.timing.sampling_interval
+        if self.timing.lyapunov_time is not None and exact > _ROUGH * self.timing.unit:
+            yield (
+                f"a Lyapunov time of {exact:.3g} samples counts as {self.timing.unit}: durations "
+                f"are {1 - self.timing.unit / exact:.0%} shorter than given (leave out "
+                "lyapunov_time and give them in samples, or sample more finely)"
+            )
         if self.timing.lyapunov_time is None:
             lengths, window = (~np.isnan(observable)).sum(axis=1), self.timing.window
             longest = observable[lengths.argmax(), : lengths.max()]

@@ -72,6 +72,7 @@ class HorizonSearch:
         return self.steps(self.longest_lead_time_lt) + self.washout - 1
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def accurate_steps(
     forecaster: Forecaster,
     observable: Callable[[FloatArray], FloatArray],

@@ -86,7 +86,7 @@ def factored_coefficients(
         for of_series, length in zip(factors, lengths, strict=True)
     )
     if windows < count:
-        unchanged = " in which no parameter changes: shorten them (forecasters.quadratic.window_lt)"
+        unchanged = " in which no parameter changes: shorten them (option window_lt)"
         raise ValueError(
             f"{series.shape[0]} series of {lengths.max()} samples are too few for {count} "
             f"coefficients of each equation from windows of {window} intervals"
