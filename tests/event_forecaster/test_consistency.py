@@ -1,5 +1,7 @@
 """Washouts that a model can have made, and ensembles that are reliable."""
 
+import warnings
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -140,10 +142,14 @@ def test_an_event_forecaster_knows_inconsistent_washouts(tmp_path):
     ).fit(training)
     table = forecaster.scores_by_consistency(tested)
     assert table["inconsistent"]["share"] < 0.15
-    total = forecaster.scores(tested)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        total = forecaster.scores(tested)
     assert sum(part["forecasts"] for part in table.values()) == total["forecasts"]
     assert sum(part["events"] for part in table.values()) == total["events"]
     assert sum(part["share"] for part in table.values()) == pytest.approx(1.0)
+    with pytest.warns(UserWarning, match="washouts are not ones that the model can have made"):
+        forecaster.scores(0.8 * tested)
     wrong = forecaster.scores_by_consistency(0.8 * tested)
     assert wrong["inconsistent"]["share"] > 0.8
     seen = tested[:, :400]

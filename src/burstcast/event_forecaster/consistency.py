@@ -10,8 +10,8 @@ washouts do: this share is the rate of false alarms (a parametric bootstrap; Hop
 Royal Statistical Society B 30, 1968).
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
@@ -25,6 +25,8 @@ _LEAST_OWN = 40
 """Washouts that the model has made itself, without which there is no test."""
 ALPHA = 0.05
 """Rate of false alarms."""
+_MANY = 0.2
+"""Share of odd washouts beyond twice that of the training series that users are warned of."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,7 @@ class ConsistencyTest:
     centre: FloatArray  #: mean of the two numbers, ``(2,)``
     metric: FloatArray  #: inverse of their covariance, ``(2, 2)``
     distances: FloatArray  #: squared distances of the model's own washouts, rising, ``(washouts,)``
+    training_share: float = 0.0  #: share of the washouts in the training series that are odd
 
     @classmethod
     def of(
@@ -66,7 +69,9 @@ class ConsistencyTest:
         numbers = _numbers(errors / scale)
         centre: FloatArray = numbers.mean(axis=0)
         metric = np.asarray(np.linalg.pinv(np.cov(numbers.T), hermitian=True), dtype=np.float64)
-        return cls(scale, centre, metric, np.sort(_distances(numbers - centre, metric)))
+        test = cls(scale, centre, metric, np.sort(_distances(numbers - centre, metric)))
+        odd = test.p_values(forecaster, washouts) <= ALPHA
+        return replace(test, training_share=float(odd.mean()))
 
     def p_values(self, forecaster: Forecaster, washouts: FloatArray) -> FloatArray:
         """Share of the model's own washouts at least as odd as each one, ``(points,)``.
@@ -79,14 +84,26 @@ class ConsistencyTest:
         odder = len(self.distances) - np.searchsorted(self.distances, apart)
         return np.where(np.isfinite(apart), (1 + odder) / (1 + len(self.distances)), 0.0)
 
+    def finding(self, p_values: FloatArray) -> Iterator[str]:
+        """A sentence about washouts of which many more are odd than in the training series."""
+        share = float((p_values <= ALPHA).mean()) if len(p_values) else 0.0
+        if share > 2 * max(self.training_share, ALPHA) + _MANY:
+            yield (
+                f"{share:.0%} of the washouts are not ones that the model can have made "
+                f"({self.training_share:.0%} in the training series): noise, gain or flow differ "
+                "from those of the training series (scores_by_consistency, consistent)"
+            )
+
     def record(self) -> dict[str, Any]:
         """Lists from which `restore` recreates the test."""
-        return {name: values.tolist() for name, values in vars(self).items()}
+        return {name: np.asarray(values).tolist() for name, values in vars(self).items()}
 
     @classmethod
     def restore(cls, record: Mapping[str, Any]) -> Self:
         """Make a test from its record."""
+        arrays: dict[str, Any]
         arrays = {name: np.array(values, dtype=np.float64) for name, values in record.items()}
+        arrays["training_share"] = arrays["training_share"].item()
         shape = arrays["centre"].shape, arrays["metric"].shape, arrays["scale"].ndim
         if shape != ((2,), (2, 2), 2):
             raise ValueError("the test of consistency is none")

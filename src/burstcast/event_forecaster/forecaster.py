@@ -271,9 +271,12 @@ class EventForecaster(Estimator):
         limits = TrainingLimits.of(observed, components.count)
         unskilled: dict[float, str] = {}
         invalid: list[str] = []
+        consistency: ConsistencyTest | None = None
         if labelled is None:
             members = [member.within(limits) for member in members]
             kept = _votes_of_kept(members, case, training, points, timing)
+            if learnt is None and not kind.sees_truth:
+                consistency = self._consistency_test(members[0], observed, points)
             invalid += events.invalid(kept, "of the kept models in training series", members[0])
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
         if self.calibrate:
@@ -314,9 +317,7 @@ class EventForecaster(Estimator):
         self.reference_observable_ = case.system.observable(self.reference_states_.T)
         self.event_threshold_, self.warnings_ = events.threshold, findings
         self.unskilled_times_ = list(unskilled)
-        self.consistency_ = None
-        if labelled is None and learnt is None and not kind.sees_truth:
-            self.consistency_ = self._consistency_test(members[0], observed, points)
+        self.consistency_ = consistency
         self.training_range_ = [limits.low.tolist(), limits.high.tolist()]
 
     @property
@@ -564,6 +565,9 @@ class EventForecaster(Estimator):
         """
         self._check_fitted()
         verified = self._verified(series)
+        if self.consistency_ is not None:
+            for text in self.consistency_.finding(self._p_values(verified[1].washouts)):
+                warnings.warn(text, stacklevel=2)
         if prediction_time is None and len(self.alarms_) > 1:
             return {time: self._scores(verified, time, interval) for time in self.alarms_}
         return self._scores(verified, self._time(prediction_time), interval)
