@@ -20,7 +20,7 @@ from burstcast.forecasters.base import Forecaster
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.campaign.members import CaseForecaster
-from burstcast_workflow.harness.settings import at, exponent_in
+from burstcast_workflow.harness.settings import exponent_in
 from burstcast_workflow.jobs.forecasters import Forecasting
 from burstcast_workflow.jobs.series import Observed, kept_series
 from burstcast_workflow.tracking.run import CLAIM
@@ -63,7 +63,7 @@ class Shelf(Mapping[str, Found], Generic[Found]):
 
 
 class _Opened(Forecasting):
-    divergence_bound: float | None = at("forecaster.divergence_bound")
+    """What a forecaster of a campaign is read with."""
 
 
 class OpenedCampaign:
@@ -168,7 +168,7 @@ class OpenedCampaign:
         if "backend" in settings.options:
             settings.options["backend"] = usable_backend(settings.options["backend"])
         path = str(self.results / member.directory / "forecaster.nc")
-        return settings.read_forecaster(path, settings.divergence_bound)
+        return settings.read_forecaster(path)
 
 
 def open_campaign(results: str | Path) -> OpenedCampaign:

@@ -113,7 +113,8 @@ class Progress:
             if seconds is None:
                 return None
             running = now - self._begun[job] if job in self._begun else 0.0
-            left += max(seconds - running, (1 - _NEARLY) * seconds)
+            # a job that takes longer than expected goes on as long as it has taken suggests
+            left += max(seconds - running, (1 - _NEARLY) * max(seconds, running))
         return left
 
     def share(self, now: float) -> float:

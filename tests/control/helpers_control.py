@@ -147,7 +147,7 @@ def simulation_of(timing, controlled, **values):
     controlled = np.array(controlled, dtype=np.float64)
     usual = dict.fromkeys(field.name for field in fields(ControlledFlows))
     usual |= {"threshold": 1.0, "left_out": 0}
-    usual |= {"looks": Looks(*np.zeros((3, 0), dtype=np.int64), {})}
+    usual |= {"looks": Looks(*np.zeros((4, 0), dtype=np.int64), {})}
     usual |= {"actuated": np.zeros(controlled.shape, dtype=bool)}
     names = ("actuated_integration_steps", "switchings")
     usual |= dict.fromkeys(names, np.zeros(len(controlled), dtype=np.int64))

@@ -163,13 +163,17 @@ PLANS = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]
 @settings(max_examples=100, deadline=None)
 @given(st.lists(HEIGHTS, min_size=4, max_size=4))
 def test_best_plans_are_the_cheapest_that_suffice(outcomes):
-    """None where no event is forecast without actuation, as far as that forecast is finite."""
+    """None where no event is forecast without actuation, or that forecast is invalid."""
     forecaster = Scripted(dict(zip(map(str, PLANS), outcomes, strict=True)))
     look, values = look_at(np.zeros((2, 1, 1))), ActuationValues((0.0,), (1.0,))
     plans = np.array(PLANS[1:], dtype=np.uint8)
-    plan = best_plans(look, forecaster, values, lambda state: state[0], 1.0, plans)
-    event = any(np.isfinite(height) and height >= 1.0 for height in outcomes[0])
-    expected = cheapest(PLANS[1:], outcomes[1:], 1.0) if event else PLANS[0]
+    plan, invalid = best_plans(look, forecaster, values, lambda state: state[0], 1.0, plans)
+    assert invalid.tolist() == [not np.isfinite(outcomes[0]).all()]
+    event = not invalid[0] and any(height >= 1.0 for height in outcomes[0])
+    # once it is invalid, a forecast stays so
+    lost = [np.logical_or.accumulate(~np.isfinite(of_plan)) for of_plan in outcomes]
+    heights = np.where(lost, np.nan, outcomes).tolist()
+    expected = cheapest(PLANS[1:], heights[1:], 1.0) if event else PLANS[0]
     assert plan[:, 0].tolist() == expected
 
 

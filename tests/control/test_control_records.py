@@ -11,6 +11,7 @@ from burstcast.base.resampling import bootstrap_weights
 from burstcast.control.actuation import actuated_system
 from burstcast.control.choice import choose
 from burstcast.control.energy import energy_means
+from burstcast.control.loop import Looks
 from burstcast.control.records import (
     COSTS,
     FLOW_SCORES,
@@ -45,8 +46,14 @@ def test_record_flows_counts_what_counts(laminar):
     counts = {name: generator.integers(9, size=40) for name in names}
     rows = np.arange(5, 45)
     budget = EnergyBudget(*generator.normal(size=(2, 40)))
-    flows = simulation_of(timing, **heights, **counts, rows=rows, controlled_energy=budget)
+    flow, step = np.arange(80) % 40, np.arange(80)
+    looks = Looks(flow, step, step < 0, (step >= 40) & (step < 50), {})
+    flows = simulation_of(
+        timing, **heights, **counts, rows=rows, controlled_energy=budget, looks=looks
+    )
     recorded = record_flows(flows, laminar)
+    assert recorded.decisions.tolist() == [2] * 40
+    assert recorded.fallbacks.tolist() == [1] * 10 + [0] * 30
     for name, expected in {**counts, "row": rows}.items():
         assert getattr(recorded, name).tolist() == expected.tolist()
     for run, of_flows in heights.items():
@@ -75,6 +82,7 @@ def random_records(flows, seed, controlled=0.2, laminar=0):
     values = {"row": np.arange(flows)}
     values["actuated_integration_steps"] = generator.binomial(12, 0.1, flows)
     values["switchings"] = generator.binomial(2, 0.1, flows)
+    values["decisions"] = np.full(flows, 9) + np.arange(flows) % 2
     for parity, (run, share) in enumerate(zip(WHO, (0.3, controlled), strict=True)):
         values[f"exceeding_{run}"] = generator.binomial(6, share, flows)
         values[f"events_{run}"] = generator.binomial(2, share, flows)
@@ -85,6 +93,7 @@ def random_records(flows, seed, controlled=0.2, laminar=0):
             of_flows = generator.normal(2.0, 0.1, flows)
             of_flows[step >= 0] = np.nan
             values[f"{name}_{run}"] = of_flows
+    values["fallbacks"] = generator.binomial(9, 0.3, flows)
     return FlowRecords(**values)
 
 
@@ -116,6 +125,9 @@ def plain_scores(records, span, drawn, costs):
         risk = sum(span.steps_at_risk if step < 0 else step for step in steps)
         hazard = quotient(sum(step >= 0 for step in steps), risk / span.steps_per_lyapunov_time)
         scores[f"laminarisation_hazard_{run}"] = hazard
+    decisions = sum(int(records.decisions[flow]) for flow in kept)
+    fallbacks = sum(int(records.fallbacks[flow]) for flow in kept)
+    scores["fallback_fraction"] = quotient(fallbacks, decisions)
     for name in ("exceedance", "input", "dissipation"):
         pair = scores[f"{name}_controlled"], scores[f"{name}_uncontrolled"]
         scores[f"relative_{name}"] = quotient(*pair)

@@ -12,7 +12,7 @@ from hypothesis.extra import numpy as npst
 
 from burstcast.base import random_streams
 from burstcast.control.controllers import controlling_policy, votes
-from burstcast.control.policy import Members, at_random, by_vote
+from burstcast.control.policy import FALLBACKS, WITHOUT_FORECAST, Members, at_random, by_vote
 from burstcast.control.setting_names import as_columns, options_in
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast.control.strategies.reactive import Reactive
@@ -22,6 +22,7 @@ from burstcast.control.strategies.registry import (
     make_strategy,
     strategy_class,
 )
+from burstcast.forecasters._limits import TrainingLimits
 from burstcast.systems.measured import MeasuredSeries
 
 SETTINGS = {
@@ -132,13 +133,17 @@ EXPERIMENT = experiment(schedule=replace(SCHEDULE, steps_per_lyapunov_time=3))
 PLANE = MeasuredSeries(["height"], "height")
 
 
+def decisions(policy, washout):
+    return np.asarray(policy(look_at(washout))).tolist()
+
+
 def heights(given, **changes):
     """An experiment that observes one number."""
     return replace(given, sensor=SimpleNamespace(space=PLANE), **changes)
 
 
 def holds_event(name, observable, threshold, per_lt=20):
-    """Whether one forecast, step by step, holds an event, for strategies of SETTINGS."""
+    """Whether one valid forecast, step by step, holds an event, for strategies of SETTINGS."""
     if name == "receding_horizon":  # two Lyapunov times
         return any(value >= threshold for value in observable[: 2 * per_lt])
     # from the end of the first one, below, up to that of the second
@@ -153,17 +158,64 @@ def holds_event(name, observable, threshold, per_lt=20):
     st.sampled_from([0.0, 0.1]),
 )
 def test_a_policy_acts_where_the_forecast_holds_an_event(forecasts, margin):
-    """Forecasts of two Lyapunov times of three steps; what has diverged is no event."""
-    space = heights(EXPERIMENT, threshold=1.0)
+    """Forecasts of two Lyapunov times of three steps; an invalid one leaves it to the fallback.
+
+    The fallback's level lies halfway from the mean of the observable, 0, to the threshold.
+    """
+    space = replace(heights(EXPERIMENT, threshold=1.0), system=PLANE, washouts=np.zeros((6, 2, 1)))
     horizon = RecedingHorizon(decision_interval_lt=1.0, horizon_lt=2.0, margin=margin)
     washout = np.zeros((2, 1, 5))
-    for strategy, level in ((horizon, 1.0 - margin), (PredictionTriggered(1.0, 1.0), 1.0)):
+    washout[-1] = np.array([0.0, 0.49, 0.5, 0.51, 2.0])
+    window = PredictionTriggered(1.0, 1.0)
+    for strategy, level in ((horizon, 1.0 - margin), (window, 1.0)):
         name = VOTING[isinstance(strategy, PredictionTriggered)]
-        expected = [holds_event(name, forecast, level, 3) for forecast in forecasts.T]
-        assert asked(strategy.policy(space, Script(forecasts)), washout) == expected
-    lost = np.where(forecasts == 0.8, np.inf, forecasts)
-    expected = [holds_event(VOTING[0], forecast, 1.0 - margin, 3) for forecast in forecasts.T]
-    assert asked(horizon.policy(space, Script(lost)), washout) == expected
+        valid = np.isfinite(forecasts).all(axis=0)
+        for fallback in FALLBACKS:
+            expected = []
+            for forecast, now, sound in zip(forecasts.T, washout[-1, 0], valid, strict=True):
+                acts = {"reactive": now >= 0.5, "off": False, "on": True}[fallback]
+                held = holds_event(name, forecast, level, 3)
+                expected.append(int(held) if sound else int(acts) + WITHOUT_FORECAST)
+            policy = replace(strategy, fallback=fallback).policy(space, Script(forecasts))
+            assert decisions(policy, washout) == expected
+
+
+def test_a_forecast_far_outside_of_the_training_range_is_acted_on_by_nobody():
+    """Finite, and above the threshold: on its way to infinity."""
+    space = replace(heights(EXPERIMENT, threshold=1.0), system=PLANE, washouts=np.zeros((6, 2, 1)))
+    grows = np.tile(np.array([0.1, 0.9, 1.2, 1.5, 9.0, 11.0])[:, np.newaxis], (1, 5))
+    strategy = RecedingHorizon(decision_interval_lt=1.0, horizon_lt=2.0, fallback="off")
+    washout = np.zeros((2, 1, 5))
+    forecaster = Script(grows)
+    assert decisions(strategy.policy(space, forecaster), washout) == [1] * 5
+    limited = forecaster.within(TrainingLimits(np.array([0.0]), np.array([1.0])))
+    assert decisions(strategy.policy(space, limited), washout) == [WITHOUT_FORECAST] * 5
+
+
+@pytest.mark.parametrize("strategy", [RecedingHorizon(0.5, 1.0), PredictionTriggered(1.0, 1.0)])
+def test_unknown_fallbacks_are_refused(strategy):
+    with pytest.raises(ValueError, match="fallback must be one of reactive, off, on, not 'maybe'"):
+        replace(strategy, fallback="maybe").check(SCHEDULE)
+
+
+def test_voters_without_a_forecast_abstain_and_decide_only_where_most_have_none():
+    invalid = {0: [], 1: [0], 2: [0, 1], 3: [0, 1, 2]}  # voters without a forecast, by flow
+
+    def voter(number):
+        def decide(look):
+            return np.array(
+                [
+                    WITHOUT_FORECAST + 1 if number in invalid[flow] else number == 3
+                    for flow in range(4)
+                ],
+                dtype=np.uint8,
+            )
+
+        return decide
+
+    policy = by_vote([voter(number) for number in range(4)], 0.5)
+    # of four: 1 votes for it; of three: 1; of two: 1, which is enough; of one: the fallback acts
+    assert decisions(policy, np.zeros((1, 1, 4))) == [0, 0, 1, WITHOUT_FORECAST + 1]
 
 
 def test_reactive_control_looks_at_the_last_observed_state():

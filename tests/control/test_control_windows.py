@@ -92,7 +92,7 @@ def random_flows(seed, share):
     return simulation_of(
         *(timing, controlled),
         uncontrolled=generator.choice([0.0, 0.6, 1.0, 2.0, 3.0], size),
-        looks=Looks(flow, step, alarm, dict(zip(JUDGED, judged, strict=True))),
+        looks=Looks(flow, step, alarm, step % 4 == 0, dict(zip(JUDGED, judged, strict=True))),
         **{"rows": 10 + np.arange(flows), "left_out": 2, "actuated": generator.random(size) < 0.3},
         actuated_integration_steps=generator.integers(0, 18, flows),
     )
@@ -170,7 +170,11 @@ def test_count_windows_and_totals_are_those_of_a_plain_loop(flows, laminar):
         "reduction": 1 - share("exceeding_controlled", "exceeding_uncontrolled"),
         "control_fraction": share("actuated_integration_steps", "integration_steps"),
         "alarm_rate": share("alarms", "forecasts"),
+        "fallback_fraction": np.nan,
     }
+    at_kept = np.isin(flows.looks.flow, kept)
+    if at_kept.any():
+        shares["fallback_fraction"] = flows.looks.without_forecast[at_kept].mean()
     computed = totals(FlowSample(records, Span.of(flows.timing)), counts, flows.left_out)
     assert computed == pytest.approx(total | shares, nan_ok=True)
 

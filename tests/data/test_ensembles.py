@@ -10,7 +10,12 @@ from burstcast.data import dataset
 from burstcast.data.delay_coordinates import delay_coordinates, delayed_name
 from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.data.event_threshold import threshold_at
-from burstcast.data.observation_noise import estimate_noise, observation_noise
+from burstcast.data.observation_noise import (
+    coarse_sampling,
+    estimate_noise,
+    observation_noise,
+    spiky_components,
+)
 from burstcast.data.starting_points import (
     SeriesPoints,
     crossing_points,
@@ -152,6 +157,58 @@ def test_noise_is_estimated_or_given():
     assert (estimate_noise(smooth) < 1e-14).all()
     np.testing.assert_allclose(observation_noise(series, 0.25), 0.25 * series.std(axis=(0, 1)))
     np.testing.assert_array_equal(observation_noise(series, None), estimate_noise(series))
+
+
+def spikes(samples, seed=0):
+    """A pulse of four samples in every 50, of varying height, on a slow wave."""
+    time, draws = np.arange(samples), np.random.default_rng(seed).uniform(1, 3, samples // 50 + 1)
+    pulses = draws[time // 50] * np.exp(-(((time % 50 - 25) / 1.5) ** 2))
+    return (np.sin(2 * np.pi * time / 200) + 5 * pulses)[np.newaxis, :, np.newaxis]
+
+
+def test_spikes_of_a_trajectory_are_no_noise():
+    """The root mean square of the differences counts them, as noise of a tenth of the signal."""
+    series, drawn = spikes(5000), np.random.default_rng(1).standard_normal((1, 5000, 1))
+    spread = series.std()
+    differences = np.diff(series, n=8, axis=1)
+    assert np.sqrt(np.square(differences).mean() / 12870) > 0.03 * spread
+    assert estimate_noise(series).item() < 1e-4 * spread
+    noisy = estimate_noise(series + 0.02 * spread * drawn).item()
+    assert 0.018 * spread < noisy < 0.028 * spread
+    assert spiky_components(series, ["u"]) == ["u"]
+    assert spiky_components(0.1 * drawn, ["u"]) == []
+    assert not list(coarse_sampling(series, ["u"]))
+
+
+def test_gaussian_noise_is_the_root_mean_square_bit_for_bit():
+    """The median, which scatters more, is taken only where the two contradict each other."""
+    noise = np.random.default_rng(2).standard_normal((3, 1000, 2))
+    expected = np.sqrt(np.square(np.diff(noise, n=8, axis=1)).reshape(-1, 2).mean(axis=0) / 12870)
+    np.testing.assert_array_equal(estimate_noise(noise), expected)
+
+
+def test_a_sensor_that_stands_still_most_of_the_time_keeps_its_noise():
+    rng = np.random.default_rng(3)
+    moving = np.repeat(rng.random(40) < 0.3, 100)
+    series = np.where(moving, rng.standard_normal(4000), 0.0)[np.newaxis, :, np.newaxis]
+    assert 0.4 < estimate_noise(series).item() < 1.2
+    assert estimate_noise(np.zeros((2, 20, 1))).item() == 0.0
+
+
+def test_a_sampling_too_coarse_for_the_noise_is_told():
+    """A sine of four samples a period, and noise that is correlated in time; not white noise."""
+    time = np.arange(4000)
+    sine = np.sin(2 * np.pi * (time + 0.3) / 4.05)[np.newaxis, :, np.newaxis]
+    (text,) = coarse_sampling(sine, ["u"])
+    assert "sampling is too coarse" in text
+    assert "u 0.13 or 0.035" in text
+    white = np.random.default_rng(4).standard_normal((1, 4000, 1))
+    assert not list(coarse_sampling(white, ["u"]))
+    assert not list(coarse_sampling(lorenz_series(2, 501, 2001), "xyz"))
+    # a moving average over four samples: no high frequencies are left but by its side lobes
+    smooth = white[:, :-3] + 3 * white[:, 1:-2] + 3 * white[:, 2:-1] + white[:, 3:]
+    (text,) = coarse_sampling(smooth, ["u"])
+    assert "contradict" in text
 
 
 # -- starting points -------------------------------------------------------------------------------

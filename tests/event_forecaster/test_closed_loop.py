@@ -14,6 +14,7 @@ from burstcast.control.strategies.probability_triggered import ProbabilityTrigge
 from burstcast.control.strategies.reactive import Reactive
 from burstcast.control.strategies.receding_horizon import RecedingHorizon
 from burstcast.event_forecaster.closed_loop import SCORES
+from burstcast.forecasters.base import Forecaster
 from burstcast.systems.integration import integrate, integrate_switched
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lorenz96 import Lorenz96
@@ -182,3 +183,94 @@ def test_what_does_not_fit_is_refused(changes, message):
     forecaster = fitted(changes.get("forecaster", "nvar"))
     with pytest.raises(ValueError, match=message):
         controlled(**{**changes, "forecaster": forecaster})
+
+
+# -- forecasters that do not know ------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Exploding(Forecaster):
+    """Doubles a component from step to step, whatever it has learnt: none of it is a forecast."""
+
+    def fit(self, training, case):
+        return self
+
+    def start(self, washout):
+        return np.abs(washout[-1]) + 1.0
+
+    def advance(self, memory, steps):
+        outputs = memory * 2.0 ** np.arange(1, steps + 1)[:, np.newaxis, np.newaxis]
+        return outputs, outputs[-1]
+
+
+def fitted_in_vain(**changes):
+    with pytest.warns(UserWarning, match="invalid"):
+        return burstcast.EventForecaster(
+            FREE,
+            THRESHOLD,
+            kind=Exploding(),
+            **{"prediction_times": (0.2,), "window": 0.4, "washout": 0.5, "lyapunov_time": 1.0},
+            **{"sampling_interval": 0.02, "sampling_stride": 2, "calibrate": True, **changes},
+        ).fit(series()[:8])
+
+
+def test_a_forecaster_of_which_no_forecast_is_valid_is_told_and_the_fallback_controls():
+    """The forecasts are finite all the way, and above the threshold on their way."""
+    forecaster = fitted_in_vain()
+    text = " ".join(forecaster.warnings_)
+    assert "100.0% of the forecasts of the kept models in training series are invalid" in text
+    assert "100.0% of the forecasts of series that were left out are invalid" in text
+    assert "likely cause" in text
+    seen = series()[8:, :60]
+    with pytest.warns(UserWarning, match="100.0% of the forecasts behind 8 of 8 probabilities"):
+        assert np.ptp(forecaster.predict_proba(seen)[:, 1]) == 0
+    assert forecaster.valid_share(seen).tolist() == [0.0] * 8
+    with pytest.warns(UserWarning, match="of the forecasts over 30 samples are invalid"):
+        ahead = forecaster.forecast(seen)
+    assert np.isnan(ahead[:, :, -1]).all()
+    assert np.isfinite(ahead[:, :, 0]).all()
+    scores = forecaster.scores(series()[8:])
+    assert (scores["invalid_fraction"], scores["roc_area"]) == (1.0, 0.5)
+    assert forecaster.unskilled_times_ == [0.2]
+    expected = {"reactive": None, "off": 0.0, "on": 1.0}
+    for fallback, share in expected.items():
+        with pytest.warns(UserWarning, match="calibration") as told:
+            run = controlled(replace(LOOKS, fallback=fallback), forecaster)
+        texts = [str(warning.message) for warning in told]
+        assert any("without skill in its own calibration (prediction times 0.2" in t for t in texts)
+        assert any("100.0% of the decisions have no valid forecast" in t for t in texts)
+        assert run.scores["fallback_fraction"].value == 1.0
+        if share is None:  # on the observable alone, at a level halfway to the threshold
+            level = 0.5 * (seen[:, -25:, 2].mean() + THRESHOLD)
+            looks = run.observable[:, :SAMPLES:5] >= level
+            np.testing.assert_array_equal(run.actuated[:, 1 : SAMPLES + 1 : 5], looks)
+        else:
+            assert run.scores["control_fraction"].value == share
+
+
+def test_a_run_has_references_that_know_nothing():
+    run = controlled()
+    always, by_chance = run.references["always"], run.references["random"]
+    assert always["control_fraction"].value == 1.0
+    duty = run.scores["control_fraction"].value
+    assert by_chance["control_fraction"].value == pytest.approx(duty, rel=0.15)
+    left = run.scores["relative_exceedance"].value
+    assert left < by_chance["relative_exceedance"].value
+    # the state under constant actuation is another system's own
+    start = series()[8:, 59].T
+    free = integrate(REDUCED, start, 0.01, 2 * SAMPLES, stride=2)[1:, 2]
+    expected = (free >= THRESHOLD).mean() / run.scores["exceedance_uncontrolled"].value
+    assert always["relative_exceedance"].value == pytest.approx(expected, rel=1e-9)
+    assert controlled(references=False).references == {}
+    text = repr(run)
+    assert text.count("\n") < 20
+    assert "relative_exceedance" in text
+    assert "actuation random: relative exceedance" in text
+
+
+def test_control_that_is_no_better_than_chance_is_told():
+    """Acting on a high observable comes too late, and leaves more than acting at random."""
+    with pytest.warns(UserWarning, match="the decisions are no better than chance"):
+        run = controlled(Reactive(0.1, level=30.0))
+    chance = run.references["random"]["relative_exceedance"].value
+    assert run.scores["relative_exceedance"].value > chance

@@ -217,7 +217,7 @@ def test_scores_are_those_of_alarms_counted_one_by_one(fitted, tested):
             alarm = fitted.predict(series[np.newaxis, : now + 1])[0]
             forecasts, events, alarms = forecasts + 1, events + event, alarms + alarm
             hits += event and alarm
-    scores = fitted.scores(tested)
+    scores = fitted.scores(tested, next(iter(fitted.alarms_)))
     assert 5 < events < forecasts
     assert (scores["forecasts"], scores["events"]) == (forecasts, events)
     assert scores["alarm_recall"] == pytest.approx(hits / events)

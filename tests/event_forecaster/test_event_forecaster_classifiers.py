@@ -66,7 +66,7 @@ def test_a_classifier_is_the_librarys(fitted, training, tested):
         raw = expected.probabilities(tested[:, 300 - washout : 300])[:, column]
         probabilities = fitted.predict_proba(tested[:, :300], time)[:, 1]
         assert_array_equal(probabilities, fitted.alarms_[time].calibration(raw))
-    assert fitted.scores(tested)["roc_area"] > 0.5
+    assert fitted.scores(tested, next(iter(fitted.alarms_)))["roc_area"] > 0.5
 
 
 def test_probabilities_are_calibrated_by_what_has_not_seen_the_series(fitted, training):
@@ -119,12 +119,15 @@ def test_a_score_of_alarms_and_a_score_by_name(fitted, tested):
     accuracy = float((alarm == happened).mean())
     assert EventScorer("accuracy")(fitted, tested) == pytest.approx(accuracy)
     for name in ("brier_skill", "alarm_f_score"):
-        assert EventScorer(name)(fitted, tested) == fitted.scores(tested)[name]
+        assert (
+            EventScorer(name)(fitted, tested)
+            == fitted.scores(tested, next(iter(fitted.alarms_)))[name]
+        )
 
 
 def test_outcomes_are_those_of_the_scores(fitted, tested):
     happened, probability = fitted.outcomes(tested)[:2]
-    scores = fitted.scores(tested)
+    scores = fitted.scores(tested, next(iter(fitted.alarms_)))
     assert (len(happened), happened.sum()) == (scores["forecasts"], scores["events"])
     assert scores["roc_area"] == pytest.approx(roc_auc_score(happened, probability))
 

@@ -3,8 +3,10 @@
 import inspect
 import math
 import pickle
+import sys
 import time
 from importlib.metadata import version
+from importlib.util import module_from_spec, spec_from_file_location
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.event_forecaster.schedules import as_schedules
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from helpers_library import ROOT
 
 TINY = {**SMALL, "members": 2, "neurons": 30}
 # networks of 30 neurons of a few hundred samples are as bad as they are told to be
@@ -222,3 +225,23 @@ def test_schedules_of_two_parameters():
     assert schedules[2, 3].tolist() == [400, 12]
     with pytest.raises(ValueError, match="must be finite"):
         as_schedules([400.0, np.inf], 3, 4, names)
+
+
+@pytest.mark.long
+def test_no_kind_fails_silently_on_a_bank_of_systems():
+    """Spiky, intermittent, forced, delayed, stiff and discrete ones; small series, no networks."""
+    spec = spec_from_file_location("bank", ROOT / "benchmarks" / "bank.py")
+    bank = module_from_spec(spec)
+    sys.modules["bank"] = bank  # where dataclasses look up their annotations
+    spec.loader.exec_module(bank)
+    assert len(bank.BANK) >= 25
+    kinds = [kind for kind in bank.KINDS if kind != "esn"]
+    won = set()
+    for name in bank.BANK:
+        results = bank.trials(name, kinds, 20)
+        assert bank.silent(results) == [], name
+        for kind, trial in results.items():
+            assert np.isnan(trial.skill) or trial.invalid < 0.5 or "invalid" in trial.words, kind
+        skills = {kind: trial.skill for kind, trial in results.items() if trial.skill > bank.SKILL}
+        won |= {max(skills, key=skills.get)} if skills else set()
+    assert len(won) > 3

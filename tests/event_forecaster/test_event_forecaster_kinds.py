@@ -3,6 +3,7 @@
 import dataclasses
 import importlib
 import sys
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from test_event_forecaster import SMALL
 from burstcast import EventForecaster
 from burstcast.event_forecaster.components import Components
 from burstcast.event_forecaster.scoring import EventScorer
+from burstcast.forecasters.base import Forecaster, fitted
 from burstcast.forecasters.nvar import NVAR
 
 # what extrapolates or persists forecasts events no better than chance
@@ -89,7 +91,10 @@ def test_a_name_a_class_and_an_object_are_the_same_forecaster(training, tested, 
     assert_array_equal(member.weights, alone.weights)
     expected = fitted[0].predict_proba(tested[:, :300])
     scores = fitted[0].scores(tested)
-    assert scores["roc_area"] > 0.6
+    first, *_ = fitted[0].alarms_
+    assert list(scores) == list(fitted[0].alarms_)
+    assert scores[first]["roc_area"] > 0.6
+    assert scores[first] == fitted[0].scores(tested, first)
     for forecaster in fitted:
         assert_array_equal(forecaster.predict_proba(tested[:, :300]), expected)
         assert forecaster.scores(tested) == scores
@@ -160,3 +165,92 @@ def test_a_class_of_ones_own_is_saved_without_its_code(own_module, training, tes
     for other in (own_module.Other, NVAR, dict):
         with pytest.raises(ValueError, match=message):
             EventForecaster.load(path, kind=other)
+
+
+# -- forecasts that are none, and why --------------------------------------------------------------
+
+
+def roessler(count, samples, interval, substeps=8):
+    """Series of Roessler's flow, ``(count, samples, 3)``: events are short spikes of z."""
+
+    def rate(state):
+        x, y, z = state
+        return np.array([-y - z, x + 0.2 * y, 0.2 + z * (x - 5.7)])
+
+    state, step = np.random.default_rng(2).normal(size=(3, count)), interval / substeps
+    series = []
+    for number in range(300 + samples):
+        for _ in range(substeps):
+            first = rate(state)
+            second = rate(state + step / 2 * first)
+            third = rate(state + step / 2 * second)
+            fourth = rate(state + step * third)
+            state = state + step / 6 * (first + 2 * second + 2 * third + fourth)
+        if number >= 300:
+            series.append(state)
+    return np.stack(series).transpose(2, 0, 1)
+
+
+def of_roessler(kind, interval, **changes):
+    settings = {"observable": 2, "lyapunov_time": 5.9, "sampling_interval": interval, **changes}
+    return EventForecaster(kind=kind, **settings)
+
+
+def test_equations_are_learnt_from_spikes_and_what_cannot_be_names_the_sampling():
+    """The root mean square of differences takes the spikes for noise of 6 %: no skill, no word."""
+    series = roessler(12, 800, 0.2)
+    learnt = of_roessler("quadratic", 0.2).fit(series[:8])
+    scores = learnt.scores(series[8:])
+    assert learnt.warnings_ == []
+    assert scores["roc_area"] > 0.95
+    assert scores["invalid_fraction"] == 0.0
+    with pytest.warns(UserWarning, match="likely cause"):
+        wrong = of_roessler("nvar", 0.2, options={"ridge": 1e-9}).fit(series[:8])
+    scores, text = wrong.scores(series[8:]), " ".join(wrong.warnings_)
+    assert scores["invalid_fraction"] > 0.3
+    assert "of the forecasts of series that were left out are invalid" in text
+    assert "sampling is coarse for the spikes of component 2" in text
+
+
+def test_a_window_of_one_interval_and_an_unlearnable_step_are_causes():
+    series = roessler(8, 500, 0.5)
+    with pytest.warns(UserWarning, match="likely causes"):
+        wrong = of_roessler("quadratic", 0.5, window=0.3, prediction_times=(1.0,)).fit(series)
+    text = " ".join(wrong.warnings_)
+    assert "windows of 2 sampling intervals (option window_lt, 0.2)" in text
+    assert "one sample ahead its forecast of component" in text
+    assert "the prediction window has 4 samples" in text
+
+
+@dataclass(frozen=True)
+class Fickle(Forecaster):
+    """Persistence, unless it has learnt from eight series."""
+
+    growth: np.ndarray = fitted()
+
+    def fit(self, training, case):
+        return self.with_fitted(growth=np.array([1.0 if len(training) < 8 else 3.0]))
+
+    def start(self, washout):
+        return np.abs(washout[-1]) + 1.0
+
+    def advance(self, memory, steps):
+        outputs = memory * self.growth ** np.arange(1, steps + 1)[:, np.newaxis, np.newaxis]
+        return outputs, outputs[-1]
+
+
+def test_the_model_that_is_kept_is_judged_not_its_refits_alone(training):
+    series = np.concatenate([training, training[:, ::-1]])
+    with pytest.warns(UserWarning, match="kept models"):
+        forecaster = EventForecaster(**{**PLAIN, "kind": Fickle()}).fit(series)
+    text = " ".join(forecaster.warnings_)
+    assert "100.0% of the forecasts of the kept models in training series are invalid" in text
+    assert "left out are invalid" not in text
+
+
+def test_where_nothing_is_to_be_seen_no_cause_is_made_up():
+    noise = np.random.default_rng(5).normal(size=(6, 400, 2))
+    settings = {"window": 20.0, "washout": 10.0, "prediction_times": (30.0,)}
+    with pytest.warns(UserWarning, match="no cause is seen"):
+        forecaster = EventForecaster(0, {"quantile": 0.9}, kind="analogues", **settings).fit(noise)
+    assert forecaster.unskilled_times_ == [30.0]

@@ -7,6 +7,7 @@ import pytest
 from sklearn.linear_model import LinearRegression, Ridge
 from sklearn.preprocessing import PolynomialFeatures
 
+from burstcast.forecasters._limits import TrainingLimits
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase
 from burstcast.forecasters.equations import EquationsFromTruth
@@ -229,9 +230,10 @@ def test_a_network_that_has_not_seen_a_series_is_trained_on_the_others(flow):
 def test_the_bound_of_a_restored_network_is_an_option_and_it_is_not_fitted_without_a_search(flow):
     record = FORECASTERS["esn"].record()
     outputs = 3.0 * np.ones((1, 9, 1))
-    for bound, lost in ((1.0, True), (100.0, False)):
+    limits = TrainingLimits(-0.5 * np.ones(9), 0.5 * np.ones(9))
+    for bound, lost in ((1.0, True), (100.0, False), (None, False)):
         restored = NetworkForecaster(backend="scipy", divergence_bound=bound).restore(record, CASE)
-        assert restored.diverged(outputs).tolist() == [lost]
+        assert restored.within(limits).diverged(outputs).tolist() == [lost]
     with pytest.raises(NotImplementedError, match="search"):
         NetworkForecaster().fit(flow.transpose(2, 0, 1), CASE)
 
@@ -673,3 +675,34 @@ def test_nonlinear_autoregression_says_what_it_cannot_do():
     with pytest.raises(ValueError, match="4 lags take a washout of 4 steps at least"):
         fitted.start(LONG_WALKS[:, :3].transpose(1, 2, 0))
     assert fitted.start(LONG_WALKS[:, :4].transpose(1, 2, 0)).shape == (12, 4)
+
+
+def test_a_forecast_is_invalid_from_its_first_step_beyond_ten_training_ranges_on():
+    """Whatever the kind; the middle of each component's range is where distances count from."""
+    training = np.zeros((2, 5, 3))
+    training[0, 0], training[1, 4] = [100.0, -1.0, 7.0], [104.0, 1.0, 7.0]
+    training[1, 4, 0], training[1, 4, 2] = 104.0, 7.0
+    training[..., 0] = np.clip(training[..., 0], 100.0, None)
+    training[..., 2] = 7.0  # constant: no range, no bound
+    limits = TrainingLimits.of(training, 3)
+    assert (limits.low.tolist(), limits.high.tolist()) == ([100.0, -1.0, 7.0], [104.0, 1.0, 7.0])
+    model = NVAR().within(limits)
+    outputs = np.tile(np.array([102.0, 0.0, 7.0])[:, np.newaxis], (6, 1, 6))
+    outputs[:, 0, 0] = 142.0  # at the bound
+    outputs[2, 0, 1] = 142.1
+    outputs[3, 1, 2] = -20.1
+    outputs[1, 2, 3] = 1e9
+    outputs[4, 2, 4] = np.nan
+    outputs[5, 1, 5] = np.inf
+    first = [np.flatnonzero(column)[:1].tolist() for column in model.invalid(outputs).T]
+    assert first == [[], [2], [3], [], [4], [5]]
+    assert model.diverged(outputs).tolist() == [False, True, True, False, True, True]
+    valid = model.valid(outputs)
+    np.testing.assert_array_equal(np.isnan(valid).all(axis=1), model.invalid(outputs))
+    np.testing.assert_array_equal(valid[:2, :, 1], outputs[:2, :, 1])
+    sound = outputs[..., :1]
+    assert model.valid(sound) is sound
+    # without ranges it is judged by being finite alone
+    assert NVAR().diverged(outputs).tolist() == [False, False, False, False, True, True]
+    assert not model.diverged(outputs[:0]).any()
+    assert "limits" not in model.options

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.network import EchoStateNetwork
-from burstcast.networks.readout import MomentsAccumulator, Readout, solve_ridge
+from burstcast.networks.readout import MomentsAccumulator, solve_ridge
 from burstcast.networks.reservoir import (
     ReservoirSeed,
     _bernoulli_positions,
@@ -157,27 +157,6 @@ def test_an_offset_is_the_same_network_of_centred_data(network, signal):
     same = replace(network, input_offset=offset)
     states = network.washout(signal[:30])
     np.testing.assert_array_equal(same.forecast(states, 5)[0], expected + offset[:, None])
-    # the bound is about the offset
-    far = 9 * network.input_range[:, None] * np.array([1, -1, 1.2])
-    assert same.diverged((far + offset[:, None])[None], 10).tolist() == [False, False, True]
-
-
-def test_diverged_looks_at_each_trajectory(reservoir):
-    network = EchoStateNetwork(
-        Dynamics(reservoir, 0.5, 1.0),
-        Readout(np.zeros((reservoir.neurons + 1, 4)), 1e-6, "cholesky", 1.0),
-        np.array([1.0, 2.0, 3.0, 4.0]),
-    )
-    outputs = np.zeros((6, 4, 7))
-    outputs[:] = 10 * network.input_range[:, None]  # at the bound: not diverged
-    outputs[3, 0, 1] = 10.1
-    outputs[5, 3, 2] = -40.1
-    outputs[0, 1, 3] = np.nan
-    outputs[2, 2, 4] = -np.inf
-    outputs[1, 3, 5] = 39.0
-    expected = [False, True, True, True, True, False, False]
-    assert network.diverged(outputs, 10.0).tolist() == expected
-    assert network.diverged(outputs[:0], 10.0).tolist() == [False] * 7
 
 
 # -- ReservoirPy and scikit-learn ------------------------------------------------------------------

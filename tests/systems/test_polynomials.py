@@ -175,3 +175,15 @@ def test_the_zero_of_a_unit_does_not_matter(centre):
     shifted = states + np.array(centre)[:, np.newaxis]
     coefficients = PolynomialSystem(moved, 2, Lorenz63()).right_hand_side(shifted)
     np.testing.assert_allclose(coefficients, rates, atol=1e-2 * np.abs(rates).max())
+
+
+@pytest.mark.parametrize("kind", ["sine", "white noise"])
+def test_noise_beyond_the_trajectory_is_refused_by_component(kind):
+    """Its squares are then less than nothing, which the regression cannot divide by."""
+    time = np.arange(600)
+    series = np.stack([np.sin(0.1 * time), np.sin(2 * np.pi * (time + 0.3) / 4.05)], axis=1)
+    if kind == "white noise":
+        series[:, 1] = np.random.default_rng(1).standard_normal(600)
+    noise = np.array([0.0, 1.5])
+    with pytest.raises(ValueError, match=r"component 1, .* sampling is too coarse"):
+        factored_coefficients(series[np.newaxis], noise, 1.0, 2, 3, 4.0)

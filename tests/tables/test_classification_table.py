@@ -57,6 +57,9 @@ def test_points_of_all_series_are_counted_and_resampled_by_series():
     row = tables["classification"][0]
     assert [row[name] for name in OUTCOMES] == [2, 2, 3, 2]
     assert (row["precision"], row["recall"]) == (0.5, 0.4)
+    # two of the nine that count
+    assert row["invalid_fraction"] == 2 / 9
+    assert np.isnan(tables["classification"][1]["invalid_fraction"])
     ends = {row["metric"]: row for row in tables["classification_intervals"][:3]}
     for metric in ("precision", "recall", "f_score"):
         assert ends[metric]["low"] < row[metric] < ends[metric]["high"]

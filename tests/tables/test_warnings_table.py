@@ -33,7 +33,7 @@ def rows_of_warnings(tmp_path, **changed):
         "events_summary": {"usable_events": 100, "largest_observable": 3.0},
         "dataset": pd.DataFrame([{**EXPONENT, **bounds}]),
         "classification": pd.DataFrame([*scores, alarm]),
-        **dict.fromkeys(("hyperparameters", "statistics", "lyapunov_spectrum")),
+        **dict.fromkeys(("hyperparameters", "statistics", "control", "lyapunov_spectrum")),
         **{"event_threshold": 2.0, "training_series": 2, "noise": 0.0, "wanted_events": 100},
         **{"system": "lorenz63", "parameters": {}, "spectral_radius": [0.1, 1.0]},
         **{"input_scaling": [0.1, 10.0], "tikhonov": [1e-9, 1e-3]},
@@ -87,6 +87,32 @@ def test_scores_are_compared_with_a_permanent_alarm_and_positives_counted_once(t
     assert warned[0][:2] == (None, None)
     assert "7" in rows[0]["finding"]
     assert all("2" in row["finding"] for row in rows[1:])
+
+
+def test_invalid_forecasts_and_decisions_without_one_are_told_above_a_hundredth(tmp_path):
+    outcome = {"true_positive": 50, "false_negative": 0, "f_score": 0.9}
+    scores = pd.DataFrame(
+        {**keys, "prediction_time_lt": time, **outcome, "invalid_fraction": share}
+        for keys, shares in zip(
+            WHO, [(0.0, 0.1), (0.01, 0.0), (0.01, 0.01), (0.0, 0.0)], strict=True
+        )
+        for time, share in zip((1.0, 2.0), shares, strict=True)
+    )
+    alarm = pd.DataFrame(
+        {**WHO[3], "forecaster": "permanent_alarm", "prediction_time_lt": time, **outcome}
+        | {"f_score": 0.4}
+        for time in (1.0, 2.0)
+    )
+    control = pd.DataFrame(
+        {**keys, "metric": "fallback_fraction", "value": share}
+        for keys, share in zip(WHO, (0.0, 0.25, 0.01, np.nan), strict=True)
+    )
+    changed = {"classification": pd.concat([scores, alarm]), "control": control}
+    warned, rows = rows_of_warnings(tmp_path, **changed)
+    assert warned == [("esn", 50, "invalid_forecasts"), ("esn", 50, "fallback_decisions")]
+    assert "2 LT 5.00%" in rows[0]["finding"]
+    assert "1 LT" not in rows[0]["finding"]
+    assert "in 1 of 2 runs of control, up to 25%" in rows[1]["finding"]
 
 
 def test_signs_of_the_case_come_first_and_name_nobody(tmp_path):

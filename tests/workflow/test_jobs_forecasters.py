@@ -5,6 +5,7 @@ import pytest
 
 from burstcast.base.files.netcdf import Variable, read_attributes
 from burstcast.base.names import parsed
+from burstcast.forecasters._limits import TrainingLimits
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.registry import make_kind, options_of_kind
 from burstcast.networks.dynamics import Dynamics
@@ -48,7 +49,8 @@ def networks(settings=SETTINGS, case="lorenz"):
 
 
 def job(settings=SETTINGS, case="lorenz", forecaster=IDENTIFIER):
-    options = {"forecaster.options": options_of_kind(parsed(forecaster).kind, SECTIONS)}
+    options: dict = {"forecaster.options": options_of_kind(parsed(forecaster).kind, SECTIONS)}
+    options["forecaster.divergence_bound"] = 10.0
     return Observing({**options, **settings}, {"case": case, "forecaster": forecaster})
 
 
@@ -88,7 +90,9 @@ def test_a_network_is_restored_with_the_bound_and_the_backend_that_the_job_is_to
     network, tmp_path
 ):
     path = tmp_path / "forecaster.nc"
-    write_forecaster(str(path), network, {"source": "test"})
+    extent = network.network.input_range
+    limits = TrainingLimits(-0.5 * extent, 0.5 * extent)
+    write_forecaster(str(path), network, {"source": "test"}, limits)
     record = read_attributes(path)
     assert record["source"] == "test"
     assert (record["neurons"], record["seed"], record["random_seed"]) == (40, 2, 2022)
@@ -100,7 +104,8 @@ def test_a_network_is_restored_with_the_bound_and_the_backend_that_the_job_is_to
         assert getattr(back.network.readout, name) == getattr(network.network.readout, name)
     outputs = np.full((2, 3, 1), 3.0) * network.network.input_range[:, np.newaxis]
     for bound, lost in ((2.0, True), (4.0, False)):
-        assert job().read_forecaster(str(path), bound).diverged(outputs).tolist() == [lost]
+        told = job({**SETTINGS, "forecaster.divergence_bound": bound})
+        assert told.read_forecaster(str(path)).diverged(outputs).tolist() == [lost]
     assert network.diverged(outputs).tolist() == [False]
     with pytest.raises(ValueError, match="backend"):
         job({**SETTINGS, "forecaster.options": {"backend": "fortran"}}).read_forecaster(str(path))

@@ -94,7 +94,7 @@ class EndlessFlows(RunningFlows):
         self.clock = np.full(flows, timing.first_look, dtype=np.int64)
         self._stop = self.clock.copy()
         self._number = np.zeros(flows, dtype=np.int64)
-        self._looks: list[tuple[IntArray, IntArray, BoolArray]] = []
+        self._looks: list[tuple[IntArray, IntArray, BoolArray, BoolArray]] = []
         self._source = None if noise_scale is None else ObservationNoise(experiment, noise_scale)
         self._noise = None if self._source is None else self._source.draw(steps)
 

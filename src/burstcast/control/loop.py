@@ -15,7 +15,7 @@ import numpy.typing as npt
 from burstcast.base.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from burstcast.control.energy import ActuationCost, actuation_cost, energy_means
 from burstcast.control.experiment import ControlExperiment
-from burstcast.control.policy import Look, Policy
+from burstcast.control.policy import WITHOUT_FORECAST, Look, Policy
 from burstcast.control.timing import Timing
 from burstcast.data.encoders.channels import EncodedFlow
 from burstcast.systems.base import DynamicalSystem, EnergyBudget
@@ -34,6 +34,7 @@ class Looks:
     flow: IntArray  #: position of the flow among the simulated flows
     step: IntArray
     alarm: BoolArray  #: whether the look triggered the actuation
+    without_forecast: BoolArray  #: whether no valid forecast stands behind the decision
     #: assessments of the looks by the strategy, by name
     judged: Mapping[str, BoolArray]
 
@@ -94,7 +95,10 @@ class RunningFlows:
         self._leave()
         self._number = np.zeros(len(rows), dtype=np.int64)
         none = np.empty(0, dtype=np.int64)
-        self._looks: list[tuple[IntArray, IntArray, BoolArray]] = [(none, none, none != 0)]
+        nobody = none != 0
+        self._looks: list[tuple[IntArray, IntArray, BoolArray, BoolArray]] = [
+            (none, none, nobody, nobody)
+        ]
 
     def run(self, policy: Policy, noise: FloatArray | None) -> None:
         """Simulate the flows to their ends.
@@ -114,9 +118,9 @@ class RunningFlows:
 
     def looks(self) -> Looks:
         """All looks so far, without assessments."""
-        flow, step, alarm = (np.concatenate(parts) for parts in zip(*self._looks, strict=True))
+        flow, step, alarm, without = map(np.concatenate, zip(*self._looks, strict=True))
         order = np.lexsort((step, flow))
-        return Looks(flow[order], step[order], alarm[order], {})
+        return Looks(flow[order], step[order], alarm[order], without[order], {})
 
     def _look(self, due: IntArray, noise: FloatArray | None) -> Look:
         """Observe flows up to their clocks."""
@@ -139,8 +143,9 @@ class RunningFlows:
 
     def _act(self, due: IntArray, decided: ByteArray) -> None:
         """Trigger the chosen actuation and set the time of the next look."""
+        without, decided = decided >= WITHOUT_FORECAST, decided % WITHOUT_FORECAST
         now, alarm, (start, stop) = self.clock[due], decided != 0, self.timing.effect
-        self._looks.append((due, now, alarm))
+        self._looks.append((due, now, alarm, without))
         self._number[due] += 1
         self._stop[due] = now + np.where(alarm, *self.timing.pauses[::-1])
         for flow, step, number in zip(

@@ -60,6 +60,9 @@ class FlowRecords:
     input_controlled: Annotated[FloatArray, _mean("input controlled")]
     dissipation_uncontrolled: Annotated[FloatArray, _mean("dissipation uncontrolled")]
     dissipation_controlled: Annotated[FloatArray, _mean("dissipation controlled")]
+    decisions: Annotated[IntArray, _count("decisions")]  #: looks at the controlled flow
+    #: decisions without a valid forecast, which the strategy's fallback made
+    fallbacks: Annotated[IntArray, _count("decisions without a valid forecast")]
 
     @property
     def kept(self) -> BoolArray:
@@ -85,6 +88,12 @@ def record_flows(flows: ControlledFlows, laminarisation_threshold: float | None)
             f"events_{run}": crossings[:, counted].sum(axis=1),
             f"laminar_step_{run}": first_laminar_step(from_start, laminarisation_threshold),
         }
+    looks = flows.looks
+    for name, looked in (
+        ("decisions", looks.flow),
+        ("fallbacks", looks.flow[looks.without_forecast]),
+    ):
+        counts[name] = np.bincount(looked, minlength=len(flows))
     return FlowRecords(row=flows.rows, **counts)
 
 
@@ -172,12 +181,14 @@ FLOW_SCORES = (
     "relative_dissipation",
     "laminarisation_hazard_uncontrolled",
     "laminarisation_hazard_controlled",
+    "fallback_fraction",
 )
 """What control costs and gains, in the order of `score_flows`.
 
 Exceedances are shares of the time; ``relative_exceedance`` is the share of the uncontrolled
 exceedance that is left, 1 - reduction. ``control_fraction`` is the share of the time under
 actuation. Hazards are laminarisations per Lyapunov time of the flows that are not laminar yet.
+``fallback_fraction`` is the share of the decisions that no valid forecast stands behind.
 """
 
 
@@ -229,6 +240,9 @@ def weighted_scores(sample: FlowSample, weights: FloatArray) -> dict[str, FloatA
             scores[f"{name}_controlled"], scores[f"{name}_uncontrolled"]
         )
     scores["control_fraction"] = mean(records.actuated_integration_steps) / span.integration_steps
+    scores["fallback_fraction"] = _quotient(
+        (weighted * records.fallbacks).sum(axis=1), (weighted * records.decisions).sum(axis=1)
+    )
     scores["switchings_per_lyapunov_time"] = mean(records.switchings) / lyapunov_times
     return {name: scores[name] for name in (*FLOW_SCORES, *sample.costs)}
 

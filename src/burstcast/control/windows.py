@@ -25,6 +25,7 @@ from burstcast.control.loop import (
 )
 from burstcast.control.records import FlowSample, record_flows
 from burstcast.control.timing import Timing
+from burstcast.forecasts.scores import ratio
 from burstcast.forecasts.windows import crosses_in_window
 from burstcast.statistics.densities import histogram
 
@@ -233,6 +234,9 @@ def totals(sample: FlowSample, counts: WindowCounts, left_out: int) -> dict[str,
         "reduction": 1.0 - share("exceeding_controlled", "exceeding_uncontrolled"),
         "control_fraction": share("actuated_integration_steps", "integration_steps"),
         "alarm_rate": share("alarms", "forecasts"),
+        "fallback_fraction": float(
+            ratio(records.fallbacks[kept].sum(), records.decisions[kept].sum())
+        ),
     }
 
 

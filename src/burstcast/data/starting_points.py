@@ -41,7 +41,8 @@ def starting_points(
     if steps.size == 0:
         raise ValueError(
             f"series of {longest} samples leave no room for a washout of {washout} steps and a "
-            f"forecast of {longest_forecast}"
+            f"forecast of {longest_forecast}: shorten the washout or the prediction times and "
+            "window, or take longer series"
         )
     points = SeriesPoints(
         series=np.repeat(np.arange(series), steps.size), step=np.tile(steps, series)

@@ -1,6 +1,8 @@
 """Control of a system by an event forecaster: the closed loop of campaigns, for a user's system."""
 
-from collections.abc import Mapping, Sequence
+import contextlib
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +14,8 @@ from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.control.actuation import ActuationValues, actuated_system, reversed_actuation
 from burstcast.control.controllers import controlling_policy, votes
 from burstcast.control.experiment import ControlExperiment, noise_of_flows
-from burstcast.control.loop import ControlledFlows
+from burstcast.control.loop import ControlledFlows, simulate
+from burstcast.control.policy import at_random
 from burstcast.control.records import (
     COSTS,
     FlowSample,
@@ -38,14 +41,20 @@ SCORES = (
     "events_per_lyapunov_time_controlled",
     "control_fraction",
     "switchings_per_lyapunov_time",
+    "fallback_fraction",
     *COSTS,
 )
 """Scores of `ControlledSystem`: those of `burstcast.control.records` that every system has."""
 
 _RESAMPLES, _CONFIDENCE = 1000, 0.95
+_FALLBACKS = 0.01
+"""Share of decisions without a valid forecast above which a run warns."""
+
+ALWAYS, RANDOM = "always", "random"
+"""References of a run: the actuation always on, and at random with the same duty cycle."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ControlledSystem:
     """Trajectories of a system with and without control, from the same states.
 
@@ -63,9 +72,27 @@ class ControlledSystem:
     actuated: BoolArray  #: whether the flow came to each sample under actuation, ``(flow, time)``
     #: by name, with 95 % intervals over flows (`SCORES`): shares of the time at or above the event
     #: threshold without and with control, and their quotient; events per unit of durations; share
-    #: of the time under actuation; how often it is switched on per unit of durations; mean length
-    #: of the force that acts as the actuation (effort), and its mean power
+    #: of the time under actuation; how often it is switched on per unit of durations; share of the
+    #: decisions without a valid forecast; mean length of the force that acts as the actuation
+    #: (effort), and its mean power
     scores: Mapping[str, Interval]
+    #: scores of the same flows with the actuation always on ("always"), and at random with the same
+    #: share of the decisions ("random"); a reference under which a flow is lost is missing
+    references: Mapping[str, Mapping[str, Interval]]
+
+    def __repr__(self) -> str:
+        flows, samples = self.actuated.shape
+        lines = [f"ControlledSystem: {flows} flows of {samples} samples, 95 % intervals"]
+        lines += [
+            f"  {name:38s}{score.value:10.4g}  ({score.low:.4g} to {score.high:.4g})"
+            for name, score in self.scores.items()
+        ]
+        for name, scores in self.references.items():
+            left, time = scores["relative_exceedance"].value, scores["control_fraction"].value
+            lines.append(
+                f"  actuation {name}: relative exceedance {left:.4g} at {time:.4g} of time"
+            )
+        return "\n".join(lines)
 
 
 def control_system(
@@ -82,8 +109,13 @@ def control_system(
     pulse: tuple[float, float] = (-1.0, 1.5),
     noise: float = 0.0,
     sampling_stride: int | None = None,
+    references: bool = True,
 ) -> ControlledSystem:
     """Control a system by the forecasts of a fitted event forecaster.
+
+    Warns before the run if the forecaster has no skill in its own calibration, and after it if more
+    than a hundredth of the decisions have no valid forecast (the strategy's ``fallback`` makes
+    them), or if actuation at random, as often, leaves as little of the exceedance.
 
     Durations are those of the forecaster: in Lyapunov times, or in samples where it has no Lyapunov
     time; so are the settings of strategies whose names end in ``_lt``.
@@ -120,6 +152,8 @@ def control_system(
         Observation noise of the controlled flows, in standard deviations of each component.
     sampling_stride
         Integration steps of the system in a sample; None: the forecaster's.
+    references
+        Whether the flows are also run with the actuation always on and at random.
 
     Raises
     ------
@@ -153,6 +187,14 @@ def control_system(
     """
     states = forecaster._washouts(series)
     _check_fit(system, forecaster, strategy)
+    if strategy.forecasts and forecaster.unskilled_times_:
+        times = ", ".join(f"{time:g}" for time in forecaster.unskilled_times_)
+        warnings.warn(
+            f"{type(strategy).__name__} acts on a forecaster without skill in its own calibration "
+            f"(prediction times {times}; warnings_ says why): low exceedance may be due to the "
+            "actuation alone",
+            stacklevel=2,
+        )
     stride = forecaster.sampling_stride if sampling_stride is None else sampling_stride
     actuated = actuated_system(system, actuation or {}, force, strength)
     values = None
@@ -203,14 +245,68 @@ def control_system(
         flows = strategy.simulate(
             experiment, policy, noise=observed_noise, keep_states=True, costs=True
         )
-    return _result(flows, forecaster)
+        scores, others = _scores(flows, forecaster), {}
+        if references:
+            others = _references(strategy, experiment, flows, forecaster)
+    result = _result(flows, forecaster, scores, others)
+    for text in _findings(result):
+        warnings.warn(text, stacklevel=2)
+    return result
 
 
-def _result(flows: ControlledFlows, forecaster: EventForecaster) -> ControlledSystem:
+def _references(
+    strategy: ControlStrategy,
+    experiment: ControlExperiment,
+    flows: ControlledFlows,
+    forecaster: EventForecaster,
+) -> dict[str, dict[str, Interval]]:
+    """Scores of the same flows under actuation that knows nothing, by name."""
+    looks = strategy.timing(experiment.schedule).most_looks
+    rate = float(flows.looks.alarm.mean()) if len(flows.looks.alarm) else 0.0
+    draws = experiment.draws("random alarms", looks)
+    policies = {ALWAYS: at_random(1.0, draws), RANDOM: at_random(rate, draws)}
+    scores = {}
+    for name, policy in policies.items():
+        # judging alarms takes another integration, which nobody reads here
+        with contextlib.suppress(FloatingPointError):
+            run = simulate(experiment, strategy.timing(experiment.schedule), policy)
+            scores[name] = _scores(run, forecaster)
+    return scores
+
+
+def _findings(result: ControlledSystem) -> Iterator[str]:
+    """Sentences about a run whose scores are less than they seem."""
+    share = result.scores["fallback_fraction"].value
+    if share > _FALLBACKS:
+        yield (
+            f"{share:.1%} of the decisions have no valid forecast (fallback_fraction): the "
+            "strategy's fallback made them, not the forecaster"
+        )
+    left, time = (result.scores[name].value for name in ("relative_exceedance", "control_fraction"))
+    if time > 0 and RANDOM in result.references:
+        by_chance = result.references[RANDOM]["relative_exceedance"].value
+        if left >= by_chance:
+            yield (
+                f"{left:.3g} of the exceedance is left with the actuation on {time:.0%} of the "
+                f"time; actuation at random, as often, leaves {by_chance:.3g}: the decisions are "
+                "no better than chance"
+            )
+
+
+def _scores(flows: ControlledFlows, forecaster: EventForecaster) -> dict[str, Interval]:
     costs = {} if flows.cost is None else {name: getattr(flows.cost, name) for name in COSTS}
     sample = FlowSample(record_flows(flows, None), Span.of(flows.timing), costs)
     generator = random_streams.stream(forecaster.random_seed, "control", forecaster.case)
     scores = flow_intervals(score_flows(sample, _RESAMPLES, generator), sample, _CONFIDENCE)
+    return {name: scores[name] for name in SCORES if name in scores}
+
+
+def _result(
+    flows: ControlledFlows,
+    forecaster: EventForecaster,
+    scores: dict[str, Interval],
+    references: dict[str, dict[str, Interval]],
+) -> ControlledSystem:
     from_now = slice(flows.timing.first_look, None)
     samples = flows.timing.length - flows.timing.first_look
     assert flows.uncontrolled_states is not None
@@ -222,7 +318,8 @@ def _result(flows: ControlledFlows, forecaster: EventForecaster) -> ControlledSy
         free_observable=flows.uncontrolled[:, from_now],
         observable=flows.controlled[:, from_now],
         actuated=flows.actuated[:, from_now],
-        scores={name: scores[name] for name in SCORES if name in scores},
+        scores=scores,
+        references=references,
     )
 
 

@@ -30,6 +30,12 @@ class Components:
         labels = self.labels
         return np.array(sorted(range(self.count), key=lambda place: natural_order(labels[place])))
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Labels, or numbers in the training series, of the components of a forecaster."""
+        labels = self.labels or tuple(f"component {place}" for place in range(self.count))
+        return tuple(labels[place] for place in self.order)
+
     @cached_property
     def places(self) -> IntArray:
         """Place in a forecaster of each component of the training series."""

@@ -10,25 +10,42 @@ from burstcast.base import durations
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.base.events import upward_crossings
 from burstcast.forecasters._event_classifier import LabelledPoints
+from burstcast.forecasters.base import Forecaster
 from burstcast.forecasts.alarms import AlarmRule, isotonic, logistic
 from burstcast.forecasts.points import ObservedPoints
 from burstcast.forecasts.scores import (
     ContingencyTable,
     Outcomes,
+    base_rate,
+    brier_score,
     counts_at,
     outcomes_by_series,
     useless_votes,
 )
-from burstcast.forecasts.windows import WindowSummaries, crosses, share_of_votes
+from burstcast.forecasts.windows import WindowSummaries, crosses, share_of_votes, valid_votes
 from burstcast.statistics.neighbour_divergence import correlation_steps
 
 FEW_EVENTS = 10
 """Events in training series that a forecaster can learn from and be calibrated with, at least."""
+LITTLE_SKILL = 0.05
+"""Brier skill in series that were left out, below which probabilities are no better than the base
+rate: a tenth of the skill of most useful forecasts."""
+_ROUGH = 1.1
+"""Samples in a Lyapunov time over whole ones, beyond which durations are told to be rounded."""
 _FOLDS = 10
 """Parts of the training series, each of which has alarms by rules of the others."""
 
 ByTime = dict[float, FloatArray]
 """What probabilities are made from at each prediction time: shares of votes, ``(points,)``."""
+
+
+def invalid_share(share: float, where: str, kind: Forecaster) -> Iterator[str]:
+    """A sentence about a share of forecasts that are invalid, unless it is small."""
+    if share > kind.tolerated_invalid:
+        yield (
+            f"{share:.1%} of the forecasts {where} are invalid ({kind.why_invalid}): they predict "
+            "no event"
+        )
 
 
 @dataclass(frozen=True)
@@ -103,9 +120,16 @@ class Events:
 
         ``observable``: ``(series, time)``, NaN where shorter series have ended.
         """
-        events = int(upward_crossings(observable, self.threshold).sum())
+        events = self.number(observable)
         if events < FEW_EVENTS:
             yield f"there are {events} events in the training series, fewer than {FEW_EVENTS}"
+        exact = (self.timing.lyapunov_time or 1.0) / self.timing.sampling_interval
+        if self.timing.lyapunov_time is not None and exact > _ROUGH * self.timing.unit:
+            yield (
+                f"a Lyapunov time of {exact:.3g} samples counts as {self.timing.unit}: durations "
+                f"are {1 - self.timing.unit / exact:.0%} shorter than given (leave out "
+                "lyapunov_time and give them in samples, or sample more finely)"
+            )
         if self.timing.lyapunov_time is None:
             lengths, window = (~np.isnan(observable)).sum(axis=1), self.timing.window
             longest = observable[lengths.argmax(), : lengths.max()]
@@ -120,6 +144,22 @@ class Events:
         """Share of the votes for an event."""
         windows, times = self.timing.windows, self.timing.times
         return {time: share_of_votes(votes, *windows(time), self.threshold) for time in times}
+
+    def valid(self, votes: Sequence[WindowSummaries]) -> ByTime:
+        """Share of the votes that are valid forecasts."""
+        windows, times = self.timing.windows, self.timing.times
+        return {time: valid_votes(votes, *windows(time)) for time in times}
+
+    def invalid(
+        self, votes: Sequence[WindowSummaries], where: str, kind: Forecaster
+    ) -> Iterator[str]:
+        """A sentence about votes of which many are invalid forecasts of a kind."""
+        share = max(float(1 - valid.mean()) for valid in self.valid(votes).values())
+        yield from invalid_share(share, where, kind)
+
+    def number(self, observable: FloatArray) -> int:
+        """Number of events in series ``(series, time)``."""
+        return int(upward_crossings(observable, self.threshold).sum())
 
     def happened(self, points: ObservedPoints, time: float) -> BoolArray:
         """Points that an event follows, ``(points,)``."""
@@ -145,12 +185,12 @@ class Events:
 
     def calibrated(
         self, points: ObservedPoints, values: ByTime, prior: float | None
-    ) -> tuple[dict[float, AlarmRule], list[str]]:
-        """Alarms at each prediction time, and sentences about votes that tell nothing.
+    ) -> tuple[dict[float, AlarmRule], dict[float, str]]:
+        """Alarms at each prediction time, and sentences about those without skill.
 
         ``prior``: Weight of the prior of shares of votes; None: the values are probabilities.
         """
-        alarms, findings = {}, []
+        alarms, findings = {}, {}
         for time in self.timing.times:
             outcomes = self.outcomes(points, values[time], time)
             if not outcomes.levels.size:
@@ -160,24 +200,35 @@ class Events:
                 )
             alarms[time] = _rule(outcomes, prior)
             if text := useless_votes(outcomes):
-                findings.append(f"prediction time {time:g}: {text}")
+                findings[time] = f"prediction time {time:g}: {text}"
                 continue
-            score, permanent = self._left_out_scores(points, values[time], time, prior)
+            score, permanent, skill = self._left_out_scores(points, values[time], time, prior)
+            found = []
             if score <= permanent:
-                findings.append(
-                    f"prediction time {time:g}: alarms in training series that were left out have "
-                    f"an F-score of {score:.2f}, no better than a permanent alarm ({permanent:.2f})"
+                found.append(
+                    f"alarms have an F-score of {score:.2f}, no better than a permanent alarm "
+                    f"({permanent:.2f})"
                 )
+            if skill < LITTLE_SKILL:
+                found.append(
+                    f"probabilities are no better than the base rate (Brier skill {skill:.2f})"
+                )
+            if found:
+                where = "in training series that were left out"
+                findings[time] = f"prediction time {time:g}: {where}, {' and '.join(found)}"
         return alarms, findings
 
     def _left_out_scores(
         self, points: ObservedPoints, values: FloatArray, time: float, prior: float | None
-    ) -> tuple[float, float]:
-        """F-scores of alarms by rules that have not seen the series, and of a permanent alarm."""
+    ) -> tuple[float, float, float]:
+        """Scores by rules that have not seen the series.
+
+        F-score of the alarms, and of a permanent alarm; Brier skill of the probabilities.
+        """
         series = points.points.series
         folds = min(_FOLDS, int(series.max()) + 1)
         outcomes = self.outcomes(points, values, time, series % folds)
-        counts = np.zeros(4, dtype=np.int64)
+        counts, error = np.zeros(4, dtype=np.int64), 0.0
         for fold in range(len(outcomes.points)):
             others = Outcomes(
                 outcomes.levels,
@@ -188,8 +239,13 @@ class Events:
             left_out = Outcomes(outcomes.levels, outcomes.points[fold], outcomes.events[fold])
             raised = left_out.at(rule.calibration(outcomes.levels))
             counts += list(vars(counts_at(raised, rule.threshold)).values())
-        return float(np.nan_to_num(ContingencyTable(*counts).f_score)), permanent_f_score(
-            outcomes.total()
+            error += float(np.nan_to_num(brier_score(raised)) * raised.points.sum())
+        whole = outcomes.total()
+        rate = float(base_rate(whole))
+        return (
+            float(np.nan_to_num(ContingencyTable(*counts).f_score)),
+            permanent_f_score(whole),
+            1 - error / (rate * (1 - rate) * float(whole.points.sum())),
         )
 
     def outcomes(

@@ -17,18 +17,34 @@ from typing import Any, Literal, Self, cast, overload
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from burstcast.base import random_streams
 from burstcast.base.arrays import BoolArray, FloatArray, float_array
 from burstcast.base.compiled.backends import usable_backend
 from burstcast.base.exogenous import up_to_sample, with_inputs
 from burstcast.base.series_lengths import padded, samples_of, series_lengths
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
+from burstcast.data.observation_noise import estimate_noise
 from burstcast.data.series_layout import LabelledSeries, labelled_series, observation_of
-from burstcast.data.starting_points import segments
+from burstcast.data.starting_points import SeriesPoints, segments
 from burstcast.event_forecaster import files
+from burstcast.event_forecaster.causes import causes, diagnosed, step_error
 from burstcast.event_forecaster.components import Components
+from burstcast.event_forecaster.consistency import (
+    ALPHA,
+    LEAST_WASHOUT,
+    ConsistencyTest,
+    rank_histogram,
+    spread_and_error,
+)
 from burstcast.event_forecaster.estimator import Estimator
-from burstcast.event_forecaster.events import ByTime, Events, EventTiming, permanent_f_score
+from burstcast.event_forecaster.events import (
+    ByTime,
+    Events,
+    EventTiming,
+    invalid_share,
+    permanent_f_score,
+)
 from burstcast.event_forecaster.observed_states import Observable, state_space
 from burstcast.event_forecaster.parameters import checked_parameters
 from burstcast.event_forecaster.schedules import as_schedules
@@ -40,13 +56,14 @@ from burstcast.event_forecaster.score_intervals import (
 )
 from burstcast.event_forecaster.stream import ObservationStream
 from burstcast.forecasters._event_classifier import EventClassifier
+from burstcast.forecasters._limits import TrainingLimits
 from burstcast.forecasters._options import in_samples
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
 from burstcast.forecasters.registry import as_forecaster, class_of, kind_name, make_kind_of
 from burstcast.forecasts.alarms import UNCALIBRATED, AlarmRule
 from burstcast.forecasts.points import ObservedPoints, observed_points
 from burstcast.forecasts.probabilities import out_of_sample_forecasts, out_of_sample_probabilities
-from burstcast.forecasts.scores import probability_scores
+from burstcast.forecasts.scores import outcomes_by_series, probability_scores
 from burstcast.forecasts.windows import WindowSummaries, member_forecasts, window_forecasts
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters
@@ -54,7 +71,8 @@ from burstcast.systems.parameters import Parameters
 _REFERENCE_STATES = 8
 _FITTED = (
     *("components", "own_parameters", "reference_states", "reference_observable"),
-    *("event_threshold", "hyperparameters", "labels", "clock"),
+    *("event_threshold", "hyperparameters", "labels", "clock", "unskilled_times"),
+    *("training_range", "consistency"),
 )
 """Names of what a fit has found, beside members and alarms, without their underscores."""
 
@@ -70,8 +88,18 @@ DURATIONS: Mapping[str, tuple[float, float]] = {
 PARTS = 5
 """Parts of a single training series that are left out in turn, to calibrate."""
 
+_POINTS_OF_KEPT = 128
+"""Starting points in the training series from which the kept models are tried, at most."""
+
+_OWN_WASHOUTS = 400
+"""Washouts that the model makes itself for its test of consistency, at most."""
+
 BINS = 11
 """Of the probability, for those scores that need them."""
+
+
+Verified = tuple[Events, ObservedPoints, ByTime, ByTime]
+"""Starting points in test series, what their probabilities are made from, and valid shares."""
 
 
 @dataclass(eq=False, repr=False)
@@ -241,18 +269,42 @@ class EventForecaster(Estimator):
         else:
             members = [as_forecaster(kind).fit(training, case)]
         findings += dict.fromkeys(text for member in members for text in member.weaknesses())
+        limits = TrainingLimits.of(observed, components.count)
+        unskilled: dict[float, str] = {}
+        invalid: list[str] = []
+        consistency: ConsistencyTest | None = None
+        if labelled is None:
+            members = [member.within(limits) for member in members]
+            kept = _votes_of_kept(members, case, training, points, timing)
+            if learnt is None and not kind.sees_truth:
+                consistency = self._consistency_test(members[0], observed, points)
+            invalid += events.invalid(kept, "of the kept models in training series", members[0])
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
         if self.calibrate:
             if labelled is None:
-                values = events.shares(_left_out(members, case, training, points, timing))
+                votes = _left_out(members, case, training, points, timing)
+                values = events.shares(votes)
+                invalid += events.invalid(votes, "of series that were left out", members[0])
             else:
                 asked = points.washouts, points.points.series
                 values = events.by_time(
                     out_of_sample_probabilities(members[0].tuned(), labelled, case, *asked)
                 )
             prior = None if labelled else checked["prior_forecasts"]
-            alarms, weaknesses = events.calibrated(points, values, prior)
-            findings += weaknesses
+            alarms, unskilled = events.calibrated(points, values, prior)
+        if symptoms := [*invalid, *unskilled.values()]:
+            found = causes(
+                kind,
+                timing,
+                observed,
+                components.names,
+                washout=self._samples("washout"),
+                events=events.number(value),
+            )
+            errs = []
+            if labelled is None:
+                errs = _step_error(members[0], case, training, points, components.names)
+            findings += diagnosed(symptoms, [*found, *errs])
         # nothing of a former fit is left before all can be replaced
         self.members_, self.hyperparameters_, self.alarms_ = members, hyperparameters, alarms
         self._stream = None
@@ -265,6 +317,9 @@ class EventForecaster(Estimator):
         self.reference_states_ = samples[rows]
         self.reference_observable_ = case.system.observable(self.reference_states_.T)
         self.event_threshold_, self.warnings_ = events.threshold, findings
+        self.unskilled_times_ = list(unskilled)
+        self.consistency_ = consistency
+        self.training_range_ = [limits.low.tolist(), limits.high.tolist()]
 
     @property
     def classes_(self) -> BoolArray:
@@ -274,8 +329,9 @@ class EventForecaster(Estimator):
     def forecast(self, series: Any, duration: float | None = None) -> FloatArray:
         """Forecasts of all members, ``(member, series, time, component)``.
 
-        The first sample is the one after the last sample of each series. Forecasts that overflow
-        raise no warning; they predict no event.
+        The first sample is the one after the last sample of each series. Forecasts are NaN from
+        where they are invalid: not finite, or more than ten training ranges away. A warning says
+        how many are.
 
         ``series``: Observations up to the present, ``(series, time, component)`` or a list of
         series, at least as long as the washout. Only the last washout of each counts.
@@ -290,6 +346,9 @@ class EventForecaster(Estimator):
         batch = np.ascontiguousarray(self._washouts(series).transpose(1, 2, 0))
         forecasts = [member_forecasts(member, batch, steps) for member in self.members_]
         states = np.concatenate(forecasts, axis=2).transpose(2, 3, 0, 1)
+        share = float(np.isnan(states[:, :, -1]).any(axis=-1).mean())
+        for text in invalid_share(share, f"over {steps} samples", self.members_[0]):
+            warnings.warn(text, stacklevel=2)
         return self._components.as_given(states)
 
     def predict_proba(
@@ -312,8 +371,104 @@ class EventForecaster(Estimator):
         """
         time = self._time(prediction_time)
         washouts = self._with_inputs(self._washouts(series), parameters, planned)
-        probability = self._probabilities(washouts, time)
+        values, valid = self._values(washouts)
+        probability = self.alarms_[time].calibration(values[time])
+        self._warn_of_invalid(valid[time])
         return np.stack([1 - probability, probability], axis=1)
+
+    def valid_share(
+        self,
+        series: Any,
+        prediction_time: float | None = None,
+        *,
+        parameters: Any = None,
+        planned: Any = None,
+    ) -> FloatArray:
+        """Share of the forecasts behind each probability of `predict_proba` that are valid.
+
+        Returns ``(series,)``. A forecast is valid if it is finite and within ten training ranges up
+        to the end of the window; one that is not predicts no event. Of a classifier, which makes no
+        forecasts, the share is 1. Parameters are those of `predict_proba`.
+        """
+        time = self._time(prediction_time)
+        washouts = self._with_inputs(self._washouts(series), parameters, planned)
+        return self._values(washouts)[1][time]
+
+    def consistent(self, series: Any) -> BoolArray:
+        """Whether the model can have made the last washout of each series, ``(series,)``.
+
+        The first member continues the first half of the washout, and its error in the second half
+        is compared with the errors for washouts that it has made itself
+        (`burstcast.event_forecaster.consistency`). Of washouts of the model's own flow, 5 % are
+        called inconsistent. A forecast from an inconsistent washout is not to be trusted: the
+        noise, the gain of a sensor, or the flow differ from what the model has learnt.
+
+        Raises ValueError if there is no test: for classifiers, kinds that know parameters, and
+        washouts of fewer than six samples.
+        """
+        return np.asarray(self._p_values(self._washouts(series)) > ALPHA)
+
+    def scores_by_consistency(
+        self, series: Any, prediction_time: float | None = None
+    ) -> dict[str, dict[str, float]]:
+        """Scores of the probabilities after washouts that are `consistent`, and after the others.
+
+        By "consistent" and "inconsistent": the "share" of the starting points, and scores as of
+        `scores`; NaN where there is no such point.
+
+        ``prediction_time``: One of ``prediction_times``; None: the first.
+        """
+        time = self._time(prediction_time)
+        events, points, values, _ = self._verified(series)
+        rule, quiet = self.alarms_[time], events.quiet(points)
+        agrees = self._p_values(points.washouts) > ALPHA
+        happened, table = events.happened(points, time), {}
+        for name, chosen in (("consistent", agrees), ("inconsistent", ~agrees)):
+            here = chosen & quiet
+            whole = np.zeros(len(here), dtype=np.int64)
+            raw = outcomes_by_series(values[time], happened, here, whole, 1).total()
+            outcomes = raw.at(rule.calibration(raw.levels))
+            scores = probability_scores(outcomes, rule.threshold, BINS)
+            table[name] = {
+                "share": float(here.sum() / max(1, quiet.sum())),
+                "forecasts": int(outcomes.points.sum()),
+                "events": int(outcomes.events.sum()),
+                **{score: float(value) for score, value in scores.items()},
+            }
+        return table
+
+    def ensemble_scores(
+        self, series: Any, prediction_time: float | None = None
+    ) -> dict[str, float | FloatArray]:
+        """Reliability of the ensemble of forecasts when the window begins, in test series.
+
+        "spread" and "error": root mean square spread of the observable over the forecasts (members
+        of a committee, a filter, or analogues), and error of their mean; equal if the ensemble is
+        reliable. "rank_histogram": how often the truth has each rank among them, ``(forecasts +
+        1,)``, level if it is.
+
+        ``prediction_time``: One of ``prediction_times``; None: the first. Raises ValueError for
+        classifiers, and for a single forecast.
+        """
+        time = self._time(prediction_time)
+        as_forecaster(self._kind)  # refuses classifiers
+        states, case = self._like_training(series), self._case(self._components)
+        points = self._points(
+            case, states, _observable_of(case, states), self._samples("start_spacing")
+        )
+        start = self._timing.span(time)[0]
+        batch = np.ascontiguousarray(points.washouts.transpose(1, 2, 0))
+        forecasts = [member_forecasts(member, batch, start)[-1] for member in self.members_]
+        values = case.system.observable(np.concatenate(forecasts, axis=1))
+        if len(values) < 2:
+            raise ValueError("a single forecast has no spread: take a committee, or a filter")
+        truth = points.truth.first[:, self._timing.windows(time)[0]]
+        spread, error = spread_and_error(values, truth)
+        return {
+            "spread": spread,
+            "error": error,
+            "rank_histogram": rank_histogram(values, truth),
+        }
 
     def what_if(
         self,
@@ -373,39 +528,64 @@ class EventForecaster(Estimator):
         time = self._time(prediction_time)
         if self._stream is None or not self._stream.complete:
             return float("nan")
-        washout = self._stream.washout
-        return float(self._probabilities(self._with_inputs(washout, None, None), time)[0])
+        washout = self._with_inputs(self._stream.washout, None, None)
+        values, valid = self._values(washout)
+        self._warn_of_invalid(valid[time])
+        return float(self.alarms_[time].calibration(values[time])[0])
 
     @overload
     def scores(
-        self, series: Any, prediction_time: float | None = None, *, interval: Literal[False] = False
+        self, series: Any, prediction_time: float, *, interval: Literal[False] = False
     ) -> dict[str, float]: ...
 
     @overload
     def scores(
-        self, series: Any, prediction_time: float | None = None, *, interval: Literal[True]
+        self, series: Any, prediction_time: float, *, interval: Literal[True]
     ) -> dict[str, ScoreInterval]: ...
+
+    @overload
+    def scores(
+        self, series: Any, prediction_time: None = None, *, interval: bool = False
+    ) -> dict[Any, Any]: ...
 
     def scores(
         self, series: Any, prediction_time: float | None = None, *, interval: bool = False
-    ) -> dict[str, float] | dict[str, ScoreInterval]:
+    ) -> dict[Any, Any]:
         """All scores of the probabilities, and of the alarms that they raise, in series, by name.
 
         They are "alarm_f_score", "alarm_precision", "alarm_recall", "brier_skill", "roc_area", ...
         (`burstcast.forecasts.scores`), the "permanent_f_score" of an alarm at every
-        starting point, and the numbers of "forecasts" and "events". NaN where a score is not
-        defined, such as a recall without events. Starting points: see `outcomes`.
+        starting point, the numbers of "forecasts" and "events", and the "invalid_fraction" of the
+        forecasts behind the probabilities (`valid_share`). NaN where a score is not defined, such
+        as a recall without events. Starting points: see `outcomes`.
 
-        ``interval``: Whether scores have confidence intervals of 95 %, as tuples ``(value, low,
-        high)``. They resample series, or blocks of time where there are fewer than ten series.
+        ``prediction_time``: One of ``prediction_times``; None: the only one, or, of several, all
+        of them: scores by name, by prediction time. ``interval``: Whether scores have confidence
+        intervals of 95 %, as tuples ``(value, low, high)``. They resample series, or blocks of time
+        where there are fewer than ten series.
         """
-        time, rule = self._time(prediction_time), self.rule(prediction_time)
-        events, points, values = self._verified(series)
+        self._check_fitted()
+        verified = self._verified(series)
+        if self.consistency_ is not None:
+            for text in self.consistency_.finding(self._p_values(verified[1].washouts)):
+                warnings.warn(text, stacklevel=2)
+        if prediction_time is None and len(self.alarms_) > 1:
+            return {time: self._scores(verified, time, interval) for time in self.alarms_}
+        return self._scores(verified, self._time(prediction_time), interval)
+
+    def _scores(self, verified: Verified, time: float, interval: bool) -> dict[str, Any]:
+        """Scores at one prediction time."""
+        events, points, values, valid = verified
+        rule, quiet = self.alarms_[time], events.quiet(points)
+        invalid = 1 - valid[time]
         if interval:
             blocks = blocks_of(points.points, events.timing.boundaries[-1])
             by_block = events.outcomes(points, values[time], time, blocks)
             calibrated = by_block.at(rule.calibration(by_block.levels))
-            return score_intervals(calibrated, rule.threshold, BINS, self.random_seed)
+            count = int(blocks.max()) + 1
+            weights = np.asarray(invalid[quiet], dtype=np.float64)
+            lost = np.asarray(np.bincount(blocks[quiet], weights, count), dtype=np.float64)
+            return dict(score_intervals(calibrated, rule.threshold, BINS, self.random_seed, lost))
         raw = events.outcomes(points, values[time], time)
         outcomes = raw.at(rule.calibration(raw.levels))
         scores = probability_scores(outcomes, rule.threshold, BINS)
@@ -414,6 +594,7 @@ class EventForecaster(Estimator):
             "events": int(outcomes.events.sum()),
             **{name: float(value) for name, value in scores.items()},
             "permanent_f_score": permanent_f_score(outcomes),
+            "invalid_fraction": float(invalid[quiet].mean()) if quiet.any() else float("nan"),
         }
 
     def outcomes(self, series: Any, prediction_time: float | None = None) -> EventOutcomes:
@@ -423,7 +604,7 @@ class EventForecaster(Estimator):
         Points whose washout reaches the event threshold are left out: an event is under way there.
         """
         time = self._time(prediction_time)
-        events, points, values = self._verified(series)
+        events, points, values, _ = self._verified(series)
         quiet = events.quiet(points)
         return EventOutcomes(
             events.happened(points, time)[quiet],
@@ -434,7 +615,7 @@ class EventForecaster(Estimator):
 
     def score(self, series: Any, y: Any = None) -> float:
         """F-score of the alarms at the first prediction time (see `scores`)."""
-        return self.scores(series)["alarm_f_score"]
+        return self.scores(series, self._time(None))["alarm_f_score"]
 
     def save(self, path: str | Path) -> None:
         """Write the fitted state to a NetCDF file, without pickling.
@@ -447,6 +628,7 @@ class EventForecaster(Estimator):
         fitted["alarms"] = [
             {"prediction_time": time, **rule.record()} for time, rule in self.alarms_.items()
         ]
+        fitted["consistency"] = self.consistency_ and self.consistency_.record()
         fitted["stream"] = None if self._stream is None else self._stream.record()
         members = [member.record() for member in self.members_]
         parameters = self.get_params()
@@ -475,9 +657,19 @@ class EventForecaster(Estimator):
             parameters, fitted, members = files.read_saved(path, observable, own_class)
             self = cls(**parameters)
             self.warnings_ = []
-            fitted = {"labels": None, "clock": None, **fitted}  # which older files have not
+            # which older files have not
+            older: dict[str, Any] = {
+                "labels": None,
+                "clock": None,
+                "unskilled_times": [],
+                "training_range": None,
+                "consistency": None,
+            }
+            fitted = {**older, **fitted}
             for name in _FITTED:
                 setattr(self, f"{name}_", fitted[name])
+            if fitted["consistency"] is not None:
+                self.consistency_ = ConsistencyTest.restore(fitted["consistency"])
             self.labels_ = None if self.labels_ is None else tuple(map(str, self.labels_))
             for name in ("reference_states_", "reference_observable_"):
                 setattr(self, name, np.array(getattr(self, name), dtype=np.float64))
@@ -489,6 +681,9 @@ class EventForecaster(Estimator):
             for record in members:
                 files.check_sizes(record, case, unfitted)
             self.members_ = [unfitted.restore(record, case) for record in members]
+            if self.training_range_ is not None and isinstance(unfitted, Forecaster):
+                limits = TrainingLimits(*np.array(self.training_range_, dtype=np.float64))
+                self.members_ = [member.within(limits) for member in self.members_]
             given, stored = (
                 case.system.observable(self.reference_states_.T),
                 self.reference_observable_,
@@ -712,30 +907,57 @@ class EventForecaster(Estimator):
             spacing=spacing,
         )
 
-    def _verified(self, series: Any) -> tuple[Events, ObservedPoints, ByTime]:
-        """Starting points in test series, and what their probabilities are made from."""
+    def _verified(self, series: Any) -> Verified:
+        """Starting points in test series, what their probabilities are made from, valid shares."""
         states, case = self._like_training(series), self._case(self._components)
         for text in self._short_series(states):
             warnings.warn(text, stacklevel=4)
         value = _observable_of(case, states)
         points = self._points(case, states, value, self._samples("start_spacing"))
-        return Events(self._timing, self.event_threshold_), points, self._values(points.washouts)
+        events = Events(self._timing, self.event_threshold_)
+        return events, points, *self._values(points.washouts)
 
-    def _probabilities(self, washouts: FloatArray, time: float) -> FloatArray:
-        """Probabilities of an event after washouts ``(points, steps, component)``."""
-        return self.alarms_[time].calibration(self._values(washouts)[time])
+    def _consistency_test(
+        self, member: Forecaster, observed: FloatArray, points: ObservedPoints
+    ) -> ConsistencyTest | None:
+        """Test of consistency, by washouts that the first member makes itself."""
+        if observed.shape[1] <= LEAST_WASHOUT + 2 or not len(points.washouts):
+            return None
+        some = points.washouts[:: -(-len(points.washouts) // _OWN_WASHOUTS)]
+        generator = random_streams.stream(self.random_seed, "consistency", self.case)
+        return ConsistencyTest.of(member, some, estimate_noise(observed), generator)
 
-    def _values(self, washouts: FloatArray) -> ByTime:
-        """What probabilities after washouts ``(points, steps, component)`` are made from."""
+    def _p_values(self, washouts: FloatArray) -> FloatArray:
+        if self.consistency_ is None:
+            raise ValueError(
+                "there is no test of consistency: it takes trajectories of a kind without "
+                f"parameters, and a washout of {LEAST_WASHOUT} samples at least"
+            )
+        return self.consistency_.p_values(self.members_[0], washouts)
+
+    def _warn_of_invalid(self, valid: FloatArray) -> None:
+        """Warn the caller's caller of probabilities that invalid forecasts have a part in."""
+        if isinstance(self.members_[0], EventClassifier):
+            return
+        some = f"behind {(valid < 1).sum()} of {len(valid)} probabilities"
+        for text in invalid_share(float(1 - valid.mean()), some, self.members_[0]):
+            warnings.warn(f"{text} (valid_share has each)", stacklevel=3)
+
+    def _values(self, washouts: FloatArray) -> tuple[ByTime, ByTime]:
+        """What probabilities after washouts ``(points, steps, component)`` are made from.
+
+        Also the share of the forecasts that are valid.
+        """
         events = Events(self._timing, self.event_threshold_)
         if isinstance(classifier := self.members_[0], EventClassifier):
-            return events.by_time(classifier.probabilities(washouts))
+            sound = dict.fromkeys(events.timing.times, np.ones(len(washouts)))
+            return events.by_time(classifier.probabilities(washouts)), sound
         observable = self._case(self._components).system.observable
         boundaries = events.timing.boundaries
         votes: list[WindowSummaries] = []
         for member in self.members_:
             votes += window_forecasts(member, observable, washouts, boundaries).members
-        return events.shares(votes)
+        return events.shares(votes), events.valid(votes)
 
 
 def _observable_of(case: ForecastingCase, states: FloatArray) -> FloatArray:
@@ -747,6 +969,54 @@ def _observable_of(case: ForecastingCase, states: FloatArray) -> FloatArray:
     return value
 
 
+def _washouts_of(training: FloatArray, points: ObservedPoints, timing: EventTiming) -> FloatArray:
+    """Washouts of points of training series, with the inputs over them and over forecasts."""
+    washouts, steps = points.washouts, points.washouts.shape[1]
+    inputs = training.shape[2] - washouts.shape[2]
+    if not inputs:
+        return washouts
+    around = segments(training, points.points, steps - 1, timing.boundaries[-1])
+    return up_to_sample(around, steps, inputs)
+
+
+def _votes_of_kept(
+    members: Sequence[Forecaster],
+    case: ForecastingCase,
+    training: FloatArray,
+    points: ObservedPoints,
+    timing: EventTiming,
+) -> list[WindowSummaries]:
+    """Votes of the members themselves, at some points of the series that they have learnt from."""
+    washouts = _washouts_of(training, points, timing)
+    some = washouts[:: -(-len(washouts) // _POINTS_OF_KEPT)]
+    votes: list[WindowSummaries] = []
+    for member in members:
+        forecasts = window_forecasts(member, case.system.observable, some, timing.boundaries)
+        votes += forecasts.members
+    return votes
+
+
+def _step_error(
+    member: Forecaster,
+    case: ForecastingCase,
+    training: FloatArray,
+    points: ObservedPoints,
+    names: Sequence[str],
+) -> list[str]:
+    """A sentence about a member that errs much in its first step (`causes.step_error`).
+
+    It is refitted without the first series, whose points it is judged by, if there are others.
+    """
+    washout, of_points = points.washouts.shape[1], points.points
+    if len(training) > 1:
+        member = next(member.leave_one_out(training, case, washout)).within(member.limits)
+        first = of_points.series == 0
+        of_points = SeriesPoints(of_points.series[first], of_points.step[first])
+    if not len(of_points.series):
+        return []
+    return list(step_error(member, case, training, of_points, washout, names))
+
+
 def _left_out(
     members: Sequence[Forecaster],
     case: ForecastingCase,
@@ -755,11 +1025,7 @@ def _left_out(
     timing: EventTiming,
 ) -> list[WindowSummaries]:
     """Votes at points of training series, by members refitted without that series."""
-    washouts, steps = points.washouts, points.washouts.shape[1]
-    inputs = training.shape[2] - washouts.shape[2]
-    if inputs:
-        around = segments(training, points.points, steps - 1, timing.boundaries[-1])
-        washouts = up_to_sample(around, steps, inputs)
+    washouts, steps = _washouts_of(training, points, timing), points.washouts.shape[1]
     votes = []
     for member in members:
         forecasts = out_of_sample_forecasts(

@@ -9,7 +9,7 @@ from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.base.resampled_score import ResampledScore
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
 from burstcast.data.starting_points import SeriesPoints
-from burstcast.forecasts.scores import Outcomes, resampled_scores
+from burstcast.forecasts.scores import Outcomes, ratio, resampled_scores
 
 _CONFIDENCE, _RESAMPLES = 0.95, 1000
 _LEAST_SERIES = 10
@@ -55,11 +55,12 @@ def blocks_of(points: SeriesPoints, reach: int) -> IntArray:
 
 
 def score_intervals(
-    outcomes: Outcomes, threshold: float, bins: int, random_seed: int
+    outcomes: Outcomes, threshold: float, bins: int, random_seed: int, invalid: FloatArray
 ) -> dict[str, ScoreInterval]:
     """Scores of `burstcast.forecasts.scores` with intervals of a bootstrap over blocks.
 
-    ``outcomes``: By block, ``(blocks, levels)``.
+    ``outcomes``: By block, ``(blocks, levels)``. ``invalid``: Invalid forecasts in each block, in
+    points that count, ``(blocks,)``.
     """
     generator = random_streams.stream(random_seed, "score intervals")
     weights = bootstrap_weights(len(outcomes.points), _RESAMPLES, generator)
@@ -67,6 +68,17 @@ def score_intervals(
     value, samples = scores["base_rate"].value, scores["base_rate"].samples
     permanent = ResampledScore(2 * value / (1 + value), 2 * samples / (1 + samples))
     scores["permanent_f_score"] = permanent
+    counts = {
+        "forecasts": outcomes.points.sum(axis=1).astype(np.float64),
+        "events": outcomes.events.sum(axis=1).astype(np.float64),
+    }
+    totals = {
+        name: ResampledScore(float(count.sum()), weights @ count) for name, count in counts.items()
+    }
+    points = counts["forecasts"]
+    lost = ratio(weights @ invalid, weights @ points)
+    scores["invalid_fraction"] = ResampledScore(float(ratio(invalid.sum(), points.sum())), lost)
+    scores = {**totals, **scores}
     return {
         name: ScoreInterval(float(score.value), *percentile_interval(score.samples, _CONFIDENCE))
         for name, score in scores.items()

@@ -27,6 +27,8 @@ class EventScorer:
     def __call__(self, forecaster: EventForecaster, series: Any, y: Any = None) -> float:
         """Score a fitted forecaster in test series, ``(series, time, component)``."""
         scoring, time = self.scoring, self.prediction_time
+        if time is None:
+            time = next(iter(forecaster.alarms_))
         if isinstance(scoring, str):
             if scoring in (scores := forecaster.scores(series, time)):
                 return scores[scoring]

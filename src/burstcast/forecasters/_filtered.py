@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.base.exogenous import carry, of_series, of_washout
 from burstcast.data.observation_noise import observation_noise
 from burstcast.forecasters._integrated import IntegratedForecaster
@@ -100,7 +100,3 @@ class FilteredForecaster(ObservationOptions, FilterOptions, Forecaster):
     def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
         """Let the model forecast (see `Forecaster.advance`)."""
         return self.model.advance(memory, steps)
-
-    def diverged(self, outputs: FloatArray) -> BoolArray:
-        """Mark diverged forecasts, by the criterion of the model."""
-        return self.model.diverged(outputs)

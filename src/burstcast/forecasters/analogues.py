@@ -27,6 +27,10 @@ class Analogues(AnalogueOptions, Forecaster):
     """
 
     provides_ensemble: ClassVar[bool] = True
+    tolerated_invalid: ClassVar[float] = 0.25
+    why_invalid: ClassVar[str] = (
+        "the series of an analogue ends before the window does; longer series have fewer of them"
+    )
 
     #: observed series, ``(series, time, dimension)``; of unequal lengths, one after the other,
     #: ``(samples, dimension)``

@@ -16,6 +16,7 @@ given them as further components of series and washouts (`burstcast.base.exogeno
 """
 
 import abc
+import copy
 import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -25,6 +26,7 @@ import numpy as np
 
 from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.data.encoders.state_maps import StateMaps
+from burstcast.forecasters._limits import DIVERGENCE_BOUND, TrainingLimits
 from burstcast.forecasters._record import ForecasterRecord as ForecasterRecord
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters
@@ -172,6 +174,24 @@ class ForecasterKind:
 class Forecaster(ForecasterKind, abc.ABC):
     """Continues many observed series at once."""
 
+    tolerated_invalid: ClassVar[float] = 0.01
+    """Share of invalid forecasts above which users are warned."""
+    why_invalid: ClassVar[str] = "not finite, or more than ten training ranges away"
+    """Why forecasts of the kind are invalid, in words."""
+
+    limits: TrainingLimits | None = None
+    """Ranges of the training series (`within`), far beyond which a forecast is invalid; None: it is
+    invalid only where it is not finite."""
+
+    def within(self, limits: TrainingLimits | None) -> Self:
+        """Return this forecaster with the ranges of its training series.
+
+        Whoever fits or reads a forecaster sets them; `fit` need not.
+        """
+        limited = copy.copy(self)
+        object.__setattr__(limited, "limits", limits)
+        return limited
+
     @abc.abstractmethod
     def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Return a forecaster that has learnt from series, with the same options.
@@ -302,6 +322,36 @@ class Forecaster(ForecasterKind, abc.ABC):
         """Whether the kind linearises its forecasts, so that it has Lyapunov exponents."""
         return cls.advance_tangent is not Forecaster.advance_tangent
 
+    def invalid(self, outputs: FloatArray) -> BoolArray:
+        """Mark the steps from which forecasts are invalid.
+
+        A forecast is invalid from its first step on at which a component is not finite, or further
+        than `DIVERGENCE_BOUND` training ranges (networks: ``divergence_bound``) from the middle of
+        its training range.
+
+        Parameters
+        ----------
+        outputs
+            Forecasts as `advance` returns them, ``(steps, dimension, batch)``.
+
+        Returns
+        -------
+        ``(steps, batch)``; once true, it stays true.
+        """
+        bound = getattr(self, "divergence_bound", DIVERGENCE_BOUND)
+        if self.limits is None or bound is None:
+            wrong = ~np.isfinite(outputs).all(axis=1)
+        else:
+            wrong = self.limits.outside(outputs, bound)
+        return np.asarray(np.logical_or.accumulate(wrong, axis=0))
+
+    def valid(self, outputs: FloatArray) -> FloatArray:
+        """Forecasts ``(steps, dimension, batch)`` with NaN where they are `invalid`."""
+        invalid = self.invalid(outputs)
+        if not invalid.any():
+            return outputs
+        return np.where(invalid[:, np.newaxis], np.nan, outputs)
+
     def diverged(self, outputs: FloatArray) -> BoolArray:
-        """Mark forecasts ``(steps, dimension, batch)`` that are not finite."""
-        return np.asarray(~np.isfinite(outputs).all(axis=(0, 1)))
+        """Mark forecasts ``(steps, dimension, batch)`` that are `invalid` at any step."""
+        return np.asarray(self.invalid(outputs).any(axis=0))

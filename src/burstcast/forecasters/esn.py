@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.forecasters._options import NetworkOptions
 from burstcast.forecasters._reservoirs import (
     recorded_dynamics,
@@ -129,8 +129,3 @@ class NetworkForecaster(NetworkOptions, Forecaster):
     @cached_property
     def _tangent(self) -> ClosedLoopTangent:
         return ClosedLoopTangent(self.network)
-
-    def diverged(self, outputs: FloatArray) -> BoolArray:
-        """Mark forecasts that are not finite or beyond the divergence bound."""
-        assert self.divergence_bound is not None
-        return self.network.diverged(outputs, self.divergence_bound)

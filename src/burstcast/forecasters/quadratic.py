@@ -19,7 +19,7 @@ from burstcast.systems.polynomials.system import PolynomialSystem
 
 def window_steps(window_lt: float, steps_per_lyapunov_time: int, length: int) -> int:
     """Steps of the window that equations are learnt from, in series of ``length`` samples."""
-    name = "forecasters.quadratic.window_lt"
+    name = "window_lt of learnt equations (in a campaign: forecasters.quadratic.window_lt)"
     window = durations.positive_steps(window_lt, steps_per_lyapunov_time, name)
     if window >= length:
         raise ValueError(f"{name} is {window} steps, but a series has {length} samples")

@@ -413,7 +413,7 @@ def forecast_observable(
     """Observable of whole forecasts, ``(points, steps)``, from one step after the start on."""
     memory = forecaster.start(np.ascontiguousarray(washouts.transpose(1, 2, 0)))
     states, _ = forecaster.advance(memory, steps)
-    return observable(states.transpose(1, 0, 2)).T
+    return observable(forecaster.valid(states).transpose(1, 0, 2)).T
 
 
 def stretch(series: FloatArray, first: int, count: int) -> FloatArray:

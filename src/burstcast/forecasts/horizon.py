@@ -72,6 +72,7 @@ class HorizonSearch:
         return self.steps(self.longest_lead_time_lt) + self.washout - 1
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def accurate_steps(
     forecaster: Forecaster,
     observable: Callable[[FloatArray], FloatArray],
@@ -93,10 +94,11 @@ def accurate_steps(
     for start in range(0, steps, STEPS_BETWEEN_CHECKS):
         chunk = min(STEPS_BETWEEN_CHECKS, steps - start)
         outputs, memory = forecaster.advance(memory, chunk)
+        outputs = forecaster.valid(outputs)
         error = np.abs(
             observable(outputs.transpose(1, 0, 2)) - truth[start : start + chunk, running]
         )
-        # a forecast that is no longer finite has left the tolerance, too
+        # a forecast that is invalid has left the tolerance, too
         lost = ~(error < tolerance)
         failed = lost.any(axis=0)
         accurate[running[failed]] = start + lost[:, failed].argmax(axis=0)

@@ -72,7 +72,8 @@ def out_of_sample_forecasts(
         here = np.flatnonzero(series == row)
         if here.size:
             rows.append(here)
-            parts.append(window_forecasts(refitted, observable, washouts[here], boundaries))
+            limited = refitted.within(forecaster.limits)
+            parts.append(window_forecasts(limited, observable, washouts[here], boundaries))
     order = np.argsort(np.concatenate(rows))
     forecasts = joined(parts)
     return WindowForecasts(**{name: values[order] for name, values in vars(forecasts).items()})

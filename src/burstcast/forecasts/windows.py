@@ -21,8 +21,8 @@ from burstcast.forecasters.base import Forecaster
 class WindowSummaries:
     """First and largest observable in each window after each starting point."""
 
-    #: observable at the window's first step, ``(points, windows)``; not finite where the forecast
-    #: no longer is
+    #: observable at the window's first step, ``(points, windows)``; NaN where the forecast is
+    #: invalid (`burstcast.forecasters.base.Forecaster.invalid`)
     first: FloatArray
     #: largest observable in the window, both ends included, ``(points, windows)``; likewise
     largest: FloatArray
@@ -79,8 +79,8 @@ def crosses(
 ) -> BoolArray:
     """Whether the observable crosses the threshold in a prediction window, ``(points,)``.
 
-    It does if it is finite, below the threshold at the window's first step and at or above it later
-    on.
+    It does if it is valid up to the end of the window, below the threshold at the window's first
+    step and at or above it later on.
     """
     span = slice(first_window, first_window + windows)
     if first_window < 0 or first_window + windows > summaries.first.shape[1]:
@@ -88,6 +88,18 @@ def crosses(
     below_at_first = summaries.first[:, first_window] < threshold
     largest = summaries.largest[:, span].max(axis=1)
     return np.asarray(below_at_first & (largest >= threshold) & np.isfinite(largest))
+
+
+def is_valid(summaries: WindowSummaries, first_window: int, windows: int) -> BoolArray:
+    """Whether a forecast is valid up to the end of a prediction window, ``(points,)``."""
+    last = summaries.largest[:, first_window : first_window + windows]
+    return np.asarray(np.isfinite(last).all(axis=1) & np.isfinite(summaries.first[:, first_window]))
+
+
+def valid_votes(members: Sequence[WindowSummaries], first_window: int, windows: int) -> FloatArray:
+    """Share of the members whose forecasts are valid (see `is_valid`), ``(points,)``."""
+    valid = [is_valid(member, first_window, windows) for member in members]
+    return np.asarray(np.mean(valid, axis=0))
 
 
 def crosses_in_window(observable: FloatArray, start: int, end: int, threshold: float) -> BoolArray:
@@ -100,7 +112,7 @@ def share_of_votes(
 ) -> FloatArray:
     """Share of the members that forecast a crossing (see `crosses`), ``(points,)``, in [0, 1].
 
-    A member whose forecast does not stay finite votes against.
+    A member whose forecast is invalid votes against.
     """
     if not members:
         raise ValueError("a committee needs members")
@@ -125,7 +137,7 @@ def window_forecasts(
 ) -> WindowForecasts:
     """Forecast from many starting points and keep the window summaries.
 
-    Forecasts that overflow raise no warning; they predict no event.
+    Forecasts that overflow raise no warning; invalid ones predict no event.
     """
     batches = []
     for start in range(0, len(washouts), POINTS_PER_BATCH):
@@ -164,6 +176,7 @@ def member_forecasts(forecaster: Forecaster, washout: FloatArray, steps: int) ->
     """
     ensemble = forecaster.ensemble(washout)
     outputs, _ = forecaster.advance(side_by_side(ensemble), steps)
+    outputs = forecaster.valid(outputs)
     return outputs.reshape(*outputs.shape[:2], *ensemble.shape[-2:])
 
 
@@ -184,9 +197,10 @@ def _summaries(
         batch = slice(start, start + TRAJECTORIES_PER_BATCH)
         some = np.ascontiguousarray(memory[..., batch])
         outputs, _ = forecaster.advance(some, boundaries[-1])
-        summaries = summarise(observable(outputs.transpose(1, 0, 2)), boundaries)
+        valid = forecaster.valid(outputs)
+        summaries = summarise(observable(valid.transpose(1, 0, 2)), boundaries)
         first.append(summaries.first)
         largest.append(summaries.largest)
-        diverged.append(forecaster.diverged(outputs))
+        diverged.append(np.isnan(valid[-1]).any(axis=0))
     together = WindowSummaries(np.concatenate(first), np.concatenate(largest))
     return together, np.concatenate(diverged)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.arrays import FloatArray
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.readout import Readout
 
@@ -107,16 +107,6 @@ class EchoStateNetwork:
         if self.input_offset is not None:
             outputs = outputs + self.input_offset[:, np.newaxis]
         return outputs, states
-
-    def diverged(self, outputs: FloatArray, bound: float) -> BoolArray:
-        """Whether forecasts ``(steps, dimension, batch)`` have diverged, ``(batch,)``.
-
-        They have if a value is not finite, or further from the offset than ``bound`` training
-        ranges.
-        """
-        largest = bound * self.input_range[:, np.newaxis]
-        # Negated, so that nan counts as diverged.
-        return np.asarray(~(np.abs(self._centred(outputs)) <= largest).all(axis=(0, 1)))
 
     def _centred(self, data: FloatArray) -> FloatArray:
         """Data ``(steps, dimension, batch)`` less the offset."""

@@ -28,6 +28,9 @@ LOST_RUNS = 0.5
 DIVERGED_RUNS = 0.01
 """Of long runs: a flow of bounded energy has none that diverge."""
 
+INVALID_FORECASTS = 0.01
+"""Share of forecasts, or of decisions: a model that diverges now and then is told."""
+
 EXPONENT_DIFFERENCE = 0.1
 """Relative, from the given exponent: all times in Lyapunov times change by as much."""
 
@@ -118,6 +121,30 @@ def no_better_than_permanent_alarm(
         return
     listed = ", ".join(f"{time:g} LT {score:.2f} ({other:.2f})" for time, score, other in points)
     yield f"F-scores no better than the F-scores of a permanent alarm, in brackets: {listed}"
+
+
+def invalid_forecasts(
+    prediction_times_lt: Sequence[float], shares: Sequence[float]
+) -> Iterator[str]:
+    """Shares of an ensemble's forecasts that are invalid, by the prediction time; NaN: none."""
+    many = [
+        f"{time:g} LT {share:.2%}"
+        for time, share in zip(prediction_times_lt, shares, strict=True)
+        if share > INVALID_FORECASTS
+    ]
+    if many:
+        yield f"forecasts that are not finite, or far outside of the training: {', '.join(many)}"
+
+
+def fallback_decisions(shares: Sequence[float]) -> Iterator[str]:
+    """Shares of the decisions of runs of control that no valid forecast stands behind."""
+    many = np.asarray(shares)
+    there = many > INVALID_FORECASTS
+    if there.any():
+        yield (
+            f"in {there.sum()} of {there.size} runs of control, up to {many[there].max():.0%} of "
+            "the decisions have no valid forecast: the fallback made them"
+        )
 
 
 def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> Iterator[str]:

@@ -129,8 +129,11 @@ class Job:
 
     @computed("forecaster.divergence_bound")
     def divergence_bound(self) -> float | None:
-        """Bound beyond which a forecast has diverged."""
-        return self.all_options.get("divergence_bound")
+        """Bound beyond which a network's forecast is invalid; None for other kinds."""
+        if "controller" in self.wildcards and not self.name.asks_forecasters:
+            return None
+        bound: float | None = self.all_options.get("divergence_bound")
+        return bound
 
     @computed("forecaster.source")
     def forecaster_source(self) -> Any:

@@ -250,6 +250,11 @@ class Shown(Choices):
         return self.case if self.case in self.campaign.simulated_cases else None
 
     @property
+    def controlled_case(self) -> str | None:
+        """The case, if there are runs of control in it."""
+        return self.case if self._of_case(self.campaign.strategy_runs) else None
+
+    @property
     def contradicted_case(self) -> str | None:
         """The case, if forecasters' exponents may contradict an estimate of its unit of time."""
         return self.case if self.campaign.cases[self.case].estimates_time_unit else None

@@ -8,6 +8,7 @@ from burstcast.base.exogenous import with_inputs
 from burstcast.base.files.netcdf import coefficients, read_attributes, read_netcdf, read_record
 from burstcast.base.names import parsed
 from burstcast.data.encoders.state_maps import StateMaps
+from burstcast.forecasters._limits import TrainingLimits
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecasterRecord, ForecastingCase
 from burstcast.forecasters.registry import as_forecaster, kind_class, make_kind
 from burstcast.systems.registry import make_system
@@ -27,29 +28,37 @@ class CaseInputs(JobSettings):
 Kind = TypeVar("Kind", bound=ForecasterKind)
 
 
-def write_forecaster(path: str, forecaster: ForecasterKind, provenance: Mapping[str, str]) -> None:
-    """Write a forecaster's record (`ForecasterKind.record`)."""
+_LOW, _HIGH = "training_low", "training_high"
+"""Variables of the ranges of the training series in the file of a forecaster."""
+
+
+def write_forecaster(
+    path: str,
+    forecaster: ForecasterKind,
+    provenance: Mapping[str, str],
+    limits: TrainingLimits | None = None,
+) -> None:
+    """Write a forecaster's record (`ForecasterKind.record`), with the ranges of its training."""
     record = forecaster.record()
+    ranges = {} if limits is None else {_LOW: limits.low, _HIGH: limits.high}
     attributes = {**provenance, **record.attributes}
-    write_netcdf(path, coefficients(record.arrays), attributes)
+    write_netcdf(path, coefficients({**record.arrays, **ranges}), attributes)
 
 
 class Forecasting(System, Clock):
     """What forecasters of a kind know beside the data."""
 
     options: dict[str, Any] = at("forecaster.options")
+    divergence_bound: float | None = at("forecaster.divergence_bound")
     source: dict[str, Any] | None = at("forecaster.source", otherwise=None)
     random_seed: int = at("random_seed")
 
-    def unfitted(self, divergence_bound: float | None = None) -> ForecasterKind:
-        """The job's forecaster, or its controller's, with its options alone.
-
-        ``divergence_bound``: Given where diverged forecasts must be recognised.
-        """
+    def unfitted(self) -> ForecasterKind:
+        """The job's forecaster, or its controller's, with its options alone."""
         identifier = self.identity.get("controller") or self.forecaster
         kind, options = parsed(identifier).kind, self.options
         if any(option.name == "divergence_bound" for option in kind_class(kind).option_fields()):
-            options = {**options, "divergence_bound": divergence_bound}
+            options = {**options, "divergence_bound": self.divergence_bound}
         return make_kind(kind, options)
 
     def forecasting_case(
@@ -78,17 +87,21 @@ class Forecasting(System, Clock):
     def read_forecaster(
         self,
         path: str,
-        divergence_bound: float | None = None,
         aware: Mapping[str, Any] | None = None,
     ) -> Forecaster:
         """Read the job's own forecaster of trajectories (`unfitted`)."""
-        unfitted = as_forecaster(self.unfitted(divergence_bound))
+        unfitted = as_forecaster(self.unfitted())
         return read_kind(unfitted, path, self.forecasting_case(aware=aware))
 
 
 def read_kind(unfitted: Kind, path: str, case: ForecastingCase) -> Kind:
     """Read a forecaster with the options of an unfitted one (see `Forecasting.read_forecaster`)."""
-    return unfitted.restore(ForecasterRecord(read_netcdf(path), read_attributes(path)), case)
+    arrays = read_netcdf(path)
+    low, high = arrays.pop(_LOW, None), arrays.pop(_HIGH, None)
+    restored = unfitted.restore(ForecasterRecord(arrays, read_attributes(path)), case)
+    if low is None or high is None or not isinstance(restored, Forecaster):
+        return restored
+    return restored.within(TrainingLimits(low, high))
 
 
 class Observing(Forecasting, Observed):

@@ -174,7 +174,6 @@ class LongRuns(System, Washed, Observed):
 class LongTerm(LongRuns, Density):
     """Long runs, and when they are discarded."""
 
-    divergence_bound: float | None = at("forecaster.divergence_bound")
     laminarisation_threshold: float | None = at("case.laminarisation_threshold")
     fixed_point: dict[str, Any] | None = at("case.fixed_point")
     fixed_point_interval_lt: float = at("statistics.fixed_point_interval_lt")

@@ -16,7 +16,6 @@ from burstcast_workflow.jobs.series import read_scheduled
 class Calibrating(Observing, Windows, Washed):
     """Forecasts of the calibration set."""
 
-    divergence_bound: float | None = at("forecaster.divergence_bound")
     calibration_series: int = at("probability.calibration_series")
 
 
@@ -32,7 +31,7 @@ def forecast_calibration_set(
 ) -> None:
     """Forecast each training series without what it has taught, or other series as they are."""
     space, boundaries = settings.space, settings.boundaries
-    model = settings.read_forecaster(forecaster, settings.divergence_bound)
+    model = settings.read_forecaster(forecaster)
     points = read_netcdf(calibration_set)
     washouts = seen(model, points["washout"], points["true_washout"], points.get("parameter"))
     training_set = read_scheduled(scheduled, settings.case) if scheduled else None

@@ -13,7 +13,6 @@ from burstcast_workflow.jobs.forecasts import Windows
 class Forecasts(Forecasting, Windows):
     """Forecasts of windows; some forecasters know the parameters in force."""
 
-    divergence_bound: float | None = at("forecaster.divergence_bound")
     aware: dict[str, Any] | None = at("forecasters.aware", otherwise=None)
 
 
@@ -23,7 +22,7 @@ def forecast_evaluation_set(
 ) -> None:
     """Write the first and largest observable of every window of every forecast."""
     space, boundaries = settings.space, settings.boundaries
-    model = settings.read_forecaster(forecaster, settings.divergence_bound, settings.aware)
+    model = settings.read_forecaster(forecaster, settings.aware)
     points = read_netcdf(evaluation_set)
     washouts = seen(model, points["washout"], points["true_washout"], points.get("parameter"))
     forecasts = window_forecasts(model, space.observable, washouts, boundaries)

@@ -13,7 +13,7 @@ class FreeRuns(Forecasting, LongTerm):
 @job
 def run_freely(*, ensemble: str, forecaster: str, long_term: str, settings: FreeRuns) -> None:
     """Write the forecaster's long-term statistics and what became of each closed loop."""
-    model = settings.read_forecaster(forecaster, settings.divergence_bound)
+    model = settings.read_forecaster(forecaster)
     how, washouts = settings.long_term(ensemble), settings.washouts(ensemble, model)
     run = run_long_term(model, settings.space.observable, washouts, how)
     write_netcdf(long_term, run.variables(), settings.provenance)

@@ -1,5 +1,6 @@
 """Fit a forecaster of a kind that needs no search."""
 
+from burstcast.forecasters._limits import TrainingLimits
 from burstcast.forecasters.registry import as_forecaster
 from burstcast_workflow.harness.job import job, tell
 from burstcast_workflow.jobs.forecasters import Observing, write_forecaster
@@ -14,7 +15,8 @@ def fit(*, ensemble: str, scheduled: list[str], forecaster: str, settings: Obser
         training = read_scheduled(scheduled, settings.case).observed
     else:
         training = settings.learnt_rows(unfitted, ensemble)
+    limits = TrainingLimits.of(training, case.system.dimension)
     fitted = unfitted.fit(training, case)
     for text in fitted.weaknesses():
         tell(text)
-    write_forecaster(forecaster, fitted, settings.provenance)
+    write_forecaster(forecaster, fitted, settings.provenance, limits)

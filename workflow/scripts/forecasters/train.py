@@ -3,6 +3,7 @@
 from typing import Any
 
 from burstcast.base.names import parsed
+from burstcast.forecasters._limits import TrainingLimits
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.registry import make_kind
 from burstcast.networks.dynamics import Dynamics
@@ -57,4 +58,5 @@ def train(
     )
     for text in network.weaknesses():
         tell(text)
-    write_forecaster(forecaster, network, settings.provenance)
+    limits = TrainingLimits.of(series.observed, series.dimension)
+    write_forecaster(forecaster, network, settings.provenance, limits)

@@ -15,7 +15,7 @@ from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.control.actuation import ActuationValues
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.loop import ControlledFlows, Looks, RunningFlows, simulate
-from burstcast.control.policy import Policy
+from burstcast.control.policy import REACTIVE, Policy, check_fallback
 from burstcast.control.timing import Schedule, Timing
 from burstcast.systems.state_space import StateSpace
 
@@ -125,6 +125,9 @@ class ForesightedStrategy(SampledStrategy):
     #: share of several forecasters that must act: the alarm probability at which a committee
     #: does
     vote_share: float = 0.5
+    #: what decides where a forecast is invalid: "reactive", "off" or "on"
+    #: (`burstcast.control.policy.Fallback`)
+    fallback: str = REACTIVE
 
     def horizon(self, schedule: Schedule) -> int:
         """Steps that a decision looks ahead."""
@@ -135,8 +138,9 @@ class ForesightedStrategy(SampledStrategy):
         return experiment.threshold - self.margin
 
     def check(self, schedule: Schedule) -> None:
-        """Check that forecasts look beyond a decision's effect."""
+        """Check the fallback, and that forecasts look beyond a decision's effect."""
         self.timing(schedule)
+        check_fallback(self.fallback)
         horizon = self.horizon(schedule)
         if horizon < 1:
             raise ValueError(f"a horizon of {self.horizon_lt} Lyapunov times lasts no step")

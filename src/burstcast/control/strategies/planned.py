@@ -9,8 +9,8 @@ planned. Otherwise each plan is forecast. Of those whose forecast stays below th
 cheapest is the best, that with the fewest steps on; of equally cheap ones, that with the lowest
 peak. If none does, the best is that with the fewest steps at or above the level, then with the
 lowest peak, then the cheapest. It acts if the best plan does as soon as the decision takes effect;
-the next decision plans anew. A forecast under a plan that leaves the finite numbers counts as being
-above the level.
+the next decision plans anew. Where the forecast without any further actuation is invalid, the
+fallback decides; an invalid forecast under a plan counts as being above the level.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,7 +23,7 @@ from burstcast.base.arrays import BoolArray, ByteArray, FloatArray
 from burstcast.base.exogenous import carry
 from burstcast.control.actuation import REVERSED, ActuationValues
 from burstcast.control.experiment import ControlExperiment
-from burstcast.control.policy import Look, Policy, informed_memory
+from burstcast.control.policy import Fallback, Look, Policy, informed_memory, is_invalid
 from burstcast.control.strategies.base import ForesightedStrategy
 from burstcast.control.timing import Schedule
 from burstcast.systems.state_space import StateSpace
@@ -93,7 +93,13 @@ class Planned(ForesightedStrategy):
             plans = np.concatenate([plans, REVERSED * plans])
         values, level = self.values(experiment, forecaster), self.level(experiment)
         observable = experiment.observed_space.observable
-        return lambda look: best_plans(look, forecaster, values, observable, level, plans)[0]
+        fallback = Fallback(self.fallback, experiment)
+
+        def decide(look: Look) -> ByteArray:
+            chosen, invalid = best_plans(look, forecaster, values, observable, level, plans)
+            return fallback.where(invalid, chosen[0], look)
+
+        return decide
 
 
 def pulses(starts: Sequence[int], lengths: Sequence[int], steps: int) -> BoolArray:
@@ -118,28 +124,30 @@ def best_plans(
     observable: Callable[[FloatArray], FloatArray],
     level: float,
     plans: ByteArray,
-) -> ByteArray:
+) -> tuple[ByteArray, BoolArray]:
     """Best plan of each flow, or of each member (see the module), ``(steps, batch)``.
 
-    ``plans``: The actuation of each, step by step from the effect of the decision to the horizon,
-    ``(plans, steps)``.
+    Also returns whether the forecast without any further actuation is invalid, ``(batch,)``: then
+    no plan is made. ``plans``: The actuation of each, step by step from the effect of the decision
+    to the horizon, ``(plans, steps)``.
     """
 
     @np.errstate(over="ignore", invalid="ignore")
     def ahead(memory: FloatArray, acting: ByteArray) -> FloatArray:
         schedule = values.schedule(np.ascontiguousarray(acting))
         outputs, _ = forecaster.advance(carry(memory, schedule), len(acting))
-        return observable(outputs.transpose(1, 0, 2))
+        return np.asarray(forecaster.valid(outputs).transpose(1, 0, 2))
 
     memory, number = informed_memory(forecaster, look, values), len(plans)
     chosen: ByteArray = np.zeros((plans.shape[1], memory.shape[-1]), dtype=np.uint8)
     without = ahead(memory, chosen)
-    acts = np.flatnonzero((np.isfinite(without) & (without >= level)).any(axis=0))
+    invalid = is_invalid(without)
+    acts = np.flatnonzero((observable(without) >= level).any(axis=0) & ~invalid)
     at_once = max(1, TRAJECTORIES_PER_CALL // number)
     for start in range(0, len(acts), at_once):
         some = acts[start : start + at_once]
         side_by_side = np.ascontiguousarray(np.tile(memory[..., some], number))
-        forecast = ahead(side_by_side, np.repeat(plans, len(some), axis=0).T)
+        forecast = observable(ahead(side_by_side, np.repeat(plans, len(some), axis=0).T))
         height = np.where(np.isfinite(forecast), forecast, np.inf).reshape(-1, number, len(some))
         above, peak = (height >= level).sum(axis=0), height.max(axis=0)
         cost = np.broadcast_to((plans != 0).sum(axis=1)[:, np.newaxis], above.shape)
@@ -148,4 +156,4 @@ def best_plans(
         first = np.where(above == 0, cost, above)
         best = np.lexsort((cost, peak, first, above > 0), axis=0)[0]
         chosen[:, some] = plans[best].T
-    return chosen
+    return chosen, invalid

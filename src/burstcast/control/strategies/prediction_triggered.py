@@ -14,10 +14,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from burstcast.base.arrays import BoolArray
+from burstcast.base.arrays import BoolArray, ByteArray
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.loop import ControlledFlows, Looks, RunningFlows
-from burstcast.control.policy import Look, Policy, forecast
+from burstcast.control.policy import (
+    REACTIVE,
+    Fallback,
+    Look,
+    Policy,
+    check_fallback,
+    forecast,
+    is_invalid,
+)
 from burstcast.control.strategies.base import ControlStrategy
 from burstcast.control.timing import Schedule, Timing
 from burstcast.control.windows import WindowCounts, count_windows, judge_alarms
@@ -34,6 +42,9 @@ class PredictionTriggered(ControlStrategy):
     prediction_time_lt: float
     window_lt: float  #: length of the window, in Lyapunov times; positive
     vote_share: float = 0.5  #: share of several forecasters that must forecast an event
+    #: what decides where a forecast is invalid: "reactive", "off" or "on"
+    #: (`burstcast.control.policy.Fallback`)
+    fallback: str = REACTIVE
 
     def window(self, schedule: Schedule) -> tuple[int, int]:
         """Steps from a forecast to the first and to the last step of its window."""
@@ -64,14 +75,21 @@ class PredictionTriggered(ControlStrategy):
             )
         return Timing(schedule, (end - start, end), (first, first + length), settling=end)
 
+    def check(self, schedule: Schedule) -> None:
+        """Check the window and the fallback."""
+        super().check(schedule)
+        check_fallback(self.fallback)
+
     def policy(self, experiment: ControlExperiment, forecaster: Any) -> Policy:
         """Policy that acts if the forecast crosses the threshold in the window."""
         start, end = self.window(experiment.schedule)
         observable = experiment.observed_space.observable
+        fallback = Fallback(self.fallback, experiment)
 
-        def decide(look: Look) -> BoolArray:
-            ahead = observable(forecast(forecaster, look, end))
-            return crosses_in_window(ahead, start, end, experiment.threshold)
+        def decide(look: Look) -> ByteArray:
+            ahead = forecast(forecaster, look, end)
+            crosses = crosses_in_window(observable(ahead), start, end, experiment.threshold)
+            return fallback.where(is_invalid(ahead), crosses, look)
 
         return decide
 

@@ -3,7 +3,7 @@
 Every decision looks a horizon ahead, as model predictive control does (e.g. Rawlings, Mayne &
 Diehl, "Model Predictive Control", 2017), with a trivial optimisation: the actuator is on or off,
 and it is on only if the flow would otherwise have an event. An event that is under way counts like
-one that is still to come. A forecast counts as long as it is finite.
+one that is still to come. Where a forecast is invalid up to the horizon, the fallback decides.
 
 The forecaster receives the last observed states, with or without actuation, and forecasts the free
 flow from the present state, as if the actuation were off. States under actuation lie in the same
@@ -16,10 +16,17 @@ from typing import Any
 
 import numpy as np
 
-from burstcast.base.arrays import BoolArray
+from burstcast.base.arrays import ByteArray
 from burstcast.base.exogenous import carry
 from burstcast.control.experiment import ControlExperiment
-from burstcast.control.policy import Look, Policy, forecast, informed_memory
+from burstcast.control.policy import (
+    Fallback,
+    Look,
+    Policy,
+    forecast,
+    informed_memory,
+    is_invalid,
+)
 from burstcast.control.strategies.base import ForesightedStrategy
 
 
@@ -44,15 +51,17 @@ class RecedingHorizon(ForesightedStrategy):
         observable = experiment.observed_space.observable
         values = self.values(experiment, forecaster) if self.aware else None
 
-        def decide(look: Look) -> BoolArray:
+        fallback = Fallback(self.fallback, experiment)
+
+        def decide(look: Look) -> ByteArray:
             if values is None:
                 states = forecast(forecaster, look, horizon)
             else:
                 memory = informed_memory(forecaster, look, values)
                 off = np.zeros((horizon - look.delay, memory.shape[-1]), dtype=bool)
                 outputs, _ = forecaster.advance(carry(memory, values.schedule(off)), len(off))
-                states = outputs.transpose(1, 0, 2)
-            ahead = observable(states)
-            return np.asarray(((ahead >= level) & np.isfinite(ahead)).any(axis=0))
+                states = forecaster.valid(outputs).transpose(1, 0, 2)
+            reached = np.asarray((observable(states) >= level).any(axis=0))
+            return fallback.where(is_invalid(states), reached, look)
 
         return decide

@@ -20,7 +20,7 @@ import numpy as np
 
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.base.series_lengths import samples_of, series_lengths
-from burstcast.systems.polynomials.basis import denoised, monomials
+from burstcast.systems.polynomials.basis import Monomial, denoised, monomials
 
 SIGNIFICANCE = 4
 """Least size of a coefficient, in standard errors, without which its term is left out."""
@@ -86,7 +86,7 @@ def factored_coefficients(
         for of_series, length in zip(factors, lengths, strict=True)
     )
     if windows < count:
-        unchanged = " in which no parameter changes: shorten them (forecasters.quadratic.window_lt)"
+        unchanged = " in which no parameter changes: shorten them (option window_lt)"
         raise ValueError(
             f"{series.shape[0]} series of {lengths.max()} samples are too few for {count} "
             f"coefficients of each equation from windows of {window} intervals"
@@ -104,6 +104,7 @@ def factored_coefficients(
         if length > window
     ]
     gram, cross = _moments(parts, noise / scale, degree, window)
+    _check_noise(gram, noise / scale, monomials(series.shape[2], degree))
     columns = [
         _significant(gram, cross[:, :, component], significance)
         for component in range(series.shape[2])
@@ -115,6 +116,26 @@ def factored_coefficients(
     blocks = scaled.reshape(1 + factors.shape[2], len(units), series.shape[2])
     coefficients: FloatArray = blocks * scale / units[:, np.newaxis] / interval
     return _about_zero(coefficients, far, degree) if far.any() else coefficients
+
+
+def _check_noise(gram: FloatArray, noise: FloatArray, basis: Sequence[Monomial]) -> None:
+    """Raise ValueError where the noise that is subtracted exceeds what a monomial amounts to.
+
+    ``gram``: By stretch, ``(stretches, coefficients, coefficients)``. ``noise``: In standard
+    deviations of each component.
+    """
+    sums = np.diagonal(gram, axis1=1, axis2=2).sum(axis=0)
+    lost = np.flatnonzero(~(sums > 0))
+    if not lost.size:
+        return
+    factors = {component for row in lost.tolist() for component in basis[row % len(basis)]}
+    component = max(factors, key=lambda number: float(noise[number]))
+    raise ValueError(
+        f"the noise of component {component}, {noise[component]:.2g} standard deviations, exceeds "
+        "what its trajectory amounts to in the windows of the regression: its sampling is too "
+        "coarse to tell noise from dynamics, or it is mostly noise; sample more finely, give the "
+        "noise (option noise), or take a kind that learns no equations, such as esn or analogues"
+    )
 
 
 def _about_zero(coefficients: FloatArray, centre: FloatArray, degree: int) -> FloatArray:

@@ -13,7 +13,7 @@ from burstcast.forecasts.alarms import CALIBRATED, rules_of
 from burstcast.forecasts.forecast_files import forecasts_from
 from burstcast.forecasts.probabilities import EventProbabilities
 from burstcast.forecasts.scores import SCORES, counts_at, outcomes_by_series
-from burstcast.forecasts.windows import WindowSummaries, crosses
+from burstcast.forecasts.windows import WindowForecasts, WindowSummaries, crosses, is_valid
 from burstcast.tables.cells import between
 from burstcast.tables.makers.registry import Gathered, Rows
 
@@ -39,7 +39,8 @@ def make(
 
     A classifier predicts an event where its calibrated probability reaches the alarm threshold;
     both are of ``calibration``, which cases without classifiers do not have. A permanent alarm is
-    a row like a forecaster: with a base rate of one half it has an F-score of two thirds.
+    a row like a forecaster: with a base rate of one half it has an F-score of two thirds. Invalid
+    forecasts predict no event; neither it nor a classifier has any.
     """
     truth = WindowSummaries(evaluation_set["first"], evaluation_set["largest"])
     # an event that is under way at the starting point needs no forecast
@@ -52,12 +53,15 @@ def make(
     for name, forecast in [*named_forecasts, (ForecasterName(PERMANENT_ALARM), always)]:
         for prediction_time in prediction_times_lt:
             window = round(prediction_time / resolution_lt) - 1, windows, event_threshold
+            invalid = float("nan")
             if isinstance(forecast, EventProbabilities):
                 assert calibration is not None
                 rule = rules_of(calibration, name.identifier, prediction_time)[CALIBRATED]
                 alarms = rule.alarms(forecast.at(prediction_time, event_threshold))
             else:
                 alarms = crosses(forecast, *window)
+                if isinstance(forecast, WindowForecasts) and scored.any():
+                    invalid = float((~is_valid(forecast, *window[:2]))[scored].mean())
             happened = crosses(truth, *window)
             outcomes = outcomes_by_series(
                 alarms.astype(np.float64), happened, scored, series, number_of_series
@@ -69,6 +73,7 @@ def make(
                     **row,
                     **{outcome: int(count) for outcome, count in vars(whole).items()},
                     **{score: float(getattr(whole, score)) for score in SCORES},
+                    "invalid_fraction": invalid,
                 }
             )
             generator = random_streams.stream(root_seed, "bootstrap", case, str(prediction_time))

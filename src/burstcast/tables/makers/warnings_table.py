@@ -43,6 +43,10 @@ ADVICE = {
     "outside_bins": "widen density.range",
     "no_better_than_permanent_alarm": "longer series, shorter prediction times, or rarer events "
     "(event_threshold)",
+    "invalid_forecasts": "sample more finely (ensemble.sampling_stride), learn from longer "
+    "series, or take another kind; an invalid forecast predicts no event",
+    "fallback_decisions": "another forecaster, or a strategy without forecasts; "
+    "its scores are in part those of the fallback",
     "unresolved_flow": "raise parameters.largest_wavenumber, or lower the Reynolds number",
     "slow_trend": "train on later series, or remove the trend from the file; a cycle longer than "
     "the record looks like a trend, too",
@@ -68,6 +72,7 @@ def make(
     classification: pd.DataFrame = read("case/tables/classification.csv"),
     hyperparameters: pd.DataFrame | None = read("case/tables/hyperparameters.csv"),
     statistics: pd.DataFrame | None = read("case/tables/statistics.csv"),
+    control: pd.DataFrame | None = read("controlled_case/tables/control_strategies.csv"),
     lyapunov_spectrum: pd.DataFrame | None = read("contradicted_case/tables/lyapunov_spectrum.csv"),
     event_threshold: float = at("case.event_threshold"),
     training_series: int = at("case.training.series"),
@@ -113,6 +118,10 @@ def make(
         findings += [(keys, finding) for finding in _of_search(members, searched, samples)]
     for keys, members in _ensembles(statistics):
         findings += [(keys, finding) for finding in _of_long_runs(members)]
+    for keys, members in _ensembles(control):
+        shares = members.loc[members["metric"] == "fallback_fraction", "value"]
+        fallbacks = _findings(signs.fallback_decisions, shares.dropna().tolist())
+        findings += [(keys, finding) for finding in fallbacks]
     # where the unit of time is an estimate
     for keys, members in _ensembles(lyapunov_spectrum):
         exponents = members.loc[members["number"] == 1, "lyapunov_exponent"].tolist()
@@ -173,7 +182,7 @@ def _of_numbers(dataset: pd.DataFrame, classification: pd.DataFrame) -> Iterator
 
 
 def _of_scores(table: pd.DataFrame) -> Iterator[tuple[Mapping[str, Any], Finding]]:
-    """Ensembles that are no better than a permanent alarm."""
+    """Ensembles that are no better than a permanent alarm, or whose forecasts are invalid."""
     is_permanent = table["forecaster"] == PERMANENT_ALARM
     permanent = table[is_permanent].set_index("prediction_time_lt")["f_score"]
     for keys, rows in _ensembles(table[~is_permanent]):
@@ -182,6 +191,11 @@ def _of_scores(table: pd.DataFrame) -> Iterator[tuple[Mapping[str, Any], Finding
         scores = times, medians.tolist(), permanent.loc[times].tolist()
         for finding in _findings(signs.no_better_than_permanent_alarm, *scores):
             yield keys, finding
+        # left out of tables without any value
+        if "invalid_fraction" in rows:
+            invalid = rows.groupby("prediction_time_lt")["invalid_fraction"].mean().tolist()
+            for finding in _findings(signs.invalid_forecasts, times, invalid):
+                yield keys, finding
 
 
 def _leading(dataset: pd.DataFrame, name: str) -> tuple[float, float, float]:

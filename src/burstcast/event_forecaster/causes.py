@@ -1,0 +1,125 @@
+"""Why an event forecaster has no skill: causes that its series, its durations and its kind show.
+
+A symptom says that forecasts are invalid, or that alarms are no better than chance. Each cause here
+is tested by itself, and its sentence says what to change.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from burstcast.base import durations
+from burstcast.base.arrays import FloatArray
+from burstcast.base.exogenous import up_to_sample
+from burstcast.base.series_lengths import samples_of
+from burstcast.data.observation_noise import coarse_sampling, estimate_noise, spiky_components
+from burstcast.data.starting_points import SeriesPoints, segments
+from burstcast.event_forecaster.events import FEW_EVENTS, EventTiming
+from burstcast.forecasters.base import Forecaster, ForecastingCase
+from burstcast.forecasts.windows import POINTS_PER_BATCH
+
+_STEP_ERROR = 0.1
+"""Error of the first step, over what a component changes by in it, of a model that cannot be right:
+it grows exponentially with the steps. Of the noise, what both must have is left out."""
+_FEW_INTERVALS = 3
+"""Intervals in the window of a regression, below which its quadrature is of low order."""
+_FEW_SAMPLES = 4
+"""Samples of a prediction window, or of a washout, below which it is short."""
+
+
+def causes(
+    kind: Any,
+    timing: EventTiming,
+    observed: FloatArray,
+    names: Sequence[str],
+    *,
+    washout: int,
+    events: int,
+) -> Iterator[str]:
+    """Causes that the series, the durations and the options of a kind show.
+
+    ``kind``: The unfitted forecaster or classifier. ``observed``: Training series, ``(series, time,
+    component)``. ``names``: Of the components. ``washout``: Its samples. ``events``: Events in the
+    training series.
+    """
+    if events < FEW_EVENTS:
+        yield f"{events} events are too few to learn from (lower event_threshold, or more series)"
+    options = kind.options
+    if options.get("noise", 0.0) is None:
+        yield from coarse_sampling(observed, names)
+    if kind.has_trajectories and (spiky := spiky_components(observed, names)):
+        yield (
+            f"the sampling is coarse for the spikes of {', '.join(spiky)}, which last a few "
+            "samples: sample more finely"
+        )
+    if "window_lt" in options:
+        intervals = durations.steps(options["window_lt"], timing.unit)
+        if intervals < _FEW_INTERVALS:
+            yield (
+                f"the regression integrates over windows of {intervals} sampling "
+                f"interval{'s' if intervals > 1 else ''} (option window_lt, "
+                f"{options['window_lt']:g}): try a longer one, or sample more finely"
+            )
+    shortest = min(end - start for start, end in map(timing.span, timing.times))
+    if shortest < _FEW_SAMPLES:
+        yield f"the prediction window has {shortest + 1} samples: lengthen window"
+    # those who start from the last state need no washout
+    if (kind.has_filter or kind.has_search or not kind.has_trajectories) and washout < _FEW_SAMPLES:
+        yield f"the washout has {washout} samples: lengthen washout"
+
+
+def step_error(
+    forecaster: Forecaster,
+    case: ForecastingCase,
+    training: FloatArray,
+    points: SeriesPoints,
+    washout: int,
+    names: Sequence[str],
+) -> Iterator[str]:
+    """A sentence about a model whose first step errs by much of what the state changes by.
+
+    ``training``: With the inputs of aware kinds as further components. ``points``: In series that
+    the forecaster has not learnt from.
+    """
+    dimension = case.system.dimension
+    inputs = training.shape[2] - dimension
+    points = SeriesPoints(points.series[:POINTS_PER_BATCH], points.step[:POINTS_PER_BATCH])
+    around = segments(training, points, washout - 1, 1)
+    washouts = up_to_sample(around, washout, inputs) if inputs else around[:, :washout]
+    now, then = around[:, washout - 1, :dimension], around[:, washout, :dimension]
+    memory = forecaster.start(np.ascontiguousarray(washouts.transpose(1, 2, 0)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        forecast = forecaster.advance(memory, 1)[0][0].T
+    states = training[..., :dimension]
+    if states.shape[1] <= 8:
+        return
+    # an observation has its noise, and so has the state that the forecast starts from
+    noise = 2 * np.square(estimate_noise(states))
+    scale = samples_of(states).var(axis=0)
+    error = np.square(forecast - then).mean(axis=0) - noise
+    change = np.square(then - now).mean(axis=0) - noise
+    judged = (change > 1e-6 * scale) & (change > noise)
+    ratio = np.sqrt(np.maximum(error, 0.0) / np.where(judged, change, 1.0))
+    ratio = np.where(judged, np.where(np.isfinite(ratio), ratio, np.inf), 0.0)
+    worst = int(np.argmax(ratio))
+    if ratio[worst] > _STEP_ERROR:
+        yield (
+            f"one sample ahead its forecast of {names[worst]} errs by {ratio[worst]:.0%} of what "
+            "this changes by: models of this kind cannot follow the dynamics at this sampling; "
+            "take another kind (esn and analogues need no equations), or sample more finely"
+        )
+
+
+def diagnosed(symptoms: Sequence[str], found: Sequence[str]) -> list[str]:
+    """Symptoms, and a sentence that names their causes; nothing without a symptom."""
+    if not symptoms:
+        return []
+    if found:
+        return [*symptoms, f"likely cause{'s' if len(found) > 1 else ''}: {'; '.join(found)}"]
+    return [
+        *symptoms,
+        "no cause is seen in sampling, noise, windows or number of events: the observed components "
+        "may hold too little about events so far ahead, or the kind does not suit them (compare "
+        "analogues and esn, and a shorter prediction time)",
+    ]

@@ -1,0 +1,166 @@
+"""A test whether the observations of a washout are ones that the model can have made.
+
+The first half of a washout is continued by the model, and compared with the second half. What the
+errors are like if the model is right is known from washouts that the model makes itself: free
+forecasts with white noise of the training series' level, treated alike. Two numbers sum up the
+errors, in units of their root mean square at each lead and component: their mean square, and the
+mean product of neighbours in time. A washout is inconsistent if these two lie further from their
+mean over the model's own washouts, in the metric of their covariance, than a share of its own
+washouts do: this share is the rate of false alarms (a parametric bootstrap; Hope, Journal of the
+Royal Statistical Society B 30, 1968).
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+
+from burstcast.base.arrays import FloatArray
+from burstcast.forecasters.base import Forecaster
+
+LEAST_WASHOUT = 6
+"""Samples of a washout that has two halves to compare."""
+_LEAST_OWN = 40
+"""Washouts that the model has made itself, without which there is no test."""
+ALPHA = 0.05
+"""Rate of false alarms."""
+_MANY = 0.2
+"""Share of odd washouts beyond twice that of the training series that users are warned of."""
+
+
+@dataclass(frozen=True)
+class ConsistencyTest:
+    """The errors of a model's own washouts."""
+
+    scale: FloatArray  #: root mean square errors, ``(leads, dimension)``
+    centre: FloatArray  #: mean of the two numbers, ``(2,)``
+    metric: FloatArray  #: inverse of their covariance, ``(2, 2)``
+    distances: FloatArray  #: squared distances of the model's own washouts, rising, ``(washouts,)``
+    training_share: float = 0.0  #: share of the washouts in the training series that are odd
+
+    @classmethod
+    def of(
+        cls,
+        forecaster: Forecaster,
+        washouts: FloatArray,
+        noise: FloatArray,
+        generator: np.random.Generator,
+    ) -> Self | None:
+        """Test for a forecaster; None if washouts are too short, or it makes too few of its own.
+
+        ``washouts``: Of the training series, ``(points, steps, dimension)``; the model goes on from
+        them. ``noise``: Standard deviation in each component.
+        """
+        steps = washouts.shape[1]
+        if steps < LEAST_WASHOUT:
+            return None
+        with np.errstate(over="ignore", invalid="ignore"):
+            memory = forecaster.start(np.ascontiguousarray(washouts.transpose(1, 2, 0)))
+            made = forecaster.valid(forecaster.advance(memory, steps)[0]).transpose(2, 0, 1)
+        made = made[np.isfinite(made).all(axis=(1, 2))]
+        made = made + noise * generator.standard_normal(made.shape)
+        errors = hindcast_errors(forecaster, made)
+        errors = errors[np.isfinite(errors).all(axis=(1, 2))]
+        if len(errors) < _LEAST_OWN:
+            return None
+        scale = np.sqrt(np.square(errors).mean(axis=0))
+        scale = np.where(scale > 0, scale, 1.0)
+        numbers = _numbers(errors / scale)
+        centre: FloatArray = numbers.mean(axis=0)
+        metric = np.asarray(np.linalg.pinv(np.cov(numbers.T), hermitian=True), dtype=np.float64)
+        test = cls(scale, centre, metric, np.sort(_distances(numbers - centre, metric)))
+        odd = test.p_values(forecaster, washouts) <= ALPHA
+        return replace(test, training_share=float(odd.mean()))
+
+    def p_values(self, forecaster: Forecaster, washouts: FloatArray) -> FloatArray:
+        """Share of the model's own washouts at least as odd as each one, ``(points,)``.
+
+        Above zero; 0 only where the forecast of the second half is not finite.
+        """
+        errors = hindcast_errors(forecaster, washouts)
+        with np.errstate(over="ignore", invalid="ignore"):
+            apart = _distances(_numbers(errors / self.scale) - self.centre, self.metric)
+        odder = len(self.distances) - np.searchsorted(self.distances, apart)
+        return np.where(np.isfinite(apart), (1 + odder) / (1 + len(self.distances)), 0.0)
+
+    def finding(self, p_values: FloatArray) -> Iterator[str]:
+        """A sentence about washouts of which many more are odd than in the training series."""
+        share = float((p_values <= ALPHA).mean()) if len(p_values) else 0.0
+        if share > 2 * max(self.training_share, ALPHA) + _MANY:
+            yield (
+                f"{share:.0%} of the washouts are not ones that the model can have made "
+                f"({self.training_share:.0%} in the training series): noise, gain or flow differ "
+                "from those of the training series (scores_by_consistency, consistent)"
+            )
+
+    def record(self) -> dict[str, Any]:
+        """Lists from which `restore` recreates the test."""
+        return {name: np.asarray(values).tolist() for name, values in vars(self).items()}
+
+    @classmethod
+    def restore(cls, record: Mapping[str, Any]) -> Self:
+        """Make a test from its record."""
+        arrays: dict[str, Any]
+        arrays = {name: np.array(values, dtype=np.float64) for name, values in record.items()}
+        arrays["training_share"] = arrays["training_share"].item()
+        shape = arrays["centre"].shape, arrays["metric"].shape, arrays["scale"].ndim
+        if shape != ((2,), (2, 2), 2):
+            raise ValueError("the test of consistency is none")
+        return cls(**arrays)
+
+
+def hindcast_errors(forecaster: Forecaster, washouts: FloatArray) -> FloatArray:
+    """Errors of forecasts of the second half of washouts from the first, ``(points, leads, ...)``.
+
+    ``washouts``: ``(points, steps, dimension)``; NaN where a forecast is invalid.
+    """
+    half = washouts.shape[1] // 2
+    batch = np.ascontiguousarray(washouts.transpose(1, 2, 0))
+    with np.errstate(over="ignore", invalid="ignore"):
+        memory = forecaster.start(np.ascontiguousarray(batch[:half]))
+        forecast = forecaster.valid(forecaster.advance(memory, len(batch) - half)[0])
+        errors: FloatArray = (forecast - batch[half:]).transpose(2, 0, 1)
+    return errors
+
+
+def rank_histogram(members: FloatArray, truth: FloatArray) -> FloatArray:
+    """How often the truth has each rank among the members of an ensemble, ``(members + 1,)``.
+
+    Level for a reliable ensemble (Hamill, Monthly Weather Review 129, 2001). ``members``:
+    ``(members, points)``; points with a member that is not finite do not count. ``truth``:
+    ``(points,)``.
+    """
+    sound = np.isfinite(members).all(axis=0)
+    rank = (members[:, sound] < truth[sound]).sum(axis=0)
+    return np.bincount(rank, minlength=len(members) + 1).astype(np.float64)
+
+
+def spread_and_error(members: FloatArray, truth: FloatArray) -> tuple[float, float]:
+    """Root mean square spread of an ensemble, and error of its mean.
+
+    Both are equal for a reliable ensemble, whose spread counts the finite number of members
+    (Fortin et al., Journal of Hydrometeorology 15, 2014). Arguments: as of `rank_histogram`.
+    """
+    count = len(members)
+    sound = np.asarray(np.isfinite(members).all(axis=0))
+    some = members[:, sound]
+    if count < 2 or not sound.any():
+        return float("nan"), float("nan")
+    variance = (count + 1) / count * some.var(axis=0, ddof=1).mean()
+    error = np.square(some.mean(axis=0) - truth[sound]).mean()
+    return float(np.sqrt(variance)), float(np.sqrt(error))
+
+
+def _numbers(errors: FloatArray) -> FloatArray:
+    """Mean square, and mean product of neighbours in time, of scaled errors, ``(points, 2)``."""
+    square = np.square(errors).mean(axis=(1, 2))
+    neighbours = (errors[:, 1:] * errors[:, :-1]).mean(axis=(1, 2))
+    # logarithms of squares are closer to normal
+    return np.stack([np.log(square + np.finfo(float).tiny), neighbours / square], axis=1)
+
+
+def _distances(numbers: FloatArray, metric: FloatArray) -> FloatArray:
+    """Squared lengths of vectors ``(points, 2)``."""
+    lengths: FloatArray = np.einsum("pi,ij,pj->p", numbers, metric, numbers)
+    return lengths
