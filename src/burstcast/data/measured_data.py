@@ -6,7 +6,7 @@ several blocks. One message reports an error with the run, the column and the ro
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from unicodedata import normalize
 
 import numpy as np
@@ -26,6 +26,7 @@ class Run:
     name: str  #: origin of the run, for messages: "run_3.csv"
     #: numbers by the names of their columns, each ``(time,)``; NaN where there is none
     columns: Mapping[str, FloatArray]
+    units: Mapping[str, str] = field(default_factory=dict)  #: of columns, where they are known
 
     @property
     def length(self) -> int:
@@ -35,7 +36,7 @@ class Run:
     def rows(self, first: int, last: int) -> "Run":
         """The rows from one to another, both included."""
         columns = {name: column[first : last + 1] for name, column in self.columns.items()}
-        return Run(f"{self.name}, rows {first + 1} to {last + 1}", columns)
+        return Run(f"{self.name}, rows {first + 1} to {last + 1}", columns, self.units)
 
 
 @dataclass(frozen=True)
