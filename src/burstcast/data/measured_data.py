@@ -78,6 +78,16 @@ def runs_of_states(
     ]
 
 
+def written_alike(name: str, available: Sequence[str]) -> str:
+    """Words on a name that looks like another one, for messages; empty if there is none."""
+    plain = "".join(normalize("NFKC", name).split())
+    for column in available:
+        if "".join(normalize("NFKC", column).split()) == plain:
+            how = "blanks" if column.strip() == name.strip() else "characters"
+            return f"; {column!r} is written with other {how}: copy it"
+    return ""
+
+
 @dataclass(frozen=True)
 class Quantity:
     """Something that states are made of."""
@@ -120,9 +130,7 @@ class Quantity:
                 raise ValueError(f"there is no column {self.source!r}, and {error}{hint}") from None
         for name in names:
             if name not in available:
-                plain = normalize("NFKC", name)
-                alike = [column for column in available if normalize("NFKC", column) == plain]
-                hint = f"; {alike[0]!r} is written with other characters: copy it" if alike else ""
+                hint = written_alike(name, available)
                 raise ValueError(
                     f"there is no column {name!r}{hint or suggestion(name, available)}; "
                     f"the columns are {', '.join(available)}"

@@ -140,7 +140,8 @@ def recorded_series(
     quantities, in_advance = (list(map(Quantity, data[key])) for key in ("components", "known"))
     appended = [Quantity(space.observable_of)] if space.appended else []
     runs: list[Run] = []
-    for content in map(content_of, sources):
+    for number, source in enumerate(sources, 1):
+        content = content_of(source, number if len(sources) > 1 else None)
         runs += content.read(content.columns_of([*quantities, *appended, *in_advance]), unit)
     for run in runs:
         _check_codes(run)

@@ -14,7 +14,7 @@ their names. A coordinate, a column or an index of times has neither gaps nor an
 `burstcast.data.containers` has other containers.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -101,20 +101,50 @@ def labelled_series(data: Any, what: str = "the series") -> LabelledSeries:
     return LabelledSeries(_side_by_side([float_array(series, what) for series in data], what))
 
 
-def observation_of(data: Any) -> tuple[FloatArray, tuple[str, ...] | None]:
-    """One observation ``(component,)``, and the labels of its components if it has any.
+class Observation(NamedTuple):
+    """One observation of a running series as a user has it."""
 
-    ``data``: An array of NumPy, a series of pandas with labels as its index, or an array of xarray
-    with the dimension component.
+    values: FloatArray  #: ``(component,)``
+    labels: tuple[str, ...] | None  #: of its components; None: they have none
+    time: Any = None  #: when it was made, as a number or a date; None: not known
+    row: int | None = None  #: number of its row in a table without times; None: not known
+
+
+def observation_of(data: Any) -> Observation:
+    """One observation with the labels of its components, and the time that it carries.
+
+    ``data``: An array of NumPy, a row of a table of pandas, a dictionary, or what xarray holds of
+    one time, with the dimension component.
     """
-    labels = None
+    what = "the observation"
     if hasattr(data, "iloc"):
-        labels = tuple(map(str, data.index))
-    elif hasattr(data, "dims"):
-        data = data.squeeze()
+        row = data.iloc[0] if data.ndim == 2 and len(data) == 1 else data
+        values = dict(zip(map(str, row.index), row, strict=True))
+        name, time = getattr(row, "name", None), values.pop("time", None)
+        if time is None and isinstance(name, tuple):
+            raise ValueError(f"{what} has the label {name!r} of several levels: give its time")
+        row_number = None
+        if time is None and isinstance(name, int | np.integer) and not isinstance(name, bool):
+            row_number = int(name)
+        numbers = row.drop(index=["time"]) if len(values) < len(row) else row
+        return Observation(
+            float_array(np.asarray(numbers, dtype=None if time is None else float), what),
+            tuple(values),
+            name if time is None and row_number is None else time,
+            row_number,
+        )
+    if hasattr(data, "dims"):
+        data = (data.to_dataarray("component") if hasattr(data, "data_vars") else data).squeeze()
+        labels = None
         if "component" in data.coords and data.ndim:
             labels = labels_of(data.coords["component"].values)
-    return float_array(data, "the observation"), labels
+        time = data.coords["time"].values[()] if "time" in data.coords else None
+        return Observation(float_array(data, what), labels, time)
+    if isinstance(data, Mapping):
+        values = {str(label): value for label, value in data.items()}
+        time = values.pop("time", None)
+        return Observation(float_array(list(values.values()), what), tuple(values), time)
+    return Observation(float_array(data, what), None)
 
 
 def labels_of(entries: Any) -> tuple[str, ...]:

@@ -39,6 +39,11 @@ def csv_content(path: str) -> Content:
         header, line = 1, file.readline()
         while line.startswith("#") or (line and not line.strip()):
             header, line = header + 1, file.readline()
+    if line.lower().startswith("sep="):
+        raise ValueError(
+            f"{path}, line {header} is {line.strip()!r}, which Excel writes to name the separator: "
+            f"remove this line"
+        )
     names = _header(path, line.rstrip("\r\n"), header)
 
     def read(wanted: Sequence[str], unit: str | None) -> list[Run]:
@@ -210,6 +215,12 @@ def _header(path: str, line: str, number: int) -> list[str]:
             f"{place} has numbers where the names of the columns are expected: write a header "
             f"({RECIPES})"
         )
+    for name in names:
+        if not name.isprintable():
+            raise ValueError(
+                f"{place}: the name of a column, {name!a}, has characters that are not seen, "
+                f"such as a second byte-order mark (\\ufeff): remove them"
+            )
     if "" in names:
         column = names.index("")
         index = f": pandas writes an index so; call it {TIME} (index.name)" if not column else ""

@@ -7,20 +7,23 @@ forecasts an event by leave-one-out forecasts of the training series. It has no 
 
 from __future__ import annotations  # help() then shows Observable and FloatArray, not their parts
 
+import copy
 import dataclasses
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
 from typing import Any, Literal, Self, cast, overload
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from burstcast.base.arrays import BoolArray, FloatArray, float_array
 from burstcast.base.compiled.backends import usable_backend
 from burstcast.base.exogenous import up_to_sample, with_inputs
-from burstcast.base.series_lengths import padded, samples_of, series_lengths
+from burstcast.base.left_out import LeftOut
+from burstcast.base.series_lengths import padded, samples_of, series_lengths, without_padding
+from burstcast.base.threads import single_threaded
+from burstcast.data.clocks import readable, unit_of_dates
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
 from burstcast.data.series_layout import LabelledSeries, labelled_series, observation_of
@@ -29,8 +32,16 @@ from burstcast.event_forecaster import files
 from burstcast.event_forecaster.components import Components
 from burstcast.event_forecaster.estimator import Estimator
 from burstcast.event_forecaster.events import ByTime, Events, EventTiming, permanent_f_score
+from burstcast.event_forecaster.no_state import no_state
 from burstcast.event_forecaster.observed_states import Observable, state_space
-from burstcast.event_forecaster.parameters import checked_parameters
+from burstcast.event_forecaster.parameters import (
+    Duration,
+    checked_parameters,
+    copied,
+    described,
+    has_unit,
+    is_same,
+)
 from burstcast.event_forecaster.schedules import as_schedules
 from burstcast.event_forecaster.score_intervals import (
     EventOutcomes,
@@ -38,6 +49,7 @@ from burstcast.event_forecaster.score_intervals import (
     blocks_of,
     score_intervals,
 )
+from burstcast.event_forecaster.shared_rows import shared_rows
 from burstcast.event_forecaster.stream import ObservationStream
 from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasters._options import in_samples
@@ -52,9 +64,11 @@ from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters
 
 _REFERENCE_STATES = 8
+_ROUNDING = 1e-9
+"""Relative difference up to which two prediction times are the same."""
 _FITTED = (
     *("components", "own_parameters", "reference_states", "reference_observable"),
-    *("event_threshold", "hyperparameters", "labels", "clock"),
+    *("event_threshold", "hyperparameters", "labels", "clock", "units"),
 )
 """Names of what a fit has found, beside members and alarms, without their underscores."""
 
@@ -66,6 +80,9 @@ DURATIONS: Mapping[str, tuple[float, float]] = {
     "start_spacing": (1.0, 1.0),
 }
 """Durations that are not given: in Lyapunov times, and in samples without a Lyapunov time."""
+
+_OF_SCORES = ("start_spacing",)
+"""Parameters that a fit does not depend on."""
 
 PARTS = 5
 """Parts of a single training series that are left out in turn, to calibrate."""
@@ -121,9 +138,11 @@ class EventForecaster(Estimator):
     #: all methods.
     prediction_times: float | Sequence[float] = (1.0,)
     window: float | None = None  #: length of the prediction window
-    #: in the unit of ``sampling_interval``; None: all durations are in samples
-    lyapunov_time: float | None = None
-    sampling_interval: float = 1.0  #: time between two samples
+    #: in the unit of ``sampling_interval``, or with a unit of its own, as that; None: all durations
+    #: are in samples
+    lyapunov_time: Duration | None = None
+    #: time between two samples: a number, or a Timedelta or text ("10 minutes") for dates
+    sampling_interval: Duration = 1.0
     washout: float | None = None  #: length of the observations that a forecast starts from
     #: a kind of `burstcast.forecasters` by its name: "esn", "nvar", "quadratic", ..., or a
     #: classifier of events without trajectories, "precursor" or "esn_direct"; or a class of
@@ -189,7 +208,7 @@ class EventForecaster(Estimator):
         """
         kind = self._kind  # loads what it computes with, whose threads are limited
         # threads of small matrices wait for each other more than they work
-        with threadpool_limits(limits=1):
+        with single_threaded():
             self._fit(kind, series, parameters)
         self._warn_once(self.warnings_)
         return self
@@ -197,13 +216,22 @@ class EventForecaster(Estimator):
     def _fit(self, kind: ForecasterKind, series: Any, parameters: Any) -> None:
         checked, timing = checked_parameters(self), self._timing
         given = labelled_series(series, "the training series")
+        findings: list[str] = list(no_state(given))
         components = Components(
             given.states.shape[2], given.labels, isinstance(self.observable, DynamicalSystem)
         )
         self._check_clock(given, None)
         states = components.arranged(given.states, given.labels)
-        if self.calibrate and not class_of(self.kind).learns_parameters:
-            states = self._in_parts(states)
+        shared = shared_rows(without_padding(states))
+        reduced = self.calibrate and not class_of(self.kind).learns_parameters
+        findings += shared.finding(reduced) if self.calibrate else ()
+        if reduced:
+            if len(shared.needed) < len(states):
+                states = states[shared.needed]
+                shared = shared_rows(())
+            if len(states) == 1:
+                states = self._in_parts(states)
+                shared = shared_rows(())
         learnt = self._checked_schedules(parameters, len(states), states.shape[1] - 1, "fit")
         own_values = None if learnt is None else learnt.mean(axis=(0, 1)).tolist()
         labelled = None
@@ -215,7 +243,7 @@ class EventForecaster(Estimator):
             scales = component_scales(states)
             observed = observed_series(states, 0, self.noise, scales, self.random_seed, self.case)
         points = self._points(case, observed, value, self._samples("calibration_spacing"))
-        findings: list[str] = [*events.weaknesses(value), *self._short_series(states)]
+        findings += [*events.weaknesses(value), *self._short_series(states)]
         if self.calibrate and len(states) < 2:
             raise ValueError(
                 "calibrating leaves one series out and takes two at least: give more series, or "
@@ -242,12 +270,19 @@ class EventForecaster(Estimator):
             members = [as_forecaster(kind).fit(training, case)]
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
         if self.calibrate:
+            left_out = shared.left_out()
+            if left_out is not None:
+                points = points.of_series(np.concatenate([each.forecast for each in left_out]))
             if labelled is None:
-                values = events.shares(_left_out(members, case, training, points, timing))
+                forecasts = _left_out(members, case, training, points, timing, left_out)
+                values = events.shares(forecasts)
             else:
                 asked = points.washouts, points.points.series
+                linked = shared.linked if shared.count else None
                 values = events.by_time(
-                    out_of_sample_probabilities(members[0].tuned(), labelled, case, *asked)
+                    out_of_sample_probabilities(
+                        members[0].tuned(), labelled, case, *asked, linked=linked
+                    )
                 )
             prior = None if labelled else checked["prior_forecasts"]
             alarms, weaknesses = events.calibrated(points, values, prior)
@@ -258,6 +293,8 @@ class EventForecaster(Estimator):
         self.components_, self.own_parameters_ = components.count, own_values
         self.labels_ = components.labels
         self.clock_ = given.step if given.dated else None
+        self.units_ = given.units
+        self._parameters_of_fit = {name: copied(value) for name, value in self.get_params().items()}
         # `load` compares its observable with these
         samples = samples_of(states)
         rows = np.linspace(0, len(samples) - 1, _REFERENCE_STATES).astype(int)
@@ -344,24 +381,29 @@ class EventForecaster(Estimator):
         self._check_fitted()
         return self.alarms_[self._time(prediction_time)]
 
-    def update(self, observation: Any, time: float | None = None) -> Self:
+    def update(self, observation: Any, time: Any = None) -> Self:
         """Take the next observation of a running series, ``(component,)``, by labels if it has any.
 
         Only the latest washout counts. A gap begins the washout again, and a warning says so: an
         observation that is not finite, or a time that is more than a sampling interval after the
         last one. `save` keeps the observations; `fit` forgets them.
 
-        ``time``: When it was made, in the unit of ``sampling_interval``; None: one sampling
-        interval after the one before. Raises ValueError if the observation has other components
-        than the training series, or the time is not finite, goes back, or is between two samples.
+        ``time``: When it was made, in the unit of ``sampling_interval``, or a date; None: what the
+        observation carries (the name of a row of pandas, the coordinate ``time`` of xarray), or
+        else one sampling interval after the one before. Raises ValueError if the observation has
+        other components than the training series, or the time is not finite, goes back, or is
+        between two samples.
         """
         self._check_fitted()
         if self._stream is None:
             self._stream = self._new_stream()
-        values, labels = observation_of(observation)
+        values, labels, carried, row = observation_of(observation)
         if values.shape == (self.components_,):
             values = self._components.arranged(values, labels, "an observation")
-        self._stream.append(values, time)
+        if time is None:
+            self._stream.append(values, carried, row)
+        else:
+            self._stream.append(values, time)
         return self
 
     def probability(self, prediction_time: float | None = None) -> float:
@@ -428,7 +470,7 @@ class EventForecaster(Estimator):
             events.happened(points, time)[quiet],
             self.rule(time).calibration(values[time])[quiet],
             points.points.series[quiet],
-            float_array(points.points.step[quiet] * self.sampling_interval, "times"),
+            float_array(points.points.step[quiet] * events.timing.sampling_interval, "times"),
         )
 
     def score(self, series: Any, y: Any = None) -> float:
@@ -441,7 +483,12 @@ class EventForecaster(Estimator):
         An observable that is a function or a system of your own is not written, nor the code of a
         forecaster of your own: pass them to `load`.
         """
-        self._check_fitted()
+        if texts := list(self._changed_parameters()):
+            warnings.warn(f"saved is what was fitted: {'; '.join(texts)}", stacklevel=2)
+            original = copy.copy(self)
+            vars(original).update(self._parameters_of_fit)
+            original.save(path)
+            return
         fitted = {name: getattr(self, f"{name}_") for name in _FITTED}
         fitted["alarms"] = [
             {"prediction_time": time, **rule.record()} for time, rule in self.alarms_.items()
@@ -449,6 +496,9 @@ class EventForecaster(Estimator):
         fitted["stream"] = None if self._stream is None else self._stream.record()
         members = [member.record() for member in self.members_]
         parameters = self.get_params()
+        for name in ("lyapunov_time", "sampling_interval"):
+            if has_unit(parameters[name]):
+                parameters[name] = f"{checked_parameters(self)[name]:.9f} seconds"
         if not isinstance(self.kind, str):  # by its name, and its options
             kind = self._kind
             parameters |= {"kind": kind_name(type(kind)), "options": kind.options}
@@ -474,10 +524,13 @@ class EventForecaster(Estimator):
             parameters, fitted, members = files.read_saved(path, observable, own_class)
             self = cls(**parameters)
             self.warnings_ = []
-            fitted = {"labels": None, "clock": None, **fitted}  # which older files have not
+            # which older files have not
+            fitted = {"labels": None, "clock": None, "units": None, **fitted}
             for name in _FITTED:
                 setattr(self, f"{name}_", fitted[name])
             self.labels_ = None if self.labels_ is None else tuple(map(str, self.labels_))
+            self.units_ = None if self.units_ is None else tuple(map(str, self.units_))
+            self._parameters_of_fit = self.get_params()
             for name in ("reference_states_", "reference_observable_"):
                 setattr(self, name, np.array(getattr(self, name), dtype=np.float64))
             case, timing = self._case(self._components, self.own_parameters_), self._timing
@@ -526,6 +579,12 @@ class EventForecaster(Estimator):
     @property
     def _timing(self) -> EventTiming:
         checked = checked_parameters(self)
+        units = has_unit(self.lyapunov_time), has_unit(self.sampling_interval)
+        if self.lyapunov_time is not None and units[0] != units[1]:
+            raise ValueError(
+                f"lyapunov_time is {self.lyapunov_time} and sampling_interval is "
+                f"{self.sampling_interval}: give both with a unit, or both as numbers of one unit"
+            )
         return EventTiming(
             checked["lyapunov_time"],
             checked["sampling_interval"],
@@ -559,7 +618,7 @@ class EventForecaster(Estimator):
             parameters = Parameters(self._parameter_names, tuple(own_values))
         return ForecastingCase(
             system=state_space(self.observable, components),
-            time_step=self.sampling_interval / self.sampling_stride,
+            time_step=self._timing.sampling_interval / self.sampling_stride,
             sampling_stride=self.sampling_stride,
             steps_per_lyapunov_time=self._timing.unit,
             random_seed=self.random_seed,
@@ -611,12 +670,13 @@ class EventForecaster(Estimator):
 
     def _threshold(self, observable: FloatArray) -> float:
         given = self.event_threshold
+        known = observable[~np.isnan(observable)]
         if isinstance(given, Mapping):
             if list(given) != ["quantile"]:
                 raise ValueError(
                     f"event_threshold must be a number or {{'quantile': q}}, not {dict(given)}"
                 )
-            return threshold_at(given["quantile"], observable[~np.isnan(observable)])
+            return threshold_at(given["quantile"], known)
         threshold = float(given)
         low, high = float(np.nanmin(observable)), float(np.nanmax(observable))
         if not low < threshold <= high:
@@ -630,36 +690,59 @@ class EventForecaster(Estimator):
         self._check_fitted()
         fitted = list(self.alarms_)
         time = fitted[0] if prediction_time is None else float(prediction_time)
-        if time not in fitted:
-            listed = ", ".join(f"{fitted_time:g}" for fitted_time in fitted)
-            raise ValueError(
-                f"prediction_time is {time:g}; fitted were the prediction_times {listed}"
-            )
-        return time
+        for fitted_time in fitted:  # computed numbers differ from typed ones by rounding errors
+            if abs(fitted_time - time) <= _ROUNDING * abs(fitted_time):
+                return fitted_time
+        listed = ", ".join(f"{fitted_time:g}" for fitted_time in fitted)
+        raise ValueError(f"prediction_time is {time:g}; fitted were the prediction_times {listed}")
 
     # -- series, votes, and what came true ---------------------------------------------------------
 
     def _check_fitted(self) -> None:
+        for text in self._changed_parameters():
+            raise ValueError(f"{text}: call fit again, or set it back")
+
+    def _changed_parameters(self) -> Iterator[str]:
+        """Sentences about parameters that have other values than in the fit."""
         if not hasattr(self, "members_"):
             raise RuntimeError("this EventForecaster is not fitted yet: call fit first")
+        for name, value in self._parameters_of_fit.items():
+            now = getattr(self, name)
+            if name not in _OF_SCORES and not is_same(value, now):
+                yield f"{name} was {described(value)} in fit, and is {described(now)} now"
 
     def _like_training(self, series: Any) -> FloatArray:
         self._check_fitted()
         given = labelled_series(series)
         self._check_clock(given, self.clock_)
-        return self._components.arranged(given.states, given.labels)
+        components = self._components
+        states = components.arranged(given.states, given.labels)
+        given.check_units(components.units_for(given.labels, self.units_))
+        return states
 
     def _check_clock(self, series: LabelledSeries, seconds: float | None) -> None:
         """Compare a clock with the sampling interval, or dates with those of the training."""
-        if not series.dated:
-            series.check_step(self.sampling_interval, "sampling_interval")
-        elif seconds is not None:
+        interval, with_unit = self._timing.sampling_interval, has_unit(self.sampling_interval)
+        step = series.step
+        if step is None:
+            return
+        if series.dated and seconds is not None:
             series.check_step(seconds, "the interval of the training series")
+        elif series.dated == with_unit:
+            series.check_step(interval, "sampling_interval")
+        elif series.dated and self.lyapunov_time is None and interval == 1:
+            return  # durations are in samples, of any length
+        elif unit_of_dates(*((step, interval) if series.dated else (interval, step))) is None:
+            given = f"{interval:g} seconds" if with_unit else f"{interval:g}, in no unit of time"
+            raise ValueError(
+                f"the {'dates' if series.dated else 'times'} of the series are "
+                f"{readable(step) if series.dated else f'{step:g}'} apart, but sampling_interval "
+                f"is {given}: give sampling_interval={readable(step)!r} and lyapunov_time with "
+                f"its unit, such as '9 hours', or both as numbers of one unit"
+            )
 
     def _in_parts(self, states: FloatArray) -> FloatArray:
-        """Several series as they are, or a single one in parts that are left out in turn."""
-        if len(states) > 1:
-            return states
+        """A single series in parts that are left out in turn."""
         parts, reach = np.array_split(states[0], PARTS), self._timing.boundaries[-1]
         least, shortest = self._samples("washout") + reach, len(parts[-1])
         if shortest < least:
@@ -682,8 +765,9 @@ class EventForecaster(Estimator):
         ]
 
     def _new_stream(self) -> ObservationStream:
-        washout = self._samples("washout")
-        return ObservationStream(self.components_, washout, self.sampling_interval)
+        interval = self._timing.sampling_interval
+        seconds = interval if has_unit(self.sampling_interval) else self.clock_
+        return ObservationStream(self.components_, self._samples("washout"), interval, seconds)
 
     def _washouts(self, series: Any) -> FloatArray:
         states, washout = self._like_training(series), self._samples("washout")
@@ -752,6 +836,7 @@ def _left_out(
     training: FloatArray,
     points: ObservedPoints,
     timing: EventTiming,
+    left_out: Sequence[LeftOut] | None,
 ) -> list[WindowSummaries]:
     """Votes at points of training series, by members refitted without that series."""
     washouts, steps = points.washouts, points.washouts.shape[1]
@@ -770,6 +855,7 @@ def _left_out(
             washouts,
             points.points.series,
             timing.boundaries,
+            left_out,
         )
         votes += forecasts.members
     return votes

@@ -3,6 +3,7 @@
 All mistakes are reported at once, before any job, in messages that name the setting.
 """
 
+import math
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -31,6 +32,10 @@ _NUMBERS = {
     "int": re.compile(r"[-+]?(0|[1-9][0-9]*)"),
     "float": re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[-+][0-9]+)?|[-+]?\.(inf|nan)", re.I),
 }
+
+
+_LARGEST, _DEEPEST = 100_000, 50
+"""Entries in one section of a config, and levels of nesting, at most."""
 
 
 class ConfigError(ValueError):
@@ -70,6 +75,14 @@ def load(
         whole = yaml.load(Path(defaults).read_text(encoding="utf-8"), _LOADER)
         update_config(whole, config)
         config = whole
+    if endless := [name for name, value in config.items() if _size(value, {}) > _LARGEST]:
+        raise ConfigError(
+            [
+                f"{name}: it has more than {_LARGEST} entries, since aliases (*) repeat parts that "
+                f"have aliases themselves, or is nested without end: write out what is meant"
+                for name in endless
+            ]
+        )
     problems, sound, aside = misread(files), None, list[str]()
     try:
         sound = Configuration.model_validate(config)
@@ -86,17 +99,34 @@ def load(
     return sound.dump()
 
 
+def _size(value: Any, sizes: dict[int, float], depth: int = 0) -> float:
+    """Number of entries in a setting, each alias counted in full; infinite if it has no end."""
+    if not isinstance(value, Mapping | list):
+        return 1
+    if id(value) not in sizes:
+        sizes[id(value)] = math.inf  # as long as it is inside of itself
+        if depth < _DEEPEST:
+            entries = value.values() if isinstance(value, Mapping) else value
+            sizes[id(value)] = 1 + sum(_size(entry, sizes, depth + 1) for entry in entries)
+    return sizes[id(value)]
+
+
 def misread(paths: Iterable[str | Path]) -> list[str]:
     """Find pitfalls of YAML: duplicate keys, octal (0400) and sexagesimal (6:40) numbers, dates."""
     problems: list[str] = []
     for path in dict.fromkeys(map(os.path.relpath, paths)):
         # what is no YAML is JSON: Snakemake has read it already
         with Path(path).open(encoding="utf-8") as file, suppress(yaml.YAMLError):
-            problems += [f"{path}, {text}" for text in _misread(yaml.compose(file, _LOADER), "")]
+            visited = set[int]()
+            tree = yaml.compose(file, _LOADER)
+            problems += [f"{path}, {text}" for text in _misread(tree, "", visited)]
     return problems
 
 
-def _misread(node: yaml.Node | None, name: str) -> Iterator[str]:
+def _misread(node: yaml.Node | None, name: str, visited: set[int]) -> Iterator[str]:
+    if id(node) in visited:  # an alias, which may name what has aliases itself
+        return
+    visited.add(id(node))
     if isinstance(node, yaml.ScalarNode):
         kind, line = node.tag.rpartition(":")[2], node.start_mark.line + 1
         if kind == "timestamp":
@@ -109,7 +139,7 @@ def _misread(node: yaml.Node | None, name: str) -> Iterator[str]:
             )
     if isinstance(node, yaml.SequenceNode):
         for index, item in enumerate(node.value):
-            yield from _misread(item, f"{name}[{index}]")
+            yield from _misread(item, f"{name}[{index}]", visited)
     if isinstance(node, yaml.MappingNode):
         lines: dict[tuple[str, str], int] = {}
         for key, value in node.value:
@@ -119,5 +149,5 @@ def _misread(node: yaml.Node | None, name: str) -> Iterator[str]:
                 first = lines[name_of_key]
                 yield f"line {line}: the key {below} is there already, in line {first}"
             lines.setdefault(name_of_key, line)
-            yield from _misread(key, f"the key {below}")
-            yield from _misread(value, below)
+            yield from _misread(key, f"the key {below}", visited)
+            yield from _misread(value, below, visited)
