@@ -26,13 +26,13 @@ from burstcast.base.threads import single_threaded
 from burstcast.data.clocks import readable, unit_of_dates
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
+from burstcast.data.no_state import no_state
 from burstcast.data.series_layout import LabelledSeries, labelled_series, observation_of
 from burstcast.data.starting_points import segments
 from burstcast.event_forecaster import files
 from burstcast.event_forecaster.components import Components
 from burstcast.event_forecaster.estimator import Estimator
 from burstcast.event_forecaster.events import ByTime, Events, EventTiming, permanent_f_score
-from burstcast.event_forecaster.no_state import no_state
 from burstcast.event_forecaster.observed_states import Observable, state_space
 from burstcast.event_forecaster.parameters import (
     Duration,
