@@ -82,7 +82,7 @@ class NamedArrays:
         if TIME not in self.variables:
             return None
         try:
-            time = self.variables[TIME]
+            time = _without_zone(self.variables[TIME])
             values = _in_order(time if unit is None else with_units(time, unit))[:, :, 0]
             return times_in(values.ravel(), unit).reshape(values.shape)
         except TimesError as error:
@@ -95,7 +95,7 @@ class NamedArrays:
         if self.has_labels:
             names = tuple(map(str, self.columns))
         if TIME in self.variables:
-            time = self.variables[TIME]
+            time = _without_zone(self.variables[TIME])
             dated = time.dtype.kind not in "iuf" or bool(time.attrs.get("units"))
             times = self.times("second" if dated else None)
         if times is None:
@@ -136,6 +136,16 @@ class NamedArrays:
     def content(self) -> Content:
         """What there is to read."""
         return Content(self.source, list(self.columns), self.runs)
+
+
+def _without_zone(time: Any) -> Any:
+    """Times of xarray, with those of a time zone in UTC."""
+    if isinstance(time.dtype, np.dtype):
+        return time
+    index = time.to_index()
+    if getattr(index, "tz", None) is not None:
+        index = index.tz_convert("UTC").tz_localize(None)
+    return type(time)(time.dims, np.asarray(index), time.attrs)
 
 
 def _check_coordinates(source: str, data: Any) -> None:
