@@ -40,7 +40,7 @@ def checked_parameters(estimator: Any) -> dict[str, Any]:
         elif (expected := expected.removesuffix(" | None")) in ("int", "float"):
             value = _number(name, value, whole=expected == "int")
         elif expected == "Duration":
-            value = _number(name, value) if isinstance(value, numbers.Real) else _seconds(value)
+            value = _seconds(value) if has_unit(value) else _number(name, value)
         elif expected == "tuple[float, float]":
             if not _is_several(value) or len(value) != 2:
                 raise TypeError(f"{name} must be two numbers, (low, high), not {value!r}")
@@ -71,7 +71,7 @@ def _seconds(value: Any) -> float:
 
 def has_unit(duration: Any) -> bool:
     """Whether a duration is in seconds, since it was given with a unit."""
-    return duration is not None and not isinstance(duration, numbers.Real)
+    return isinstance(duration, str | datetime.timedelta | np.timedelta64)
 
 
 def described(value: Any) -> str:

@@ -90,6 +90,8 @@ def shared_rows(series: Sequence[FloatArray]) -> SharedRows:
     if number < 2:
         return none
     owner, runs = _runs_of_rows(series, min(_ROWS, int(lengths.min())))
+    if not len(runs):
+        return none
     order = np.lexsort((owner, runs))
     owner, runs = owner[order], runs[order]
     own_before = np.r_[False, (runs[1:] == runs[:-1]) & (owner[1:] == owner[:-1])]

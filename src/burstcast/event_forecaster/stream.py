@@ -81,10 +81,12 @@ class ObservationStream:
                 f"the observation at {_written(now, kind)} follows one at "
                 f"{_written(self.time, self.kind)}: give times of one kind"
             )
-        if self.time is not None:
+        if self.time is not None and kind == "row":
+            # whole numbers may be times, too
+            if now - self.time not in (1.0, interval):
+                self._reset(f"row {row} does not follow row {self.time:g}")
+        elif self.time is not None:
             passed = (now - self.time) / interval
-            if kind == "row":  # whole numbers may be times, too
-                passed = 1.0 if now - self.time == 1 else passed if passed == 1 else np.inf
             if passed < 1.0 - _TOLERANCE:
                 later = f"it is {now - self.time:g} later, and the sampling interval is"
                 raise ValueError(
