@@ -323,3 +323,22 @@ def test_threads_of_libraries_are_what_they_were():
         thread.join()
     assert set(second) == {1}
     assert numbers() == before
+
+
+# -- one series, or a batch ------------------------------------------------------------------------
+
+
+def test_a_series_has_the_probability_of_the_batch_with_a_classifier():
+    options = {"neurons": 60}
+    made = forecaster(kind="esn_direct", options=options).fit(SERIES[:6])
+    together = made.predict_proba(SERIES[:, :300])
+    alone = np.concatenate([made.predict_proba(SERIES[row : row + 1, :300]) for row in range(8)])
+    np.testing.assert_array_equal(alone, together)
+    for sample in SERIES[7, :300]:
+        made.update(sample)
+    assert made.probability() == together[7, 1]
+
+
+def test_more_neighbours_than_samples_are_refused():
+    with pytest.raises(ValueError, match="neighbours is 100000, but the training series have"):
+        forecaster(options={"neighbours": 100_000}).fit(SERIES)

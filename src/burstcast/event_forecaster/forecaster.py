@@ -541,6 +541,8 @@ class EventForecaster(Estimator):
             for record in members:
                 files.check_sizes(record, case, unfitted)
             self.members_ = [unfitted.restore(record, case) for record in members]
+            for record, member in zip(members, self.members_, strict=True):
+                files.check_complete(record, member.record())
             given, stored = (
                 case.system.observable(self.reference_states_.T),
                 self.reference_observable_,
