@@ -335,7 +335,7 @@ def test_arrays_that_are_missing_or_of_another_shape(change, saved, tmp_path):
     refused(tampered(saved["esn"][1], tmp_path / "bad.nc", change))
 
 
-@pytest.mark.parametrize("kind", ["analogues", "quadratic", "nvar", "linear_inverse"])
+@pytest.mark.parametrize("kind", ["analogues", "quadratic", "nvar"])
 def test_files_without_an_array_are_refused(kind, saved, tmp_path):
     def change(parameters, fitted, arrays):
         arrays.pop(next(iter(arrays)))
