@@ -72,8 +72,7 @@ def test_an_interval_that_is_too_long_is_told_at_once_with_one_that_is_not(time_
             lyapunov_spectrum(system, states, time_step, 3 * every, every, exponents=number)
             break
         except ValueError as error:
-            told += 1
-            assert "is too long: the weakest direction is lost to rounding" in str(error)
+            told += "is too long: the weakest direction is lost to rounding" in str(error)
             kept = int(re.search(r"compute (\d+) exponents", str(error))[1])
             shorter = re.search(r"orthonormalisation_interval\) to ([\d.]+)", str(error))
             if shorter and round(float(shorter[1]) / time_step) < every:

@@ -242,7 +242,7 @@ def _check_fit(
             "the observable of the system differs from the forecaster's: fit the forecaster with "
             "observable=system"
         )
-    if strategy.informed and not class_of(forecaster.kind).learns_parameters:
+    if strategy.informed and not class_of(forecaster._model).learns_parameters:
         raise ValueError(
             f"{name} gives forecasters the actuation: take a kind that learns parameters, such as "
             "quadratic_aware"

@@ -29,7 +29,14 @@ from burstcast.data.event_threshold import threshold_at
 from burstcast.data.no_state import no_state
 from burstcast.data.series_layout import LabelledSeries, labelled_series, observation_of
 from burstcast.data.starting_points import segments
-from burstcast.event_forecaster import files
+from burstcast.event_forecaster import choice, files
+from burstcast.event_forecaster.choice import (
+    AUTO,
+    KINDS,
+    LeftOutForecasts,
+    choose,
+    cost,
+)
 from burstcast.event_forecaster.components import Components
 from burstcast.event_forecaster.estimator import Estimator
 from burstcast.event_forecaster.events import ByTime, Events, EventTiming, permanent_f_score
@@ -105,6 +112,7 @@ class EventForecaster(Estimator):
     ensemble vote, or if it is a classifier), ``hyperparameters_`` what the search found for each
     network, ``event_threshold_`` the threshold in units of the observable, ``alarms_`` the
     calibrations and thresholds (`burstcast.forecasts.alarms`) by prediction time,
+    ``kind_`` and ``choices_`` what ``kind="auto"`` chose and tried,
     ``warnings_`` signs of weakness, in sentences, and ``classes_`` the columns of `predict_proba`.
 
     Examples
@@ -147,7 +155,8 @@ class EventForecaster(Estimator):
     #: a kind of `burstcast.forecasters` by its name: "esn", "nvar", "quadratic", ..., or a
     #: classifier of events without trajectories, "precursor" or "esn_direct"; or a class of
     #: forecasters, or an unfitted forecaster with its options, of burstcast or of one's own:
-    #: ``NVAR(lags=3)``
+    #: ``NVAR(lags=3)``. "auto" tries several and keeps the best
+    #: (`burstcast.event_forecaster.choice`)
     kind: str | ForecasterKind | type[ForecasterKind] = "esn"
     #: number of networks in the committee. Other kinds ignore it: the members of their ensemble
     #: vote (filters, analogues), or the single forecaster votes 0 or 1.
@@ -179,7 +188,8 @@ class EventForecaster(Estimator):
     #: component; 0 for measured series
     noise: float = 0.0
     sampling_stride: int = 1  #: integration steps in a sample, for kinds that integrate equations
-    #: options that differ from the defaults of a kind that is given by its name
+    #: options that differ from the defaults of a kind that is given by its name; of "auto", the
+    #: kinds to try: ``{"kinds": ["analogues", "esn"]}``
     options: Mapping[str, Any] | None = None
     #: random_seed, case: root of all random numbers, and the name of the case in their streams: a
     #: case of the workflow with the same settings has the same networks, bit for bit
@@ -206,10 +216,36 @@ class EventForecaster(Estimator):
         alarm; if there are fewer than ten events; if series are too short for a forecast; or if
         durations in samples are short beside the correlation time.
         """
+        if self.kind == AUTO:
+            return self._choose(series, parameters)
         kind = self._kind  # loads what it computes with, whose threads are limited
         # threads of small matrices wait for each other more than they work
         with single_threaded():
             self._fit(kind, series, parameters)
+        self._warn_once(self.warnings_)
+        return self
+
+    def _choose(self, series: Any, parameters: Any) -> Self:
+        """Fit the kind that forecasts training series best which it has not learnt from."""
+        options = dict(self.options or {})
+        kinds = tuple(options.pop("kinds", KINDS))
+        if options or not kinds or isinstance(self.options and self.options.get("kinds"), str):
+            raise ValueError(
+                f"options of the kind 'auto' are kinds=[...], names of kinds, not {self.options}"
+            )
+        if not self.calibrate:
+            raise ValueError("kind='auto' compares what calibrates: it needs calibrate=True")
+        given = labelled_series(series, "the training series").states
+        warnings.warn(cost(kinds, given, self), stacklevel=3)
+        best, trials = choose(self, series, parameters, kinds)
+        chosen = best.kind
+        vars(self).update({**vars(best), "kind": self.kind, "options": self.options})
+        self.kind_, self.choices_ = str(chosen), trials
+        self._parameters_of_fit |= {"kind": self.kind, "options": copied(self.options)}
+        events = int(sum(each.happened.sum() for each in self.left_out_.values()))
+        told: list[str] = [*choice.findings(trials, self.kind_, events)]
+        told += cast(Any, best).warnings_
+        self.warnings_ = told
         self._warn_once(self.warnings_)
         return self
 
@@ -223,7 +259,7 @@ class EventForecaster(Estimator):
         self._check_clock(given, None)
         states = components.arranged(given.states, given.labels)
         shared = shared_rows(without_padding(states))
-        reduced = self.calibrate and not class_of(self.kind).learns_parameters
+        reduced = self.calibrate and not class_of(self._model).learns_parameters
         findings += shared.finding(reduced) if self.calibrate else ()
         if reduced:
             if len(shared.needed) < len(states):
@@ -269,6 +305,7 @@ class EventForecaster(Estimator):
         else:
             members = [as_forecaster(kind).fit(training, case)]
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
+        left_out_forecasts: dict[float, LeftOutForecasts] = {}
         if self.calibrate:
             left_out = shared.left_out()
             if left_out is not None:
@@ -285,11 +322,12 @@ class EventForecaster(Estimator):
                     )
                 )
             prior = None if labelled else checked["prior_forecasts"]
+            left_out_forecasts = events.left_out(points, values, prior)
             alarms, weaknesses = events.calibrated(points, values, prior)
             findings += weaknesses
         # nothing of a former fit is left before all can be replaced
         self.members_, self.hyperparameters_, self.alarms_ = members, hyperparameters, alarms
-        self._stream = None
+        self._stream, self.left_out_ = None, left_out_forecasts
         self.components_, self.own_parameters_ = components.count, own_values
         self.labels_ = components.labels
         self.clock_ = given.step if given.dated else None
@@ -499,7 +537,9 @@ class EventForecaster(Estimator):
         for name in ("lyapunov_time", "sampling_interval"):
             if has_unit(parameters[name]):
                 parameters[name] = f"{checked_parameters(self)[name]:.9f} seconds"
-        if not isinstance(self.kind, str):  # by its name, and its options
+        if self.kind == AUTO:  # what was chosen
+            parameters["kind"], parameters["options"] = self.kind_, None
+        elif not isinstance(self.kind, str):  # by its name, and its options
             kind = self._kind
             parameters |= {"kind": kind_name(type(kind)), "options": kind.options}
         files.write_saved(path, parameters, fitted, members)
@@ -568,8 +608,10 @@ class EventForecaster(Estimator):
     @property
     def _kind(self) -> ForecasterKind:
         """The unfitted forecaster with its options."""
-        kind = self.kind
-        if not isinstance(kind, ForecasterKind):
+        kind = self._model
+        if self.kind == AUTO:
+            kind = make_kind_of(class_of(kind), {})
+        elif not isinstance(kind, ForecasterKind):
             kind = make_kind_of(class_of(kind), self.options or {})
         elif self.options:
             raise ValueError("options are those of the forecaster that kind is: leave them out")
@@ -628,8 +670,17 @@ class EventForecaster(Estimator):
         )
 
     @property
+    def _model(self) -> str | ForecasterKind | type[ForecasterKind]:
+        """The kind, or the one that was chosen."""
+        if self.kind != AUTO:
+            return self.kind
+        self._check_fitted()
+        return self.kind_
+
+    @property
     def _words(self) -> str:
-        return self.kind if isinstance(self.kind, str) else kind_name(class_of(self.kind))
+        model = self._model
+        return model if isinstance(model, str) else kind_name(class_of(model))
 
     @property
     def _parameter_names(self) -> tuple[str, ...]:
@@ -639,7 +690,7 @@ class EventForecaster(Estimator):
         self, given: Any, series: int, steps: int, where: str
     ) -> FloatArray | None:
         """Schedules of a kind that knows the parameters; None of others."""
-        if not class_of(self.kind).learns_parameters:
+        if not class_of(self._model).learns_parameters:
             if given is not None:
                 raise ValueError(
                     f"forecasters of the kind {self._words} do not know the parameters: leave them "
@@ -656,7 +707,7 @@ class EventForecaster(Estimator):
     def _with_inputs(self, washouts: FloatArray, parameters: Any, planned: Any) -> FloatArray:
         """Washouts with the parameters over them and over forecasts, for kinds that know them."""
         series, steps = washouts.shape[:2]
-        learns = class_of(self.kind).learns_parameters
+        learns = class_of(self._model).learns_parameters
         if parameters is None and planned is None and not learns:
             return washouts
         given = parameters
