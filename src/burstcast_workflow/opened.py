@@ -132,12 +132,7 @@ class OpenedCampaign:
         truth. Shape ``(series, time, component)``, or a list of series ``(time, component)`` of
         unequal lengths.
         """
-        names = self._campaign.case_names
-        if case not in names:
-            raise ValueError(
-                f"there is no case {case!r}{suggestion(case, names)}; the cases are "
-                f"{', '.join(names)}"
-            )
+        self._check_case(case)
         path = self.results / case / "ensemble.nc"
         if not path.exists():
             raise ValueError(f"the series of {case} are not made yet ({path})")
@@ -150,6 +145,7 @@ class OpenedCampaign:
 
     def training_series(self, case: str) -> int:
         """Number of training series of a case."""
+        self._check_case(case)
         return int(self._campaign.cases[case].training.series)
 
     def settings(self, case: str, kind: type[Settings]) -> Settings:
@@ -161,6 +157,14 @@ class OpenedCampaign:
             identity,
             computed_exponent=exponent_in(f"{self.results}/{time_unit}" if time_unit else ""),
         )
+
+    def _check_case(self, case: str) -> None:
+        names = self._campaign.case_names
+        if case not in names:
+            raise ValueError(
+                f"there is no case {case!r}{suggestion(case, names)}; the cases are "
+                f"{', '.join(names)}"
+            )
 
     def _stems(self, directory: str, suffix: str) -> list[str]:
         return sorted(path.stem for path in (self.results / directory).glob(f"*.{suffix}"))
