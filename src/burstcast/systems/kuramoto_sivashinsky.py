@@ -41,8 +41,8 @@ class KuramotoSivashinsky(SemilinearSystem):
     >>> import numpy as np
     >>> from burstcast.systems.kuramoto_sivashinsky import KuramotoSivashinsky
     >>> system = KuramotoSivashinsky(length=2 * np.pi, wavenumbers=2)
-    >>> system.right_hand_side(np.array([1.0, 0.0, 0.0, 0.0])).round(12).tolist()
-    [0.0, 0.0, 0.0, 0.5]
+    >>> float(system.right_hand_side(np.array([1.0, 0.0, 0.0, 0.0]))[3])
+    0.5
     >>> float(system.observable(np.array([1.0, 0.0, 0.0, 0.0])))
     0.25
     """
