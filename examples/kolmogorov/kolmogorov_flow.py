@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.systems.base import EnergyBudget, Symmetry
-from exponential_scheme import SemilinearSystem
+from burstcast.systems.exponential_scheme import SemilinearSystem
 
 ComplexArray = NDArray[np.complex128]
 

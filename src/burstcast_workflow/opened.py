@@ -20,7 +20,7 @@ from burstcast.forecasters.base import Forecaster
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.campaign.members import CaseForecaster
-from burstcast_workflow.harness.settings import exponent_in
+from burstcast_workflow.harness.settings import JobSettings, exponent_in
 from burstcast_workflow.jobs.forecasters import Forecasting
 from burstcast_workflow.jobs.series import Observed, kept_series
 from burstcast_workflow.tracking.run import CLAIM
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Found = TypeVar("Found")
+Settings = TypeVar("Settings", bound=JobSettings)
 _MOST_NAMES = 6
 
 
@@ -131,12 +132,7 @@ class OpenedCampaign:
         truth. Shape ``(series, time, component)``, or a list of series ``(time, component)`` of
         unequal lengths.
         """
-        names = self._campaign.case_names
-        if case not in names:
-            raise ValueError(
-                f"there is no case {case!r}{suggestion(case, names)}; the cases are "
-                f"{', '.join(names)}"
-            )
+        self._check_case(case)
         path = self.results / case / "ensemble.nc"
         if not path.exists():
             raise ValueError(f"the series of {case} are not made yet ({path})")
@@ -146,6 +142,29 @@ class OpenedCampaign:
         identity = {"case": case}
         settings = Observed(settings_of_job(self._campaign, Observed.paths(), identity), identity)
         return array_or_list(settings.observed_rows(str(path), start, states))
+
+    def training_series(self, case: str) -> int:
+        """Number of training series of a case."""
+        self._check_case(case)
+        return int(self._campaign.cases[case].training.series)
+
+    def settings(self, case: str, kind: type[Settings]) -> Settings:
+        """Settings of a case, as a class of settings of jobs reads them."""
+        identity = {"case": case}
+        time_unit = self._campaign.cases[case].time_unit
+        return kind(
+            settings_of_job(self._campaign, kind.paths(), identity),
+            identity,
+            computed_exponent=exponent_in(f"{self.results}/{time_unit}" if time_unit else ""),
+        )
+
+    def _check_case(self, case: str) -> None:
+        names = self._campaign.case_names
+        if case not in names:
+            raise ValueError(
+                f"there is no case {case!r}{suggestion(case, names)}; the cases are "
+                f"{', '.join(names)}"
+            )
 
     def _stems(self, directory: str, suffix: str) -> list[str]:
         return sorted(path.stem for path in (self.results / directory).glob(f"*.{suffix}"))

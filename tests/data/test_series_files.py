@@ -2,7 +2,9 @@
 
 import base64
 import datetime
+import os
 import re
+import unicodedata
 import zlib
 
 import netCDF4
@@ -99,6 +101,9 @@ def test_dialects_of_csv(tmp_path, text):
         ("time,u,v,\n0,1,2,\n", "line 1: column 4 has no name"),
         ("time,u,v,u\n0,1,2,3\n", "has 2 columns that are called 'u'"),
         ("time;u;v\n0;1;2\n", "fields are separated by commas"),
+        ("sep=,\ntime,u,v\n0,1,2\n", "line 1 is 'sep=,', which Excel writes to name the separator"),
+        ("\ufeff\ufefftime,u,v\n0,1,2\n", r"'\ufefftime', has characters that are not seen"),
+        ("time,u\u200b,v\n0,1,2\n", r"'u\u200b', has characters that are not seen"),
         # more fields or fewer: decimal commas, thousands, a trailing comma, blank lines, comments
         ("# x\ntime,u,v\n0,1,2\n1,3,4,5\n", "line 4 has 4 fields, but the header has 3"),
         ("time,u,v\n0,1,5,2\n", "line 2 has 4 fields, but the header has 3"),
@@ -413,6 +418,38 @@ def test_what_xarray_opens_with_other_packages(tmp_path, monkeypatch, suffix, pa
     pytest.importorskip(package)
     FLOW.to_zarr(path) if suffix == "zarr" else FLOW.to_netcdf(path, engine=package)
     assert np.array_equal(states(runs(path), "u", "v"), STATES)
+
+
+def test_names_that_look_alike_are_told(tmp_path):
+    """Composed and decomposed letters, of files and of columns, and blanks around names."""
+    composed, decomposed = (unicodedata.normalize(form, "höhe") for form in ("NFC", "NFD"))
+    path = tmp_path / f"{composed}.csv"
+    path.write_text(f"time,{composed},v\n0,1,2\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="looks the same, but is written with other characters"):
+        runs(tmp_path / f"{decomposed}.csv")
+    table = pd.DataFrame({"time": [0.0, 1.0], f"{composed}": [1.0, 2.0], "u ": [1.0, 2.0]})
+    for name, message in ((decomposed, "is written with other characters"), ("u", "other blanks")):
+        with pytest.raises(ValueError, match=message):
+            content_of(table).columns_of([Quantity(name)])
+
+
+def test_what_is_no_file_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "pipe.csv")
+    (tmp_path / "endless.csv").symlink_to("/dev/zero")
+    for name in ("pipe.csv", "endless.csv"):
+        with pytest.raises(ValueError, match="is no file, but a pipe or a device, which"):
+            content_of(tmp_path / name)
+    for address in ("https://example.org/a.csv", "s3://lab/a.nc"):
+        with pytest.raises(ValueError, match="is an address, not a file: download it first"):
+            content_of(address)
+
+
+def test_variables_in_groups_of_a_netcdf_file_are_told(tmp_path):
+    path = tmp_path / "a.nc"
+    with netCDF4.Dataset(path, "w") as file:
+        file.createGroup("science")
+    with pytest.raises(ValueError, match=r"has its variables in groups \(science\): open one with"):
+        content_of(path)
 
 
 def test_other_sources():

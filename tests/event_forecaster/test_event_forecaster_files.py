@@ -340,6 +340,14 @@ def test_arrays_that_are_missing_or_of_another_shape(change, saved, tmp_path):
     refused(tampered(saved["esn"][1], tmp_path / "bad.nc", change))
 
 
+@pytest.mark.parametrize("kind", ["analogues", "quadratic", "nvar"])
+def test_files_without_an_array_are_refused(kind, saved, tmp_path):
+    def change(parameters, fitted, arrays):
+        arrays.pop(next(iter(arrays)))
+
+    refused(tampered(saved[kind][1], tmp_path / "bad.nc", change))
+
+
 def test_deeply_nested_json(saved, tmp_path):
     path = tampered(saved["analogues"][1], tmp_path / "bad.nc", lambda *_: "[" * 10**5)
     assert "RecursionError" in refused(path)

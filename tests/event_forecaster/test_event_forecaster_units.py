@@ -234,7 +234,7 @@ REFUSED = [
     ),
     (
         lambda series: [tables("xyz")(series)[0], tables(change=np.exp2)(series)[1]],
-        "not those at the times|have clocks of different steps",
+        "the rate of samples changes",
     ),
     (lambda series: series[..., :2], "have 2 components, the training series had 3"),
 ]
@@ -250,8 +250,8 @@ def test_other_components_and_clocks_are_refused(form, message, labelled):
 
 def test_dates_are_compared_with_those_of_the_training_series():
     training, test = record()
-    forecaster = fit("analogues", dated(0.5)(training), observable="x")
-    for form in (dated(0.5), tables("zxy")):
+    forecaster = fit("analogues", dated(0.02)(training), observable="x")
+    for form in (dated(0.02), tables("zxy")):
         np.testing.assert_array_equal(after(forecaster, test, form), expected("analogues"))
     with pytest.raises(ValueError, match="2 seconds apart, but the interval of the training"):
         forecaster.predict(dated(2.0)(test))

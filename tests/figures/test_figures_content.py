@@ -1,6 +1,8 @@
 """What the figures show is what they were given."""
 
 import re
+import string
+import warnings
 from itertools import product
 from unittest import mock
 
@@ -42,6 +44,8 @@ from helpers_figures import (
 )
 from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
+from matplotlib.mathtext import MathTextParser
+from matplotlib.text import Text
 from sklearn.decomposition import PCA
 
 from burstcast.data.encoders.base import EncodingCase
@@ -50,7 +54,12 @@ from burstcast.figures.control_tradeoff import over_flows
 from burstcast.figures.encoder_loss import kept
 from burstcast.figures.parts import medians
 from burstcast.figures.parts.alarm_scores import alarms_shown, median_networks, times_shown
-from burstcast.figures.parts.frame import axis_floor, axis_limits, observable_label
+from burstcast.figures.parts.frame import (
+    axis_floor,
+    axis_limits,
+    observable_label,
+    true_and_forecast,
+)
 from burstcast.figures.parts.looks import (
     controller_lines,
     families,
@@ -58,9 +67,10 @@ from burstcast.figures.parts.looks import (
     ordered_validations,
     validation,
 )
-from burstcast.figures.parts.style import label_ends, new_figure, render
+from burstcast.figures.parts.style import drawable_symbol, label_ends, new_figure, render
 from burstcast.figures.reliability import FEW_FORECASTS
 from burstcast.forecasters._labels import forecaster_label
+from burstcast.systems.measured import MeasuredSeries
 from kolmogorov_flow import KolmogorovFlow
 
 
@@ -811,3 +821,43 @@ def test_lost_skill_shows_each_kind_at_its_best_and_four_curves_in_a_panel():
     assert [len(axes.containers) for axes in figure.axes] == [2, 4, 2]
     assert "flow: kind0" in texts(figure)
     assert "sensors: kind0" not in texts(figure)
+
+
+# -- names of users --------------------------------------------------------------------------------
+
+NAMES = [*string.punctuation, "θ", "ß", "a&b", "T_2m_°C", "price [$/MWh]", "50$ and 60$_x", "x_1"]
+WITH_SYMBOLS = [name for name, make in ARGUMENTS.items() if "symbol" in make()]
+
+
+@pytest.mark.parametrize("name", WITH_SYMBOLS)
+def test_symbols_and_names_of_users_are_drawn(name):
+    named = {"observable_name": "50$ and 60$_x"} if "observable_name" in ARGUMENTS[name]() else {}
+    for text in drawn(name, symbol="x_1", **named).findobj(Text):
+        MathTextParser("path").parse(text.get_text())
+
+
+@pytest.mark.parametrize("column", NAMES)
+def test_columns_of_any_name_are_formulas(column):
+    """Columns of weather stations are called "%"."""
+    space = MeasuredSeries([column], column)
+    symbol = drawable_symbol(space.observable_symbol)
+    texts = [observable_label(symbol, space.observable_name), *true_and_forecast(symbol)]
+    for text in (*texts, rf"$\overline{{{symbol}}} > {symbol}_e$"):
+        MathTextParser("path").parse(text)
+    assert column.isidentifier() or r"\mathrm{observable}" in texts[0]
+
+
+@pytest.mark.parametrize(
+    ("symbol", "drawable"), [("k", "k"), ("x_1", "{x_1}"), ("%", r"\mathrm{observable}")]
+)
+def test_symbols_of_systems_are_formulas(symbol, drawable):
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        assert drawable_symbol(symbol) == drawable
+    assert len(told) == (symbol == "%")
+
+
+def test_characters_that_the_font_lacks_are_told_once():
+    with pytest.warns(UserWarning, match="the font of figures has no 度, 温, and") as told:
+        render(drawn("observable_and_density", symbol="x", observable_name="温度"), "png")
+    assert len(told) == 1

@@ -16,6 +16,7 @@ from burstcast.systems.compiled import hindrance
 from burstcast.systems.fitzhugh_nagumo import FitzHughNagumoPair
 from burstcast.systems.forced import ForcedSystem
 from burstcast.systems.integration import integrate
+from burstcast.systems.kuramoto_sivashinsky import KuramotoSivashinsky
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.lorenz96 import Lorenz96
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
@@ -24,9 +25,17 @@ from burstcast.systems.registry import available_systems, make_system, parameter
 from burstcast_workflow.commands.command_line import main
 from kolmogorov_flow import KolmogorovFlow
 
+OURS = ["fitzhugh_nagumo", "kuramoto_sivashinsky", "lorenz63", "lorenz96", "mfe"]
+
 
 def test_systems_are_made_by_name_with_defaults_and_integers():
-    assert available_systems() == ["fitzhugh_nagumo", "lorenz63", "lorenz96", "mfe"]
+    assert available_systems() == [
+        "fitzhugh_nagumo",
+        "kuramoto_sivashinsky",
+        "lorenz63",
+        "lorenz96",
+        "mfe",
+    ]
     assert make_system("mfe", {"reynolds": 400}) == MoehlisFaisstEckhardt(400.0)
     assert make_system("lorenz63", {}) == Lorenz63()
     system = make_system("mfe", {"reynolds": 600.0, "length_x": 5.0})
@@ -37,7 +46,7 @@ def test_systems_are_made_by_name_with_defaults_and_integers():
     ("name", "parameters", "message"),
     [
         *(
-            (name, {}, "available systems are fitzhugh_nagumo, lor")
+            (name, {}, "available systems are fitzhugh_nagumo, kur")
             for name in ("base", "registry", "mfe.x", "", "os")
         ),
         ("lorentz63", {}, "did you mean 'lorenz63'"),
@@ -150,7 +159,7 @@ def test_one_broken_module_spoils_no_other(monkeypatch, tmp_path):
         (tmp_path / f"{name}.py").write_text(text)
     monkeypatch.setattr(burstcast.systems, "__path__", [*burstcast.systems.__path__, str(tmp_path)])
     assert make_system("lorenz63", {}) == Lorenz63()
-    assert available_systems() == ["fitzhugh_nagumo", "lorenz63", "lorenz96", "mfe", "several"]
+    assert available_systems() == [*OURS, "several"]
     for name, error, message in (
         ("lorentz63", ValueError, r"did you mean 'lorenz63'\?\); the available systems are f"),
         ("broken", ValueError, r"broken\.py, line 1: SyntaxError"),
@@ -172,6 +181,8 @@ EVERY = {
     "narrow shear flow": MoehlisFaisstEckhardt(250.0, 3.0, 7.0),
     "polynomials": PolynomialSystem(TERMS, 3, Lorenz63()),
     "flow in a plane": KolmogorovFlow(),
+    "flames": KuramotoSivashinsky(),
+    "few flames": KuramotoSivashinsky(30.0, 5),
     "pushed shear flow": ForcedSystem(MoehlisFaisstEckhardt(800.0), [0.001, 0, -0.002, *[0] * 6]),
 }
 
@@ -289,6 +300,23 @@ MISTAKES = [
     ("jacobian", wrong_jacobian, r"jacobian: the entry \[2, 1\] differs from differences"),
     ("sample_initial_states", lambda self, n, g: g.random((n, 3)), r"must .* \(3, 16\), not \(16"),
 ]
+
+
+@pytest.mark.parametrize("number", [31, 32])
+def test_sums_that_are_rounded_otherwise_alone_are_no_mistake(number):
+    """NumPy sums the first axis of a lone trajectory in pairs, and of a batch row by row."""
+
+    @dataclass(frozen=True)
+    class Waves(KuramotoSivashinsky):
+        wavenumbers: int = number
+
+        def observable(self, state):
+            k = np.arange(1.0, len(state) + 1).reshape((-1,) + (1,) * (state.ndim - 1))
+            return (0.1 * k**2 * state**2).sum(axis=0)
+
+    report = check_system(Waves(), np.random.default_rng(7))
+    assert "observable: one trajectory alone is rounded" in report
+    assert "rounded" not in check_system(KuramotoSivashinsky(), np.random.default_rng(7))
 
 
 @pytest.mark.parametrize(("name", "method", "message"), MISTAKES)

@@ -1,9 +1,11 @@
 """What a case has: from its entry, what its class or its data say, and the campaign around it."""
 
 import copy
+import os
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers_configs import (
     DATA,
@@ -288,6 +290,37 @@ def test_records_of_measured_cases(measured):
         **{"observable_name": "kinetic energy", "observable_symbol": "k"},
     }
     assert part["data"]["columns"] == [f"a{number}" for number in range(1, 10)]
+
+
+@pytest.mark.parametrize(
+    ("column", "message"),
+    [
+        ("run", "data.components: v is constant in each run, as the number of a run is"),
+        ("row", "data.components: v is rising or falling in equal steps, as a time"),
+        ("wave", None),
+    ],
+)
+def test_columns_that_are_no_state_are_told_in_the_plan(measured, column, message):
+    rows = np.arange(30)
+    for number in (10, 9, 1):
+        columns = {"run": np.full(30, number), "row": rows * 0.5, "wave": np.cos(rows + number)}
+        table = np.stack([rows * 0.5, np.sin(rows + number), columns[column]], axis=1)
+        path = f"lab/run_{number}.csv"
+        np.savetxt(path, table, delimiter=",", header="time,u,v", comments="")
+    if message is None:
+        assert load(measured)
+    else:
+        with pytest.raises(ConfigError, match=message):
+            load(measured)
+
+
+def test_files_with_brackets_in_their_names_and_addresses(measured):
+    os.rename("lab/run_1.csv", "lab/run_[1].csv")
+    put(measured, "cases.lab.data.files", ["lab/run_[1].csv", "lab/run_?.csv"])
+    assert Campaign(load(measured)).cases["lab"].data.paths == ["lab/run_[1].csv", "lab/run_9.csv"]
+    put(measured, "cases.lab.data.files", ["https://example.org/a.csv"])
+    with pytest.raises(ConfigError, match=r"https://example.org/a.csv is an address, not a file"):
+        load(measured)
 
 
 def test_past_values_are_components_whose_noise_is_there_already(measured):

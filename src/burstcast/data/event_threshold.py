@@ -15,6 +15,18 @@ def threshold_at(quantile: float, observable: FloatArray) -> float:
     if observable.size == 0 or not np.isfinite(observable).all():
         raise ValueError("a quantile is taken of finite samples, one at least")
     threshold = float(np.quantile(observable, quantile))
+    tied = f"which {(observable == threshold).mean():.0%} of the samples have"
     if not observable.max() > threshold:
-        raise ValueError(f"no sample is above the quantile {quantile} of the observable")
+        raise ValueError(
+            f"no sample is above the quantile {quantile} of the observable: it is {threshold:g}, "
+            f"the highest value, {tied}; where an event is at or above it, give the number itself "
+            f"as event_threshold: {threshold:g}"
+        )
+    if not observable.min() < threshold:
+        above = float(observable[observable > threshold].min())
+        share = (observable < above).mean()
+        raise ValueError(
+            f"no sample is below the quantile {quantile} of the observable: it is {threshold:g}, "
+            f"the lowest value, {tied}; give a number above it, or a quantile above {share:.4g}"
+        )
     return threshold

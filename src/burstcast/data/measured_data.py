@@ -6,7 +6,7 @@ several blocks. One message reports an error with the run, the column and the ro
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from unicodedata import normalize
 
 import numpy as np
@@ -26,6 +26,7 @@ class Run:
     name: str  #: origin of the run, for messages: "run_3.csv"
     #: numbers by the names of their columns, each ``(time,)``; NaN where there is none
     columns: Mapping[str, FloatArray]
+    units: Mapping[str, str] = field(default_factory=dict)  #: of columns, where they are known
 
     @property
     def length(self) -> int:
@@ -35,7 +36,7 @@ class Run:
     def rows(self, first: int, last: int) -> "Run":
         """The rows from one to another, both included."""
         columns = {name: column[first : last + 1] for name, column in self.columns.items()}
-        return Run(f"{self.name}, rows {first + 1} to {last + 1}", columns)
+        return Run(f"{self.name}, rows {first + 1} to {last + 1}", columns, self.units)
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,16 @@ def runs_of_states(
             zip(without_padding(states), observable, strict=True), 1
         )
     ]
+
+
+def written_alike(name: str, available: Sequence[str]) -> str:
+    """Words on a name that looks like another one, for messages; empty if there is none."""
+    plain = "".join(normalize("NFKC", name).split())
+    for column in available:
+        if "".join(normalize("NFKC", column).split()) == plain:
+            how = "blanks" if column.strip() == name.strip() else "characters"
+            return f"; {column!r} is written with other {how}: copy it"
+    return ""
 
 
 @dataclass(frozen=True)
@@ -119,9 +130,7 @@ class Quantity:
                 raise ValueError(f"there is no column {self.source!r}, and {error}{hint}") from None
         for name in names:
             if name not in available:
-                plain = normalize("NFKC", name)
-                alike = [column for column in available if normalize("NFKC", column) == plain]
-                hint = f"; {alike[0]!r} is written with other characters: copy it" if alike else ""
+                hint = written_alike(name, available)
                 raise ValueError(
                     f"there is no column {name!r}{hint or suggestion(name, available)}; "
                     f"the columns are {', '.join(available)}"

@@ -26,11 +26,12 @@ class NamedArrays:
             name = "c1" if data.name in (None, *AXES) else str(data.name)
             data = data.to_dataset(name=name)
         self.source, self.variables = source, data.variables
+        _check_coordinates(source, data)
         #: for each component, its variable, and its place along the dimension of components
         self.columns: dict[str, tuple[str, int]] = {}
         for name, variable in self.variables.items():
             axes = set(variable.dims)
-            if name in AXES or not {TIME} <= axes <= set(AXES):
+            if name in AXES or name in data.coords or not {TIME} <= axes <= set(AXES):
                 continue
             labels = self._labels(variable.sizes["component"]) if "component" in axes else [name]
             for number, label in enumerate(labels):
@@ -81,7 +82,7 @@ class NamedArrays:
         if TIME not in self.variables:
             return None
         try:
-            time = self.variables[TIME]
+            time = _without_zone(self.variables[TIME])
             values = _in_order(time if unit is None else with_units(time, unit))[:, :, 0]
             return times_in(values.ravel(), unit).reshape(values.shape)
         except TimesError as error:
@@ -90,19 +91,27 @@ class NamedArrays:
     def labelled_runs(self) -> list[LabelledRun]:
         """All components of each series, with their labels and times where there are any."""
         states, names, times, dated = self.states(list(self.columns)), None, None, False
+        units = self._units()
         if self.has_labels:
             names = tuple(map(str, self.columns))
         if TIME in self.variables:
-            time = self.variables[TIME]
+            time = _without_zone(self.variables[TIME])
             dated = time.dtype.kind not in "iuf" or bool(time.attrs.get("units"))
             times = self.times("second" if dated else None)
         if times is None:
-            return [LabelledRun(names, series) for series in states]
+            return [LabelledRun(names, series, units=units) for series in states]
         rows = np.broadcast_to(times, (len(states), times.shape[1]))
         return [
-            LabelledRun(names, series, time, dated)
+            LabelledRun(names, series, time, dated, units)
             for series, time in zip(states, rows, strict=True)
         ]
+
+    def _units(self) -> tuple[str, ...]:
+        """Units of all components, by the attribute ``units`` of their variables."""
+        return tuple(
+            str(self.variables[name].attrs.get("units", "")).strip()
+            for name, _ in self.columns.values()
+        )
 
     def runs(self, names: Sequence[str], unit: str | None) -> list[Run]:
         """Runs of the series, each up to its last sample: one of several may end with NaN."""
@@ -117,14 +126,37 @@ class NamedArrays:
             runs.append(self._run(f"{self.source}, series {row + 1}", names, series[:stop], time))
         return runs
 
-    @staticmethod
-    def _run(source: str, names: Sequence[str], states: FloatArray, time: FloatArray | None) -> Run:
+    def _run(
+        self, source: str, names: Sequence[str], states: FloatArray, time: FloatArray | None
+    ) -> Run:
         columns = dict(zip(names, states.T, strict=True))
-        return Run(source, columns if time is None else {**columns, TIME: time})
+        units = dict(zip(self.columns, self._units(), strict=True))
+        return Run(source, columns if time is None else {**columns, TIME: time}, units)
 
     def content(self) -> Content:
         """What there is to read."""
         return Content(self.source, list(self.columns), self.runs)
+
+
+def _without_zone(time: Any) -> Any:
+    """Times of xarray, with those of a time zone in UTC."""
+    if isinstance(time.dtype, np.dtype):
+        return time
+    index = time.to_index()
+    if getattr(index, "tz", None) is not None:
+        index = index.tz_convert("UTC").tz_localize(None)
+    return type(time)(time.dims, np.asarray(index), time.attrs)
+
+
+def _check_coordinates(source: str, data: Any) -> None:
+    """Check that no other coordinate than ``time`` has the times of the samples."""
+    for name, coordinate in data.coords.items():
+        if coordinate.dims == (TIME,) and name != TIME and TIME not in data.coords:
+            raise ValueError(
+                f"{source} has the coordinate {name!r} along its dimension {TIME!r}, which has no "
+                f"times itself: make it the coordinate of times "
+                f"(.assign_coords(time={name!r} values)), or drop it (.drop_vars({name!r}))"
+            )
 
 
 def _in_order(variable: Any) -> Any:

@@ -1,5 +1,6 @@
 """Measured records: checks, cuts at gaps, and conversion to series of states."""
 
+import datetime
 import itertools
 import math
 import numbers
@@ -11,6 +12,8 @@ import numpy as np
 
 from burstcast.base.arrays import FloatArray, is_known
 from burstcast.base.series_lengths import array_or_list, series_lengths
+from burstcast.data.clocks import JITTER, check_rising, irregularity, rounding
+from burstcast.data.containers import unpacked
 from burstcast.data.measured_data import (
     Blocks,
     Quantity,
@@ -20,6 +23,7 @@ from burstcast.data.measured_data import (
     series_of_runs,
 )
 from burstcast.data.series_files import content_of
+from burstcast.data.series_layout import check_units
 from burstcast.data.tables import RECIPES
 from burstcast.data.times import TIME, time_step_of
 from burstcast.systems.measured import MeasuredSeries
@@ -28,7 +32,6 @@ _ROUNDED = (
     f"where times are rounded, write each as the number of its row times the time step ({RECIPES})"
 )
 _MANY = 10  # rows, of which gaps alone hardly leave each by itself
-_SHARED = 0.1  # of the rows, with the time of the row before: that is no row written twice
 _NO_GAP = 1.5  # time steps between two rows without another between them, at most
 TOLERANCE = 0.1
 """Largest distance of a row's time from the regular times of its run, in time steps.
@@ -50,7 +53,7 @@ class RecordedSeries:
 
 def measured_series(
     sources: Any,
-    time_step: float | str,
+    time_step: float | str | datetime.timedelta,
     components: Sequence[str] = (),
     *,
     block: float | None = None,
@@ -63,11 +66,11 @@ def measured_series(
     Parameters
     ----------
     sources
-        A table of pandas with a column, or an index, ``time``; an array or a data set of xarray
-        with dimensions series, time and component, of which only time must be there; the path of a
-        file; or a list of these.
+        A table of pandas with a column ``time`` or an index of times; an array or a data set of
+        xarray with dimensions series, time and component, of which only time must be there; the
+        path of a file; or a list of these (`burstcast.data.containers` has other containers).
     time_step
-        Time between two rows; with a unit where times are dates: "5 minutes".
+        Time between two rows; with a unit where times are dates: "5 minutes", or a Timedelta.
     components
         Columns, expressions of columns, or ``name = expression``; by default all columns.
     block, gap
@@ -106,7 +109,12 @@ def measured_series(
             f"block and shortest must be above 0, and gap not below it, not {block!r}, "
             f"{shortest!r} and {gap!r}"
         )
-    listed = sources if isinstance(sources, list | tuple) else [sources]
+    listed = unpacked(sources, "the sources")
+    if not isinstance(listed, list) or not listed:
+        raise TypeError(
+            f"series come from a file, a table of pandas, what xarray holds, or a list of these, "
+            f"not from {type(sources).__name__}"
+        )
     declared = components or content_of(listed[0]).names
     data = {
         "time_step": time_step,
@@ -132,10 +140,12 @@ def recorded_series(
     quantities, in_advance = (list(map(Quantity, data[key])) for key in ("components", "known"))
     appended = [Quantity(space.observable_of)] if space.appended else []
     runs: list[Run] = []
-    for content in map(content_of, sources):
+    for number, source in enumerate(sources, 1):
+        content = content_of(source, number if len(sources) > 1 else None)
         runs += content.read(content.columns_of([*quantities, *appended, *in_advance]), unit)
     for run in runs:
         _check_codes(run)
+        _check_units(run, runs[0])
     blocks = None
     if lengths := data["blocks"]:
         blocks = Blocks.of(lengths["duration"], lengths["gap"], lengths.get("shortest"), step)
@@ -214,6 +224,13 @@ def _lengths(states: FloatArray, runs: Sequence[Run], blocks: Blocks | None) -> 
         yield f"{len(lengths)} series have {lengths.min()} to {lengths.max()} samples"
 
 
+def _check_units(run: Run, first: Run) -> None:
+    """Check that columns have the units that they have in the first run, where both have one."""
+    names = [name for name in run.columns if name != TIME]
+    units = [tuple(of.units.get(name, "") for name in names) for of in (run, first)]
+    check_units(run.name, tuple(names), units[0], first.name, units[1])
+
+
 def _check_codes(run: Run) -> None:
     for name, column in run.columns.items():
         if np.isnan(column).all():
@@ -227,60 +244,33 @@ def _check_codes(run: Run) -> None:
             )
 
 
-def check_rising(run: Run) -> None:
-    """Check that each row has a time, and that times rise from row to row."""
-    time = run.columns[TIME]
-    if not np.isfinite(time).all():
-        row = int(np.flatnonzero(~np.isfinite(time))[0]) + 1
-        raise ValueError(f"{run.name}, row {row}: column {TIME!r} has no time; each row needs one")
-    steps = np.diff(time)
-    if (steps > 0).all():
-        return
-    if (steps < 0).all() and len(steps) > 1:
-        raise ValueError(
-            f"{run.name}: the record is in falling order, the newest row first: reverse it "
-            f"(pandas: table[::-1])"
-        )
-    if (steps >= 0).all() and (shared := int((steps == 0).sum())) >= max(3, _SHARED * len(time)):
-        raise ValueError(
-            f"{run.name}: {shared} of {len(time)} rows have the time of the row before them: times "
-            f"are rounded. Write the time of each row as its number times the time step "
-            f"({RECIPES})"
-        )
-    row = int(np.flatnonzero(steps <= 0)[0])
-    back = f"goes back by {-steps[row]:g} from" if steps[row] else "stays at"
-    raise ValueError(
-        f"{run.name}, row {row + 2}: column {TIME!r} {back} the time of row {row + 1}; times must "
-        f"rise. Remove rows that are there twice; if a clock was put back, write times in UTC, or "
-        f"with their offsets from it"
-    )
-
-
 def check_regular(run: Run, step: float) -> None:
-    """Check that all rows lie at regular times, within `TOLERANCE` steps."""
+    """Check that all rows lie at regular times, a time step apart (`times.irregularity`)."""
     if TIME not in run.columns:
         return
-    check_rising(run)
+    check_rising(run.name, run.columns[TIME])
     time = run.columns[TIME]
-    away = np.abs((time - time[0]) / step - np.arange(len(time))) > TOLERANCE
-    if away.any():
-        row = int(away.argmax())
-        mean = (time[-1] - time[0]) / (len(time) - 1)
-        steps = np.diff(time) / mean
-        if (np.abs(steps - 1) >= 0.5).any():
-            advice = "cut records at their gaps (data.gaps: cut)"
-        elif (np.abs((time - time[0]) / mean - np.arange(len(time))) <= TOLERANCE).all():
-            advice = f"it has no gap; write data.time_step: {mean:.10g}"
-        else:
-            advice = (
-                f"it has no gap, but steps of {steps.min() * mean:g} to {steps.max() * mean:g}: "
-                f"{_ROUNDED}"
-            )
-        raise ValueError(
-            f"{run.name}, row {row + 1}: column {TIME!r} goes on by {time[row] - time[row - 1]:g} "
-            f"from row {row}, and by {time[row] - time[0]:g} from row 1; the time step is "
-            f"{step:g}, and the mean step of the record {mean:g}: {advice}"
+    fault = irregularity(time, step)
+    if fault is None:
+        return
+    row = fault.row
+    if fault.kind == "step":
+        off = np.abs((time - time[0]) / step - np.arange(len(time))) > JITTER
+        row = int(off.argmax()) or 1
+        advice = f"it has no gap; write data.time_step: {fault.mean:.10g}"
+    elif fault.kind == "gap":
+        advice = "cut records at their gaps (data.gaps: cut)"
+    else:
+        advice = (
+            f"its rate changes: the mean step is {fault.before:.6g} up to row {row + 1}, and "
+            f"{fault.after:.6g} from there on: give parts of one rate as records of their own, or "
+            f"resample ({RECIPES})"
         )
+    raise ValueError(
+        f"{run.name}, row {row + 1}: column {TIME!r} goes on by {time[row] - time[row - 1]:g} "
+        f"from row {row}, and by {time[row] - time[0]:g} from row 1; the time step is "
+        f"{step:g}, and the mean step of the record {fault.mean:g}: {advice}"
+    )
 
 
 def runs_without_gaps(run: Run, step: float) -> list[Run]:
@@ -292,7 +282,7 @@ def runs_without_gaps(run: Run, step: float) -> list[Run]:
     """
     timed = TIME in run.columns
     if timed:
-        check_rising(run)
+        check_rising(run.name, run.columns[TIME])
     time = run.columns[TIME] if timed else np.arange(run.length) * np.float64(step)
     complete = np.ones(run.length, dtype=bool)
     for name, column in run.columns.items():
@@ -309,7 +299,7 @@ def runs_without_gaps(run: Run, step: float) -> list[Run]:
             part = run.rows(int(piece[0]), int(piece[count - 1]))
             if timed:
                 regular = part.columns[TIME][0] + step * np.arange(count)
-                part = Run(part.name, {**part.columns, TIME: regular})
+                part = Run(part.name, {**part.columns, TIME: regular}, part.units)
             runs.append(part)
             piece = piece[count:]
     if len(runs) == len(rows) >= _MANY:  # hardly gaps alone
@@ -323,10 +313,10 @@ def runs_without_gaps(run: Run, step: float) -> list[Run]:
 
 def _regular(time: FloatArray, step: float) -> int:
     """Number of leading times that are regular, at least 1; searched in growing parts."""
-    length = 64
+    length, tolerance = 64, TOLERANCE + rounding(time) / step
     while True:
         places = (time[:length] - time[0]) / step
-        fits = np.abs(places - np.arange(len(places))) <= TOLERANCE
+        fits = np.abs(places - np.arange(len(places))) <= tolerance
         if not fits.all():
             return int(fits.argmin())
         if length >= len(time):

@@ -4,6 +4,9 @@ Anything else is refused with the row, the column and what to do: nothing is shi
 guessed. What has to be done before is pandas and xarray (docs/data_recipes.md).
 """
 
+import os
+import re
+import unicodedata
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,25 +22,33 @@ from burstcast.data.named_arrays import NamedArrays
 from burstcast.data.tables import RECIPES, csv_content, frame_content
 
 T = TypeVar("T")
+_ADDRESS = re.compile(r"[a-z][a-z0-9+.-]+://", re.IGNORECASE)
 ENGINES = {".nc": "netcdf4", ".zarr": "zarr", ".h5": "h5netcdf"}
 """What xarray opens files of arrays with, by the ends of their names."""
 
 
-def content_of(source: Any) -> Content:
+def content_of(source: Any, number: int | None = None) -> Content:
     """What a source has; no value of a file is read.
 
     ``source``: Path of a file, a DataFrame of pandas, or an array or a data set of xarray.
+    ``number``: Place among several sources, for messages; None: there is no other.
     """
+    place = "" if number is None else f" {number}"
     if isinstance(source, pd.DataFrame):
-        return frame_content("the table", source)
+        return frame_content(f"the table{place}", source)
     if hasattr(source, "dims"):
-        return NamedArrays("the array", source).content()
+        return NamedArrays(f"the array{place}", source).content()
     if not isinstance(source, str | Path):
         raise TypeError(
             f"series come from a file, a DataFrame or what xarray holds, not from "
             f"{type(source).__name__}"
         )
     source = str(source)
+    if _ADDRESS.match(source):
+        raise ValueError(
+            f"{source} is an address, not a file: download it first, or read it with pandas or "
+            f"xarray, and give the table or the array"
+        )
     suffix = Path(source).suffix.lower()
     if suffix not in (".csv", ".parquet", *ENGINES):
         raise ValueError(
@@ -55,16 +66,44 @@ def content_of(source: Any) -> Content:
     )
 
 
+def _check_file(path: str) -> None:
+    """Check that a path is a file of bytes that end: no device, pipe or socket."""
+    if os.path.exists(path) and not (os.path.isfile(path) or os.path.isdir(path)):
+        raise ValueError(
+            f"{path} is no file, but a pipe or a device, which has no end that is known: copy its "
+            f"content to a file"
+        )
+
+
+def _alike(path: str) -> str:
+    """Words on a file whose name looks the same, for messages; empty if there is none."""
+    folder, name = os.path.split(path)
+    others = os.listdir(folder or ".") if os.path.isdir(folder or ".") else []
+    for other in others:
+        if (
+            unicodedata.normalize("NFKC", other).strip()
+            == unicodedata.normalize("NFKC", name).strip()
+        ):
+            return (
+                f"; {other!r} looks the same, but is written with other characters "
+                f"({other!a}, not {name!a})"
+            )
+    return ""
+
+
 def _named(path: str, read: Callable[[], T]) -> T:
     """Result of a reader, whose errors name the file."""
+    _check_file(path)
     try:
         return read()
+    except FileNotFoundError:
+        raise ValueError(
+            f"{path}: there is no such file, seen from {Path.cwd()}{_alike(path)}"
+        ) from None
     except UnicodeError as error:
         raise ValueError(f"{path} is not written in UTF-8: save it so ({error})") from error
-    except FileNotFoundError:
-        raise ValueError(f"{path}: there is no such file, seen from {Path.cwd()}") from None
     except Exception as error:  # whatever the libraries of the formats raise
-        text = str(error)
+        text = str(error) or type(error).__name__
         raise ValueError(
             text if text.startswith(path) else f"{path} cannot be read: {text}"
         ) from error
@@ -106,6 +145,12 @@ def _options_of_netcdf(path: str) -> dict[str, Any]:
         is_classic = file.read(3) == b"CDF"
     if not is_classic:
         with netCDF4.Dataset(path) as file:
+            if file.groups and not file.variables:
+                raise ValueError(
+                    f"{path} has its variables in groups ({', '.join(file.groups)}): open one with "
+                    f"xarray, open_dataset({path!r}, group={next(iter(file.groups))!r}), and write "
+                    f"it to a file of its own"
+                )
             texts = [name for name, variable in file.variables.items() if variable.dtype is str]
         # text, or numbers of a type that NetCDF lacks, such as float16: no columns of either
         return {"drop_variables": sorted({*texts} - {*AXES})}

@@ -11,24 +11,27 @@ component what is observed of the state, in units of its own
 What xarray holds has dimensions of these names in any order, of which only time must be there. A
 table of pandas is one series, and so is each entry of a list of tables or arrays: columns go by
 their names. A coordinate, a column or an index of times has neither gaps nor another interval.
+`burstcast.data.containers` has other containers.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, NamedTuple
+from unicodedata import normalize
 
 import numpy as np
 
 from burstcast.base.arrays import AXES, FloatArray, float_array, is_known
 from burstcast.base.series_lengths import padded
+from burstcast.data.clocks import check_rising, irregularity
+from burstcast.data.containers import is_labelled, unpacked
 
-_JITTER = 0.5
-"""Of the time between two samples, relative to its median: less is jitter, or rounded times."""
 _STEP_TOLERANCE = 0.01
 """Of the mean interval of a clock, relative to the interval that is expected."""
-_STEP_JITTER = 0.2
-"""By which the first and the last time may be off, in intervals."""
+_STEP_JITTER = 0.5
+"""By which the last time may be off from its place on a clock of the expected interval."""
 
 
 class LabelledRun(NamedTuple):
@@ -38,6 +41,7 @@ class LabelledRun(NamedTuple):
     states: FloatArray  #: ``(time, component)``
     times: FloatArray | None = None  #: times of the samples; None: not known
     dated: bool = False  #: whether times are in seconds, and not in the unit of their numbers
+    units: tuple[str, ...] | None = None  #: units of components, "" where not known; None: none
 
 
 @dataclass(frozen=True)
@@ -48,6 +52,7 @@ class LabelledSeries:
     labels: tuple[str, ...] | None = None  #: names of components; None: they have none
     step: float | None = None  #: time between two samples by the clock; None: there is no clock
     dated: bool = False  #: whether the step is in seconds, and not in the unit of its numbers
+    units: tuple[str, ...] | None = None  #: units of components, "" where not known; None: none
 
     def check_step(self, expected: float, name: str) -> None:
         """Check that the clock has the expected interval, which is called so in messages."""
@@ -58,6 +63,13 @@ class LabelledSeries:
                 f"{expected:.6g}{unit}"
             )
 
+    def check_units(self, expected: tuple[str, ...] | None) -> None:
+        """Check that components have the units of the training series, where both are known.
+
+        ``expected``: Units of these components in the training series, by the same labels.
+        """
+        check_units("the series", self.labels, self.units, "the training series", expected)
+
 
 def labelled_series(data: Any, what: str = "the series") -> LabelledSeries:
     """Copy series of a user, which may differ in length, with their labels and their clock.
@@ -66,35 +78,73 @@ def labelled_series(data: Any, what: str = "the series") -> LabelledSeries:
     table or a list of tables; an array or a data set of xarray; or a list of series of unequal
     lengths, ``(time, component)`` each.
     """
-    if _is_labelled(data):
-        data = [data]
-    if not isinstance(data, list | tuple) or not data:
+    data = unpacked(data, what)
+    if not isinstance(data, list) or not data:
         return LabelledSeries(_checked(float_array(data, what), np.shape(data), what))
-    if any(map(_is_labelled, data)):
+    if paths := [entry for entry in data if isinstance(entry, str | Path)]:
+        raise TypeError(
+            f"{what} must be arrays or tables, not the file {str(paths[0])!r}: read files by "
+            f"burstcast.data.records.measured_series(path, time_step)"
+        )
+    if any(map(is_labelled, data)):
         runs = [run for source in data for run in _runs(source, what)]
-        states = [_by_label(run, runs[0].labels, what) for run in runs]
+        labels, units = runs[0].labels, runs[0].units
+        states = [_by_label(run, labels, what) for run in runs]
+        for number, run in enumerate(runs[1:], 2):
+            if run.units and run.labels == labels:
+                check_units(f"series {number}", labels, run.units, "series 1", units)
         step, dated = _clock(runs, what)
-        return LabelledSeries(_side_by_side(states, what), runs[0].labels, step, dated)
+        return LabelledSeries(_side_by_side(states, what), labels, step, dated, units)
     lengths = {len(series) for series in data if hasattr(series, "__len__")}
     if len(lengths) < 2:
         return LabelledSeries(_checked(float_array(data, what), np.shape(data), what))
     return LabelledSeries(_side_by_side([float_array(series, what) for series in data], what))
 
 
-def observation_of(data: Any) -> tuple[FloatArray, tuple[str, ...] | None]:
-    """One observation ``(component,)``, and the labels of its components if it has any.
+class Observation(NamedTuple):
+    """One observation of a running series as a user has it."""
 
-    ``data``: An array of NumPy, a series of pandas with labels as its index, or an array of xarray
-    with the dimension component.
+    values: FloatArray  #: ``(component,)``
+    labels: tuple[str, ...] | None  #: of its components; None: they have none
+    time: Any = None  #: when it was made, as a number or a date; None: not known
+    row: int | None = None  #: number of its row in a table without times; None: not known
+
+
+def observation_of(data: Any) -> Observation:
+    """One observation with the labels of its components, and the time that it carries.
+
+    ``data``: An array of NumPy, a row of a table of pandas, a dictionary, or what xarray holds of
+    one time, with the dimension component.
     """
-    labels = None
+    what = "the observation"
     if hasattr(data, "iloc"):
-        labels = tuple(map(str, data.index))
-    elif hasattr(data, "dims"):
-        data = data.squeeze()
+        row = data.iloc[0] if data.ndim == 2 and len(data) == 1 else data
+        values = dict(zip(map(str, row.index), row, strict=True))
+        name, time = getattr(row, "name", None), values.pop("time", None)
+        if time is None and isinstance(name, tuple):
+            raise ValueError(f"{what} has the label {name!r} of several levels: give its time")
+        row_number = None
+        if time is None and isinstance(name, int | np.integer) and not isinstance(name, bool):
+            row_number = int(name)
+        numbers = row.drop(index=["time"]) if len(values) < len(row) else row
+        return Observation(
+            float_array(np.asarray(numbers, dtype=None if time is None else float), what),
+            tuple(values),
+            name if time is None and row_number is None else time,
+            row_number,
+        )
+    if hasattr(data, "dims"):
+        data = (data.to_dataarray("component") if hasattr(data, "data_vars") else data).squeeze()
+        labels = None
         if "component" in data.coords and data.ndim:
             labels = labels_of(data.coords["component"].values)
-    return float_array(data, "the observation"), labels
+        time = data.coords["time"].values[()] if "time" in data.coords else None
+        return Observation(float_array(data, what), labels, time)
+    if isinstance(data, Mapping):
+        values = {str(label): value for label, value in data.items()}
+        time = values.pop("time", None)
+        return Observation(float_array(list(values.values()), what), tuple(values), time)
+    return Observation(float_array(data, what), None)
 
 
 def labels_of(entries: Any) -> tuple[str, ...]:
@@ -108,11 +158,6 @@ def labels_of(entries: Any) -> tuple[str, ...]:
     if entries.dtype.kind in "iuf":
         return tuple(f"c{entry:g}" for entry in entries)
     return tuple(map(str, entries.astype(str)))
-
-
-def _is_labelled(data: Any) -> bool:
-    """Whether it is of xarray or of pandas, which take half a second to load."""
-    return hasattr(data, "dims") or hasattr(data, "iloc")
 
 
 def _runs(data: Any, what: str) -> Iterator[LabelledRun]:
@@ -136,8 +181,55 @@ def _by_label(run: LabelledRun, labels: tuple[str, ...] | None, what: str) -> Fl
     if sorted(run.labels) != sorted(labels):
         raise ValueError(
             f"{what} have different components: {', '.join(labels)} and {', '.join(run.labels)}"
+            f"{nearly_the_same(labels, run.labels)}"
         )
     return run.states[:, [run.labels.index(label) for label in labels]]
+
+
+def nearly_the_same(labels: Sequence[str], others: Sequence[str]) -> str:
+    """Words on labels that look alike but are other texts, for messages; empty if there are none.
+
+    Examples
+    --------
+    >>> nearly_the_same(["u"], ["u "])
+    "; 'u' and 'u ' differ in blanks alone: rename one"
+    """
+    for label in labels:
+        for other in others:
+            if label == other or _seen(label) != _seen(other):
+                continue
+            in_blanks = _without_blanks(label) == _without_blanks(other) or (
+                normalize("NFC", label) != normalize("NFC", other)
+                and "".join(label.split()) == "".join(other.split())
+            )
+            how = "blanks" if in_blanks else "how their characters are composed"
+            return f"; {label!r} and {other!r} differ in {how} alone: rename one"
+    return ""
+
+
+def _seen(label: str) -> str:
+    return _without_blanks(normalize("NFKC", label))
+
+
+def _without_blanks(label: str) -> str:
+    return "".join(sign for sign in label if not sign.isspace() and sign.isprintable())
+
+
+def check_units(
+    what: str,
+    labels: tuple[str, ...] | None,
+    units: tuple[str, ...] | None,
+    other: str,
+    expected: tuple[str, ...] | None,
+) -> None:
+    """Check that the units of components are the same texts in two series, where both have one."""
+    for place, (unit, its) in enumerate(zip(units or (), expected or (), strict=False)):
+        if unit and its and unit != its:
+            name = labels[place] if labels else f"component {place}"
+            raise ValueError(
+                f"{name!r} has the unit {unit!r} in {what} and {its!r} in {other}: convert one of "
+                f"them"
+            )
 
 
 def _clock(runs: list[LabelledRun], what: str) -> tuple[float | None, bool]:
@@ -156,22 +248,27 @@ def _clock(runs: list[LabelledRun], what: str) -> tuple[float | None, bool]:
 
 
 def _step(times: FloatArray, dated: bool, what: str) -> float:
-    """Mean interval of a clock without gaps."""
-    steps = np.diff(times)
-    if not (steps > 0).all():
-        raise ValueError(f"{what}: times must rise from each sample to the next")
-    typical = float(np.median(steps))
-    if (odd := np.abs(steps / typical - 1) >= _JITTER).any():
-        first = int(odd.argmax())
-        before, after = (
-            np.datetime64(round(time * 1e6), "us") if dated else f"{time:.6g}"
-            for time in times[first : first + 2].tolist()
-        )
+    """Mean interval of a clock without gaps, of one rate (`times.irregularity`)."""
+    check_rising(what, times)
+    fault = irregularity(times)
+    if fault is None:
+        return float((times[-1] - times[0]) / (len(times) - 1))
+    before, after = (
+        np.datetime64(round(time * 1e6), "us") if dated else f"{time:.6g}"
+        for time in times[fault.row - 1 : fault.row + 1].tolist()
+    )
+    unit = " seconds" if dated else ""
+    if fault.kind == "gap":
         raise ValueError(
-            f"{what}: samples are {typical:.6g}{' seconds' if dated else ''} apart, but not those "
-            f"at the times {before} and {after}: give the runs between gaps as a list of series"
+            f"{what}: samples are {fault.before:.6g}{unit} apart, but not those "
+            f"at the times {before} and {after}: give the runs between gaps as a list of series "
+            f"(burstcast.data.records.measured_series cuts them: cut_gaps=True)"
         )
-    return float((times[-1] - times[0]) / (len(times) - 1))
+    raise ValueError(
+        f"{what}: the rate of samples changes: up to the time {before} they are {fault.before:.6g}"
+        f"{unit} apart, and {fault.after:.6g}{unit} from {after} on: give parts of one rate as "
+        f"records of their own, or resample"
+    )
 
 
 def _alike(step: float, expected: float, samples: int) -> bool:

@@ -1,7 +1,8 @@
 """The door of tables: CSV, Parquet and DataFrames of pandas become runs by one check.
 
-A table has numbers in named columns and a column, or an index, ``time``. pandas reads CSV; what it
-would fill or guess in one is refused before, with the line.
+A table has numbers in named columns and a column, or an index, of times. An index of whole numbers
+that rise in equal steps counts rows; any other index is refused. pandas reads CSV; what it would
+fill or guess in one is refused before, with the line.
 """
 
 import csv
@@ -16,7 +17,7 @@ import pandas as pd
 from burstcast.base.arrays import FloatArray
 from burstcast.data.measured_data import Content, Run
 from burstcast.data.series_layout import LabelledRun
-from burstcast.data.times import TIME, TimesError, is_number, times_in
+from burstcast.data.times import TIME, TimesError, is_dated, is_number, times_in
 
 RECIPES = "docs/data_recipes.md has recipes"
 
@@ -27,6 +28,7 @@ _TRUTHS = (b"rue", b"RUE", b"alse", b"ALSE")
 
 def frame_content(source: str, frame: pd.DataFrame) -> Content:
     """What a table of pandas has."""
+    frame = with_clock(source, frame)
     names = _with_time(source, column_names(source, frame))
     return Content(source, names, lambda wanted, unit: [frame_run(source, frame, wanted, unit)])
 
@@ -37,6 +39,11 @@ def csv_content(path: str) -> Content:
         header, line = 1, file.readline()
         while line.startswith("#") or (line and not line.strip()):
             header, line = header + 1, file.readline()
+    if line.lower().startswith("sep="):
+        raise ValueError(
+            f"{path}, line {header} is {line.strip()!r}, which Excel writes to name the separator: "
+            f"remove this line"
+        )
     names = _header(path, line.rstrip("\r\n"), header)
 
     def read(wanted: Sequence[str], unit: str | None) -> list[Run]:
@@ -48,8 +55,79 @@ def csv_content(path: str) -> Content:
 
 def column_names(source: str, frame: pd.DataFrame) -> list[str]:
     """Names of columns, and of an index that is called ``time``."""
+    if frame.columns.nlevels > 1:
+        raise ValueError(
+            f"{source} has columns of {frame.columns.nlevels} levels, such as "
+            f"{frame.columns[0]!r}: name each column by one text "
+            f"(table.columns = table.columns.map('_'.join)), or give a list of tables"
+        )
     names = list(map(str, frame.columns))
     return _distinct(source, [TIME, *names] if frame.index.name == TIME else names)
+
+
+def with_clock(source: str, frame: pd.DataFrame) -> pd.DataFrame:
+    """A table whose index is called ``time`` if it has times, or counts rows if it has none.
+
+    Raises ValueError for an index that is neither, such as one with holes.
+    """
+    index = frame.index
+    if index.name == TIME or not len(frame):
+        return frame
+    if index.nlevels > 1:
+        raise ValueError(
+            f"{source} has an index of {index.nlevels} levels: give a list of series, "
+            f"[table.droplevel(0) for _, table in table.groupby(level=0)]"
+        )
+    if isinstance(index, pd.DatetimeIndex | pd.TimedeltaIndex | pd.PeriodIndex):
+        return frame.rename_axis(index=TIME)
+    timed = TIME in frame.columns
+    if pd.api.types.is_numeric_dtype(index.dtype) and index.dtype.kind not in "bc":
+        numbers = index.to_numpy(dtype=np.float64, na_value=np.nan)
+        if not timed and np.isfinite(numbers).all() and (numbers % 1 != 0).any():
+            return frame.rename_axis(index=TIME)  # times in the unit of the time step
+        if not timed:
+            _check_row_numbers(source, numbers)
+        return frame
+    if timed:
+        return frame
+    try:
+        times_in(index, "second")
+    except TimesError as error:
+        raise ValueError(
+            f"{source}: its index is neither times nor row numbers, since it {error}; if it means "
+            f"nothing, leave it out (reset_index(drop=True))"
+        ) from None
+    return frame.rename_axis(index=TIME)
+
+
+def _check_row_numbers(source: str, numbers: FloatArray) -> None:
+    """Check that an index of whole numbers counts rows, each or every n-th, without holes."""
+    steps = np.diff(numbers)
+    if not len(steps) or (steps[0] > 0 and (steps == steps[0]).all()):
+        return
+    if not np.isfinite(numbers).all():
+        raise ValueError(f"{source}: its index has no number in some rows: leave it out, or fill")
+    if (steps <= 0).all():
+        raise ValueError(
+            f"{source}: its index falls, the last row first, but times must rise: reverse the "
+            f"table ([::-1])"
+        )
+    if (steps <= 0).any():
+        row = int((steps <= 0).argmax())
+        raise ValueError(
+            f"{source}: its index goes from {numbers[row]:g} to {numbers[row + 1]:g} in row "
+            f"{row + 2}, as where tables were joined: give a list of series, or "
+            f"pd.concat(tables, keys=range(n)); if all rows follow each other, "
+            f"reset_index(drop=True)"
+        )
+    typical = float(np.median(steps))
+    row = int((steps != typical).argmax())
+    raise ValueError(
+        f"{source}: rows are missing between {numbers[row]:g} and {numbers[row + 1]:g} of its "
+        f"index, which rises by {typical:g} else ({int((steps != typical).sum())} such places): "
+        f"give the runs between gaps as a list of series; if no row is missing, "
+        f"reset_index(drop=True)"
+    )
 
 
 def frame_run(
@@ -84,19 +162,19 @@ def frame_run(
     return Run(source, columns)
 
 
-def labelled_run(source: str, table: pd.DataFrame | pd.Series) -> LabelledRun:
+def labelled_run(source: str, frame: pd.DataFrame) -> LabelledRun:
     """Rows of a table with the names of its columns; its times are a column or an index."""
-    table = table.to_frame() if isinstance(table, pd.Series) else table
-    if isinstance(table.index, pd.DatetimeIndex | pd.TimedeltaIndex):
-        table = table.rename_axis(index=TIME)
+    table = with_clock(source, frame)
     names = column_names(source, table)
-    columns = dict(frame_run(source, table, names, "second").columns)
+    run = frame_run(source, table, names, "second")
+    columns = dict(run.columns)
     times, labels = columns.pop(TIME, None), tuple(name for name in names if name != TIME)
     given: Any = table.index if table.index.name == TIME else table.get(TIME)
-    dated = times is not None and not pd.api.types.is_numeric_dtype(given.dtype)
+    dated = times is not None and is_dated(given)
     if not labels:
         raise ValueError(f"{source} has no column beside {TIME!r}")
-    return LabelledRun(labels, np.stack([columns[name] for name in labels], axis=1), times, dated)
+    states = np.stack([columns[name] for name in labels], axis=1)
+    return LabelledRun(labels, states, times, dated)
 
 
 def _place(row: int | None, first_line: int | None) -> str:
@@ -137,6 +215,12 @@ def _header(path: str, line: str, number: int) -> list[str]:
             f"{place} has numbers where the names of the columns are expected: write a header "
             f"({RECIPES})"
         )
+    for name in names:
+        if not name.isprintable():
+            raise ValueError(
+                f"{place}: the name of a column, {name!a}, has characters that are not seen, "
+                f"such as a second byte-order mark (\\ufeff): remove them"
+            )
     if "" in names:
         column = names.index("")
         index = f": pandas writes an index so; call it {TIME} (index.name)" if not column else ""

@@ -1,5 +1,6 @@
 """Times of the rows of a record: numbers, or dates (ISO 8601) in units of time since 1970."""
 
+import datetime
 import math
 import re
 from collections.abc import Sequence
@@ -9,12 +10,10 @@ import numpy as np
 import pandas as pd
 
 from burstcast.base.arrays import FloatArray
+from burstcast.data.clocks import SECONDS
 
 TIME = "time"
 """Name of the column, the variable or the axis of times."""
-
-SECONDS = {"second": 1, "minute": 60, "hour": 3600, "day": 86400}
-"""Units of time for records with dates, in seconds; each has a constant length."""
 
 _SPELLINGS: dict[str, float] = {"s": 1, "sec": 1, "min": 60, "h": 3600, "hr": 3600, "d": 86400}
 _SPELLINGS |= {**SECONDS, "ms": 1e-3, "millisecond": 1e-3, "us": 1e-6, "microsecond": 1e-6}
@@ -41,14 +40,21 @@ class TimesError(ValueError):
         self.row = row
 
 
-def time_step_of(given: float | str) -> tuple[float, str | None]:
+def time_step_of(given: float | str | datetime.timedelta) -> tuple[float, str | None]:
     """Time between two rows, and its unit where the times are dates.
+
+    ``given``: A number, text, or a duration of Python, NumPy or pandas, which is in seconds then.
 
     Examples
     --------
-    >>> time_step_of("5 minutes"), time_step_of(0.02)
-    ((5.0, 'minute'), (0.02, None))
+    >>> time_step_of("5 minutes"), time_step_of(0.02), time_step_of(pd.Timedelta("1 min"))
+    ((5.0, 'minute'), (0.02, None), (60.0, 'second'))
     """
+    if isinstance(given, datetime.timedelta | np.timedelta64):
+        seconds = pd.Timedelta(given).total_seconds()
+        if not 0 < seconds < math.inf:
+            raise ValueError(f"the time step must be above 0, not {given!r}")
+        return seconds, "second"
     if not isinstance(given, str):
         if not 0 < given < math.inf:
             raise ValueError(f"the time step must be finite and above 0, not {given!r}")
@@ -76,13 +82,25 @@ def times_in(values: Any, unit: str | None) -> FloatArray:
         return _moments_in(pd.DatetimeIndex(column), _given(unit))
     if pd.api.types.is_timedelta64_dtype(kind):
         return pd.TimedeltaIndex(column).total_seconds().to_numpy() / SECONDS[_given(unit)]
-    texts = column.fillna("").tolist()
+    if isinstance(kind, pd.PeriodDtype):
+        return _moments_in(pd.PeriodIndex(column).to_timestamp(), _given(unit))
+    if kind.kind == "O" and all(isinstance(entry, datetime.date) for entry in column):
+        return _moments_in(pd.DatetimeIndex(pd.to_datetime(column)), _given(unit))
+    texts = column.astype(object).where(column.notna(), "").tolist()
     if not all(isinstance(text, str) for text in texts):
         raise TimesError(
             f"has neither numbers nor dates that pandas knows, but {type(texts[0]).__name__}: "
             f"write times as numbers"
         )
     return _times_of([text.strip() for text in texts], unit)
+
+
+def is_dated(values: Any) -> bool:
+    """Whether times are dates or durations, and not numbers, as numbers or text."""
+    column = pd.Series(values)
+    if pd.api.types.is_numeric_dtype(column.dtype):
+        return False
+    return not (isinstance(column.iloc[0], str) and is_number(column.iloc[0].strip()))
 
 
 def _given(unit: str | None, what: str = "dates", row: int | None = None) -> str:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from burstcast.base import random_streams
 from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.threads import single_threaded
 from burstcast.control.actuation import ActuationValues, actuated_system, reversed_actuation
 from burstcast.control.controllers import controlling_policy, votes
 from burstcast.control.experiment import ControlExperiment, noise_of_flows
@@ -211,7 +211,7 @@ def control_system(
         actuation_duration_lt=pulse[1],
         steps_per_lyapunov_time=forecaster._timing.unit,
         sampling_stride=stride,
-        time_step=forecaster.sampling_interval / stride,
+        time_step=forecaster._timing.sampling_interval / stride,
     )
     strategy.check(schedule)
     experiment = ControlExperiment(
@@ -241,7 +241,7 @@ def control_system(
         observed_noise = noise_of_flows(
             experiment.series, length, noise, scales, forecaster.random_seed, forecaster.case
         )
-    with threadpool_limits(limits=1):
+    with single_threaded():
         flows = strategy.simulate(
             experiment, policy, noise=observed_noise, keep_states=True, costs=True
         )
@@ -312,7 +312,7 @@ def _result(
     assert flows.uncontrolled_states is not None
     assert flows.controlled_states is not None
     return ControlledSystem(
-        time=forecaster.sampling_interval * np.arange(samples, dtype=np.float64),
+        time=forecaster._timing.sampling_interval * np.arange(samples, dtype=np.float64),
         free_states=flows.uncontrolled_states[:, from_now],
         states=flows.controlled_states[:, from_now],
         free_observable=flows.uncontrolled[:, from_now],
@@ -339,7 +339,7 @@ def _check_fit(
             "the observable of the system differs from the forecaster's: fit the forecaster with "
             "observable=system"
         )
-    if strategy.informed and not class_of(forecaster.kind).learns_parameters:
+    if strategy.informed and not class_of(forecaster._model).learns_parameters:
         raise ValueError(
             f"{name} gives forecasters the actuation: take a kind that learns parameters, such as "
             "quadratic_aware"

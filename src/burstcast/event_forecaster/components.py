@@ -8,6 +8,7 @@ import numpy as np
 
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.natural_order import natural_order
+from burstcast.data.series_layout import nearly_the_same
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,10 @@ class Components:
         if isinstance(component, str):
             if component not in (self.labels or ()):
                 described = f"labels {', '.join(self.labels)}" if self.labels else "no labels"
-                raise ValueError(f"observable is {component!r}, but the series have {described}")
+                hint = nearly_the_same(self.labels or (), [component])
+                raise ValueError(
+                    f"observable is {component!r}, but the series have {described}{hint}"
+                )
             component = list(self.labels or ()).index(component)
         elif not -self.count <= component < self.count:
             raise ValueError(
@@ -63,7 +67,7 @@ class Components:
             if sorted(labels) != sorted(self.labels):
                 raise ValueError(
                     f"the components of {what} are {', '.join(labels)}; those of the training "
-                    f"series were {', '.join(self.labels)}"
+                    f"series were {', '.join(self.labels)}{nearly_the_same(self.labels, labels)}"
                 )
             states = states[..., [list(labels).index(label) for label in self.labels]]
         if states.shape[-1] != self.count:
@@ -71,6 +75,14 @@ class Components:
                 f"{what} have {states.shape[-1]} components, the training series had {self.count}"
             )
         return states if self._is_given else np.ascontiguousarray(states[..., self.order])
+
+    def units_for(
+        self, labels: Sequence[str] | None, units: tuple[str, ...] | None
+    ) -> tuple[str, ...] | None:
+        """Units of the training series in the order of other labels."""
+        if units is None or labels is None or self.labels is None:
+            return units
+        return tuple(units[self.labels.index(label)] for label in labels)
 
     def as_given(self, states: FloatArray) -> FloatArray:
         """States ``(..., component)`` of a forecaster in the order of the training series."""

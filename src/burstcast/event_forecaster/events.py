@@ -9,6 +9,7 @@ import numpy as np
 from burstcast.base import durations
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.base.events import upward_crossings
+from burstcast.event_forecaster.choice import LeftOutForecasts
 from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasts.alarms import AlarmRule, isotonic, logistic
@@ -247,6 +248,27 @@ class Events:
             permanent_f_score(whole),
             1 - error / (rate * (1 - rate) * float(whole.points.sum())),
         )
+
+    def left_out(
+        self, points: ObservedPoints, values: ByTime, prior: float | None
+    ) -> dict[float, LeftOutForecasts]:
+        """What calibrates at each prediction time, to compare kinds by.
+
+        ``values``, ``prior``: As for `calibrated`.
+        """
+        quiet, where = self.quiet(points), points.points
+        reach = self.timing.boundaries[-1]
+        return {
+            time: LeftOutForecasts(
+                self.happened(points, time)[quiet],
+                values[time][quiet],
+                where.series[quiet],
+                where.step[quiet],
+                reach,
+                prior,
+            )
+            for time in self.timing.times
+        }
 
     def outcomes(
         self,

@@ -151,6 +151,12 @@ def check_sizes(record: ForecasterRecord, case: ForecastingCase, kind: Forecaste
             raise ValueError(f"{stored} stored numbers are no polynomial of degree {degree}")
 
 
+def check_complete(record: ForecasterRecord, restored: ForecasterRecord) -> None:
+    """Check that a record has the arrays of the forecaster that was restored from it."""
+    if lacking := sorted(restored.arrays.keys() - record.arrays.keys()):
+        raise ValueError(f"it lacks the array {', '.join(lacking)}")
+
+
 def check_effort(kind: ForecasterKind, steps: int, stride: int) -> None:
     """Check that a forecast of a loaded forecaster is none that never ends.
 

@@ -7,28 +7,39 @@ forecasts an event by leave-one-out forecasts of the training series. It has no 
 
 from __future__ import annotations  # help() then shows Observable and FloatArray, not their parts
 
+import copy
 import dataclasses
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from pathlib import Path
 from typing import Any, Literal, Self, cast, overload
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from burstcast.base import random_streams
 from burstcast.base.arrays import BoolArray, FloatArray, float_array
 from burstcast.base.compiled.backends import usable_backend
 from burstcast.base.exogenous import up_to_sample, with_inputs
-from burstcast.base.series_lengths import padded, samples_of, series_lengths
+from burstcast.base.left_out import LeftOut
+from burstcast.base.series_lengths import padded, samples_of, series_lengths, without_padding
+from burstcast.base.threads import single_threaded
+from burstcast.data.clocks import readable, unit_of_dates
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
+from burstcast.data.no_state import no_state
 from burstcast.data.observation_noise import estimate_noise
 from burstcast.data.series_layout import LabelledSeries, labelled_series, observation_of
 from burstcast.data.starting_points import SeriesPoints, segments
-from burstcast.event_forecaster import files
+from burstcast.event_forecaster import choice, files
 from burstcast.event_forecaster.causes import causes, diagnosed, step_error
+from burstcast.event_forecaster.choice import (
+    AUTO,
+    KINDS,
+    LeftOutForecasts,
+    choose,
+    cost,
+)
 from burstcast.event_forecaster.components import Components
 from burstcast.event_forecaster.consistency import (
     ALPHA,
@@ -46,7 +57,14 @@ from burstcast.event_forecaster.events import (
     permanent_f_score,
 )
 from burstcast.event_forecaster.observed_states import Observable, state_space
-from burstcast.event_forecaster.parameters import checked_parameters
+from burstcast.event_forecaster.parameters import (
+    Duration,
+    checked_parameters,
+    copied,
+    described,
+    has_unit,
+    is_same,
+)
 from burstcast.event_forecaster.schedules import as_schedules
 from burstcast.event_forecaster.score_intervals import (
     EventOutcomes,
@@ -54,6 +72,7 @@ from burstcast.event_forecaster.score_intervals import (
     blocks_of,
     score_intervals,
 )
+from burstcast.event_forecaster.shared_rows import shared_rows
 from burstcast.event_forecaster.stream import ObservationStream
 from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasters._limits import TrainingLimits
@@ -69,9 +88,11 @@ from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters
 
 _REFERENCE_STATES = 8
+_ROUNDING = 1e-9
+"""Relative difference up to which two prediction times are the same."""
 _FITTED = (
     *("components", "own_parameters", "reference_states", "reference_observable"),
-    *("event_threshold", "hyperparameters", "labels", "clock", "unskilled_times"),
+    *("event_threshold", "hyperparameters", "labels", "clock", "units", "unskilled_times"),
     *("training_range", "consistency"),
 )
 """Names of what a fit has found, beside members and alarms, without their underscores."""
@@ -84,6 +105,9 @@ DURATIONS: Mapping[str, tuple[float, float]] = {
     "start_spacing": (1.0, 1.0),
 }
 """Durations that are not given: in Lyapunov times, and in samples without a Lyapunov time."""
+
+_OF_SCORES = ("start_spacing",)
+"""Parameters that a fit does not depend on."""
 
 PARTS = 5
 """Parts of a single training series that are left out in turn, to calibrate."""
@@ -116,6 +140,7 @@ class EventForecaster(Estimator):
     ensemble vote, or if it is a classifier), ``hyperparameters_`` what the search found for each
     network, ``event_threshold_`` the threshold in units of the observable, ``alarms_`` the
     calibrations and thresholds (`burstcast.forecasts.alarms`) by prediction time,
+    ``kind_`` and ``choices_`` what ``kind="auto"`` chose and tried,
     ``warnings_`` signs of weakness, in sentences, and ``classes_`` the columns of `predict_proba`.
 
     Examples
@@ -149,14 +174,17 @@ class EventForecaster(Estimator):
     #: all methods.
     prediction_times: float | Sequence[float] = (1.0,)
     window: float | None = None  #: length of the prediction window
-    #: in the unit of ``sampling_interval``; None: all durations are in samples
-    lyapunov_time: float | None = None
-    sampling_interval: float = 1.0  #: time between two samples
+    #: in the unit of ``sampling_interval``, or with a unit of its own, as that; None: all durations
+    #: are in samples
+    lyapunov_time: Duration | None = None
+    #: time between two samples: a number, or a Timedelta or text ("10 minutes") for dates
+    sampling_interval: Duration = 1.0
     washout: float | None = None  #: length of the observations that a forecast starts from
     #: a kind of `burstcast.forecasters` by its name: "esn", "nvar", "quadratic", ..., or a
     #: classifier of events without trajectories, "precursor" or "esn_direct"; or a class of
     #: forecasters, or an unfitted forecaster with its options, of burstcast or of one's own:
-    #: ``NVAR(lags=3)``
+    #: ``NVAR(lags=3)``. "auto" tries several and keeps the best
+    #: (`burstcast.event_forecaster.choice`)
     kind: str | ForecasterKind | type[ForecasterKind] = "esn"
     #: number of networks in the committee. Other kinds ignore it: the members of their ensemble
     #: vote (filters, analogues), or the single forecaster votes 0 or 1.
@@ -188,7 +216,8 @@ class EventForecaster(Estimator):
     #: component; 0 for measured series
     noise: float = 0.0
     sampling_stride: int = 1  #: integration steps in a sample, for kinds that integrate equations
-    #: options that differ from the defaults of a kind that is given by its name
+    #: options that differ from the defaults of a kind that is given by its name; of "auto", the
+    #: kinds to try: ``{"kinds": ["analogues", "esn"]}``
     options: Mapping[str, Any] | None = None
     #: random_seed, case: root of all random numbers, and the name of the case in their streams: a
     #: case of the workflow with the same settings has the same networks, bit for bit
@@ -215,23 +244,58 @@ class EventForecaster(Estimator):
         alarm; if there are fewer than ten events; if series are too short for a forecast; or if
         durations in samples are short beside the correlation time.
         """
+        if self.kind == AUTO:
+            return self._choose(series, parameters)
         kind = self._kind  # loads what it computes with, whose threads are limited
         # threads of small matrices wait for each other more than they work
-        with threadpool_limits(limits=1):
+        with single_threaded():
             self._fit(kind, series, parameters)
+        self._warn_once(self.warnings_)
+        return self
+
+    def _choose(self, series: Any, parameters: Any) -> Self:
+        """Fit the kind that forecasts training series best which it has not learnt from."""
+        options = dict(self.options or {})
+        kinds = tuple(options.pop("kinds", KINDS))
+        if options or not kinds or isinstance(self.options and self.options.get("kinds"), str):
+            raise ValueError(
+                f"options of the kind 'auto' are kinds=[...], names of kinds, not {self.options}"
+            )
+        if not self.calibrate:
+            raise ValueError("kind='auto' compares what calibrates: it needs calibrate=True")
+        given = labelled_series(series, "the training series").states
+        warnings.warn(cost(kinds, given, self), stacklevel=3)
+        best, trials = choose(self, series, parameters, kinds)
+        chosen = best.kind
+        vars(self).update({**vars(best), "kind": self.kind, "options": self.options})
+        self.kind_, self.choices_ = str(chosen), trials
+        self._parameters_of_fit |= {"kind": self.kind, "options": copied(self.options)}
+        events = int(sum(each.happened.sum() for each in self.left_out_.values()))
+        told: list[str] = [*choice.findings(trials, self.kind_, events)]
+        told += cast(Any, best).warnings_
+        self.warnings_ = told
         self._warn_once(self.warnings_)
         return self
 
     def _fit(self, kind: ForecasterKind, series: Any, parameters: Any) -> None:
         checked, timing = checked_parameters(self), self._timing
         given = labelled_series(series, "the training series")
+        findings: list[str] = list(no_state(given))
         components = Components(
             given.states.shape[2], given.labels, isinstance(self.observable, DynamicalSystem)
         )
         self._check_clock(given, None)
         states = components.arranged(given.states, given.labels)
-        if self.calibrate and not class_of(self.kind).learns_parameters:
-            states = self._in_parts(states)
+        shared = shared_rows(without_padding(states))
+        reduced = self.calibrate and not class_of(self._model).learns_parameters
+        findings += shared.finding(reduced) if self.calibrate else ()
+        if reduced:
+            if len(shared.needed) < len(states):
+                states = states[shared.needed]
+                shared = shared_rows(())
+            if len(states) == 1:
+                states = self._in_parts(states)
+                shared = shared_rows(())
         learnt = self._checked_schedules(parameters, len(states), states.shape[1] - 1, "fit")
         own_values = None if learnt is None else learnt.mean(axis=(0, 1)).tolist()
         labelled = None
@@ -243,7 +307,7 @@ class EventForecaster(Estimator):
             scales = component_scales(states)
             observed = observed_series(states, 0, self.noise, scales, self.random_seed, self.case)
         points = self._points(case, observed, value, self._samples("calibration_spacing"))
-        findings: list[str] = [*events.weaknesses(value), *self._short_series(states)]
+        findings += [*events.weaknesses(value), *self._short_series(states)]
         if self.calibrate and len(states) < 2:
             raise ValueError(
                 "calibrating leaves one series out and takes two at least: give more series, or "
@@ -280,17 +344,25 @@ class EventForecaster(Estimator):
                 consistency = self._consistency_test(members[0], observed, points)
             invalid += events.invalid(kept, "of the kept models in training series", members[0])
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
+        left_out_forecasts: dict[float, LeftOutForecasts] = {}
         if self.calibrate:
+            left_out = shared.left_out()
+            if left_out is not None:
+                points = points.of_series(np.concatenate([each.forecast for each in left_out]))
             if labelled is None:
-                votes = _left_out(members, case, training, points, timing)
+                votes = _left_out(members, case, training, points, timing, left_out)
                 values = events.shares(votes)
                 invalid += events.invalid(votes, "of series that were left out", members[0])
             else:
                 asked = points.washouts, points.points.series
+                linked = shared.linked if shared.count else None
                 values = events.by_time(
-                    out_of_sample_probabilities(members[0].tuned(), labelled, case, *asked)
+                    out_of_sample_probabilities(
+                        members[0].tuned(), labelled, case, *asked, linked=linked
+                    )
                 )
             prior = None if labelled else checked["prior_forecasts"]
+            left_out_forecasts = events.left_out(points, values, prior)
             alarms, unskilled = events.calibrated(points, values, prior)
         if symptoms := [*invalid, *unskilled.values()]:
             found = causes(
@@ -307,10 +379,12 @@ class EventForecaster(Estimator):
             findings += diagnosed(symptoms, [*found, *errs])
         # nothing of a former fit is left before all can be replaced
         self.members_, self.hyperparameters_, self.alarms_ = members, hyperparameters, alarms
-        self._stream = None
+        self._stream, self.left_out_ = None, left_out_forecasts
         self.components_, self.own_parameters_ = components.count, own_values
         self.labels_ = components.labels
         self.clock_ = given.step if given.dated else None
+        self.units_ = given.units
+        self._parameters_of_fit = {name: copied(value) for name, value in self.get_params().items()}
         # `load` compares its observable with these
         samples = samples_of(states)
         rows = np.linspace(0, len(samples) - 1, _REFERENCE_STATES).astype(int)
@@ -500,24 +574,29 @@ class EventForecaster(Estimator):
         self._check_fitted()
         return self.alarms_[self._time(prediction_time)]
 
-    def update(self, observation: Any, time: float | None = None) -> Self:
+    def update(self, observation: Any, time: Any = None) -> Self:
         """Take the next observation of a running series, ``(component,)``, by labels if it has any.
 
         Only the latest washout counts. A gap begins the washout again, and a warning says so: an
         observation that is not finite, or a time that is more than a sampling interval after the
         last one. `save` keeps the observations; `fit` forgets them.
 
-        ``time``: When it was made, in the unit of ``sampling_interval``; None: one sampling
-        interval after the one before. Raises ValueError if the observation has other components
-        than the training series, or the time is not finite, goes back, or is between two samples.
+        ``time``: When it was made, in the unit of ``sampling_interval``, or a date; None: what the
+        observation carries (the name of a row of pandas, the coordinate ``time`` of xarray), or
+        else one sampling interval after the one before. Raises ValueError if the observation has
+        other components than the training series, or the time is not finite, goes back, or is
+        between two samples.
         """
         self._check_fitted()
         if self._stream is None:
             self._stream = self._new_stream()
-        values, labels = observation_of(observation)
+        values, labels, carried, row = observation_of(observation)
         if values.shape == (self.components_,):
             values = self._components.arranged(values, labels, "an observation")
-        self._stream.append(values, time)
+        if time is None:
+            self._stream.append(values, carried, row)
+        else:
+            self._stream.append(values, time)
         return self
 
     def probability(self, prediction_time: float | None = None) -> float:
@@ -610,7 +689,7 @@ class EventForecaster(Estimator):
             events.happened(points, time)[quiet],
             self.rule(time).calibration(values[time])[quiet],
             points.points.series[quiet],
-            float_array(points.points.step[quiet] * self.sampling_interval, "times"),
+            float_array(points.points.step[quiet] * events.timing.sampling_interval, "times"),
         )
 
     def score(self, series: Any, y: Any = None) -> float:
@@ -623,7 +702,12 @@ class EventForecaster(Estimator):
         An observable that is a function or a system of your own is not written, nor the code of a
         forecaster of your own: pass them to `load`.
         """
-        self._check_fitted()
+        if texts := list(self._changed_parameters()):
+            warnings.warn(f"saved is what was fitted: {'; '.join(texts)}", stacklevel=2)
+            original = copy.copy(self)
+            vars(original).update(self._parameters_of_fit)
+            original.save(path)
+            return
         fitted = {name: getattr(self, f"{name}_") for name in _FITTED}
         fitted["alarms"] = [
             {"prediction_time": time, **rule.record()} for time, rule in self.alarms_.items()
@@ -632,7 +716,12 @@ class EventForecaster(Estimator):
         fitted["stream"] = None if self._stream is None else self._stream.record()
         members = [member.record() for member in self.members_]
         parameters = self.get_params()
-        if not isinstance(self.kind, str):  # by its name, and its options
+        for name in ("lyapunov_time", "sampling_interval"):
+            if has_unit(parameters[name]):
+                parameters[name] = f"{checked_parameters(self)[name]:.9f} seconds"
+        if self.kind == AUTO:  # what was chosen
+            parameters["kind"], parameters["options"] = self.kind_, None
+        elif not isinstance(self.kind, str):  # by its name, and its options
             kind = self._kind
             parameters |= {"kind": kind_name(type(kind)), "options": kind.options}
         files.write_saved(path, parameters, fitted, members)
@@ -661,6 +750,7 @@ class EventForecaster(Estimator):
             older: dict[str, Any] = {
                 "labels": None,
                 "clock": None,
+                "units": None,
                 "unskilled_times": [],
                 "training_range": None,
                 "consistency": None,
@@ -671,6 +761,8 @@ class EventForecaster(Estimator):
             if fitted["consistency"] is not None:
                 self.consistency_ = ConsistencyTest.restore(fitted["consistency"])
             self.labels_ = None if self.labels_ is None else tuple(map(str, self.labels_))
+            self.units_ = None if self.units_ is None else tuple(map(str, self.units_))
+            self._parameters_of_fit = self.get_params()
             for name in ("reference_states_", "reference_observable_"):
                 setattr(self, name, np.array(getattr(self, name), dtype=np.float64))
             case, timing = self._case(self._components, self.own_parameters_), self._timing
@@ -681,6 +773,8 @@ class EventForecaster(Estimator):
             for record in members:
                 files.check_sizes(record, case, unfitted)
             self.members_ = [unfitted.restore(record, case) for record in members]
+            for record, member in zip(members, self.members_, strict=True):
+                files.check_complete(record, member.record())
             if self.training_range_ is not None and isinstance(unfitted, Forecaster):
                 limits = TrainingLimits(*np.array(self.training_range_, dtype=np.float64))
                 self.members_ = [member.within(limits) for member in self.members_]
@@ -709,8 +803,10 @@ class EventForecaster(Estimator):
     @property
     def _kind(self) -> ForecasterKind:
         """The unfitted forecaster with its options."""
-        kind = self.kind
-        if not isinstance(kind, ForecasterKind):
+        kind = self._model
+        if self.kind == AUTO:
+            kind = make_kind_of(class_of(kind), {})
+        elif not isinstance(kind, ForecasterKind):
             kind = make_kind_of(class_of(kind), self.options or {})
         elif self.options:
             raise ValueError("options are those of the forecaster that kind is: leave them out")
@@ -722,6 +818,12 @@ class EventForecaster(Estimator):
     @property
     def _timing(self) -> EventTiming:
         checked = checked_parameters(self)
+        units = has_unit(self.lyapunov_time), has_unit(self.sampling_interval)
+        if self.lyapunov_time is not None and units[0] != units[1]:
+            raise ValueError(
+                f"lyapunov_time is {self.lyapunov_time} and sampling_interval is "
+                f"{self.sampling_interval}: give both with a unit, or both as numbers of one unit"
+            )
         return EventTiming(
             checked["lyapunov_time"],
             checked["sampling_interval"],
@@ -755,7 +857,7 @@ class EventForecaster(Estimator):
             parameters = Parameters(self._parameter_names, tuple(own_values))
         return ForecastingCase(
             system=state_space(self.observable, components),
-            time_step=self.sampling_interval / self.sampling_stride,
+            time_step=self._timing.sampling_interval / self.sampling_stride,
             sampling_stride=self.sampling_stride,
             steps_per_lyapunov_time=self._timing.unit,
             random_seed=self.random_seed,
@@ -763,8 +865,17 @@ class EventForecaster(Estimator):
         )
 
     @property
+    def _model(self) -> str | ForecasterKind | type[ForecasterKind]:
+        """The kind, or the one that was chosen."""
+        if self.kind != AUTO:
+            return self.kind
+        self._check_fitted()
+        return self.kind_
+
+    @property
     def _words(self) -> str:
-        return self.kind if isinstance(self.kind, str) else kind_name(class_of(self.kind))
+        model = self._model
+        return model if isinstance(model, str) else kind_name(class_of(model))
 
     @property
     def _parameter_names(self) -> tuple[str, ...]:
@@ -774,7 +885,7 @@ class EventForecaster(Estimator):
         self, given: Any, series: int, steps: int, where: str
     ) -> FloatArray | None:
         """Schedules of a kind that knows the parameters; None of others."""
-        if not class_of(self.kind).learns_parameters:
+        if not class_of(self._model).learns_parameters:
             if given is not None:
                 raise ValueError(
                     f"forecasters of the kind {self._words} do not know the parameters: leave them "
@@ -791,7 +902,7 @@ class EventForecaster(Estimator):
     def _with_inputs(self, washouts: FloatArray, parameters: Any, planned: Any) -> FloatArray:
         """Washouts with the parameters over them and over forecasts, for kinds that know them."""
         series, steps = washouts.shape[:2]
-        learns = class_of(self.kind).learns_parameters
+        learns = class_of(self._model).learns_parameters
         if parameters is None and planned is None and not learns:
             return washouts
         given = parameters
@@ -807,12 +918,13 @@ class EventForecaster(Estimator):
 
     def _threshold(self, observable: FloatArray) -> float:
         given = self.event_threshold
+        known = observable[~np.isnan(observable)]
         if isinstance(given, Mapping):
             if list(given) != ["quantile"]:
                 raise ValueError(
                     f"event_threshold must be a number or {{'quantile': q}}, not {dict(given)}"
                 )
-            return threshold_at(given["quantile"], observable[~np.isnan(observable)])
+            return threshold_at(given["quantile"], known)
         threshold = float(given)
         low, high = float(np.nanmin(observable)), float(np.nanmax(observable))
         if not low < threshold <= high:
@@ -826,36 +938,59 @@ class EventForecaster(Estimator):
         self._check_fitted()
         fitted = list(self.alarms_)
         time = fitted[0] if prediction_time is None else float(prediction_time)
-        if time not in fitted:
-            listed = ", ".join(f"{fitted_time:g}" for fitted_time in fitted)
-            raise ValueError(
-                f"prediction_time is {time:g}; fitted were the prediction_times {listed}"
-            )
-        return time
+        for fitted_time in fitted:  # computed numbers differ from typed ones by rounding errors
+            if abs(fitted_time - time) <= _ROUNDING * abs(fitted_time):
+                return fitted_time
+        listed = ", ".join(f"{fitted_time:g}" for fitted_time in fitted)
+        raise ValueError(f"prediction_time is {time:g}; fitted were the prediction_times {listed}")
 
     # -- series, votes, and what came true ---------------------------------------------------------
 
     def _check_fitted(self) -> None:
+        for text in self._changed_parameters():
+            raise ValueError(f"{text}: call fit again, or set it back")
+
+    def _changed_parameters(self) -> Iterator[str]:
+        """Sentences about parameters that have other values than in the fit."""
         if not hasattr(self, "members_"):
             raise RuntimeError("this EventForecaster is not fitted yet: call fit first")
+        for name, value in self._parameters_of_fit.items():
+            now = getattr(self, name)
+            if name not in _OF_SCORES and not is_same(value, now):
+                yield f"{name} was {described(value)} in fit, and is {described(now)} now"
 
     def _like_training(self, series: Any) -> FloatArray:
         self._check_fitted()
         given = labelled_series(series)
         self._check_clock(given, self.clock_)
-        return self._components.arranged(given.states, given.labels)
+        components = self._components
+        states = components.arranged(given.states, given.labels)
+        given.check_units(components.units_for(given.labels, self.units_))
+        return states
 
     def _check_clock(self, series: LabelledSeries, seconds: float | None) -> None:
         """Compare a clock with the sampling interval, or dates with those of the training."""
-        if not series.dated:
-            series.check_step(self.sampling_interval, "sampling_interval")
-        elif seconds is not None:
+        interval, with_unit = self._timing.sampling_interval, has_unit(self.sampling_interval)
+        step = series.step
+        if step is None:
+            return
+        if series.dated and seconds is not None:
             series.check_step(seconds, "the interval of the training series")
+        elif series.dated == with_unit:
+            series.check_step(interval, "sampling_interval")
+        elif series.dated and self.lyapunov_time is None and interval == 1:
+            return  # durations are in samples, of any length
+        elif unit_of_dates(*((step, interval) if series.dated else (interval, step))) is None:
+            given = f"{interval:g} seconds" if with_unit else f"{interval:g}, in no unit of time"
+            raise ValueError(
+                f"the {'dates' if series.dated else 'times'} of the series are "
+                f"{readable(step) if series.dated else f'{step:g}'} apart, but sampling_interval "
+                f"is {given}: give sampling_interval={readable(step)!r} and lyapunov_time with "
+                f"its unit, such as '9 hours', or both as numbers of one unit"
+            )
 
     def _in_parts(self, states: FloatArray) -> FloatArray:
-        """Several series as they are, or a single one in parts that are left out in turn."""
-        if len(states) > 1:
-            return states
+        """A single series in parts that are left out in turn."""
         parts, reach = np.array_split(states[0], PARTS), self._timing.boundaries[-1]
         least, shortest = self._samples("washout") + reach, len(parts[-1])
         if shortest < least:
@@ -878,8 +1013,9 @@ class EventForecaster(Estimator):
         ]
 
     def _new_stream(self) -> ObservationStream:
-        washout = self._samples("washout")
-        return ObservationStream(self.components_, washout, self.sampling_interval)
+        interval = self._timing.sampling_interval
+        seconds = interval if has_unit(self.sampling_interval) else self.clock_
+        return ObservationStream(self.components_, self._samples("washout"), interval, seconds)
 
     def _washouts(self, series: Any) -> FloatArray:
         states, washout = self._like_training(series), self._samples("washout")
@@ -1023,6 +1159,7 @@ def _left_out(
     training: FloatArray,
     points: ObservedPoints,
     timing: EventTiming,
+    left_out: Sequence[LeftOut] | None,
 ) -> list[WindowSummaries]:
     """Votes at points of training series, by members refitted without that series."""
     washouts, steps = _washouts_of(training, points, timing), points.washouts.shape[1]
@@ -1037,6 +1174,7 @@ def _left_out(
             washouts,
             points.points.series,
             timing.boundaries,
+            left_out,
         )
         votes += forecasts.members
     return votes

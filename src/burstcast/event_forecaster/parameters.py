@@ -1,12 +1,19 @@
 """Parameters of an event forecaster as a person may give them: checked, by their names."""
 
+import copy
 import dataclasses
+import datetime
 import math
 import numbers
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+
+from burstcast.data.clocks import SECONDS
+
+Duration = float | str | datetime.timedelta
+"""A number, in a unit that all durations share, or a duration with its unit: "10 minutes"."""
 
 _LEAST = {
     "grid": 1,
@@ -32,6 +39,8 @@ def checked_parameters(estimator: Any) -> dict[str, Any]:
             pass
         elif (expected := expected.removesuffix(" | None")) in ("int", "float"):
             value = _number(name, value, whole=expected == "int")
+        elif expected == "Duration":
+            value = _seconds(value) if has_unit(value) else _number(name, value)
         elif expected == "tuple[float, float]":
             if not _is_several(value) or len(value) != 2:
                 raise TypeError(f"{name} must be two numbers, (low, high), not {value!r}")
@@ -50,6 +59,45 @@ def checked_parameters(estimator: Any) -> dict[str, Any]:
             raise ValueError(f"{name} must be {_LEAST[name]:g} at least, not {value!r}")
         checked[name] = value
     return checked
+
+
+def _seconds(value: Any) -> float:
+    """Seconds of a duration with a unit: "10 minutes", or a Timedelta."""
+    from burstcast.data.times import time_step_of  # loads pandas
+
+    number, unit = time_step_of(value)
+    return number * SECONDS[unit or "second"]
+
+
+def has_unit(duration: Any) -> bool:
+    """Whether a duration is in seconds, since it was given with a unit."""
+    return isinstance(duration, str | datetime.timedelta | np.timedelta64)
+
+
+def described(value: Any) -> str:
+    """A parameter as messages name it: a short text that differs for other values."""
+    return getattr(value, "__name__", None) or repr(value)
+
+
+def copied(value: Any) -> Any:
+    """A parameter that a user cannot change in place any more."""
+    if isinstance(value, Mapping):
+        return dict(value)
+    return copy.copy(value) if isinstance(value, list | np.ndarray) else value
+
+
+def is_same(value: Any, other: Any) -> bool:
+    """Whether a parameter has the value of another one, as numbers or as texts."""
+    if value is other:
+        return True
+    if isinstance(value, numbers.Real) and isinstance(other, numbers.Real):
+        return bool(value == other)
+    if isinstance(value, Sequence | np.ndarray) and isinstance(other, Sequence | np.ndarray):
+        texts = isinstance(value, str), isinstance(other, str)
+        return texts[0] == texts[1] and list(value) == list(other)
+    if isinstance(value, Mapping) and isinstance(other, Mapping):
+        return dict(value) == dict(other)
+    return type(value) is type(other) and bool(value == other or repr(value) == repr(other))
 
 
 def _is_several(value: Any) -> bool:

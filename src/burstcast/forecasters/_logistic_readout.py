@@ -97,5 +97,10 @@ def _loss(odds: FloatArray, wanted: FloatArray, ridge: FloatArray, weights: Floa
 
 
 def event_probability(weights: FloatArray, features: FloatArray) -> FloatArray:
-    """Probability of each event by weights of `fit_logistic`, ``(points, events)``."""
-    return np.asarray(expit(features @ weights[:-1] + weights[-1]))
+    """Probability of each event by weights of `fit_logistic`, ``(points, events)``.
+
+    Each point is summed by itself: a matrix product would round it by the points beside it.
+    """
+    rows = np.ascontiguousarray(features)
+    sums = [(rows * each).sum(axis=1) for each in np.ascontiguousarray(weights[:-1].T)]
+    return np.asarray(expit(np.stack(sums, axis=1) + weights[-1]))

@@ -47,6 +47,12 @@ class Analogues(AnalogueOptions, Forecaster):
 
     def fit(self, training: FloatArray, case: ForecastingCase) -> Self:
         """Remember the series (see `Forecaster.fit`)."""
+        samples = samples_of(training).shape[0] - len(training)
+        if self.neighbours > samples:
+            raise ValueError(
+                f"neighbours is {self.neighbours}, but the training series have {samples} samples "
+                f"that others follow: fewer neighbours, or more series"
+            )
         if (lengths := series_lengths(training)) is None:
             return self.with_fitted(training=training.copy())
         return self.with_fitted(training=samples_of(training), lengths=lengths.astype(np.float64))

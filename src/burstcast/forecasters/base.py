@@ -18,13 +18,14 @@ given them as further components of series and washouts (`burstcast.base.exogeno
 import abc
 import copy
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.left_out import LeftOut, rows_left_out
 from burstcast.data.encoders.state_maps import StateMaps
 from burstcast.forecasters._limits import DIVERGENCE_BOUND, TrainingLimits
 from burstcast.forecasters._record import ForecasterRecord as ForecasterRecord
@@ -211,7 +212,11 @@ class Forecaster(ForecasterKind, abc.ABC):
         """
 
     def leave_one_out(
-        self, training: FloatArray, case: ForecastingCase, washout: int
+        self,
+        training: FloatArray,
+        case: ForecastingCase,
+        washout: int,
+        left_out: Sequence[LeftOut] | None = None,
     ) -> Iterator[Self]:
         """Forecasters that have learnt from all training series but one, for each one in turn.
 
@@ -223,17 +228,17 @@ class Forecaster(ForecasterKind, abc.ABC):
             As `fit` was given them.
         washout
             Steps at the beginning of each series that training leaves out.
+        left_out
+            Series that are left out together, for each forecaster; None: each series by itself.
 
         Raises
         ------
         ValueError
             If there is a single series: nothing would be left.
         """
-        if len(training) < 2:
-            raise ValueError("leaving one series out takes two training series at least")
         tuned = self.tuned()
-        for row in range(len(training)):
-            yield tuned.fit(np.delete(training, row, axis=0), case)
+        for rows in rows_left_out(len(training), left_out):
+            yield tuned.fit(np.delete(training, rows, axis=0), case)
 
     @abc.abstractmethod
     def start(self, washout: FloatArray) -> FloatArray:

@@ -1,6 +1,6 @@
 """The echo state network as a forecaster."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Self
@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
+from burstcast.base.left_out import LeftOut
 from burstcast.forecasters._options import NetworkOptions
 from burstcast.forecasters._reservoirs import (
     recorded_dynamics,
@@ -62,7 +63,11 @@ class NetworkForecaster(NetworkOptions, Forecaster):
         return self.with_fitted(network=network, seed=seed, **training.knowledge)
 
     def leave_one_out(
-        self, training: FloatArray, case: ForecastingCase, washout: int
+        self,
+        training: FloatArray,
+        case: ForecastingCase,
+        washout: int,
+        left_out: Sequence[LeftOut] | None = None,
     ) -> Iterator[Self]:
         """Train the readout again without each series (see `Forecaster.leave_one_out`)."""
         network = self.network
@@ -71,6 +76,7 @@ class NetworkForecaster(NetworkOptions, Forecaster):
             self._training_series(training),
             washout=washout,
             tikhonov=network.readout.tikhonov,
+            left_out=left_out,
         )
         for readout in readouts:
             yield replace(self, network=replace(network, readout=readout))

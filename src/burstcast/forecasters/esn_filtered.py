@@ -20,6 +20,7 @@ import numpy as np
 
 from burstcast.base import durations, random_streams
 from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.left_out import LeftOut
 from burstcast.base.series_lengths import held_after_the_end, samples_of, series_lengths
 from burstcast.data.observation_noise import observation_noise
 from burstcast.forecasters._ensemble_smoother import (
@@ -190,7 +191,11 @@ class FilteredNetwork(FilteredNetworkOptions, ObservationOptions, NetworkForecas
         return found
 
     def leave_one_out(
-        self, training: FloatArray, case: ForecastingCase, washout: int
+        self,
+        training: FloatArray,
+        case: ForecastingCase,
+        washout: int,
+        left_out: Sequence[LeftOut] | None = None,
     ) -> Iterator[Self]:
         """Train the readout again without each series (see `Forecaster.leave_one_out`).
 
@@ -212,6 +217,7 @@ class FilteredNetwork(FilteredNetworkOptions, ObservationOptions, NetworkForecas
             learnt.part(np.argsort(order)),
             washout=washout,
             tikhonov=self.network.readout.tikhonov,
+            left_out=left_out,
         )
         for readout in readouts:
             yield replace(self, network=replace(self.network, readout=readout))

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from burstcast.base import durations
 from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.base.discovery import suggestion
+from burstcast.base.threads import single_threaded
 from burstcast.forecasters._event_classifier import (
     EventClassifier,
     LabelledPoints,
@@ -80,7 +80,7 @@ class LearntPrecursor(PrecursorOptions, EventClassifier):
         """Probability of an event in each window (see `EventClassifier.probabilities`)."""
         features = with_exogenous(precursor_features(washouts, self.lags), exogenous)
         # threads wait for each other more than they work
-        with threadpool_limits(limits=1):
+        with single_threaded():
             each = [classifier.predict_proba(features)[:, 1] for classifier in self.classifiers]
         return np.stack(each, axis=1)
 
@@ -144,7 +144,7 @@ def fitted_classifiers(kind: str, features: FloatArray, happened: BoolArray) -> 
                 f"prediction window {window}: there is only one class"
             )
     classifiers = [_classifier(kind) for _ in happened.T]
-    with threadpool_limits(limits=1):  # scikit-learn is loaded by now
+    with single_threaded():  # scikit-learn is loaded by now
         for classifier, events in zip(classifiers, happened.T, strict=True):
             classifier.fit(features, events)
     return tuple(classifiers)

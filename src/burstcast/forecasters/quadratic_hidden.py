@@ -19,6 +19,7 @@ import numpy as np
 
 from burstcast.base import durations
 from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.left_out import LeftOut, rows_left_out
 from burstcast.base.series_lengths import (
     held_after_the_end,
     padded,
@@ -207,22 +208,25 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
         return opposite_pairs(self.random_seed, size, self.members)
 
     def leave_one_out(
-        self, training: FloatArray, case: ForecastingCase, washout: int
+        self,
+        training: FloatArray,
+        case: ForecastingCase,
+        washout: int,
+        left_out: Sequence[LeftOut] | None = None,
     ) -> Iterator[Self]:
         """Learn the equations again without each series (see `Forecaster.leave_one_out`).
 
         Hidden variables and noise stay those that the smoother of the whole fit finds.
         """
-        if len(training) < 2:
-            raise ValueError("leaving one series out takes two training series at least")
+        rows_of_each = rows_left_out(len(training), left_out)
         unit, interval = case.steps_per_lyapunov_time, case.time_step * case.sampling_stride
         observed, followed_by = _parted(training, self.place)
         followed = self._follow(observed, unit, [])
         states, first = _settled(followed.smoothed, observed, unit)
         window = max(2, durations.steps(_WINDOW_LT, unit))
         noise = np.zeros(states.shape[2])
-        for row in range(len(training)):
-            others = np.delete(np.arange(len(training)), row)
+        for rows in rows_of_each:
+            others = np.delete(np.arange(len(training)), rows)
             follows = None if followed_by is None else followed_by[others]
             learnt = _learnt(
                 states[others], noise, interval, window, follows, first, len(self.errors)

@@ -7,12 +7,12 @@ with all networks of a size and strategy, or with the members of one ensemble.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 
 from burstcast.base import durations
-from burstcast.base.arrays import BoolArray, FloatArray
+from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.base.names import ForecasterName, parsed
 from burstcast.base.series_lengths import series_lengths
 from burstcast.data.starting_points import SeriesPoints, segments, starting_points
@@ -85,6 +85,13 @@ class ObservedPoints:
     washouts: FloatArray
     seen: FloatArray  #: observed observable of the washouts, ``(points, steps)``
     truth: WindowSummaries  #: window summaries of the true observable
+
+    def of_series(self, rows: IntArray) -> Self:
+        """Points in some of the series."""
+        here = np.isin(self.points.series, rows)
+        points = replace(self.points, series=self.points.series[here], step=self.points.step[here])
+        truth = {name: values[here] for name, values in vars(self.truth).items()}
+        return type(self)(points, self.washouts[here], self.seen[here], WindowSummaries(**truth))
 
 
 def observed_points(

@@ -3,15 +3,16 @@
 Each training series is forecast by a forecaster that was fitted without it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 
-from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.base.files.described import Described
 from burstcast.base.files.units import LYAPUNOV_TIMES, NUMBER, OBSERVABLE
+from burstcast.base.left_out import LeftOut
 from burstcast.forecasters._event_classifier import EventClassifier, LabelledPoints
 from burstcast.forecasters.base import Forecaster, ForecastingCase
 from burstcast.forecasts.windows import WindowForecasts, joined, window_forecasts
@@ -60,16 +61,24 @@ def out_of_sample_forecasts(
     washouts: FloatArray,
     series: IntArray,
     boundaries: tuple[int, ...],
+    left_out: Sequence[LeftOut] | None = None,
 ) -> WindowForecasts:
     """Forecast from starting points in the training series, refitted without the point's series.
 
     ``training``, ``case``, ``washout``: Arguments of `Forecaster.leave_one_out`. ``washouts``,
     ``series``: Washout of each point, ``(points, steps, dimension)``, and row of its training
-    series, ``(points,)``.
+    series, ``(points,)``. ``left_out``: Series that are left out together, and those of them that
+    have points; None: each by itself.
     """
     rows, parts = [], []
-    for row, refitted in enumerate(forecaster.leave_one_out(training, case, washout)):
-        here = np.flatnonzero(series == row)
+    if left_out is None:  # as a class of one's own may have it
+        forecast = [np.array([row]) for row in range(len(training))]
+        refits = forecaster.leave_one_out(training, case, washout)
+    else:
+        forecast = [each.forecast for each in left_out]
+        refits = forecaster.leave_one_out(training, case, washout, left_out)
+    for own, refitted in zip(forecast, refits, strict=True):
+        here = np.flatnonzero(np.isin(series, own))
         if here.size:
             rows.append(here)
             limited = refitted.within(forecaster.limits)
@@ -86,13 +95,15 @@ def out_of_sample_probabilities(
     washouts: FloatArray,
     series: IntArray,
     exogenous: FloatArray | None = None,
+    linked: BoolArray | None = None,
 ) -> FloatArray:
     """Probabilities ``(points, windows)`` by classifiers that have not learnt from the series.
 
     The training series are dealt out to ``classifier.folds`` folds, or as many as there are series.
     Where no event, or nothing but events, follow the points of the other folds in a window, the
     probability is 0, or 1. ``points``, ``case``: See `EventClassifier.fit`. ``series``: Training
-    series of each washout. ``exogenous``: Further features of each, as of ``points``.
+    series of each washout. ``exogenous``: Further features of each, as of ``points``. ``linked``:
+    Series that share samples, ``(series, series)``, which are left out together; None: none do.
     """
     rows = np.unique(np.concatenate([points.series, series]))
     count = min(classifier.folds, len(rows))
@@ -104,7 +115,10 @@ def out_of_sample_probabilities(
     probabilities = np.empty((len(washouts), points.happened.shape[1]))
     for fold in range(count):
         here = np.isin(series, rows[fold::count])
-        others = ~np.isin(points.series, rows[fold::count])
+        without = rows[fold::count]
+        if linked is not None:
+            without = np.flatnonzero(linked[without].any(axis=0))
+        others = ~np.isin(points.series, without)
         share = points.happened[others].sum(axis=0) / max(1, others.sum())
         probabilities[here] = share
         both = (share > 0) & (share < 1)

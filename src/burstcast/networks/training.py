@@ -12,6 +12,7 @@ from typing import Any, Self
 import numpy as np
 
 from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.left_out import LeftOut, rows_left_out
 from burstcast.base.series_lengths import series_lengths
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.network import EchoStateNetwork
@@ -184,14 +185,18 @@ def train(
 
 
 def train_leaving_one_out(
-    dynamics: Dynamics, training: TrainingSeries, *, washout: int, tikhonov: float
+    dynamics: Dynamics,
+    training: TrainingSeries,
+    *,
+    washout: int,
+    tikhonov: float,
+    left_out: Sequence[LeftOut] | None = None,
 ) -> Iterator[Readout]:
-    """Readouts trained on all series but one, for each series in turn.
+    """Readouts trained on all series but those left out, each series in turn by default.
 
     Moments are sums over the series: one open loop serves all readouts.
     """
-    if training.series < 2:
-        raise ValueError("leaving one series out takes two training series at least")
+    left_out_rows = rows_left_out(training.series, left_out)
     moments = [
         collect(
             dynamics,
@@ -200,6 +205,6 @@ def train_leaving_one_out(
         ).moments
         for row in range(training.series)
     ]
-    for row in range(training.series):
-        others = moments[:row] + moments[row + 1 :]
+    for rows in left_out_rows:
+        others = [each for row, each in enumerate(moments) if row not in rows]
         yield solve_ridge(reduce(Moments.merge, others), tikhonov)

@@ -162,20 +162,44 @@ def lyapunov_spectrum(
     def advance(state: FloatArray, tangent: FloatArray) -> tuple[FloatArray, FloatArray]:
         return _propagated(flow, state, tangent, time_step, orthonormalisation_steps)
 
+    interval = orthonormalisation_steps * time_step
+    basis = np.broadcast_to(np.eye(dimension, number), (batch, dimension, number))
+
+    def check(growth: FloatArray) -> None:  # at once: the rest takes minutes
+        kept = _kept(growth)
+        if kept == number:
+            return
+        _, tangent = _propagated(flow, state, basis, time_step, 1)
+        of_a_step = np.abs(np.diagonal(np.linalg.qr(tangent)[1], axis1=1, axis2=2))
+        advice = f"compute {kept} exponents (lyapunov.exponents)"
+        if _kept(of_a_step) == number:
+            rate = -float(np.log(of_a_step / of_a_step.max(axis=1, keepdims=True)).min())
+            shorter = -0.7 * np.log(_SMALLEST_GROWTH_RATIO) / rate * time_step
+            advice = (
+                f"shorten it (lyapunov.orthonormalisation_interval) to "
+                f"{max(time_step, shorter):.2g}, or {advice}"
+            )
+        raise ValueError(
+            f"an interval of {interval:g} time units between two factorisations is too long: the "
+            f"weakest direction is lost to rounding, from exponent {kept + 1} on: {advice}"
+        )
+
     log_growth = tangent_growth(
         advance,
         state,
-        np.broadcast_to(np.eye(dimension, number), (batch, dimension, number)),
+        basis,
         intervals,
         alignment_intervals=-(-alignment_steps // orthonormalisation_steps),
+        check=check,
     )
-    if np.isnan(log_growth).any():
-        raise ValueError(
-            f"an interval of {orthonormalisation_steps * time_step:g} time units between two "
-            "factorisations is too long: the weakest direction is lost to rounding"
-        )
     duration = intervals * orthonormalisation_steps * time_step
     return LyapunovSpectrum(exponents=log_growth / duration, duration=duration)
+
+
+def _kept(growth: FloatArray) -> int:
+    """Number of leading directions that growth ``(batch, perturbations)`` does not lose."""
+    lost = (growth < _SMALLEST_GROWTH_RATIO * growth.max(axis=1, keepdims=True)).any(axis=0)
+    return int(lost.argmax()) if lost.any() else len(lost)
 
 
 def checked_jacobian(system: DynamicalSystem, states: FloatArray) -> float:
@@ -198,6 +222,7 @@ def tangent_growth(
     tangent: FloatArray,
     intervals: int,
     alignment_intervals: int = 0,
+    check: Callable[[FloatArray], None] | None = None,
 ) -> FloatArray:
     """Logarithmic growth of perturbations that are orthonormalised after each interval.
 
@@ -206,7 +231,8 @@ def tangent_growth(
 
     ``advance``: Takes states and perturbations over one interval: the derivative of the map that
     takes the states. ``state``: ``(..., batch)``. ``tangent``: Perturbations in columns, ``(batch,
-    size, perturbations)``; orthonormal unless there is an alignment. Shape ``(batch,
+    size, perturbations)``; orthonormal unless there is an alignment. ``check``: Called with the
+    growth over each interval, ``(batch, perturbations)``. Shape ``(batch,
     perturbations)``; NaN for directions so weak that an interval loses them to rounding.
     """
     batch, _, perturbations = tangent.shape
@@ -225,6 +251,8 @@ def tangent_growth(
             )
         tangent, triangle = np.linalg.qr(tangent)
         growth = np.abs(np.diagonal(triangle, axis1=1, axis2=2))
+        if check is not None:
+            check(growth)
         lost |= growth < _SMALLEST_GROWTH_RATIO * growth.max(axis=1, keepdims=True)
         if interval >= alignment_intervals:
             log_growth += np.log(growth, out=np.zeros_like(growth), where=~lost)

@@ -60,7 +60,7 @@ class MeasuredSeries:
 def _symbol(text: str) -> str:
     """Name as TeX shows it; an expression has no symbol by itself."""
     sign, name = ("-", text[1:]) if text.startswith("-") else ("", text)
-    if len(name) == 1:
+    if len(name) == 1 and name.isalpha():
         return text
-    name = name if name.isidentifier() else "observable"
+    name = name if len(name) > 1 and name.isidentifier() else "observable"
     return (sign if name != "observable" else "") + rf"\mathrm{{{name}}}".replace("_", r"\_")

@@ -43,6 +43,10 @@ def _parser() -> argparse.ArgumentParser:
             "name", metavar=kind, help=f"{example}, ..., or <module>:<class> of your own"
         )
         check.add_argument("values", nargs="*", metavar="NAME=VALUE", help=values)
+    choose = command("choose", "commands.choose", "try kinds of forecasters on a case")
+    choose.add_argument("results", type=Path, help="directory of the campaign's results")
+    choose.add_argument("case", help="a case whose series are made (ensemble.nc)")
+    choose.add_argument("--kinds", help="names with commas between them; all if left out")
     does = "tables, figures, report, config, versions and reasons in one zip"
     archive = command("archive", "commands.archive", does, _OF_SNAKEMAKE)
     archive.add_argument("--output", type=Path, help="the zip; <results>.zip if left out")

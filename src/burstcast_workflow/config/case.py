@@ -259,10 +259,15 @@ class Data(Section):
         """Files of the series, in their order: files of a pattern as people sort names."""
         paths: list[str] = []
         for name in self.files:
+            is_pattern = glob.has_magic(name) and not os.path.exists(name)
             matches = sorted(glob.glob(name, recursive=True), key=natural_order)
-            if glob.has_magic(name) and not matches:
+            if is_pattern and not matches:
                 raise ValueError(f"data.files: no file is called {name}, seen from {os.getcwd()}")
-            paths += map(os.path.relpath, matches if glob.has_magic(name) else [name])
+            if "://" in name:
+                raise ValueError(
+                    f"data.files: {name} is an address, not a file: download it, and give its path"
+                )
+            paths += map(os.path.relpath, matches if is_pattern else [name])
         return list(dict.fromkeys(paths))
 
 

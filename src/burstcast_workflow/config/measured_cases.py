@@ -6,10 +6,13 @@ from contextlib import suppress
 from functools import cache
 from typing import Any
 
+import numpy as np
+
 from burstcast.data.delay_coordinates import delayed_name
 from burstcast.data.encoders.base import EncodingCase
 from burstcast.data.encoders.channels import IDENTITY, channel_names, check_encoding, encoding_case
 from burstcast.data.measured_data import Quantity
+from burstcast.data.no_state import columns_of_no_state
 from burstcast.data.records import problems_of_columns
 from burstcast.data.series_files import content_of
 from burstcast.data.times import time_step_of
@@ -30,6 +33,9 @@ SUBSTEPS = 4
 """Steps of the Runge-Kutta scheme from one row to the next, for equations that are learnt."""
 
 ONLY_ENCODED = "sensors and encoder are for cases of another case's series: data: {case: ...}"
+
+_READ_IN_PLANNING = 20_000_000
+"""Bytes of files up to which planning reads their columns."""
 
 _MEANINGLESS = ("system", "files", "parameters", "ensemble", "actuation", "controlled_density")
 _OF_CASES = ("components", "delays", "observable")
@@ -218,8 +224,36 @@ def problems_of_data(case: Measured) -> Iterator[str]:
         return
     yield from (f"data.{text}" for text in problems_of_columns(data.dump(), _columns(data)))
     try:
-        for path in data.paths:
-            content_of(path).columns_of(quantities)
+        columns = [content_of(path).columns_of(quantities) for path in data.paths]
     except ValueError as error:
         text = str(error)
         yield text if text.startswith("data.") else f"data.files: {text}"
+        return
+    stated = tuple(dict.fromkeys(name for names in columns for name in names))
+    with suppress(ValueError, TypeError, OSError):  # reported by the job that imports the data
+        changed = tuple(os.stat(path).st_mtime_ns for path in data.paths)
+        for name, what in _no_state(tuple(data.paths), changed, stated, data.time_step):
+            yield (
+                f"data.components: {name} is {what}, which is no component of a state: leave it "
+                f"out of data.components"
+            )
+
+
+@cache
+def _no_state(
+    paths: tuple[str, ...],
+    changed: tuple[int, ...],
+    columns: tuple[str, ...],
+    time_step: float | str,
+) -> list[tuple[str, str]]:
+    """Columns of files that are no components of a state, and what they are; of small files."""
+    if sum(os.path.getsize(path) for path in paths) > _READ_IN_PLANNING:
+        return []
+    _, unit = time_step_of(time_step)
+    runs = [run for path in paths for run in content_of(path).read(columns, unit)]
+    series = [np.stack([run.columns[name] for name in columns], axis=1) for run in runs]
+    constant, counting = columns_of_no_state(columns, series)
+    return [(name, "constant in each run, as the number of a run is") for name in constant] + [
+        (name, "rising or falling in equal steps, as a time or a row number is")
+        for name in counting
+    ]

@@ -65,6 +65,7 @@ def observable_label(symbol: str, name: str | None = None) -> str:
     upright = re.sub(r"\\mathrm\{(.*)\}", r"\1", symbol).replace(r"\_", "_")
     if name is None or name.lower() == upright.lower():
         return f"${symbol}$"
+    name = name.replace("$", r"\$")  # which begins no formula
     return f"{name[:1].upper()}{name[1:]}, ${symbol}$"
 
 

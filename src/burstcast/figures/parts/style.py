@@ -8,7 +8,11 @@ so that a figure looks the same on every machine.
 
 import functools
 import io
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import logging
+import re
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from typing import Any, Literal, ParamSpec
 
 import matplotlib
@@ -19,6 +23,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.mathtext import MathTextParser
 from matplotlib.patches import Patch
 
 P = ParamSpec("P")
@@ -99,14 +104,38 @@ _STYLE: Any = {
 
 
 def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
-    """Decorate a function that returns a figure: it draws in the shared style."""
+    """Decorate a function that returns a figure: it draws in the shared style.
+
+    An argument ``symbol`` is one that formulas can have.
+    """
 
     @functools.wraps(draw)
     def wrapper(*arguments: P.args, **keywords: P.kwargs) -> Figure:
         with matplotlib.rc_context(_STYLE):
+            if isinstance(symbol := keywords.get("symbol"), str):
+                keywords["symbol"] = drawable_symbol(symbol)
             return draw(*arguments, **keywords)
 
     return wrapper
+
+
+def drawable_symbol(symbol: str) -> str:
+    """A symbol in TeX that can have a subscript, or "observable" for what is no formula.
+
+    Examples
+    --------
+    >>> drawable_symbol("k"), drawable_symbol("k_1")
+    ('k', '{k_1}')
+    """
+    for written in (symbol, f"{{{symbol}}}"):
+        with suppress(ValueError):
+            MathTextParser("path").parse(f"${written}_e$")
+            return written
+    warnings.warn(
+        f"the symbol {symbol!r} is no formula that Matplotlib draws: figures say observable",
+        stacklevel=3,
+    )
+    return r"\mathrm{observable}"
 
 
 def new_figure(
@@ -139,9 +168,37 @@ def render(figure: Figure, file_format: Literal["pdf", "png", "svg"]) -> bytes:
     if file_format not in without:
         raise ValueError(f"no figure is written as {file_format}; known: {', '.join(without)}")
     buffer = io.BytesIO()
-    with matplotlib.rc_context(_STYLE):
+    with matplotlib.rc_context(_STYLE), _missing_glyphs() as missing:
         figure.savefig(buffer, format=file_format, metadata=dict(without[file_format]))
+    if missing:
+        signs = sorted(missing)
+        warnings.warn(
+            f"the font of figures has no {', '.join(signs)}, and draws boxes: name columns by "
+            f"other characters, as in components: [temperature = {signs[0]}]",
+            stacklevel=2,
+        )
     return buffer.getvalue()
+
+
+_GLYPH = re.compile(r"does not have a glyph for .*\[U\+([0-9a-f]+)\]")
+"""What Matplotlib logs of a character that the font of a formula lacks."""
+
+
+@contextmanager
+def _missing_glyphs() -> Iterator[set[str]]:
+    """Collect characters that the font lacks, of which Matplotlib logs one line each."""
+    missing, logger = set[str](), logging.getLogger("matplotlib.mathtext")
+
+    def collect(record: logging.LogRecord) -> bool:
+        found = _GLYPH.search(record.getMessage())
+        missing.update(chr(int(found[1], 16)) for found in (found,) if found)
+        return found is None
+
+    logger.addFilter(collect)
+    try:
+        yield missing
+    finally:
+        logger.removeFilter(collect)
 
 
 @styled

@@ -1,4 +1,4 @@
-"""The exponential scheme of an example: its order, stiffness, and a force that it integrates."""
+"""The exponential scheme: its order, stiffness, and a force that it integrates."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -8,8 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from burstcast.control.actuation import ActuatorShare, actuated_system, reversed_actuation
+from burstcast.systems.exponential_scheme import SemilinearSystem
 from burstcast.systems.integration import integrate
-from exponential_scheme import SemilinearSystem
 from helpers_library import FirstObserved
 
 

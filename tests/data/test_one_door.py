@@ -1,0 +1,372 @@
+"""Series of a user through both doors, `EventForecaster` and `measured_series`.
+
+Whatever container, index, labels and clock a series has: it is the plain array, or it is refused.
+"""
+
+import datetime
+import itertools
+import unicodedata
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray
+
+import burstcast
+from burstcast.data.clocks import irregularity
+from burstcast.data.no_state import columns_of_no_state
+from burstcast.data.records import measured_series
+from burstcast.data.series_layout import labelled_series, observation_of
+
+RUNS = np.random.default_rng(3).normal(size=(3, 40, 2)).round(3)  # (series, time, component)
+STEP = 0.25  # seconds
+SECONDS = STEP * np.arange(40)
+DATES = pd.Timestamp("2020-01-01") + pd.to_timedelta(SECONDS, unit="s")
+
+
+class OtherFrame:
+    """A frame of another library: names of columns, and columns that NumPy reads."""
+
+    def __init__(self, columns):
+        self._columns = columns
+
+    @property
+    def columns(self):
+        return list(self._columns)
+
+    def __getitem__(self, name):
+        return self._columns[name]
+
+    def __len__(self):
+        return len(next(iter(self._columns.values())))
+
+
+def frames_of(library):
+    def convert(tables):
+        package = pytest.importorskip(library)
+        if library == "polars":
+            return [package.DataFrame({str(c): t[c].to_numpy() for c in t}) for t in tables]
+        if library == "pyarrow":
+            return [package.table({str(c): t[c].to_numpy() for c in t}) for t in tables]
+        frame = pytest.importorskip("dask.dataframe")
+        return [frame.from_pandas(table, npartitions=2, sort=False) for table in tables]
+
+    return convert
+
+
+def grouped(tables):
+    return pd.concat([t.assign(run=n) for n, t in enumerate(tables)]).groupby("run")
+
+
+def to_xarray(table):
+    if isinstance(table.index, pd.PeriodIndex) or not isinstance(
+        table.index, pd.DatetimeIndex | pd.TimedeltaIndex
+    ):
+        pytest.skip("xarray has coordinates of its own")
+    return table.rename_axis("time").to_xarray()
+
+
+CONTAINERS = {
+    "list": list,
+    "tuple": tuple,
+    "generator": lambda tables: (table for table in tables),
+    "dictionary": lambda tables: dict(zip("abc", tables, strict=True)),
+    "pairs of groupby": lambda tables: [(n, table) for n, table in enumerate(tables)],
+    "groupby": grouped,
+    "panel": lambda tables: pd.concat(tables, keys=range(len(tables))),
+    "panel with names": lambda tables: pd.concat(tables, keys=[*"abc"], names=["run", "t"]),
+    "data sets": lambda tables: [to_xarray(table) for table in tables],
+    "arrays of xarray": lambda tables: [
+        to_xarray(table).to_dataarray("component") for table in tables
+    ],
+    "dask": frames_of("dask"),
+}
+INDICES = {
+    "rows": range(40),
+    "rows from 7 on": range(7, 47),
+    "every third row": range(0, 120, 3),
+    "whole floats": np.arange(40.0),
+    "times": SECONDS,
+    "dates": DATES,
+    "durations": pd.to_timedelta(SECONDS, unit="s"),
+    "zone": DATES.tz_localize("Europe/Berlin"),
+    "text": DATES.astype(str),
+    "periods": DATES.to_period("250ms"),
+}
+BAD_ROWS = {
+    "hole": [*range(10), *range(15, 40)],
+    "a single row": [*range(20), *range(21, 40)],
+    "falling": [*range(39, -1, -1)],
+    "twice": [*range(20), *range(20), *range(20, 40)],
+    "shuffled": [*np.random.default_rng(0).permutation(40)],
+}
+
+
+def tables(index, rows=slice(None), columns="uv", name=None):
+    index = pd.Index(INDICES[index], name=name)
+    made = [pd.DataFrame(states, columns=[*"uv"], index=index) for states in RUNS]
+    return [table[[*columns]].iloc[rows] for table in made]
+
+
+@pytest.mark.parametrize("index", INDICES)
+@pytest.mark.parametrize("container", CONTAINERS)
+def test_a_good_series_is_the_plain_array(container, index):
+    given = labelled_series(CONTAINERS[container](tables(index)))
+    assert given.labels == ("u", "v")
+    np.testing.assert_array_equal(given.states, RUNS)
+    if index in ("rows", "rows from 7 on", "every third row", "whole floats"):
+        assert given.step is None
+        with pytest.raises(ValueError, match="no column 'time'"):  # which a record must have
+            measured_series(CONTAINERS[container](tables(index)), STEP)
+        return
+    assert given.step == pytest.approx(STEP)
+    assert given.dated == (index != "times")
+    step = STEP if index == "times" else f"{STEP} seconds"
+    np.testing.assert_array_equal(measured_series(CONTAINERS[container](tables(index)), step), RUNS)
+
+
+@pytest.mark.parametrize("rows", BAD_ROWS)
+@pytest.mark.parametrize("index", INDICES)
+@pytest.mark.parametrize("container", CONTAINERS)
+def test_rows_that_are_missing_or_in_disorder_are_refused_by_both_doors(container, index, rows):
+    for call in (labelled_series, lambda given: measured_series(given, "0.25 seconds")):
+        with pytest.raises((ValueError, TypeError)):
+            call(CONTAINERS[container](tables(index, BAD_ROWS[rows])))
+
+
+@pytest.mark.parametrize("library", ["stand-in", "polars", "pyarrow"])
+@pytest.mark.parametrize("columns", ["uv", "vu"])
+@pytest.mark.parametrize("clock", [None, "times", "dates"])
+def test_frames_of_other_libraries_go_by_their_labels(library, columns, clock):
+    plain = tables("rows", columns=columns)
+    if clock is not None:
+        plain = [table.assign(time=INDICES[clock]) for table in plain]
+    as_frames = frames_of(library)
+    if library == "stand-in":
+        as_frames = lambda made: [OtherFrame({c: t[c].to_numpy() for c in t}) for t in made]  # noqa: E731
+    given = labelled_series([*tables("rows")[:1], *as_frames(plain)[1:]])
+    np.testing.assert_array_equal(given.states, RUNS)
+    assert labelled_series(as_frames(plain)).labels == tuple(columns)
+    if clock is not None:
+        step = STEP if clock == "times" else pd.Timedelta("250ms")
+        np.testing.assert_array_equal(measured_series(as_frames(plain), step, ["u", "v"]), RUNS)
+        for rows in BAD_ROWS.values():
+            with pytest.raises(ValueError, match="time"):
+                labelled_series(as_frames([table.iloc[rows] for table in plain]))
+    (single,) = as_frames(plain[:1])
+    assert labelled_series(single).states.shape == (1, 40, 2)
+
+
+def test_a_library_that_is_not_understood_is_told_the_way_to_pandas():
+    class Lazy(OtherFrame):
+        def __getitem__(self, name):
+            raise TypeError("not subscriptable")
+
+    with pytest.raises(TypeError, match=r"Lazy is no table .*: convert it .*\.to_pandas\(\)"):
+        labelled_series(Lazy({"u": SECONDS}))
+
+
+DATED_LABELS = tables("dates")[0]
+REFUSED = [
+    ({"u": SECONDS, "v": SECONDS}, TypeError, "are a dictionary of columns: one table of them is"),
+    ({1.0, 2.0}, TypeError, "must be in an order, which a set has not"),
+    ([{"u": 1.0}], TypeError, "each of the series must be .* not a dict"),
+    ("lab.csv", TypeError, r"not the file 'lab.csv': read files by .*measured_series"),
+    (["lab.csv"], TypeError, r"not the file 'lab.csv': read files by .*measured_series"),
+    (
+        pd.concat(tables("rows")),
+        ValueError,
+        "its index goes from 39 to 0 in row 41, as where tables were joined",
+    ),
+    (
+        tables("rows")[0].drop(index=[7]),
+        ValueError,
+        "rows are missing between 6 and 8 of its index, .* if no row is missing, reset_index",
+    ),
+    (
+        tables("rows")[0].set_index(pd.Index([f"row {n}" for n in range(40)])),
+        ValueError,
+        "its index is neither times nor row numbers, since it has 'row 0'",
+    ),
+    (
+        tables("rows")[0].set_index(pd.CategoricalIndex([*"ab"] * 20)),
+        ValueError,
+        "its index is neither times nor row numbers",
+    ),
+    (
+        pd.concat(tables("rows"), axis=1, keys=[*"abc"]),
+        ValueError,
+        r"columns of 2 levels, such as \('a', 'u'\)",
+    ),
+    (
+        [DATED_LABELS, DATED_LABELS.rename(columns={"u": "u "})],
+        ValueError,
+        "'u' and 'u ' differ in blanks alone",
+    ),
+    (
+        [
+            DATED_LABELS.rename(columns={"u": unicodedata.normalize(form, "ü")})
+            for form in ("NFC", "NFD")
+        ],
+        ValueError,
+        "differ in how their characters are composed alone",
+    ),
+    (xarray.Variable("time", SECONDS), TypeError, "not a Variable of xarray"),
+    (
+        xarray.Dataset(
+            {"u": ("time", SECONDS)}, coords={"date": ("time", np.array(DATES, "M8[ns]"))}
+        ),
+        ValueError,
+        "has the coordinate 'date' along its dimension 'time'",
+    ),
+]
+
+
+@pytest.mark.parametrize(("data", "error", "message"), REFUSED)
+def test_what_is_not_understood_is_refused_by_name(data, error, message):
+    with pytest.raises(error, match=message):
+        labelled_series(data)
+
+
+def test_dates_of_python_and_coordinates_that_are_no_components():
+    days = [datetime.date(2020, 1, 1) + datetime.timedelta(days=n) for n in range(40)]
+    given = labelled_series(pd.DataFrame(RUNS[0], index=days, columns=[*"uv"]))
+    assert (given.step, given.dated) == (86400.0, True)
+    with_depth = xarray.Dataset(
+        {"u": ("time", SECONDS**2)}, coords={"time": SECONDS, "depth": ("time", SECONDS)}
+    )
+    assert labelled_series(with_depth).labels == ("u",)
+
+
+# -- clocks ----------------------------------------------------------------------------------------
+JITTERED = SECONDS + 0.2 * STEP * np.random.default_rng(1).uniform(-1, 1, 40) * (SECONDS % 1 > 0)
+LONG = np.arange(5000.0)
+CLOCKS = {
+    "exact": (0.02 * LONG, None),
+    "jitter": (JITTERED, None),
+    "rounded": (np.round(0.25 * LONG + 0.01, 1), None),
+    "single precision": ((1e5 + 0.02 * LONG).astype(np.float32).astype(float), None),
+    "single precision, late": ((3e5 + 0.08 * LONG).astype(np.float32).astype(float), None),
+    "gap": (np.delete(0.02 * LONG, [70, 71]), "gap"),
+    "two gaps": (np.delete(0.02 * LONG, [70, 900]), "gap"),
+    "rate": (np.r_[0.02 * LONG, 100 + 0.0205 * LONG], "rate"),
+    "slow change of rate": (0.02 * LONG * (1 + 1e-5 * LONG), "rate"),
+    "double rate": (np.r_[0.02 * LONG, 100 + 0.04 * LONG], "rate"),
+}
+
+
+@pytest.mark.parametrize("name", CLOCKS)
+def test_jitter_and_rounding_are_told_apart_from_gaps_and_changes_of_rate(name):
+    times, kind = CLOCKS[name]
+    found = irregularity(times)
+    assert (found.kind if found else None) == kind
+    table = pd.DataFrame({"time": times, "u": np.sin(times)})
+    step = (times[-1] - times[0]) / (len(times) - 1)
+    for call in (labelled_series, lambda given: measured_series(given, step)):  # they say the same
+        if kind is None:
+            call(table)
+        else:
+            with pytest.raises(ValueError, match="rate" if kind == "rate" else "gap"):
+                call(table)
+
+
+def test_a_clock_in_single_precision_has_no_gaps_that_cut():
+    times = CLOCKS["single precision"][0]
+    table = pd.DataFrame({"time": times, "u": np.sin(times)})
+    assert measured_series(table, 0.02, shortest=50, cut_gaps=True).shape == (1, 5000, 1)
+
+
+@pytest.mark.parametrize("missing", [40, 400])
+def test_the_step_of_all_samples_counts(missing):
+    """1.001 times the step is off by a row after a thousand, by whichever door."""
+    frame = pd.DataFrame({"time": 0.02002 * np.arange(missing), "u": np.sin(np.arange(missing))})
+    given = labelled_series(frame)
+    refused = missing > 0.5 / 0.001
+    for call in (lambda: given.check_step(0.02, "x"), lambda: measured_series(frame, 0.02)):
+        if refused:
+            with pytest.raises(ValueError, match=r"0\.02002"):
+                call()
+        else:
+            call()
+
+
+@pytest.mark.parametrize("bits", [16, 24, 31, 32])
+@pytest.mark.parametrize("unit", [1, 1e-3])
+def test_clocks_that_go_round(bits, unit):
+    counts = (2**bits - 2000 + 10 * np.arange(400)) % 2**bits * unit
+    table = pd.DataFrame({"time": counts, "u": np.sin(np.arange(400))})
+    for call in (labelled_series, lambda given: measured_series(given, 10 * unit)):
+        with pytest.raises(ValueError, match=rf"a clock went round: add 2\*\*{bits}( / 1000)? to"):
+            call(table)
+
+
+# -- columns that are no state, and units ----------------------------------------------------------
+
+
+def test_numbers_of_runs_and_counters_are_no_state_and_other_columns_are():
+    rows = np.arange(300.0)
+    columns = {
+        "run": lambda n: np.full(300, float(n)),
+        "stamp": lambda n: 1.7e9 + 600 * rows + 1e6 * n,
+        "days": lambda n: (rows + n) / 7,
+        "countdown": lambda n: 300 - rows,
+        "same in all": lambda n: np.full(300, 4.0),
+        "hour": lambda n: rows % 24,
+        "wave": lambda n: np.sin(rows + n),
+        "ramp and wave": lambda n: rows + 1e-3 * np.sin(rows),
+        "constant in one": lambda n: np.full(300, 1.0) if n else np.sin(rows),
+    }
+    series = [np.stack([make(n) for make in columns.values()], axis=1) for n in range(3)]
+    constant, counting = columns_of_no_state([*columns], series)
+    assert constant == ["run"]
+    assert counting == ["stamp", "days", "countdown"]
+
+
+@pytest.mark.parametrize("form", ["array", "data set", "file"])
+def test_units_of_values_must_be_the_same(form, tmp_path):
+    def made(unit, number):
+        array = xarray.DataArray(
+            RUNS[number], dims=("time", "component"), coords={"time": SECONDS}, name="T"
+        )
+        array.attrs["units"] = unit
+        if form == "array":
+            return array
+        data = array.to_dataset()
+        data.to_netcdf(tmp_path / f"{number}.nc")
+        return data if form == "data set" else tmp_path / f"{number}.nc"
+
+    same = [made("degC", n) for n in (0, 1)]
+    np.testing.assert_array_equal(measured_series([*same, made("", 2)], STEP), RUNS)
+    doors = [lambda given: measured_series(given, STEP)]
+    doors += [labelled_series] if form != "file" else []
+    for call in doors:
+        with pytest.raises(ValueError, match=r"has the unit 'K' in .* and 'degC' in .*: convert"):
+            call([*same, made("K", 2)])
+
+
+# -- one observation -------------------------------------------------------------------------------
+
+
+def test_observations_carry_their_times():
+    table = tables("dates")[0]
+    expected = RUNS[0, 5]
+    array = table.rename_axis("time").to_xarray()
+    for row in (
+        table.iloc[5],
+        next(itertools.islice(table.iterrows(), 5, None))[1],
+        table.iloc[[5]],
+        table.assign(time=DATES).reset_index(drop=True).iloc[5],
+        array.isel(time=5),
+        array.to_dataarray("component").isel(time=[5]),
+        {"time": DATES[5], "u": expected[0], "v": expected[1]},
+    ):
+        values, labels, time, number = observation_of(row)
+        np.testing.assert_array_equal(values, expected)
+        assert (labels, pd.Timestamp(time), number) == (("u", "v"), DATES[5], None)
+    assert observation_of(tables("rows")[0].iloc[5])[2:] == (None, 5)
+    with pytest.raises(ValueError, match="several levels"):
+        observation_of(pd.concat(tables("rows"), keys=[*"abc"]).iloc[5])
+
+
+def test_the_package_takes_no_time_to_load():
+    assert burstcast.EventForecaster

@@ -1,0 +1,121 @@
+"""The best kind for some series: what is tried, scored, chosen, and said."""
+
+import numpy as np
+import pytest
+from test_event_forecaster import lorenz
+
+from burstcast.event_forecaster.choice import LeftOutForecasts, Trial, findings
+from burstcast.event_forecaster.forecaster import EventForecaster
+
+pytestmark = pytest.mark.filterwarnings("ignore")
+SERIES = lorenz(8, 700, 1)
+KINDS = ["linear_inverse", "analogues", "quadratic"]
+
+
+def automatic(kinds, **changes):
+    given = {"observable": 2, "event_threshold": 35.0, "lyapunov_time": 1.1, "kind": "auto"}
+    given |= {"sampling_interval": 0.02, "prediction_times": (0.5, 1.0)}
+    return EventForecaster(**{**given, **changes}, options={"kinds": kinds})
+
+
+@pytest.fixture(scope="module")
+def chosen():
+    return automatic(KINDS).fit(SERIES[:6])
+
+
+def test_the_choice_is_the_kind_itself(chosen, tmp_path):
+    assert chosen.kind_ == "quadratic"
+    plain = EventForecaster(**{**chosen.get_params(), "kind": "quadratic", "options": None})
+    expected = plain.fit(SERIES[:6]).predict_proba(SERIES[6:])
+    np.testing.assert_array_equal(chosen.predict_proba(SERIES[6:]), expected)
+    assert chosen.get_params()["kind"] == "auto"
+    chosen.save(tmp_path / "f.nc")
+    loaded = EventForecaster.load(tmp_path / "f.nc")
+    assert loaded.kind == "quadratic"
+    np.testing.assert_array_equal(loaded.predict_proba(SERIES[6:]), expected)
+    assert chosen.forecast(SERIES[6:]).shape[1:] == (2, chosen._timing.boundaries[-1], 3)
+
+
+def test_skills_are_those_of_series_that_were_left_out(chosen):
+    """Against probabilities that are calibrated fold by fold, and summed one by one."""
+    trial = next(each for each in chosen.choices_ if each.kind == "quadratic")
+    skills = []
+    for left_out in chosen.left_out_.values():
+        errors, base = 0.0, 0.0
+        for row in range(6):
+            here = left_out.series == row
+            others = LeftOutForecasts(
+                **{
+                    name: value[~here] if isinstance(value, np.ndarray) else value
+                    for name, value in vars(left_out).items()
+                }
+            )
+            rule = chosen_rule(others)
+            happened = left_out.happened[here].astype(float)
+            errors += ((rule(left_out.values[here]) - happened) ** 2).sum()
+            base += ((others.happened.mean() - happened) ** 2).sum()
+        skills.append(1 - errors / base)
+    assert trial.brier_skill == pytest.approx(np.mean(skills))
+    assert trial.low <= trial.brier_skill <= trial.high
+
+
+def chosen_rule(left_out):
+    """Isotonic calibration with its prior, of levels counted here."""
+    from burstcast.forecasts.alarms import isotonic
+    from burstcast.forecasts.scores import Outcomes
+
+    levels = np.unique(left_out.values)
+    points = np.array([(left_out.values == level).sum() for level in levels])
+    events = np.array([left_out.happened[left_out.values == level].sum() for level in levels])
+    return isotonic(Outcomes(levels, points, events), left_out.prior)
+
+
+def test_what_was_tried_is_told(chosen):
+    assert [trial.kind for trial in chosen.choices_] == KINDS
+    by_kind = {trial.kind: trial for trial in chosen.choices_}
+    assert by_kind["quadratic"].error == 0
+    assert by_kind["linear_inverse"].brier_skill < by_kind["quadratic"].low
+    assert all(trial.seconds > 0 for trial in chosen.choices_)
+
+
+def test_of_equal_kinds_the_cheaper_is_chosen():
+    same = automatic(["quadratic", "quadratic_filtered"]).fit(SERIES[:6])
+    assert same.kind_ == "quadratic"
+
+
+def test_a_kind_that_cannot_be_fitted_is_told_and_left_out():
+    made = automatic(["quadratic", "analogues", "equations"]).fit(SERIES[:6])
+    (failed,) = [trial for trial in made.choices_ if trial.remark]
+    assert failed.kind == "equations"
+    with pytest.raises(ValueError, match="no kind can be fitted: equations: "):
+        automatic(["equations"]).fit(SERIES[:6])
+
+
+def test_noise_has_no_best_kind():
+    noise = np.random.default_rng(0).normal(size=(6, 400, 1)).cumsum(axis=1) * 0
+    noise += np.random.default_rng(1).normal(size=noise.shape)
+    made = automatic(
+        ["linear_inverse", "analogues"], observable=0, event_threshold={"quantile": 0.98}
+    )
+    made.set_params(lyapunov_time=None, prediction_times=(3,), window=6, washout=5).fit(noise)
+    assert made.warnings_[0].startswith("no kind beats the base rate: the best, ")
+    assert list(findings([Trial("esn", 0.2, 0.1, 0.3)], "esn", 40)) == []
+
+
+def test_the_cost_is_said_before():
+    with pytest.warns(UserWarning, match="fits analogues, which takes some .* on one core"):
+        automatic(["analogues"]).fit(SERIES[:6])
+
+
+@pytest.mark.parametrize(
+    ("options", "changes", "message"),
+    [
+        ({"neighbours": 3}, {}, r"options of the kind 'auto' are kinds=\[...\]"),
+        ({"kinds": "esn"}, {}, r"options of the kind 'auto' are kinds=\[...\]"),
+        ({"kinds": []}, {}, r"options of the kind 'auto' are kinds=\[...\]"),
+        ({}, {"calibrate": False}, "it needs calibrate=True"),
+    ],
+)
+def test_mistakes_are_told(options, changes, message):
+    with pytest.raises(ValueError, match=message):
+        automatic([], **changes).set_params(options=options).fit(SERIES[:6])
