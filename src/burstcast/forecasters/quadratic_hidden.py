@@ -11,7 +11,7 @@ An observable that is measured and depends on hidden variables is no variable of
 learnt as a quadratic function of them all (``observable_follows``).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple, Self
 
