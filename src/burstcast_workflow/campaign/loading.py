@@ -121,11 +121,15 @@ def misread(paths: Iterable[str | Path]) -> list[str]:
     problems: list[str] = []
     for path in dict.fromkeys(map(os.path.relpath, paths)):
         with Path(path).open(encoding="utf-8") as file, suppress(yaml.YAMLError):
-            problems += [f"{path}, {text}" for text in _misread(yaml.compose(file, _LOADER), "")]
+            tree = yaml.compose(file, _LOADER)
+            problems += [f"{path}, {text}" for text in _misread(tree, "", set())]
     return problems
 
 
-def _misread(node: yaml.Node | None, name: str) -> Iterator[str]:
+def _misread(node: yaml.Node | None, name: str, visited: set[int]) -> Iterator[str]:
+    if id(node) in visited:  # an alias, which may name what has aliases itself
+        return
+    visited.add(id(node))
     if isinstance(node, yaml.ScalarNode):
         kind, line = node.tag.rpartition(":")[2], node.start_mark.line + 1
         if kind == "timestamp":
@@ -138,7 +142,7 @@ def _misread(node: yaml.Node | None, name: str) -> Iterator[str]:
             )
     if isinstance(node, yaml.SequenceNode):
         for index, item in enumerate(node.value):
-            yield from _misread(item, f"{name}[{index}]")
+            yield from _misread(item, f"{name}[{index}]", visited)
     if isinstance(node, yaml.MappingNode):
         lines: dict[tuple[str, str], int] = {}
         for key, value in node.value:
@@ -148,5 +152,5 @@ def _misread(node: yaml.Node | None, name: str) -> Iterator[str]:
                 first = lines[name_of_key]
                 yield f"line {line}: the key {below} is there already, in line {first}"
             lines.setdefault(name_of_key, line)
-            yield from _misread(key, f"the key {below}")
-            yield from _misread(value, below)
+            yield from _misread(key, f"the key {below}", visited)
+            yield from _misread(value, below, visited)
