@@ -71,6 +71,7 @@ NAVIGATION = {
 }
 # Campaigns that figures are taken from, in this order: the paper's, then presets and examples.
 PRESETS = ("", "beyond_the_paper", "partial_observation", "aware", "kolmogorov", "quick")
+PRESETS += ("return_times",)
 _LINK = re.compile(r"(?P<before>\]\(|^\[[^\]]+\]: )(?P<path>[^)#\s:]+)(?P<after>[)#\s])", re.M)
 _FENCE = re.compile(r"^ *```.*?^ *```$", re.M | re.S)
 

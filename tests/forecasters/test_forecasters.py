@@ -445,7 +445,12 @@ class OfTwo(FirstObserved):
 
 
 HIDDEN_CASE = ForecastingCase(OfTwo(), 0.01, 2, 55)
-HIDDEN_OPTIONS = {"hidden": 1, "rates_per_lt": (0.8, 1.65, 2.93, 5.5), "rounds": 1, "members": 20}
+HIDDEN_OPTIONS = {
+    "hidden": 1,
+    "rates_per_lt": (0.8, 1.65, 2.93, 5.5),
+    "rounds": 1,
+    "members": 20,
+}
 LONG_LORENZ = lorenz_series(5, 200, 1100)
 NOISY_LONG = LONG_LORENZ + 0.01 * LORENZ_SCALE * np.random.default_rng(6).normal(
     size=LONG_LORENZ.shape

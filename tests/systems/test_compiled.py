@@ -54,7 +54,11 @@ def initial_states(system, count, seed):
     return np.random.default_rng(seed).normal(0.0, 0.3, (system.dimension, count))
 
 
-@pytest.mark.parametrize("name", available_systems())
+# stiff equations in Fourier space step by a scheme of their own, ETDRK4
+COMPILED = [name for name in available_systems() if name != "kuramoto_sivashinsky"]
+
+
+@pytest.mark.parametrize("name", COMPILED)
 def test_every_system_of_the_library_is_compiled(name):
     system = make_system(name, PARAMETERS.get(name, {}))
     assert is_compiled(system)

@@ -71,6 +71,9 @@ def test_a_forecaster_is_the_workflows_bit_for_bit(finished, directory, alarm, k
     model = EventForecaster(**settings_of(config, kind, *axes)).fit(training)
     record = model.members_[0].record()
     stored = read_netcdf(case / directory / "forecaster.nc")
+    # the workflow's file has the training range, too, beyond which forecasts are invalid
+    limits = {name: stored.pop(name) for name in ("training_low", "training_high")}
+    assert (limits["training_low"] < limits["training_high"]).all()
     assert set(stored) == set(record.arrays)
     for name, array in stored.items():
         assert_array_equal(record.arrays[name], array)

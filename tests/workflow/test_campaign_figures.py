@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from helpers_configs import TINY, campaign, networks, read
 from helpers_rebuilds import ROOT, loaded_script
+from matplotlib.figure import Figure
 
 from burstcast.base.declared import File, at
 from burstcast.base.declared import read as read_file
@@ -35,18 +36,25 @@ from burstcast_workflow.tables.registry import cases_of_tables, latex_names, tab
 PAPER = campaign()
 
 
-def test_a_figure_is_written_as_pdf_and_png_or_not_at_all(tmp_path):
+def test_a_figure_is_written_as_pdf_and_png_or_not_at_all(tmp_path, monkeypatch):
     script = loaded_script("figures/figure.py")
     figures = {end: str(tmp_path / f"figure.{end}") for end in ("pdf", "png")}
     values = {"longest_lead_time_lt": 10, "lead_time_step_lt": 0.5, "tolerance": 0.2}
     values = {f"horizon.{name}": value for name, value in values.items()}
-    for symbol in (r"\nosuchcommand", "k"):
-        assert list(tmp_path.iterdir()) == []
-        identity = {"rule": "figure", "figure": "horizon_schematic"}
-        settings = JobSettings({**values, "case.space.observable_symbol": symbol}, identity)
-        if symbol != "k":
-            with pytest.raises(ValueError, match="nosuchcommand"):
-                script.figure(**figures, settings=settings)
+    identity = {"rule": "figure", "figure": "horizon_schematic"}
+    settings = JobSettings({**values, "case.space.observable_symbol": "k"}, identity)
+    save = Figure.savefig
+
+    def save_no_png(figure, file, **options):
+        if options["format"] == "png":
+            raise OSError("no space left")
+        save(figure, file, **options)
+
+    with monkeypatch.context() as broken:
+        broken.setattr(Figure, "savefig", save_no_png)
+        with pytest.raises(OSError, match="no space"):
+            script.figure(**figures, settings=settings)
+    assert list(tmp_path.iterdir()) == []
     script.figure(**figures, settings=settings)
     assert settings.unread() == []
     assert Path(figures["pdf"]).read_bytes().startswith(b"%PDF")

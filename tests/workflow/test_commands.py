@@ -119,7 +119,7 @@ def test_the_page_has_all_commands(capsys):
         main(["--help"])
     commands = re.findall(r"^    ([a-z-]+)(?: |$)", capsys.readouterr().out, re.MULTILINE)
     assert sorted(re.findall(r"^\| `burstcast ([a-z-]+)", PAGE, re.MULTILINE)) == sorted(commands)
-    assert len(commands) == 5
+    assert len(commands) == 6
 
 
 def study(directory, change=("", "")):

@@ -120,8 +120,11 @@ def _difference(values: FloatArray, others: FloatArray) -> float:
     """Largest difference of two arrays, relative to their largest number; NaN equals NaN."""
     if not np.array_equal(np.isnan(values), np.isnan(others)):
         return math.inf
-    size = float(np.nanmax(np.abs(values), initial=0.0))
-    return float(np.nanmax(np.abs(values - others), initial=0.0)) / max(size, 1e-300)
+    finite = np.isfinite(values) & np.isfinite(others)
+    if not np.array_equal(values[~finite], others[~finite], equal_nan=True):
+        return math.inf
+    size = np.abs(values[finite]).max(initial=0.0)
+    return float(np.abs(values - others)[finite].max(initial=0.0) / max(size, 1e-300))
 
 
 def _rounded_by_batch(system: DynamicalSystem, states: FloatArray) -> str:

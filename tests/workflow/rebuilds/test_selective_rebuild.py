@@ -65,8 +65,9 @@ def test_an_edit_without_effect_runs_its_jobs_and_stops_where_results_are_equal(
     searched = {name for name in before if name.startswith(("horizon/", "examples/"))}
     assert work.planned() == jobs | {name.removesuffix(".log") for name in searched}
     work.made(*BITS)
-    # the table of the same numbers comes from the cache
-    assert computed(work, before) == (len(searched) + 1, len(searched))
+    # what reads the same numbers again, the examples and a table, comes from the cache
+    horizons = [name for name in searched if name.startswith("horizon/")]
+    assert computed(work, before) == (len(searched) + 1, len(horizons)) == (9, 7)
     assert work.bits() == first
 
 
