@@ -33,8 +33,10 @@ test: ## linters, types, links of the site, tests
 tests: $(VENV)/developed
 	$(BIN)/pytest -n 2 --dist loadfile --no-loadscope-reorder $(ARGS)
 
-test-long: $(VENV)/developed ## tests that take long
-	$(BIN)/pytest -m long $(ARGS)
+# Property tests, too, with examples that the gate has not seen; a failure comes back with its SEED.
+SEED = $(shell date +%s)
+test-long: $(VENV)/developed ## tests that take long, and new examples for property tests
+	$(BIN)/pytest -m "long or hypothesis" --hypothesis-profile new --hypothesis-seed $(SEED) $(ARGS)
 
 test-slurm: $(VENV)/developed ## tests on a Slurm of their own
 	$(BIN)/pytest -m slurm $(ARGS)

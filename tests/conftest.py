@@ -9,9 +9,12 @@ from hypothesis import settings
 # beside other work slow each other down.
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
-# a machine that does other work, too, breaks no test
-settings.register_profile("any machine", deadline=None)
-settings.load_profile("any machine")
+# Property tests draw the same examples in every run of the gate. `make test-long` draws new ones
+# with the profile "new" and a seed that its command line shows. No deadline: other work on the
+# machine breaks no test.
+settings.register_profile("gate", deadline=None, derandomize=True)
+settings.register_profile("new", deadline=None, print_blob=True)
+settings.load_profile("gate")
 
 
 def pytest_collection_modifyitems(items):
