@@ -59,6 +59,8 @@ class ConsistencyTest:
             memory = forecaster.start(np.ascontiguousarray(washouts.transpose(1, 2, 0)))
             made = forecaster.valid(forecaster.advance(memory, steps)[0]).transpose(2, 0, 1)
         made = made[np.isfinite(made).all(axis=(1, 2))]
+        if len(made) < _LEAST_OWN:
+            return None
         made = made + noise * generator.standard_normal(made.shape)
         errors = hindcast_errors(forecaster, made)
         errors = errors[np.isfinite(errors).all(axis=(1, 2))]
