@@ -114,7 +114,9 @@ def main() -> None:
     parser.add_argument("records", nargs="+")
     given = parser.parse_args()
     warnings.simplefilter("ignore")
-    print("| record | `auto` takes | Brier skill | best by hindsight | Brier skill | loss |", end="")
+    print(
+        "| record | `auto` takes | Brier skill | best by hindsight | Brier skill | loss |", end=""
+    )
     print(" within the interval | seconds |\n|---|---|---|---|---|---|---|---|", flush=True)
     with threadpool_limits(1):
         for name in given.records:
