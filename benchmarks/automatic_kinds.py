@@ -36,7 +36,7 @@ def sunspots() -> Record:
 
     states = source.load_pandas().data[["SUNACTIVITY"]].to_numpy(dtype=np.float64)
     settings = {"observable": 0, "event_threshold": {"quantile": 0.8}, "prediction_times": 2}
-    settings |= {"window": 3, "washout": 11, "start_spacing": 1, "calibration_spacing": 1}
+    settings |= {"window": 3, "start_spacing": 1, "calibration_spacing": 1}
     return Record("sunspots, 200 and 109 years", [states[:200], states[200:]], 1, settings)
 
 
@@ -49,7 +49,7 @@ def el_nino() -> Record:
     angle = 2 * np.pi * np.arange(len(anomaly)) / 12
     states = np.column_stack([anomaly, np.cos(angle), np.sin(angle)])
     settings = {"observable": 0, "event_threshold": {"quantile": 0.8}, "prediction_times": 3}
-    settings |= {"window": 3, "washout": 12, "start_spacing": 1, "calibration_spacing": 1}
+    settings |= {"window": 3, "start_spacing": 1, "calibration_spacing": 1}
     return Record("El Nino, 480 and 252 months", [states[:480], states[480:]], 1, settings)
 
 
