@@ -213,6 +213,11 @@ REFUSED = [
     ),
     (xarray.Variable("time", SECONDS), TypeError, "not a Variable of xarray"),
     (
+        pd.DataFrame({"date": pd.to_datetime(DATES), "u": SECONDS}),
+        ValueError,
+        "column 'date' has no numbers, but datetime.*; if it is the clock, call it 'time'",
+    ),
+    (
         xarray.Dataset(
             {"u": ("time", SECONDS)}, coords={"date": ("time", np.array(DATES, "M8[ns]"))}
         ),

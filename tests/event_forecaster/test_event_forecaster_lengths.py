@@ -11,6 +11,7 @@ from burstcast.data.dataset import component_scales
 from burstcast.data.observation_noise import estimate_noise
 from burstcast.data.series_layout import labelled_series
 from burstcast.forecasters.analogues import Analogues
+from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.nvar import NVAR
 from burstcast.forecasters.registry import all_kinds, kind_class
@@ -39,6 +40,27 @@ def training():
 @pytest.fixture(scope="module")
 def padded_series(training):
     return labelled_series(training).states
+
+
+def test_analogues_of_equal_series_forget_the_lengths_of_an_earlier_fit():
+    """Calibration leaves out the one series of another length."""
+    series = cut(lorenz(4, 400, 1), (150, 400, 400, 400))
+    case = ForecastingCase(Lorenz63(), 0.01, 2, 55)
+    again = Analogues().fit(labelled_series(series).states, case)
+    again = again.fit(np.stack(series[1:]), case)
+    expected = Analogues().fit(np.stack(series[1:]), case)
+    washout = np.stack(series[1:])[:, 50:60].transpose(1, 2, 0)
+    assert_array_equal(again.start(washout), expected.start(washout))
+    assert again.lengths is None
+
+
+def test_a_lyapunov_time_of_one_sample_has_default_spacings_of_one():
+    given = {"observable": 2, "event_threshold": 35.0, "kind": "analogues", "washout": 5}
+    made = [
+        EventForecaster(**given, **more).fit(lorenz(6, 400, 1))
+        for more in ({"lyapunov_time": 1, "window": 1}, {"window": 1})
+    ]
+    assert_array_equal(*(each.predict_proba(lorenz(2, 100, 3)) for each in made))
 
 
 # -- functions that series are given to ------------------------------------------------------------

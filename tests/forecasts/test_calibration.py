@@ -138,6 +138,17 @@ def test_events_that_are_told_apart_stay_finite_and_a_constant_feature_is_no_tro
     assert ((event_probability(weights, features) > 0.5) == happened).all()
 
 
+def test_rounding_of_features_stays_rounding_of_weights():
+    """At the minimum the loss is flat: a rise by rounding halves no step."""
+    for seed in range(12):
+        generator = np.random.default_rng(seed)
+        features, noise = generator.normal(size=(200, 10)), generator.normal(size=(200, 1))
+        happened = features[:, :1] + noise > 0.5
+        moved = features + 1e-13 * generator.normal(size=features.shape)
+        weights, again = (fit_logistic(given, happened, 1.0) for given in (features, moved))
+        np.testing.assert_allclose(again, weights, rtol=0, atol=1e-11)
+
+
 # -- without what the series has taught ------------------------------------------------------------
 
 CASE = ForecastingCase(Lorenz63(), 0.01, 5, 20)

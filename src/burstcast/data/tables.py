@@ -156,7 +156,9 @@ def frame_run(
                 place = _place(error.row, first_line)
                 raise ValueError(f"{source}{place}: column {TIME!r} {error}") from None
         elif not pd.api.types.is_numeric_dtype(kind) or kind.kind in "bc":
-            raise ValueError(f"{source}: column {name!r} has no numbers, but {kind}")
+            dated = kind.kind == "M" and TIME not in names
+            advice = f"; if it is the clock, call it {TIME!r}" if dated else ""
+            raise ValueError(f"{source}: column {name!r} has no numbers, but {kind}{advice}")
         else:
             columns[name] = column.to_numpy(dtype=np.float64, na_value=np.nan)
     return Run(source, columns)

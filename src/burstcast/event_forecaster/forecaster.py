@@ -837,8 +837,11 @@ class EventForecaster(Estimator):
         return DURATIONS[name][self.lyapunov_time is None] if given is None else given
 
     def _samples(self, name: str) -> int:
-        """Number of samples in the duration that a parameter gives."""
-        return self._timing.samples(name, self._duration(name))
+        """Number of samples in the duration that a parameter gives; a default has one at least."""
+        timing, duration = self._timing, self._duration(name)
+        if getattr(self, name) is None:
+            duration = max(duration, 1 / timing.unit)
+        return timing.samples(name, duration)
 
     @property
     def _components(self) -> Components:

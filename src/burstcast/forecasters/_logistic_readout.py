@@ -9,6 +9,8 @@ from burstcast.base.arrays import BoolArray, FloatArray
 _STEPS, _LEAST_STEP = 100, 1e-6
 _TOLERANCE = 1e-9
 """Newton decrement at which a fit has converged, per point."""
+_FLAT = 1e-13
+"""Rise of the loss per point that is rounding: no reason to halve a step at the minimum."""
 _LEAST_CURVATURE = 1e-10
 _NEGLIGIBLE = 1e-4
 """Penalties below which the sum of squares of a principal component is left out."""
@@ -82,7 +84,8 @@ def _newton(features: FloatArray, wanted: FloatArray, ridge: FloatArray) -> Floa
             curvature += weighted.T @ weighted
         step = cho_solve(cho_factor(curvature), gradient)
         along, factor = features @ step, 1.0
-        while (new := _loss(odds + factor * along, wanted, ridge, weights + factor * step)) > loss:
+        bound = loss + _FLAT * len(wanted)
+        while (new := _loss(odds + factor * along, wanted, ridge, weights + factor * step)) > bound:
             factor *= 0.5
             if factor < _LEAST_STEP:
                 return weights

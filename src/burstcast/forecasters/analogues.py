@@ -54,7 +54,7 @@ class Analogues(AnalogueOptions, Forecaster):
                 f"that others follow: fewer neighbours, or more series"
             )
         if (lengths := series_lengths(training)) is None:
-            return self.with_fitted(training=training.copy())
+            return self.with_fitted(training=training.copy(), lengths=None)  # of an earlier fit
         return self.with_fitted(training=samples_of(training), lengths=lengths.astype(np.float64))
 
     def record(self) -> ForecasterRecord:

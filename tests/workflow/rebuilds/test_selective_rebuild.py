@@ -386,9 +386,9 @@ WITH_EFFECT = [
 caption of a figure | LIBRARY/figures/observable_and_density.py |
   Typical evolution of the observable | How the observable evolves
 a strategy of control | LIBRARY/control/strategies/receding_horizon.py |
-  (ahead >= level) | (ahead >= 2.0 * level) | control/*/receding_horizon-*
-  control_strategies_table/* joined_control figure/control_frontier
-  figure/control_tradeoff
+  (observable(states) >= level) | (observable(states) >= 2.0 * level) |
+  control/*/receding_horizon-* control_strategies_table/* joined_control figure/control_frontier
+  figure/control_tradeoff warnings_table/* joined_warnings
 format of a column | workflow/tables.yaml | empty without events, format: .3f |
   empty without events, format: .2f | joined_forecasts
 order of the columns of a table | workflow/tables.yaml | [series, survived_fraction, escapes, |
