@@ -1,7 +1,8 @@
 """Comparisons on pages of results that take more than one row of a table."""
 
+import operator
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -174,17 +175,63 @@ def inside_counts(authors: Tables, paper: Tables, neurons: int | None = None) ->
     return counts
 
 
-def mean_and_margin(values: Sequence[float]) -> tuple[float, float]:
-    """Mean of independent values, and half the width of its Student interval, or NaN."""
+@dataclass(frozen=True)
+class Mean:
+    """Mean with its 95 % interval, and how many independent values it is of."""
+
+    mean: float
+    margin: float  #: half of the interval; NaN of fewer than two values
+    count: int
+
+    @property
+    def low(self) -> float:
+        """Lower end."""
+        return self.mean - self.margin
+
+    @property
+    def high(self) -> float:
+        """Upper end."""
+        return self.mean + self.margin
+
+    def text(self, digits: int, sign: str = "+") -> str:
+        """Mean and margin."""
+        return f"{self.mean:{sign}.{digits}f} ± {self.margin:.{digits}f}"
+
+
+def mean_of(values: Sequence[float]) -> Mean:
+    """Mean of independent values, with Student's interval."""
     if len(values) < 2:
-        return float(np.mean(values)), float("nan")
+        return Mean(float(np.mean(values)), float("nan"), len(values))
     interval = mean_with_interval(np.array(values), CONFIDENCE)
-    return float(interval.mean), float(interval.high - interval.mean)
+    return Mean(float(interval.mean), float(interval.high - interval.mean), len(values))
 
 
-def _with_margin(values: pd.Series, digits: int) -> str:
-    mean, margin = mean_and_margin(values.tolist())
-    return f"{mean:+.{digits}f} ± {margin:.{digits}f}"
+def common(*networks: pd.DataFrame) -> list[pd.DataFrame]:
+    """Values of the training sets (rows) and seeds (columns) that all kinds of networks have."""
+    index, columns = networks[0].index, networks[0].columns
+    for of_kind in networks[1:]:
+        index, columns = index.intersection(of_kind.index), columns.intersection(of_kind.columns)
+    known = np.all([of.loc[index, columns].notna() for of in networks], axis=0)
+    return [
+        of.loc[index, columns].where(known).dropna(axis=1, how="all").dropna(how="all")
+        for of in networks
+    ]
+
+
+def paired(
+    first: pd.DataFrame,
+    second: pd.DataFrame,
+    of_pair: Callable[[pd.DataFrame, pd.DataFrame], pd.DataFrame] = operator.sub,
+) -> Mean:
+    """Mean difference of two kinds of networks on the same training sets and test series.
+
+    Rows are training sets, columns are seeds. Networks of a set share its series, so that the unit
+    is the set: the interval is Student's over the means of the pairs of each set. It leaves out
+    other test series, and other seeds where all sets have the same ones.
+
+    ``of_pair``: What is compared of each pair; default: first less second.
+    """
+    return mean_of(of_pair(*common(first, second)).mean(axis=1).tolist())
 
 
 def differences(authors: Tables, own_choices: Tables, paper: Tables) -> Part:
@@ -197,19 +244,19 @@ def differences(authors: Tables, own_choices: Tables, paper: Tables) -> Part:
     cells: Part = []
     for network in networks_of(own_choices):
         for score in SCORES:
-            both = [score.networks(tables, **network) for tables in (authors, own_choices)]
-            choices = (both[0] - both[1]).dropna(axis=1, how="all").dropna()
+            theirs, ours = common(
+                *(score.networks(tables, **network) for tables in (authors, own_choices))
+            )
             median = score.median(paper, case=CASE, **network)
-            if np.isnan(published := score.published(**network)) or choices.empty:
+            if np.isnan(published := score.published(**network)) or ours.empty:
                 continue
-            ours = (both[0][choices.columns].loc[choices.index] - choices).mean(axis=1) - median
-            change, digits = choices.mean(axis=1), score.digits
-            left = published - median - change.mean() - ours.mean()
+            choices, sets = paired(theirs, ours), paired(ours, 0 * ours + median)
+            left, digits = published - median - choices.mean - sets.mean, score.digits
             label = f"{network['neurons']:g} neurons, {score.title}"
             cells += [
                 (label, "paper less its campaign here", f"{published - median:+.{digits}f}"),
-                (label, "choices", _with_margin(change, digits)),
-                (label, "other training sets", _with_margin(ours, digits)),
+                (label, "choices", choices.text(digits)),
+                (label, "other training sets", sets.text(digits)),
                 (label, "left", f"{left:+.{digits}f}"),
             ]
     return cells
@@ -224,15 +271,13 @@ def gaps(name: str, tables: Tables, score: Score) -> Part:
         )
         if true.empty:
             continue
-        both = (noisy + 0 * true).dropna(axis=1, how="all").dropna()
-        clean = true.loc[both.index, both.columns]
-        shares = ((clean - both) / (1 - both)).mean(axis=1).tolist()
-        mean, margin = mean_and_margin(shares)
+        clean, both = common(true, noisy)
+        closed = paired(true, noisy, lambda clean, noisy: (clean - noisy) / (1 - noisy))
         label = f"{name} choices, {network['neurons']:g} neurons"
         cells += [
-            (label, "noisy washout", f"{both.to_numpy().mean():.3f}"),
-            (label, "true washout", f"{clean.to_numpy().mean():.3f}"),
-            (label, "share of the gap due to the state", f"{mean:.2f} ± {margin:.2f}"),
+            (label, "noisy washout", f"{np.nanmean(both):.3f}"),
+            (label, "true washout", f"{np.nanmean(clean):.3f}"),
+            (label, "share of the gap due to the state", closed.text(2, "")),
         ]
     return cells
 
@@ -308,10 +353,10 @@ def over_sets(tables: Tables, score: Score, **where: Any) -> pd.DataFrame:
 
 
 def hierarchical(tables: Tables, score: Score, **where: Any) -> pd.DataFrame:
-    """Means over training sets with the interval over all that is random.
+    """Means over training sets with the interval over these and over the test series.
 
-    ``low``, ``high``: What other training sets, with other seeds, and other test series would give,
-    which all networks of a campaign share.
+    ``low``, ``high``: What other training sets and other test series, which all networks of a
+    campaign share, would give; the seeds are the same in each set, and are not drawn anew.
     """
     means = over_sets(tables, score, **where)
     kinds = means[["forecaster", "neurons"]].to_dict("records")
@@ -320,18 +365,12 @@ def hierarchical(tables: Tables, score: Score, **where: Any) -> pd.DataFrame:
     return means.assign(low=means["mean"] - half, high=means["mean"] + half)
 
 
-def paired(
+def paired_score(
     tables: Tables, score: Score, first: dict[str, Any], second: dict[str, Any]
-) -> dict[str, float]:
-    """Mean difference of two kinds of networks on the same training sets and test series.
-
-    ``low``, ``high``: 95 % interval of Student's t over pairs of networks of a set, which leaves
-    out what other test series would give.
-    """
-    both = [score.networks(tables, False, **kind) for kind in (first, second)]
-    pairs = (both[0] - both[1]).to_numpy().ravel()
-    mean, margin = mean_and_margin(pairs[~np.isnan(pairs)].tolist())
-    return {"mean": mean, "low": mean - margin, "high": mean + margin}
+) -> Mean:
+    """Difference of two kinds of networks of a campaign, as `paired` has it."""
+    one, other = (score.networks(tables, False, **kind) for kind in (first, second))
+    return paired(one, other)
 
 
 def extremes(rows: pd.DataFrame, column: str) -> pd.DataFrame:

@@ -10,8 +10,9 @@ from comparisons import (
     f_score,
     gaps,
     inside_counts,
-    mean_and_margin,
+    mean_of,
     over_sets,
+    paired,
 )
 from kept_tables import KEPT, Tables, published_value
 from scipy import stats
@@ -140,6 +141,38 @@ def test_figures_are_those_of_the_kept_tables(draw, name, campaigns):
 def test_an_interval_of_a_mean_is_that_of_students_test():
     values = [0.1, 0.4, 0.2, 0.7]
     expected = stats.ttest_1samp(values, 0.0).confidence_interval(0.95)
-    mean, margin = mean_and_margin(values)
-    assert (mean - margin, mean + margin) == pytest.approx((expected.low, expected.high))
-    assert np.isnan(mean_and_margin([0.5])[1])
+    mean = mean_of(values)
+    assert (mean.low, mean.high) == pytest.approx((expected.low, expected.high))
+    assert np.isnan(mean_of([0.5]).margin)
+
+
+def covers(interval, truth):
+    return interval.low <= truth <= interval.high
+
+
+@pytest.mark.parametrize("of_set", [0.0, 0.01, 0.03])
+def test_the_training_set_is_the_unit_of_pairs(of_set):
+    """Two kinds of networks on five sets with two seeds, whose difference varies with the set."""
+    rng, truth, repetitions = np.random.default_rng(81), -0.015, 1500
+    within, pooled = 0, 0
+    for _ in range(repetitions):
+        shared = rng.normal(scale=0.02, size=(5, 1))  # the set is good or bad for both kinds
+        change = truth + rng.normal(scale=of_set, size=(5, 1))  # and suits one of them more
+        first, second = (
+            pd.DataFrame(0.76 + shared + part + rng.normal(scale=0.014, size=(5, 2)))
+            for part in (change, 0.0)
+        )
+        within += covers(paired(first, second), truth)
+        pooled += covers(mean_of((first - second).to_numpy().ravel().tolist()), truth)
+    assert 0.93 <= within / repetitions <= 0.97
+    if of_set:  # pairs of a set are not independent
+        assert pooled / repetitions < 0.93
+
+
+def test_pairs_are_of_the_sets_and_seeds_that_both_have():
+    first = pd.DataFrame({0: [0.5, 0.7, 0.9], 1: [0.6, np.nan, 0.4]}, index=["a", "b", "c"])
+    second = pd.DataFrame({1: [0.5, 0.1], 0: [0.3, 0.2]}, index=["a", "b"])
+    # by hand: of a (0.2 + 0.1) / 2, of b 0.5 alone
+    difference = paired(first, second)
+    assert difference.mean == pytest.approx((0.15 + 0.5) / 2)
+    assert difference.count == 2
