@@ -126,7 +126,7 @@ def planned_jobs(workflow: Any) -> Iterable[Any]:
 
 
 def reasons_of_jobs(workflow: Any) -> list[tuple[Any, str]]:
-    """Jobs that would run, each after those that it reads from, with Snakemake's reason."""
+    """Jobs that would run, each after the jobs that it reads from, with Snakemake's reason."""
     dag = workflow.dag
     return [
         (job, str(dag.reason(job)))

@@ -9,7 +9,7 @@ from burstcast.base.arrays import IntArray
 
 
 class LeftOut(NamedTuple):
-    """Training series that a forecaster forecasts, and those that it must not learn from."""
+    """Training series that a forecaster forecasts, and series that it must not learn from."""
 
     forecast: IntArray  #: rows of the series that it forecasts
     rows: IntArray  #: rows of the series that are left out: with what shares samples

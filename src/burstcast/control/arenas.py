@@ -169,7 +169,7 @@ class Lorenz96Arena:
         return InterventionCounts(events, effort, interventions, self.years)
 
     def task(self) -> ControlTask:
-        """What controllers are told."""
+        """Facts that controllers get."""
         return ControlTask(
             space=self.system,
             threshold=self.threshold,

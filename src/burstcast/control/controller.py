@@ -18,7 +18,7 @@ from burstcast.systems.state_space import StateSpace
 
 @dataclass(frozen=True)
 class ControlTask:
-    """What a controller is told before the first decision."""
+    """Facts that a controller gets before the first decision."""
 
     space: StateSpace  #: what is observed: its dimension, its observable
     threshold: float  #: value of the observable that is an extreme event

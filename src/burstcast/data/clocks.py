@@ -22,7 +22,7 @@ _UNITS_OF_DATES = {
 _UNIT_TOLERANCE = 0.01
 
 _SHARED = 0.1
-"""Share of rows with the time of the row before, from which on times are rounded."""
+"""Least share of rows with the time of the row before that counts as rounding."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def irregularity(times: FloatArray, step: float | None = None) -> Irregularity |
 
 
 def _change_of_rate(times: FloatArray) -> int:
-    """Sample from which on times rise at another rate: the farthest from the line of all."""
+    """First sample of another rate: the farthest from the line of all times."""
     line = np.linspace(times[0], times[-1], len(times))
     return int(np.clip(np.abs(times - line).argmax(), 1, len(times) - 2))
 

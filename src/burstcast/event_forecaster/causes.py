@@ -64,7 +64,7 @@ def causes(
     shortest = min(end - start for start, end in map(timing.span, timing.times))
     if shortest < _FEW_SAMPLES:
         yield f"the prediction window has {shortest + 1} samples: lengthen window"
-    # those who start from the last state need no washout
+    # kinds that start from the last state need no washout
     if (kind.has_filter or kind.has_search or not kind.has_trajectories) and washout < _FEW_SAMPLES:
         yield f"the washout has {washout} samples: lengthen washout"
 

@@ -267,7 +267,7 @@ def _references(
     policies = {ALWAYS: at_random(1.0, draws), RANDOM: at_random(rate, draws)}
     scores = {}
     for name, policy in policies.items():
-        # judging alarms takes another integration, which nobody reads here
+        # judging alarms takes another integration, which is not read here
         with contextlib.suppress(FloatingPointError):
             run = simulate(experiment, strategy.timing(experiment.schedule), policy)
             scores[name] = _scores(run, forecaster)

@@ -32,7 +32,7 @@ LITTLE_SKILL = 0.05
 """Brier skill in series that were left out, below which probabilities are no better than the base
 rate: a tenth of the skill of most useful forecasts."""
 _ROUGH = 1.1
-"""Samples in a Lyapunov time over whole ones, beyond which durations are told to be rounded."""
+"""Samples in a Lyapunov time over whole ones, beyond which a warning says that it is rounded."""
 _FOLDS = 10
 """Parts of the training series, each of which has alarms by rules of the others."""
 

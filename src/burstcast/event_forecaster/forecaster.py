@@ -89,7 +89,7 @@ from burstcast.systems.parameters import Parameters
 
 _REFERENCE_STATES = 8
 _ROUNDING = 1e-9
-"""Relative difference up to which two prediction times are the same."""
+"""Relative difference of two prediction times that counts as none."""
 _FITTED = (
     *("components", "own_parameters", "reference_states", "reference_observable"),
     *("event_threshold", "hyperparameters", "labels", "clock", "units", "unskilled_times"),

@@ -2,7 +2,7 @@
 
 What calibrates a forecaster must not have been in its training. Where series that share no rows
 hold all rows, the others are superfluous. Otherwise a series is left out together with all series
-that share rows with it, and of those that share rows only one is forecast.
+that share rows with it, and of such series only one is forecast.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ _ROWS = 16
 _CHANGES = 4
 """Rows among them, at least, that differ from the row before."""
 _SHARE = 0.05
-"""Of the shorter series in the longer one, from which on two series share rows."""
+"""Least share of the shorter series in the longer one that counts as shared rows."""
 _COVERED = 0.95
 """Share of all rows that disjoint series must hold, so that others add nothing."""
 MOST_REFITS = 25
@@ -33,7 +33,7 @@ class SharedRows:
     linked: BoolArray  #: ``(series, series)``; a series with itself
     disjoint: IntArray  #: rows of series that share no rows with each other, as many as were found
     covered: float = 1.0  #: share of all different rows that disjoint series hold
-    share: float = 0.0  #: of all rows, those that lie in another series, too
+    share: float = 0.0  #: share of all rows that lie in another series, too
 
     @property
     def count(self) -> int:

@@ -5,7 +5,7 @@ variables), and that of its forecasts mostly the noise of the washout. An ensemb
 (`burstcast.forecasters._ensemble_smoother`) removes most of both: the trained network smooths its
 own training series, it is trained again on the result with a little noise in the inputs, which
 closed loops need to stay stable, and so on for some rounds; forecasts start from the same filter.
-The hyperparameters are those that a search found for the kind `esn`.
+The hyperparameters come from the search of the kind `esn`.
 
 Related: Brajard, Carrassi, Bocquet and Bertino, Journal of Computational Science 44 (2020) 101171,
 and Tomizawa and Sawada, Geoscientific Model Development 14 (2021) 5623, train on analyses; Wikner
@@ -378,7 +378,7 @@ class _ValidationPoints:
 def _validation_points(
     observed: FloatArray, washout: int, ahead: int, spacing: int
 ) -> _ValidationPoints:
-    """Points in series that are followed for some time, evenly among those that there are."""
+    """Points in series that are followed for some time, evenly among all of them."""
     count, time, _ = observed.shape
     lengths = series_lengths(observed)
     ends = np.full(count, time) if lengths is None else lengths

@@ -216,7 +216,7 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
     ) -> Iterator[Self]:
         """Learn the equations again without each series (see `Forecaster.leave_one_out`).
 
-        Hidden variables and noise stay those that the smoother of the whole fit finds.
+        Hidden variables and noise stay as the smoother of the whole fit finds them.
         """
         rows_of_each = rows_left_out(len(training), left_out)
         unit, interval = case.steps_per_lyapunov_time, case.time_step * case.sampling_stride

@@ -29,7 +29,7 @@ DIVERGED_RUNS = 0.01
 """Of long runs: a flow of bounded energy has none that diverge."""
 
 INVALID_FORECASTS = 0.01
-"""Share of forecasts, or of decisions: a model that diverges now and then is told."""
+"""Share of forecasts, or of decisions: beyond it, divergence is a warning sign."""
 
 EXPONENT_DIFFERENCE = 0.1
 """Relative, from the given exponent: all times in Lyapunov times change by as much."""

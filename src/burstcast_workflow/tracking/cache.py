@@ -4,7 +4,7 @@ The key of a job is a hash of its script, wildcards, settings, code, contents of
 versions of what computes: it has no path of the results, so that campaigns and clones share. An
 entry is a directory with the outputs, which are links to the results where the file system allows
 it, the log, and ``entry.json`` with digests and seconds. Trouble with the cache is logged, and the
-job computes; a place that cannot be a cache is told on the terminal, once for each run.
+job computes; the terminal says, once for each run, that a place cannot be a cache.
 """
 
 import hashlib
@@ -49,7 +49,7 @@ _DAY = 86400.0
 def directory() -> Path | None:
     """Directory of the cache, beside ``.snakemake`` by default; None if it is switched off.
 
-    None, too, below the home directory of somebody who is unknown (`trouble`).
+    None, too, below the home directory of an unknown user (`trouble`).
     """
     with suppress(RuntimeError):
         place = os.environ.get(VARIABLE, _DEFAULT)
@@ -174,7 +174,7 @@ _DAMAGE = ValueError, FileNotFoundError, NotADirectoryError, IsADirectoryError
 
 
 def _make_shared(prefix: Path) -> None:
-    """Make a directory of entries, as open as the cache is: its maker's umask shuts nobody out."""
+    """Make a directory of entries, as open as the cache is: its maker's umask does not count."""
     prefix.parent.mkdir(parents=True, exist_ok=True)
     with suppress(FileExistsError):
         prefix.mkdir()

@@ -94,7 +94,7 @@ def checked(path: str) -> str:
     if written is None:
         return digest(path)  # no result of a job: a file of the user, or one of a storage
     if fault := _fault(path, written):
-        raise DamagedResultError(f"{path} {fault}. Delete it, and run again")
+        raise DamagedResultError(f"{fault}. Delete it, and run again")
     return written.content
 
 
@@ -102,9 +102,9 @@ def _fault(path: str | Path, written: Note) -> str:
     """What is wrong with a result; empty if it is what its job wrote, where it wrote it."""
     place = Path(written.place).parts
     if Path(path).parts[-len(place) :] != place:
-        return f"is a copy of {written.place}, and not what its own job wrote"
+        return f"{path} is a copy of {written.place}, and not what its own job wrote"
     if written.stamp != _stamp(path) and digest(path) != written.content:
-        return "is not what its job wrote: it was edited, exchanged or cut off since"
+        return f"{path} is not what its job wrote: it was edited, exchanged or cut off since"
     return ""
 
 
@@ -122,7 +122,7 @@ class Notes:
     def damaged(self) -> list[str]:
         """Results that are not what their jobs wrote; deleted ones are none of them."""
         return [
-            f"{path} {fault}"
+            fault
             for path, written in sorted(self._notes.items())
             if (fault := _fault(path, written))
         ]

@@ -18,7 +18,7 @@ from burstcast.base.arrays import BoolArray, ByteArray
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.loop import ControlledFlows, Looks, RunningFlows
 from burstcast.control.policy import (
-    REACTIVE,
+    OFF,
     Fallback,
     Look,
     Policy,
@@ -43,8 +43,8 @@ class PredictionTriggered(ControlStrategy):
     window_lt: float  #: length of the window, in Lyapunov times; positive
     vote_share: float = 0.5  #: share of several forecasters that must forecast an event
     #: what decides where a forecast is invalid: "reactive", "off" or "on"
-    #: (`burstcast.control.policy.Fallback`)
-    fallback: str = REACTIVE
+    #: (`burstcast.control.policy.Fallback`). In the paper, such a forecast predicts no event
+    fallback: str = OFF
 
     def window(self, schedule: Schedule) -> tuple[int, int]:
         """Steps from a forecast to the first and to the last step of its window."""
