@@ -177,21 +177,19 @@ class Sources:
                     reached[place, first] = None
                 for alias, module, imported in bound:
                     if alias == first:
-                        target = self._target(place, module, [*filter(None, [imported])])
-                        module, rest = target
-                        reached |= dict.fromkeys(self._use(module, [*rest, *attributes]))
+                        names = [*filter(None, [imported]), *attributes]
+                        reached |= dict.fromkeys(self._use(_absolute(module, *place), names))
             for alias, module, imported in definition.imports:
                 # importing a module runs it, and the packages that it lies in
-                module, rest = self._target(place, module, [*filter(None, [imported])])
+                module, _ = self._split(_absolute(module, *place), [*filter(None, [imported])])
                 reached |= dict.fromkeys((at, _AT_IMPORT) for at in self._located(module))
                 if alias == _ALL:
                     reached |= dict.fromkeys(self._use_all(module))
             self._reached[key] = [*reached]
         return self._reached[key]
 
-    def _target(self, place: Place, module: str, names: list[str]) -> tuple[str, list[str]]:
-        """Absolute name of an imported module, and names in it: ``from package import module``."""
-        module = _absolute(module, place.name, place.path)
+    def _split(self, module: str, names: list[str]) -> tuple[str, list[str]]:
+        """The last module along some names, and the names in it: ``from package import module``."""
         while names and self._file(f"{module}.{names[0]}"):
             module, names = f"{module}.{names[0]}", names[1:]
         return module, names
@@ -201,8 +199,7 @@ class Sources:
 
         A module by itself is all of it: its names may be looked up by texts.
         """
-        while names and self._file(f"{module}.{names[0]}"):
-            module, names = f"{module}.{names[0]}", names[1:]
+        module, names = self._split(module, names)
         places = self._located(module)
         if not places or places[-1].name != module:
             return
@@ -215,17 +212,12 @@ class Sources:
         imports = definitions[_AT_IMPORT].imports if _AT_IMPORT in definitions else []
         if found := [each for each in imports if each[0] == first]:
             for _, other, imported in found:  # a name that the module itself has imported
-                yield from self._use(*self._joined(place, other, imported, names[1:]))
+                further = [*filter(None, [imported]), *names[1:]]
+                yield from self._use(_absolute(other, *place), further)
         elif first != _ALL and _LATE in definitions:
             yield place, _LATE
         else:
             yield from self._use_all(module)
-
-    def _joined(
-        self, place: Place, module: str, imported: str, names: list[str]
-    ) -> tuple[str, list[str]]:
-        module, rest = self._target(place, module, [*filter(None, [imported])])
-        return module, [*rest, *names]
 
     def _use_all(self, module: str) -> Iterator[tuple[Place, str]]:
         """All of a module, and the modules that a package lists in ``__all__``."""
@@ -604,6 +596,6 @@ def module_file(module: str) -> Path | None:
     """File of a module; None if there is none."""
     try:
         spec = importlib.util.find_spec(module)
-    except (ImportError, ValueError):
+    except Exception:  # whatever the code of the package raises, which is imported for that
         return None
     return Path(spec.origin).absolute() if spec and spec.has_location and spec.origin else None

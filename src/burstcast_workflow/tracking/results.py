@@ -50,7 +50,7 @@ def digest(path: str | Path) -> str:
 
 def parameters_hash(parameters: Iterable[Any]) -> str:
     """Hash of a job's parameters, each once, in any order, as Snakemake compares them."""
-    return hashlib.sha256("\n".join(sorted({*map(repr, parameters)})).encode()).hexdigest()[:16]
+    return _hash_of_representations(map(repr, parameters))
 
 
 def place_in(results: str | Path, path: str | Path) -> str:
@@ -146,8 +146,8 @@ class Notes:
         written = self._notes.get(Path(path))
         if written is None:
             return False
-        hashes = (_hash_of_representations(recorded) if recorded else "", written.making.parameters)
-        if hashes[0] != hashes[1] and parameters_hash(parameters()) != written.making.parameters:
+        of_note, of_record = written.making.parameters, _hash_of_representations(recorded or [])
+        if of_note != of_record and of_note != parameters_hash(parameters()):
             return False
         return not any(self._is_older(place, path) for place in self._others(written))
 
