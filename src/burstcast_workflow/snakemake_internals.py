@@ -65,7 +65,7 @@ def rules_of(workflow: Any) -> list[Any]:
 
 
 def _is_ours(names: Any) -> bool:
-    return "campaign" in names and "of_script" in names
+    return "campaign" in names and "stages" in names
 
 
 def names_of_rules(workflow: Any) -> Any:

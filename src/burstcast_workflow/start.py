@@ -154,7 +154,7 @@ def begin_run(workflow: Any, started: Started, campaign: Campaign) -> None:
     begin(
         started.results,
         started.config,
-        started.sources.whole_entries(),
+        started.sources.whole(),
         started.directories,
         source_revision(),
     )

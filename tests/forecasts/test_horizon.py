@@ -21,7 +21,7 @@ from helpers_library import MadeUpForecaster
 SEARCH = HorizonSearch(
     longest_lead_time_lt=4.0,
     lead_time_step_lt=0.5,
-    tolerance=0.125,
+    largest_error=0.125,
     washout=5,
     steps_per_lyapunov_time=13,
 )
@@ -70,7 +70,7 @@ def horizon_by_hand(speeds, search):
         for step in range(start + 1, event + 1):
             speed, ahead = speeds[start], step - start
             error = (math.nan if ahead > -speed else 0.0) if speed < 0 else speed * ahead
-            if not abs(error) < search.tolerance:
+            if not abs(error) < search.largest_error:
                 break
             accurate += 1
         if accurate == event - start:

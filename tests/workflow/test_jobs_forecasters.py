@@ -162,5 +162,5 @@ def test_a_forecast_may_be_wrong_by_a_share_of_the_thresholds_distance_from_the_
     settings |= {"horizon.longest_lead_time_lt": 10, "horizon.lead_time_step_lt": 0.5}
     made = Horizons({**SETTINGS, **settings}, {"case": "lorenz", "forecaster": IDENTIFIER})
     search = made.horizon_search(tmp_path / "statistics.json")
-    assert search.tolerance == pytest.approx(0.2 * (38.0 - 23.5))
+    assert search.largest_error == pytest.approx(0.2 * (38.0 - 23.5))
     assert (search.longest_lead_time_lt, search.lead_time_step_lt) == (10, 0.5)

@@ -16,7 +16,7 @@ from burstcast.figures.registry import figure
 def draw(
     *,
     examples: Mapping[str, Any] = read("example/examples.nc"),
-    threshold: float = at("case.event_threshold"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
     washout_lt: float = at("washout_lt"),
     symbol: str = at("case.space.observable_symbol"),
 ) -> Figure:

@@ -17,7 +17,7 @@ from burstcast.figures.registry import figure
 def draw(
     *,
     examples: Mapping[str, Any] = read("example/examples.nc"),
-    threshold: float = at("case.event_threshold"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
     prediction_time_lt: float = at("shown.example_prediction_time_lt"),
     washout_lt: float = at("washout_lt"),
     window_lt: float = at("classification.window_lt"),

@@ -364,14 +364,14 @@ def evaluate_lead_times(
             observable,
             np.ascontiguousarray(washout.transpose(1, 2, 0)),
             np.ascontiguousarray(truth[start + 1 : event + 1, np.newaxis]),
-            search.tolerance,
+            search.largest_error,
         )[0]
         # a Lyapunov time is cut to whole steps: a success is worth all of tau_e
         reached = accurate == event - start
         horizon[number] = lead_time_lt if reached else accurate / steps
     time = (np.arange(len(truth)) - event) / steps
     lead_times = np.array(lead_times_lt, dtype=np.float64)
-    return Evaluations(time, truth, forecast, lead_times, horizon, search.tolerance)
+    return Evaluations(time, truth, forecast, lead_times, horizon, search.largest_error)
 
 
 def evaluate_event(

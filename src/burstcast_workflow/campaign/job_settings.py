@@ -1,11 +1,12 @@
 """Settings of a job by their paths: their values, and which do not concern it."""
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
+from burstcast.base.discovery import suggestion
 from burstcast.base.names import ForecasterName
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters.registry import kind_class
@@ -94,9 +95,11 @@ class Job:
         case (``case.space.dimension``), the job (``job.noise_of_data``), what is shown
         (``shown.panels``).
         """
-        if path in _computed:
-            return _computed[path](self)
         section, *rest = path.split(".")
+        for count in range(len(rest) + 1):
+            if (start := ".".join([section, *rest[:count]])) in _computed:
+                whole = _computed[start](self)
+                return whole if whole is LEFT_OUT else _below(whole, rest[count:])
         try:
             if section == "case":
                 value: Any = self.plain_case if rest[0] in self.plain_case else self.case
@@ -106,11 +109,9 @@ class Job:
                 value = Shown(self.campaign, self.case_name)
             else:
                 value = self if section == "job" else self.campaign.plain[section]
-            for key in rest:
-                value = value[key] if isinstance(value, dict) else getattr(value, key)
+            return _below(value, rest)
         except (KeyError, AttributeError) as error:
             raise LookupError(f"there is no setting {path}") from error
-        return value
 
     # -- settings that are not the config's as they are --------------------------------------------
 
@@ -235,10 +236,51 @@ class Job:
         }
 
 
+def _below(value: Any, keys: Iterable[str]) -> Any:
+    """What stands at some keys in a value, or is a property of it."""
+    for key in keys:
+        value = value[key] if isinstance(value, dict) else getattr(value, key)
+    return value
+
+
 @cache
 def _digest(file: str) -> str:
     """Digest of a data file, once while a run is planned; empty if it is not there."""
     return digest(file) if os.path.exists(file) else ""
+
+
+def check_paths(campaign: Campaign, paths: Iterable[str]) -> None:
+    """Check that there are settings at these paths, for some job (a LookupError with similar ones).
+
+    Of what is no plain setting but a property, of a case, a job, or what is shown, only the name is
+    checked.
+    """
+    plain = {path for path, _ in _inner(campaign.plain)}
+    plain |= {path for case in campaign.plain_cases.values() for path, _ in _inner(case, "case")}
+    owners: dict[str, set[type]] = {"job": {Job}, "shown": {Shown}}
+    owners["case"] = {type(case) for case in campaign.cases.values()}
+    properties = {
+        f"{section}.{name}"
+        for section, kinds in owners.items()
+        for kind in kinds
+        for name in dir(kind)
+        if not name.startswith("_")
+    }
+    known = {*plain, *properties, *_computed}
+    for path in paths:
+        parts = path.split(".")
+        starts = [".".join(parts[: count + 1]) for count in range(len(parts))]
+        if path not in plain and not {*starts} & {*properties - plain, *_computed}:
+            raise LookupError(f"there is no setting {path}{suggestion(path, known)}")
+
+
+def _inner(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """All settings below a path, sections included, with their values."""
+    if path:
+        yield path, value
+    if isinstance(value, Mapping):
+        for key, below in value.items():
+            yield from _inner(below, f"{path}.{key}".removeprefix("."))
 
 
 def settings_of_job(

@@ -172,11 +172,6 @@ class Shown(Choices):
     # -- places of files: a directory, or several, below the results directory ---------------------
 
     @property
-    def time_unit(self) -> str | list[str]:
-        """The file of the computed exponents, if they are the unit of time."""
-        return self.campaign.cases[self.case].time_unit
-
-    @property
     def source(self) -> str:
         """The case that another is a part of."""
         return self.campaign.cases[self.case].source.name
@@ -301,13 +296,9 @@ class Shown(Choices):
 
     @property
     def panels(self) -> list[dict[str, Any]]:
-        """Event threshold of each controlled case, and the kind of networks that are shown."""
+        """Each controlled case, with the kind of networks that are shown."""
         return [
-            {
-                "case": case,
-                "event_threshold": self.campaign.plain_cases[case]["event_threshold"],
-                **Shown(self.campaign, case).control_networks,
-            }
+            {"case": case, **Shown(self.campaign, case).control_networks}
             for case in self.controlled_cases
         ]
 

@@ -32,7 +32,6 @@ from burstcast_workflow.config.kinds import (
     Number,
     ParameterName,
     Positive,
-    Quantile,
     Range,
     Section,
     SystemName,
@@ -417,7 +416,7 @@ class Case(Section):
         return None not in (self.steps_per_lyapunov_time, self.samples) and not shorter
 
     @property
-    def time_unit(self) -> str | list[str]:
+    def computed_exponents(self) -> str | list[str]:
         """File of the computed Lyapunov exponents, where they set the unit of time."""
         is_computed = self.steps_per_lyapunov_time is None
         return f"{self.source.name}/lyapunov.json" if is_computed else []
@@ -426,12 +425,6 @@ class Case(Section):
     def estimates_time_unit(self) -> bool:
         """Whether a Lyapunov time is known only from how neighbouring states of the series part."""
         return self.steps_per_lyapunov_time is None and not self.source.has_equations
-
-    @property
-    def event_quantile(self) -> float | None:
-        """Quantile that the event threshold is given as; None where it is a number."""
-        threshold = self.event_threshold
-        return threshold.quantile if isinstance(threshold, Quantile) else None
 
     @property
     def imported_noise(self) -> float:
@@ -477,8 +470,6 @@ class Case(Section):
         plain = self.dump()
         if self.imported_noise:
             plain["training"]["noise"] = 0  # what is imported has it already
-        if self.event_quantile is not None:  # whose value another job determines
-            plain["event_threshold"]["case"] = self.name
         return plain
 
 

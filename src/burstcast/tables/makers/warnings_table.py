@@ -74,7 +74,7 @@ def make(
     statistics: pd.DataFrame | None = read("case/tables/statistics.csv"),
     control: pd.DataFrame | None = read("controlled_case/tables/control_strategies.csv"),
     lyapunov_spectrum: pd.DataFrame | None = read("contradicted_case/tables/lyapunov_spectrum.csv"),
-    event_threshold: float = at("case.event_threshold"),
+    event_threshold: float = read("case/event_threshold.json:event_threshold"),
     training_series: int = at("case.training.series"),
     noise: float = at("case.training.noise"),
     wanted_events: int = at("horizon.events"),
