@@ -79,10 +79,10 @@ def force(workflow: Any, files: Iterable[str]) -> None:
     workflow.dag.forcefiles.update(files)
 
 
-def recorded_parameters(workflow: Any, output: Any) -> list[str] | None:
-    """Representations of the parameters that Snakemake knows an output to be made with."""
-    recorded: list[str] | None = workflow.persistence.params(output)
-    return recorded
+def recorded(workflow: Any, output: Any) -> tuple[list[str], dict[str, str]]:
+    """Parameters, as texts, and digests of inputs that Snakemake has recorded of an output."""
+    record = workflow.persistence.metadata(output)
+    return (record.params or [], record.input_checksums or {}) if record else ([], {})
 
 
 def outputs_of(rule: Any, wildcards: Any) -> list[Any]:

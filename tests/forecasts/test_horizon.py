@@ -134,9 +134,9 @@ def test_a_forecast_is_given_up_once_it_is_lost(monkeypatch):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"tolerance": 0.0}, "event threshold must exceed the mean"),
-        ({"tolerance": -0.01}, "event threshold must exceed the mean"),
-        ({"tolerance": math.nan}, "event threshold must exceed the mean"),
+        ({"largest_error": 0.0}, "event threshold must exceed the mean"),
+        ({"largest_error": -0.01}, "event threshold must exceed the mean"),
+        ({"largest_error": math.nan}, "event threshold must exceed the mean"),
         ({"lead_time_step_lt": 0.0}, "must decrease by a step"),
         ({"lead_time_step_lt": 4.5}, "must decrease by a step"),
         ({"longest_lead_time_lt": 0.05, "lead_time_step_lt": 0.05}, "shorter than a step"),

@@ -3,8 +3,9 @@
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache, cached_property
+from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_origin
 
 from burstcast.base.discovery import suggestion
 from burstcast.base.names import ForecasterName
@@ -12,8 +13,10 @@ from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters.registry import kind_class
 from burstcast_workflow.campaign.campaign import Campaign, name_of
 from burstcast_workflow.campaign.shown import Shown
-from burstcast_workflow.config.case import Case
+from burstcast_workflow.config.case import Case, Measured, Simulated
 from burstcast_workflow.config.control_plans import ControlPlan
+from burstcast_workflow.config.kinds import Section
+from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.harness.canonical import canonical
 from burstcast_workflow.harness.settings import JobSettings
 from burstcast_workflow.tracking.results import digest
@@ -249,38 +252,55 @@ def _digest(file: str) -> str:
     return digest(file) if os.path.exists(file) else ""
 
 
-def check_paths(campaign: Campaign, paths: Iterable[str]) -> None:
+def check_paths(paths: Iterable[str]) -> None:
     """Check that there are settings at these paths, for some job (a LookupError with similar ones).
 
     Of what is no plain setting but a property, of a case, a job, or what is shown, only the name is
     checked.
     """
-    plain = {path for path, _ in _inner(campaign.plain)}
-    plain |= {path for case in campaign.plain_cases.values() for path, _ in _inner(case, "case")}
-    owners: dict[str, set[type]] = {"job": {Job}, "shown": {Shown}}
-    owners["case"] = {type(case) for case in campaign.cases.values()}
-    properties = {
-        f"{section}.{name}"
-        for section, kinds in owners.items()
-        for kind in kinds
-        for name in dir(kind)
-        if not name.startswith("_")
-    }
-    known = {*plain, *properties, *_computed}
     for path in paths:
         parts = path.split(".")
-        starts = [".".join(parts[: count + 1]) for count in range(len(parts))]
-        if path not in plain and not {*starts} & {*properties - plain, *_computed}:
-            raise LookupError(f"there is no setting {path}{suggestion(path, known)}")
+        starts = {".".join(parts[: count + 1]) for count in range(len(parts))}
+        if path not in _settings() and not starts & _properties():
+            similar = suggestion(path, _settings() | _properties())
+            raise LookupError(f"there is no setting {path}{similar}")
 
 
-def _inner(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """All settings below a path, sections included, with their values."""
-    if path:
-        yield path, value
-    if isinstance(value, Mapping):
-        for key, below in value.items():
-            yield from _inner(below, f"{path}.{key}".removeprefix("."))
+@cache
+def _settings() -> frozenset[str]:
+    """Paths of all sections and settings of configurations, and of cases of any kind."""
+    of_cases = (_paths_of(kind, "case.") for kind in (Simulated, Measured))
+    return frozenset(chain(_paths_of(Configuration, ""), *of_cases))
+
+
+def _paths_of(model: type[Section], start: str) -> Iterator[str]:
+    for name, field in model.model_fields.items():
+        yield f"{start}{name}"
+        for kind in _kinds_in(field.annotation):
+            yield from _paths_of(kind, f"{start}{name}.")
+
+
+def _kinds_in(annotation: Any) -> Iterator[type[Section]]:
+    """Sections among the types of a setting: itself, or in a union; none of what lists have."""
+    if isinstance(annotation, type):
+        if issubclass(annotation, Section):
+            yield annotation
+    elif get_origin(annotation) is not list:
+        for part in get_args(annotation):
+            yield from _kinds_in(part)
+
+
+@cache
+def _properties() -> frozenset[str]:
+    """Paths whose values are computed: properties of cases, of jobs, of what is shown."""
+    owners = [("case", Simulated), ("case", Measured), ("job", Job), ("shown", Shown)]
+    names = {
+        f"{section}.{name}"
+        for section, owner in owners
+        for name in dir(owner)
+        if isinstance(getattr(owner, name, None), property | cached_property)
+    }
+    return frozenset(names | {*_computed})
 
 
 def settings_of_job(

@@ -191,7 +191,7 @@ class Stages:
         A path of a section stands for all settings in it. ``values``: Given as they are.
         """
         try:
-            check_paths(self.campaign, paths)
+            check_paths(paths)
         except LookupError as error:
             raise WorkflowError(error.args[0]) from None
         return Settings(self.campaign, paths, values)
