@@ -119,6 +119,12 @@ def is_in_storage(workflow: Any) -> bool:
     return workflow.storage_settings.default_storage_provider is not None
 
 
+def jobs_with_sources(workflow: Any) -> dict[Any, set[Any]]:
+    """All jobs of a plan, also where they would not run, and the jobs that each reads from."""
+    dag = workflow.dag
+    return {job: {*dag.dependencies[job]} for job in dag.jobs}
+
+
 def planned_jobs(workflow: Any) -> Iterable[Any]:
     """Jobs that would run, after all are planned."""
     jobs: Iterable[Any] = workflow.dag.needrun_jobs()

@@ -339,6 +339,31 @@ def test_a_job_has_the_settings_and_the_code_that_concern_it(paper):
 
 
 @pytest.mark.parametrize(
+    ("paths", "message"),
+    [
+        (["horizon.tolerance"], "its script reads case.system, which the rule does not name"),
+        (
+            ["horizon.tolerance", "random_seed", "search.grid"],
+            "no script reads search.grid",
+        ),
+        (["search.grid"], "its script reads random_seed, which the rule does not name"),
+    ],
+)
+def test_a_rule_that_names_other_settings_than_its_script_reads_is_refused(paper, paths, message):
+    rule = SimpleNamespace(
+        name="mine",
+        params=iocontainers.Namedlist(fromdict={"settings": paper.settings(*paths)}),
+        input=iocontainers.Namedlist(fromdict={}),
+        wildcard_names={"case"},
+    )
+    function = function_of(SCRIPTS / "evaluation" / "horizon.py")
+    with pytest.raises(WorkflowError) as refused:
+        paper._check(rule, function)
+    assert f"rule mine: {message}" in str(refused.value) or f"; {message}" in str(refused.value)
+    assert "its script reads time_unit, which is none of its inputs" in str(refused.value)
+
+
+@pytest.mark.parametrize(
     ("path", "similar"),
     [
         ("horizon.tolerence", r" \(did you mean 'horizon\.tolerance'"),

@@ -197,7 +197,7 @@ class Stages:
         return Settings(self.campaign, paths, values)
 
     def settings_of_table(self, maker: str) -> "Settings":
-        """Settings of a maker of tables: those that it declares, and the columns of its tables."""
+        """Settings of a maker of tables: as it declares them, and the columns of its tables."""
         tables = written(made_by(maker), self.campaign.unused_columns)
         paths = [path for path in paths_of(maker_of(maker)) if path != "case"]  # a wildcard
         return self.settings("case.parameters", *paths, tables=tables)
@@ -206,7 +206,7 @@ class Stages:
         """Hashes of a script, and of what it uses of each module, for the jobs of a rule.
 
         ``by_name``: Modules that all jobs of the rule reach by a name, by the package of their
-        registry, beside those that follow from the wildcards.
+        registry, beside what follows from the wildcards.
         """
         # read while rules are: of a large campaign, jobs need not find out for themselves
         self._sources.code(script, {**self.campaign.all_modules(), **by_name})
@@ -233,7 +233,7 @@ class Stages:
             self._check(rule, function_of(self._sources.script(script)))
 
     def _check(self, rule: Any, function: Callable[..., None]) -> None:
-        """Compare the settings that a rule names with those that its script reads."""
+        """Compare the settings that a rule names with what its script reads."""
         named, kind = rule.params.settings, settings_taken(function)
         if not isinstance(named, Settings):
             return  # of figures, which declare their own
