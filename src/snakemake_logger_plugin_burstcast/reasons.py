@@ -54,6 +54,7 @@ def explanation(jobs: Sequence[PlannedJob]) -> str:
     """What the jobs would run for: each reason with all jobs that it sets off, directly or not."""
     if not jobs:
         return "Nothing to be done"
+    jobs = _in_order(jobs)
     causes: dict[str, set[int]] = {}
     cases: dict[str, set[str]] = {}
     for number, job in enumerate(jobs):
@@ -205,6 +206,23 @@ def _users(jobs: Sequence[PlannedJob]) -> list[set[int]]:
             if path in maker:
                 users[maker[path]].add(number)
     return users
+
+
+def _in_order(jobs: Sequence[PlannedJob]) -> list[PlannedJob]:
+    """Jobs after all that they read from, level by level: Snakemake tells groups in any order."""
+    users = _users(jobs)
+    lacking = Counter(user for of_job in users for user in of_job)
+    level = [number for number in range(len(jobs)) if not lacking[number]]
+    ordered: list[PlannedJob] = []
+    while level:
+        level.sort(key=lambda number: (jobs[number].rule, [*jobs[number].outputs]))
+        ordered += [jobs[number] for number in level]
+        after: list[int] = []
+        for user in (user for number in level for user in users[number]):
+            lacking[user] -= 1
+            after += [] if lacking[user] else [user]
+        level = after
+    return ordered
 
 
 def _set_off(first: Iterable[int], users: Sequence[set[int]]) -> frozenset[int]:

@@ -43,7 +43,7 @@ def rows_of_warnings(tmp_path, **changed):
     return [(row["forecaster"], row["neurons"], row["warning"]) for row in rows], rows
 
 
-def test_nothing_is_said_of_a_sound_case(tmp_path):
+def test_nothing_is_said_of_a_valid_case(tmp_path):
     assert rows_of_warnings(tmp_path) == ([], [])
 
 

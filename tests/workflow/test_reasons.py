@@ -170,3 +170,16 @@ def test_a_chain_of_a_thousand_jobs():
     first = settings_changed({"a": 1}, {"a": 2})
     jobs = [job("step", "" if n else first, [f"f{n - 1}"], [f"f{n}"]) for n in range(1500)]
     assert "step (1500)" in explanation(jobs)
+
+
+def test_reasons_are_the_same_in_whatever_order_jobs_are_told():
+    first = settings_changed({"a": 1}, {"a": 2})
+    jobs = [
+        job("events", first),
+        *(job("horizon", first, ["Re400/events"], [f"h{n}"]) for n in range(3)),
+        job("examples", first, ["h0"]),
+        job("table", "", ["h0", "h1", "h2", "Re400/examples"]),
+    ]
+    expected = "a 1 -> 2 (Re400): events (1), horizon (3), examples (1), table (1)\nin all 6 jobs"
+    for seed in range(5):
+        assert explanation(random.Random(seed).sample(jobs, len(jobs))) == expected

@@ -23,11 +23,11 @@ from burstcast.base import random_streams
 from burstcast.base.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from burstcast.base.files.described import Described
 from burstcast.base.files.units import NUMBER, OBSERVABLE
-from burstcast.base.laminarisation import first_laminar_step
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.loop import FLOWS_PER_BATCH, RunningFlows, observable_of
 from burstcast.control.policy import Policy
 from burstcast.control.timing import Timing
+from burstcast.data.laminarisation import first_laminar_step
 
 PERTURBATION = 1e-4
 """Perturbation of a copied flow, in standard deviations of each component over the flows."""

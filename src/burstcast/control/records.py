@@ -19,15 +19,15 @@ import numpy as np
 import numpy.typing as npt
 
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
-from burstcast.base.events import upward_crossings
 from burstcast.base.files.described import Described
 from burstcast.base.files.units import NUMBER, POWER
-from burstcast.base.laminarisation import first_laminar_step
 from burstcast.base.poisson import rate_bound
 from burstcast.base.resampled_score import ResampledScore
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
 from burstcast.control.loop import ControlledFlows
 from burstcast.control.timing import Timing
+from burstcast.data.events import upward_crossings
+from burstcast.data.laminarisation import first_laminar_step
 
 
 def _count(meaning: str) -> Described:

@@ -13,7 +13,6 @@ from typing import Annotated
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, ByteArray, FloatArray, IntArray
-from burstcast.base.events import upward_crossings
 from burstcast.base.files.described import Described
 from burstcast.base.files.units import NUMBER, OBSERVABLE
 from burstcast.control.loop import (
@@ -25,6 +24,7 @@ from burstcast.control.loop import (
 )
 from burstcast.control.records import FlowSample, record_flows
 from burstcast.control.timing import Timing
+from burstcast.data.events import upward_crossings
 from burstcast.forecasts.scores import ratio
 from burstcast.forecasts.windows import crosses_in_window
 from burstcast.statistics.densities import histogram

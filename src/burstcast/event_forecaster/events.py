@@ -8,7 +8,7 @@ import numpy as np
 
 from burstcast.base import durations
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
-from burstcast.base.events import upward_crossings
+from burstcast.data.events import upward_crossings
 from burstcast.event_forecaster.choice import LeftOutForecasts
 from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasters.base import Forecaster

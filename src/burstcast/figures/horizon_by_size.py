@@ -12,7 +12,7 @@ from burstcast.figures.parts.published import published_beside
 from burstcast.figures.registry import figure
 
 
-@figure(section="horizon", position=30, cases="several_sizes")
+@figure(section="horizon", position=30, cases="several_sizes", needs_networks=True)
 def draw(
     *,
     percentiles: pd.DataFrame = read("case/tables/horizon_percentiles.csv"),

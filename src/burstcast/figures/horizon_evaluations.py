@@ -12,7 +12,7 @@ from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
 
 
-@figure(section="horizon", position=20)
+@figure(section="horizon", position=20, needs_networks=True)
 def draw(
     *,
     examples: Mapping[str, Any] = read("example/examples.nc"),

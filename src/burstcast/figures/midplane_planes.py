@@ -19,7 +19,7 @@ from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.registry import make_system
 
 
-@figure(section="forecasts", position=50, only_flows=True)
+@figure(section="forecasts", position=50, only_flows=True, needs_networks=True)
 def draw(
     *,
     event: Mapping[str, Any] = read("example/flow_event.nc"),

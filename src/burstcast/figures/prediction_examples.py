@@ -15,7 +15,7 @@ from burstcast.figures.registry import figure
 from burstcast.forecasts.examples import OUTCOMES
 
 
-@figure(section="forecasts", position=20)
+@figure(section="forecasts", position=20, needs_networks=True)
 def draw(
     *,
     examples: Mapping[str, Any] = read("example/examples.nc"),

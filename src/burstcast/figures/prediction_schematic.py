@@ -13,7 +13,7 @@ from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
 
 
-@figure(section="forecasts", position=10)
+@figure(section="forecasts", position=10, needs_networks=True)
 def draw(
     *,
     examples: Mapping[str, Any] = read("example/examples.nc"),

@@ -18,7 +18,7 @@ from burstcast.networks.validation_strategies.base import ValidationPlan, use_of
 from burstcast.networks.validation_strategies.registry import make_strategy
 
 
-@figure(section="networks", position=20)
+@figure(section="networks", position=20, needs_networks=True)
 def draw(
     *,
     observable: FloatArray = read("case/ensemble.nc:observable"),

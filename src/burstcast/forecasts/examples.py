@@ -13,9 +13,9 @@ import numpy as np
 
 from burstcast.base import durations
 from burstcast.base.arrays import FloatArray, IntArray
-from burstcast.base.events import upward_crossings
 from burstcast.base.files.described import Described
 from burstcast.base.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
+from burstcast.data.events import upward_crossings
 from burstcast.data.starting_points import SeriesPoints, segments
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasts.horizon import HorizonSearch, accurate_steps

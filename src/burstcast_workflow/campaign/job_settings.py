@@ -1,5 +1,6 @@
 """Settings of a job by their paths: their values, and which do not concern it."""
 
+import inspect
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache, cached_property
@@ -91,7 +92,7 @@ class Job:
         kind = kind_class(self.name.kind) if self.name.asks_forecasters else None
         return kind is not None and kind.sees_truth and not kind.has_search
 
-    def value(self, path: str) -> Any:
+    def setting(self, path: str) -> Any:
         """Value of a setting; `LEFT_OUT` if it does not concern the job.
 
         A path has keys of the config, or of the job's case, and then names of properties: of the
@@ -294,13 +295,18 @@ def _kinds_in(annotation: Any) -> Iterator[type[Section]]:
 def _properties() -> frozenset[str]:
     """Paths whose values are computed: properties of cases, of jobs, of what is shown."""
     owners = [("case", Simulated), ("case", Measured), ("job", Job), ("shown", Shown)]
-    names = {
-        f"{section}.{name}"
-        for section, owner in owners
-        for name in dir(owner)
-        if isinstance(getattr(owner, name, None), property | cached_property)
-    }
+    names = {f"{section}.{name}" for section, owner in owners for name in names_of(owner)}
     return frozenset(names | {*_computed})
+
+
+def names_of(owner: type) -> list[str]:
+    """Names of the properties of a class, by which settings, places and cases are addressed."""
+    members = ((name, inspect.getattr_static(owner, name)) for name in dir(owner))
+    return [
+        name
+        for name, member in members
+        if isinstance(member, property | cached_property) and not name.startswith("_")
+    ]
 
 
 def settings_of_job(
@@ -315,7 +321,7 @@ def settings_of_job(
     given as they are, beside them.
     """
     job = Job(campaign, wildcards)
-    asked = {path: job.value(path) for path in paths}
+    asked = {path: job.setting(path) for path in paths}
     concerning = {path: value for path, value in asked.items() if value is not LEFT_OUT}
     result: dict[str, Any] = canonical({**concerning, **(values or {})})
     return result

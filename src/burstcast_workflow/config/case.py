@@ -455,7 +455,7 @@ class Case(Section):
     @property
     def sensor(self) -> dict[str, Any]:
         """Observations of the source, for forecasters that control it by this part of it."""
-        plain = self.given()
+        plain = self.of_jobs()
         if self.is_encoded:
             return {name: plain[name] for name in ("parameters", "sensors", "encoder")}
         components, observable = plain["data"]["components"], plain["parameters"]["observable_of"]
@@ -465,7 +465,7 @@ class Case(Section):
         """Values of parameters in force at a share of the actuation; none of records."""
         return []
 
-    def given(self) -> dict[str, Any]:
+    def of_jobs(self) -> dict[str, Any]:
         """Settings as jobs are given them."""
         plain = self.dump()
         if self.imported_noise:

@@ -6,9 +6,9 @@ from typing import Any, Literal
 from burstcast.base.arrays import FloatArray
 from burstcast.base.names import parsed
 from burstcast.base.series_lengths import series_lengths
-from burstcast.data.dataset import network_input_offset, network_input_range
 from burstcast.forecasters._options import AwareOptions
 from burstcast.forecasters._parameter_factors import factored_training
+from burstcast.forecasters._reservoirs import normalised_series
 from burstcast.networks.hyperparameters import SearchSpace
 from burstcast.networks.reservoir import ReservoirSeed
 from burstcast.networks.training import TrainingSeries
@@ -58,9 +58,8 @@ class Networks(JobSettings):
 
     def _training(self, observed: FloatArray, states: FloatArray) -> TrainingSeries:
         """Observed series, normalised by their true states."""
-        scale = network_input_range(states, self.input_range)
-        offset = network_input_offset(states, self.input_offset)
-        return TrainingSeries(observed, scale, offset).longest_first()
+        made = normalised_series(observed, states, self.input_range, self.input_offset)
+        return made.longest_first()
 
 
 class Search(JobSettings):

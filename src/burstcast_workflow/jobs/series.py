@@ -3,15 +3,14 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from burstcast.base import random_streams
 from burstcast.base.arrays import FloatArray
 from burstcast.base.files.netcdf import read_attributes, read_netcdf, read_rows, variable_names
-from burstcast.control.actuation import ActuationValues, actuated_system
+from burstcast.control.actuated_series import RandomlyActuated
+from burstcast.control.actuation import actuated_system
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.ensemble_files import SCHEDULE
-from burstcast.data.scheduled_series import RandomActuation, TrainingSet, simulated_series
+from burstcast.data.scheduled_series import RandomActuation, TrainingSet
 from burstcast.systems.parameters import SHARE, Parameters, SystemParameters
 from burstcast_workflow.harness.settings import JobSettings, at
 from burstcast_workflow.jobs.cases import Clock, Sampling, System
@@ -117,10 +116,6 @@ def read_scheduled(paths: Sequence[str], case: str) -> TrainingSet:
     return TrainingSet.of_parts(parts, free[0] if free else None)
 
 
-CANDIDATES = 8
-"""Series that are drawn for each one that is wanted, for some may laminarise."""
-
-
 class Switched(JobSettings):
     """An actuator that switches at random, and what forecasters know about it."""
 
@@ -157,26 +152,21 @@ class Switched(JobSettings):
             )
             on = SystemParameters.of(actuated, self.names).defaults
         interval_lt = switching["interval_lt"]
-        acting_at_random = RandomActuation(
-            self.clock.positive_steps(interval_lt, f"{Switched.switching}.interval_lt"),
-            switching["mean_on_lt"] / interval_lt,
-            switching["mean_off_lt"] / interval_lt,
-        )
-        free = read_rows(ensemble, "state", rows.start, rows.stop)
-        acting = acting_at_random.draw(
-            CANDIDATES * len(rows),
-            free.shape[1] - 1,
-            random_streams.stream(self.random_seed, f"{purpose} actuation", self.case),
-        )
-        states, schedules = simulated_series(
-            parameters,
+        interval = self.clock.positive_steps(interval_lt, f"{Switched.switching}.interval_lt")
+        flow = RandomlyActuated(
             system,
-            np.ascontiguousarray(np.tile(free[:, -1].T, CANDIDATES)),
-            ActuationValues(parameters.defaults, on).schedule(acting.T).transpose(2, 0, 1),
-            len(rows),
+            parameters,
+            on,
+            RandomActuation(
+                interval,
+                switching["mean_on_lt"] / interval_lt,
+                switching["mean_off_lt"] / interval_lt,
+            ),
             time_step=self.sampling.time_step,
             sampling_stride=self.sampling.stride,
             laminarisation_threshold=self.laminarisation_threshold,
         )
+        stream = random_streams.stream(self.random_seed, f"{purpose} actuation", self.case)
+        states, schedules = flow.series(read_rows(ensemble, "state", rows.start, rows.stop), stream)
         observed = self.observed.rows(ensemble, rows.start, states, "actuated")
         return states, observed, schedules

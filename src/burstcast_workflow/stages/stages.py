@@ -134,7 +134,7 @@ class Stages:
     def hyperparameters(self, wildcards: Any) -> Paths:
         """Result of the search that a network's hyperparameters come from."""
         network = CaseForecaster(wildcards.case, parsed(wildcards.forecaster))
-        directory = self.campaign.searched(network).directory
+        directory = self.campaign.search_source(network).directory
         return self.in_results(f"{directory}/hyperparameters.json")
 
     def scheduled(self, wildcards: Any) -> Paths:

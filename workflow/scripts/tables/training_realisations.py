@@ -23,7 +23,6 @@ def separate_scatter(*, scores: list[str], tables: list[str], settings: Scatter)
     rows: list[dict[str, Any]] = []
     for path in scores:
         scattered = settings.scattered[Path(path).stem]
-        rows += scatter_of_families(
-            read_table(path), settings.kinds, scattered["by"][2:], scattered["percentiles"]
-        )
+        by = [key for key in scattered["by"] if key not in ("case", "reynolds")]
+        rows += scatter_of_families(read_table(path), settings.kinds, by, scattered["percentiles"])
     settings.written.write(tables, training_realisations=rows)
