@@ -144,7 +144,7 @@ def test_a_reason_counts_what_it_sets_off_directly_or_not():
     assert explanation(jobs).splitlines() == [
         "case.noise 0.1 -> 0.12 (Re400, Re600): events (1), horizon (2), table (1)",
         "code of style: figure (1)",
-        "in all 5 jobs: events (1), horizon (2), table (1), figure (1)",
+        "in all 5 jobs: events (1), figure (1), horizon (2), table (1)",
     ]
 
 

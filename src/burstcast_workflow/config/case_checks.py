@@ -17,7 +17,7 @@ from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class
 from burstcast_workflow.config.bounds import out_of_bounds
 from burstcast_workflow.config.case import Case, Data, Measured, Simulated
-from burstcast_workflow.config.cases import case_record, kind_of, reynolds_in
+from burstcast_workflow.config.cases import case_record, kind_of, reynolds_in, valid_case
 from burstcast_workflow.config.measured_cases import (
     ONLY_ENCODED,
     problems_of_data,
