@@ -25,8 +25,8 @@ from burstcast.systems.lorenz63 import Lorenz63
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.caveats import extrapolations, few_points
 from burstcast_workflow.campaign.job_settings import settings_of_job
-from burstcast_workflow.campaign.shown import Shown
 from burstcast_workflow.campaign.loading import ConfigError, load
+from burstcast_workflow.campaign.shown import Shown
 from burstcast_workflow.config.case import Data, Measured, Simulated
 from burstcast_workflow.config.model import Block, case_name
 from burstcast_workflow.figures.registry import figure_names
