@@ -108,10 +108,32 @@ def test_what_does_not_concern_a_job_is_an_error_unless_the_field_says_otherwise
         settings.grid = 5  # a job changes none
 
 
-@pytest.mark.parametrize("wildcard", ["case", "reservoir", "forecaster"])
-def test_no_field_has_the_name_of_a_wildcard(wildcard):
-    with pytest.raises(TypeError, match=rf"Wrong\.{wildcard} has the name of a wildcard"):
-        type("Wrong", (JobSettings,), {"__annotations__": {wildcard: str}})
+@pytest.mark.parametrize("name", ["case", "reservoir", "provenance", "paths"])
+def test_no_field_has_the_name_of_a_wildcard_or_of_what_all_settings_have(name):
+    message = rf"Wrong\.{name} has a name of all settings of jobs"
+    for fields in ({"__annotations__": {name: str}}, {name: at("search.grid")}):
+        with pytest.raises(TypeError, match=message):
+            type("Wrong", (JobSettings,), fields)
+
+
+def test_parts_may_be_annotated_by_their_names_and_a_field_replaces_one_of_its_name():
+    named = type(
+        "Named", (JobSettings,), {"__annotations__": {"clock": "Clock"}, "__module__": __name__}
+    )
+    assert named.files() == ["time_unit"]
+    other = type("Other", (Training,), {"kind": at("case.kind")})
+    assert {*other.paths()} == {*Training.paths(), "case.kind"} - {"case.training.noise.kind"}
+
+
+def test_fields_of_jobs_are_not_set(settings):
+    for change, message in (
+        (lambda: setattr(settings.clock, "steps", 3), "computed by another job"),
+        (lambda: setattr(settings, "clock", 3), "Clock is a part"),
+    ):
+        with pytest.raises(AttributeError, match=message):
+            change()
+    with pytest.raises(UndeclaredSettingError, match=r"case\.training has no length"):
+        settings.value_of("case.training.length")
 
 
 def test_unread_names_what_nobody_has_read(settings):

@@ -293,6 +293,7 @@ rule lengths:
             "search.single_shot_lead_steps",
             "statistics.duration",
             "statistics.fixed_point_interval_lt",
+            "statistics.start_spacing_lt",
             "washout_lt",
         ),
     script:

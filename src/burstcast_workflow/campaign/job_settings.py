@@ -28,7 +28,7 @@ LEFT_OUT = object()
 _computed: dict[str, Callable[["Job"], Any]] = {}
 
 
-def computed(path: str) -> Callable[[Callable[["Job"], Any]], property]:
+def value_of_setting(path: str) -> Callable[[Callable[["Job"], Any]], property]:
     """Declare a property of jobs as the value of a setting that is not the config's as it is."""
 
     def property_of(value: Callable[["Job"], Any]) -> property:
@@ -49,6 +49,9 @@ class NameWithoutSize(ForecasterName):
             )
         return super().__getattribute__(attribute)
 
+    def __repr__(self) -> str:
+        return f"networks of {self.kind}, of any size and seed"
+
 
 class Job:
     """A job by its wildcards: its case, its forecaster or controller, its plan of control."""
@@ -59,7 +62,7 @@ class Job:
 
     @property
     def case(self) -> Case:
-        """The case."""
+        """Case that the job is of."""
         return self.campaign.cases[self.case_name]
 
     @property
@@ -124,7 +127,7 @@ class Job:
         """Settings of the forecaster's kind."""
         return self.campaign.options(self.name.kind, self.case_name, self.name.label)
 
-    @computed("forecaster.options")
+    @value_of_setting("forecaster.options")
     def options(self) -> Any:
         """Settings of the forecaster's kind, but for the bound of divergence, if there is one."""
         if "controller" in self.wildcards and not self.name.asks_forecasters:
@@ -132,7 +135,7 @@ class Job:
         options = self.all_options.items()
         return {name: value for name, value in options if name != "divergence_bound"}
 
-    @computed("forecaster.divergence_bound")
+    @value_of_setting("forecaster.divergence_bound")
     def divergence_bound(self) -> float | None:
         """Bound beyond which a network's forecast is invalid; None for other kinds."""
         if "controller" in self.wildcards and not self.name.asks_forecasters:
@@ -140,7 +143,7 @@ class Job:
         bound: float | None = self.all_options.get("divergence_bound")
         return bound
 
-    @computed("forecaster.source")
+    @value_of_setting("forecaster.source")
     def forecaster_source(self) -> Any:
         """Source of the case, if the forecaster goes on with equations from decoded states."""
         solves = self.name.asks_forecasters and kind_class(self.name.kind).needs_equations
@@ -148,7 +151,7 @@ class Job:
         decodes = solves and seen is not None and seen.is_encoded
         return self.case.source_system if decodes else LEFT_OUT
 
-    @computed("forecasters.aware")
+    @value_of_setting("forecasters.aware")
     def aware(self) -> Any:
         """What forecasters learn of parameters, with the case's values, if they are given any."""
         if not self.name.asks_forecasters:
@@ -160,24 +163,24 @@ class Job:
         aware = self.campaign.sections(self.case_name)["aware"]
         return {**aware, "own": self.campaign.own_values(self.case_name)}
 
-    @computed("case.training.noise")
+    @value_of_setting("case.training.noise")
     def noise(self) -> Any:
         """Noise of the training series, if the forecaster sees it."""
         return LEFT_OUT if self.sees_truth else self.plain_case["training"]["noise"]
 
-    @computed("case.controlled_density")
+    @value_of_setting("case.controlled_density")
     def controlled_density(self) -> Any:
         """Bins of the densities under control, which are made of the paper's control alone."""
         papers = self.plan is None or self.plan.is_of_the_paper
         return self.plain_case["controlled_density"] if papers else LEFT_OUT
 
-    @computed("statistics.duration")
+    @value_of_setting("statistics.duration")
     def duration(self) -> float | None:
         """Duration of long runs; without one, that of the case's series."""
         duration = self.campaign.config.statistics.duration
         return self.plain_case["ensemble"]["duration"] if duration is None else duration
 
-    @computed("control.run")
+    @value_of_setting("control.run")
     def run(self) -> dict[str, Any]:
         """Plan of control; the noise is the case's if it has none, and unused for seen truth."""
         assert self.plan is not None
@@ -188,12 +191,12 @@ class Job:
                 run["noise"] = self.case.training.noise
         return run
 
-    @computed("control.cost")
+    @value_of_setting("control.cost")
     def cost(self) -> Any:
         """Whether the cost of actuation is counted."""
         return self.campaign.config.control.cost or LEFT_OUT
 
-    @computed("control.sensor")
+    @value_of_setting("control.sensor")
     def sensor(self) -> Any:
         """Sensor of the observed part."""
         return self.campaign.cases[self.observed].sensor if self.observed else LEFT_OUT

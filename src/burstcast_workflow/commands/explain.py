@@ -21,7 +21,7 @@ from burstcast.base.discovery import suggestion
 from burstcast_workflow.commands.planned import options_of, planned
 from burstcast_workflow.harness.call import is_script
 from burstcast_workflow.snakemake_internals import jobs_with_sources, rules_of
-from burstcast_workflow.stages.stages import Settings
+from burstcast_workflow.stages.stages import RuleSettings
 from burstcast_workflow.start import rules_of_burstcast
 
 _HEAD = """\
@@ -117,7 +117,7 @@ def explained_rules(workflow: Any) -> Iterator[Explained]:
 
 
 def _settings_of(rule: Any, jobs: Iterable[Any]) -> list[str]:
-    if isinstance(rule.params.settings, Settings):
+    if isinstance(rule.params.settings, RuleSettings):
         return rule.params.settings.names
     return sorted({name for job in jobs for name in job.params.settings})
 

@@ -27,6 +27,7 @@ from burstcast_workflow.harness.storage import read_json
 __all__ = ["JobSettings", "at", "computed"]
 
 Provenance = dict[str, str]
+OfJob = TypeVar("OfJob", bound="JobSettings")
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,9 @@ class Computed:
 
     def __get__(self, settings: Any, _: type) -> Any:
         return self if settings is None else settings.computed_value(self.path)
+
+    def __set__(self, _: Any, value: Any) -> None:
+        raise AttributeError(f"{self.path} is computed by another job: a job does not change it")
 
 
 def computed(path: str) -> Any:
@@ -65,7 +69,7 @@ def _wildcard(name: str) -> Any:
 
 @dataclass(frozen=True)
 class _Given:
-    """What a job is given, of which all parts of its settings read."""
+    """Values, wildcards and files of a job, of which all parts of its settings read."""
 
     declared: Mapping[str, Any]
     identity: Mapping[str, Any]
@@ -84,6 +88,9 @@ class Part:
     def __get__(self, settings: Any, _: type) -> Any:
         return self if settings is None else settings.part(self.kind)
 
+    def __set__(self, _: Any, value: Any) -> None:
+        raise AttributeError(f"{self.kind.__name__} is a part of the settings of a job")
+
 
 class JobSettings:
     """Settings of a job, and the wildcards that it was called with.
@@ -98,7 +105,6 @@ class JobSettings:
     forecaster: str = _wildcard("forecaster")
     controller: str = _wildcard("controller")
     reservoir: str = _wildcard("reservoir")
-    strategy: str = _wildcard("strategy")
     strategies: str = _wildcard("strategies")
     figure: str = _wildcard("figure")
 
@@ -115,13 +121,15 @@ class JobSettings:
         )
 
     def __init_subclass__(cls) -> None:
-        for name, kind in inspect.get_annotations(cls).items():
-            if name in _WILDCARDS:
-                raise TypeError(f"{cls.__name__}.{name} has the name of a wildcard")
+        annotations = inspect.get_annotations(cls, eval_str=True)
+        for name in {*vars(cls), *annotations}:
+            if not name.startswith("_") and name in vars(JobSettings):
+                raise TypeError(f"{cls.__name__}.{name} has a name of all settings of jobs")
+        for name, kind in annotations.items():
             if isinstance(kind, type) and issubclass(kind, JobSettings):
                 setattr(cls, name, Part(kind))
 
-    def part(self, kind: "type[Settings]") -> "Settings":
+    def part(self, kind: "type[OfJob]") -> "OfJob":
         """The same job's settings, as another class reads them."""
         part = object.__new__(kind)
         part._given = self._given
@@ -139,11 +147,13 @@ class JobSettings:
 
     @classmethod
     def _fields(cls) -> Iterator[Any]:
-        for base in reversed(cls.__mro__):
-            for field in vars(base).values():
-                if isinstance(field, Part):
-                    yield from field.kind._fields()
-                yield field
+        by_name = {
+            name: field for base in reversed(cls.__mro__) for name, field in vars(base).items()
+        }
+        for field in by_name.values():
+            if isinstance(field, Part):
+                yield from field.kind._fields()
+            yield field
 
     @classmethod
     def paths(cls) -> list[str]:
@@ -176,8 +186,10 @@ class JobSettings:
             if name in self._given.declared:
                 self._given.read.add(path)
                 value = self._given.declared[name]
-                for part in parts[count:]:
-                    value = value[part]
+                for key in parts[count:]:
+                    if key not in value:
+                        raise UndeclaredSettingError(f"the setting {name} has no {key}")
+                    value = value[key]
                 return value
         raise UndeclaredSettingError(
             f"{self.identity.get('rule', 'this')} reads the setting {path}, which does not concern "
@@ -190,15 +202,8 @@ class JobSettings:
             leaf
             for path, value in self._given.declared.items()
             for leaf, _ in leaves(value, path)
-            if not any(leaf == read or leaf.startswith(f"{read}.") for read in self._given.read)
+            if not any(covers(read, leaf) for read in self._given.read)
         ]
-
-
-Settings = TypeVar("Settings", bound=JobSettings)
-_WILDCARDS = {name for name, value in vars(JobSettings).items() if isinstance(value, property)} - {
-    "identity",
-    "provenance",
-}
 
 
 def covers(declared: str, path: str) -> bool:

@@ -136,8 +136,8 @@ class EvaluationPoints(JobSettings):
         return clock.positive_steps(self.start_spacing_lt, EvaluationPoints.start_spacing_lt)
 
 
-class Alarms(JobSettings):
-    """Events that are forecast with a probability."""
+class ScoredForecasts(JobSettings):
+    """Forecasts of events, which are scored at some prediction times."""
 
     event_threshold: float = computed("event_threshold.event_threshold")
     prediction_times_lt: list[float] = at("classification.prediction_times_lt")
@@ -168,12 +168,12 @@ class LongRuns(JobSettings):
 
     def washouts(self, ensemble: str, forecaster: Forecaster) -> FloatArray:
         """Washouts of a forecaster before each of its long runs, ``(points, steps, dimension)``."""
-        training = self.observed.training.states(ensemble)
+        clock, training = self.washout.clock, self.observed.training.states(ensemble)
         states = seen_rows(forecaster, self.observed, ensemble, 0, training)
         points = long_term_starting_points(
             len(states),
             states.shape[1],
-            self.washout.clock.steps(self.start_spacing_lt),
+            clock.positive_steps(self.start_spacing_lt, LongRuns.start_spacing_lt),
             self.washout.steps,
             self.starting_points,
             series_lengths(states),

@@ -39,6 +39,7 @@ class Lengths(JobSettings):
     window_lt: float = at("classification.window_lt")
     longest_prediction_time_lt: float = at("classification.longest_prediction_time_lt")
     calibration_spacing_lt: float = at("probability.start_spacing_lt")
+    long_run_spacing_lt: float = at("statistics.start_spacing_lt")
     longest_lead_time_lt: float = at("horizon.longest_lead_time_lt")
     lead_time_step_lt: float = at("horizon.lead_time_step_lt")
     training_series: int = at("case.training.series")
@@ -69,10 +70,11 @@ class Lengths(JobSettings):
         counts: dict[Any, int] = {}
         fields: list[Any] = [Lengths.washout_lt, Lengths.interval_lt, Lengths.start_spacing_lt]
         fields += [Lengths.resolution_lt, Lengths.calibration_spacing_lt]
+        fields += [Lengths.long_run_spacing_lt] if long_runs else []
         fields += [Lengths.longest_lead_time_lt, Lengths.lead_time_step_lt]
         for field in fields:
             with listing(problems):
-                duration = field.__get__(self, Lengths)
+                duration = field.value(self.value_of)
                 counts[field] = durations.positive_steps(duration, steps, str(field))
         if samples is None:
             return problems

@@ -24,7 +24,7 @@ from burstcast_workflow.harness.call import settings_taken
 from burstcast_workflow.harness.job import function_of
 from burstcast_workflow.harness.settings import covers, undeclared
 from burstcast_workflow.snakemake_internals import of_wildcards, rules_of
-from burstcast_workflow.tables.registry import cases_of, made_by, written
+from burstcast_workflow.tables.registry import cases_of, tables_of_maker, written
 from burstcast_workflow.tracking.code import ByName, Sources
 
 Paths: TypeAlias = str | list[str]
@@ -185,7 +185,7 @@ class Stages:
 
     # -- settings and code -------------------------------------------------------------------------
 
-    def settings(self, *paths: str, **values: Any) -> "Settings":
+    def settings(self, *paths: str, **values: Any) -> "RuleSettings":
         """Settings of a rule's jobs by their paths in the config, where they concern the job.
 
         A path of a section stands for all settings in it. ``values``: Given as they are.
@@ -194,11 +194,11 @@ class Stages:
             check_paths(paths)
         except LookupError as error:
             raise WorkflowError(error.args[0]) from None
-        return Settings(self.campaign, paths, values)
+        return RuleSettings(self.campaign, paths, values)
 
-    def settings_of_table(self, maker: str) -> "Settings":
+    def settings_of_table(self, maker: str) -> "RuleSettings":
         """Settings of a maker of tables: as it declares them, and the columns of its tables."""
-        tables = written(made_by(maker), self.campaign.unused_columns)
+        tables = written(tables_of_maker(maker), self.campaign.unused_columns)
         paths = [path for path in paths_of(maker_of(maker)) if path != "case"]  # a wildcard
         return self.settings("case.parameters", *paths, tables=tables)
 
@@ -213,13 +213,13 @@ class Stages:
         return _once(lambda wildcards: self.code_of(script, wildcards, by_name))
 
     def code_of(self, script: str, wildcards: Any, by_name: ByName) -> dict[str, str]:
-        """Code of a job (`code`)."""
+        """Hashes of the code of one job (`code`)."""
         return self._sources.code(script, {**self.campaign.modules(wildcards), **by_name})
 
     def complete(self, workflow: Any) -> None:
-        """Give rules what all share: the code of their scripts, and the environment of jobs.
+        """Give rules what all share, the code of their scripts and the environment of jobs.
 
-        Refuses rules that name other settings than their scripts read.
+        A rule that names other settings than its script reads is refused.
         """
         for rule in rules_of(workflow):
             if not rule.script:
@@ -235,7 +235,7 @@ class Stages:
     def _check(self, rule: Any, function: Callable[..., None]) -> None:
         """Compare the settings that a rule names with what its script reads."""
         named, kind = rule.params.settings, settings_taken(function)
-        if not isinstance(named, Settings):
+        if not isinstance(named, RuleSettings):
             return  # of figures, which declare their own
         maker = rule.params.get("maker")
         read = [*kind.paths(), *(paths_of(maker_of(maker)) if maker else [])]
@@ -256,7 +256,7 @@ class Stages:
             raise WorkflowError(f"rule {rule.name}: {'; '.join(problems)}")
 
 
-class Settings:
+class RuleSettings:
     """Settings of a rule, a function of a job's wildcards: values by path."""
 
     def __init__(self, campaign: Campaign, paths: Sequence[str], values: Mapping[str, Any]) -> None:
@@ -268,6 +268,6 @@ class Settings:
         of_wildcards(self)
 
     def __call__(self, wildcards: Any) -> dict[str, Any]:
-        """Values by path."""
+        """Values that concern a job, by their paths."""
         values: dict[str, Any] = self._of_job(wildcards)
         return values

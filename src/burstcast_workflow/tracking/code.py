@@ -212,7 +212,7 @@ class Sources:
             yield place, first
             return
         imports = definitions[_AT_IMPORT].imports if _AT_IMPORT in definitions else []
-        if found := [each for each in imports if each[0] == first]:
+        if first != _ALL and (found := [each for each in imports if each[0] == first]):
             for _, other, imported in found:  # a name that the module itself has imported
                 further = [*filter(None, [imported]), *names[1:]]
                 yield from self._use(_absolute(other, *place), further)
@@ -267,7 +267,8 @@ class Sources:
             for place in places
             if is_own or not _LIBRARIES & {*place.parts}
         )
-        return next(filter(None, files), module_file(name) if is_own else None)
+        found = next(filter(None, files), None)
+        return found or (module_file(name) if is_own else None)
 
     def _parse(self, path: Path) -> Parsed:
         if path not in self._parsed:

@@ -20,7 +20,7 @@ from burstcast_workflow.jobs.series import Observed, known_rows
 
 
 class Events(JobSettings):
-    """Extreme events."""
+    """Events that horizons are measured for."""
 
     observed: Observed
     washout: Washout

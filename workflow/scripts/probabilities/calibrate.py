@@ -3,13 +3,13 @@
 from burstcast.forecasts.alarms import calibrated_alarms
 from burstcast_workflow.harness.job import JobSettings, at, job, write_json
 from burstcast_workflow.jobs.cases import Clock
-from burstcast_workflow.jobs.forecasts import Alarms
+from burstcast_workflow.jobs.forecasts import ScoredForecasts
 
 
 class Calibration(JobSettings):
     """Thresholds of alarms."""
 
-    alarms: Alarms
+    scored: ScoredForecasts
     clock: Clock
     prior_forecasts: float = at("probability.prior_forecasts")
 
@@ -24,9 +24,9 @@ def calibrate(
 ) -> None:
     """Write calibrations and thresholds by alarm and prediction time."""
     alarms = calibrated_alarms(
-        settings.alarms.points(calibration_set, calibration_forecasts),
-        settings.alarms.prediction_times_lt,
-        settings.alarms.event_threshold,
+        settings.scored.points(calibration_set, calibration_forecasts),
+        settings.scored.prediction_times_lt,
+        settings.scored.event_threshold,
         settings.prior_forecasts,
     )
     record = {"steps_per_lyapunov_time": settings.clock.lyapunov_time, "alarms": alarms}
