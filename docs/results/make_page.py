@@ -113,7 +113,9 @@ def pages() -> dict[Path, str]:
         "compared": compared(),
         "verdicts_of": claims.verdicts_of,
         "claims_table": claims.claims_table,
+        "verdicts_by_margin": claims.verdicts_by_margin,
         "margins_table": claims.margins_table,
+        "sources_table": claims.sources_table,
         "not_kept": claims.NOT_KEPT,
         "concat": partial(pd.concat, ignore_index=True),
     }
