@@ -17,6 +17,7 @@ import drawings
 import jinja2
 import kept_tables
 import pandas as pd
+import yaml
 from kept_tables import KEPT, Part, Tables, text
 
 from burstcast.figures.parts.style import render
@@ -94,6 +95,12 @@ def readout_of(tables: Tables, score: comparisons.Score, forecaster: str) -> dic
     return dict(zip(rows["neurons"], rows["mean"], strict=True))
 
 
+def authors_share() -> float:
+    """Share of time above the event threshold in the authors' training set, which a preset has."""
+    preset = yaml.safe_load((DOCS.parent / "workflow/presets/authors.yaml").read_text("utf-8"))
+    return float(preset["campaign"][1]["event_shares"][0])
+
+
 @cache
 def compared() -> pd.DataFrame:
     """Our values beside the published ones."""
@@ -120,6 +127,7 @@ def pages() -> dict[Path, str]:
         "in_units": in_units,
         "readout_of": readout_of,
         "compared": compared(),
+        "authors_share": authors_share(),
         "verdicts_of": claims.verdicts_of,
         "claims_table": claims.claims_table,
         "verdicts_by_margin": claims.verdicts_by_margin,
@@ -149,6 +157,7 @@ if __name__ == "__main__":
     for name, figure in (
         ("readout", drawings.draw_readouts(Tables(KEPT / "readout"))),
         ("late_actuator", drawings.draw_late_actuator(Tables(KEPT / "aware"))),
+        ("learning_curves", drawings.draw_learning_curves(Tables(KEPT / "training_series_sweep"))),
         ("published_scores", drawings.draw_published_scores(Tables(KEPT / "paper"))),
         (
             "forecasters",

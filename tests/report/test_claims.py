@@ -20,7 +20,15 @@ from claims import (
     verdicts_of,
 )
 from kept_tables import PUBLISHED, Tables
-from make_page import DOCS, IN_DOCS, PUBLISHED_VALUES, UnsupportedError, pages, published_values, supported
+from make_page import (
+    DOCS,
+    IN_DOCS,
+    PUBLISHED_VALUES,
+    UnsupportedError,
+    pages,
+    published_values,
+    supported,
+)
 
 from burstcast.figures.parts.published import published_percentiles
 
