@@ -130,10 +130,9 @@ def test_undefined_medians_leave_a_gap_and_no_zero():
 
 
 def test_reference_forecasters_are_drawn_beside_the_networks():
-    table = percentile_rows(SCORES, (500.0,), prediction_times=PREDICTION_TIMES)
-    equations = table[table["validation"] == "RV"].assign(
-        forecaster="equations", p50=0.5, **NO_SIZE
-    )
+    table = percentile_rows(SCORES, (500.0, 1000.0), prediction_times=PREDICTION_TIMES)
+    one = table.query("validation == 'RV' and neurons == 500")
+    equations = one.assign(forecaster="equations", p50=0.5, **NO_SIZE)
     figure = scores_of(pd.concat([table, equations]))
     assert lines_with(figure.axes[0], [0.5, 0.5, 0.5]) == 1
     assert "equations, true state" in texts(figure)
@@ -142,6 +141,37 @@ def test_reference_forecasters_are_drawn_beside_the_networks():
     figure = horizons_of(pd.concat([horizons, others]))
     assert lines_with(figure.axes[0], [1.25, 1.25]) == 1
     assert "linear inverse model" in texts(figure)
+
+
+def test_a_single_size_has_no_panel_of_one_tick():
+    scores = percentile_rows(SCORES, (500.0,), prediction_times=PREDICTION_TIMES)
+    side_by_side = scores_of(pd.concat([scores, scores.assign(forecaster="equations", **NO_SIZE)]))
+    assert len({axes.get_position().y0 for axes in side_by_side.axes}) == 1
+    assert {"RV", "SSV"} <= set(texts(side_by_side))
+    assert "equations, true state" not in texts(side_by_side)  # right throughout
+    horizons = percentile_rows({"mean_horizon_lt": 4.5}, (500.0,))
+    alone = {"forecaster": "linear_inverse", "p25": 1.25, "p50": 1.25, "p75": 1.25}
+    others = horizons.iloc[:1].assign(**alone, **NO_SIZE)
+    figure = horizons_of(pd.concat([others, horizons]))
+    (axes,) = figure.axes
+    assert [text.get_text() for text in axes.get_yticklabels()] == [
+        "network, 500 neurons, RV",
+        "network, 500 neurons, SSV",
+        "linear inverse model",
+    ]
+    places = [bars.lines[0].get_xdata()[0] for bars in axes.containers]
+    assert places == sorted(places, reverse=True)
+    one_size = statistics_rows().query("neurons.isna() or neurons == 500")
+    assert len(drawn("profile_errors", percentiles=one_size).axes) == 3
+    assert len(drawn("long_term_density", percentiles=one_size).axes) == 1
+    arguments = published_scores()
+    small = {
+        name: table.query("neurons == 500")
+        for name, table in arguments.items()
+        if "neurons" in table
+    }
+    small.pop("published", None)
+    assert len(drawn("published_scores", **small).axes) == 3
 
 
 def test_other_networks_are_drawn_at_their_sizes():
