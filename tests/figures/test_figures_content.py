@@ -415,15 +415,33 @@ def test_a_new_kind_of_forecaster_looks_like_no_other():
     ]
 
 
-def test_reliability_is_drawn_of_those_who_tell_probabilities():
+def test_reliability_is_drawn_of_forecasters_with_many_probabilities():
     rows = reliability_rows()
-    diagram, _ = drawn("reliability").axes
+    (diagram,) = drawn("reliability").axes
     mean = np.linspace(0, 1, 11)
     assert lines_with(diagram, (0.95 * mean).tolist()) == 1
     assert lines_with(diagram, (0.9 * mean).tolist()) == 1
+    assert "forecasts, 40 to 7000, log" in texts(drawn("reliability"))
     without = rows[rows["forecaster"] != "esn_committee"]
     two = pd.concat([without, without[:1].assign(forecaster="esn", neurons=2000.0)])
-    assert len(drawn("reliability", bins=two).axes) == 2 * 9
+    assert len(drawn("reliability", bins=two).axes) == 9
+
+
+def test_precision_and_recall_are_of_alarms_from_a_probability_on():
+    shown = reliability_rows().query("forecaster in ['esn_committee', 'equations', 'climatology']")
+    figure = drawn("precision_recall", bins=shown)
+    (axes,) = figure.axes
+    line = next(one for one in axes.get_lines() if one.get_label() == "committee of networks")
+    # alarms from 0.9 on: 40 at 1 and 40 at 0.9, of which 95 % and 85.5 % are right
+    recall, precision = line.get_xydata().T
+    frequencies = 0.95 * np.linspace(0, 1, 11)
+    hits = np.cumsum(40 * frequencies[::-1])
+    np.testing.assert_allclose(precision[1:3], [0.95, (0.95 + 0.855) / 2])
+    np.testing.assert_allclose(recall[1:11], hits[:10] / hits[9])
+    assert recall[0] == 0
+    assert not {"climatology", "equations, true state"} & set(texts(figure))
+    of_none = reliability_rows().query("forecaster == 'climatology'")
+    assert "can be wrong" in " ".join(texts(drawn("precision_recall", bins=of_none)))
 
 
 def test_bins_of_few_forecasts_are_not_joined():
@@ -437,7 +455,8 @@ def test_bins_of_few_forecasts_are_not_joined():
             "observed_frequency": [0.0, 1.0, 0.5, 1.0],
         }
     )
-    lines = drawn("reliability", bins=bins).axes[0].lines[1:]
+    lines = drawn("reliability", bins=bins).axes[0].lines
+    lines = [line for line in lines if line.get_marker() == "o"]
     shown = {line.get_linestyle(): line.get_xdata().tolist() for line in lines}
     assert (shown["-"], shown["None"]) == ([0.0, 0.6, 1.0], [0.3])
 
@@ -479,29 +498,25 @@ def curve_of(axes, label):
     return np.transpose(bars.lines[0].get_xydata())
 
 
-def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_conditions():
+def test_the_frontier_shows_what_is_left_against_what_was_spent():
     figure = drawn("control_frontier")
-    rules, frontier, by_delay, by_strength, by_noise = figure.axes
+    rules, frontier = figure.axes
     names = ("reactive", "the paper's strategy, network", "receding horizon, network")
     committee = "receding horizon, committee of networks"
-    assert {*names, committee, "interval over flows"} <= set(texts(figure))
+    assert {*names, committee, "interval over flows", "other settings"} <= set(texts(figure))
     # the run that leaves nothing and acts least betters all others; a small marker is any run
     assert curve_of(frontier, names[2]).tolist() == [pytest.approx([0.033]), [0.0]]
     assert curve_of(frontier, committee).tolist() == [pytest.approx([0.025]), [0.0]]
     assert lines_with(frontier, [4e-2, 4e-2, 2e-3, 2e-3, 0.0, 0.0]) == 1
     # rules have a panel of their own, and no run of theirs betters another
     np.testing.assert_allclose(curve_of(rules, "reactive"), [[0.24, 0.5], [0.06, 0.01]])
-    # the runs without delay belong to the curve over delays
-    for panel, shares in (
-        (by_delay, [2e-3, 4e-2, 4e-2]),
-        (by_strength, [4e-2, 4e-2, 2e-3]),
-        (by_noise, [2e-3, 4e-2, 4e-2]),
-    ):
-        np.testing.assert_allclose(curve_of(panel, names[2])[1], shares)
-    assert "delay" in by_delay.get_xlabel().lower()
-    # nothing left has a place on the axis
+    # nothing left has a place on the axis, and no bar
     low, high = frontier.get_ylim()
     assert low < 0 < high
+    (bars,) = (each for each in frontier.containers if each.get_label() == committee)
+    (segment,) = bars.lines[2][0].get_segments()
+    assert np.ptp(segment[:, 1]) == 0
+    assert "no event observed" in texts(figure)
 
 
 def test_return_levels_stand_against_return_periods_and_bounds_where_nothing_was_seen():
@@ -562,19 +577,14 @@ def test_the_frontier_tells_apart_what_is_observed():
     assert {"reactive", "reactive, observed modes 4"} <= set(shown)
 
 
-def test_strategies_under_one_condition_alone_are_not_compared_under_several():
-    simple = frontier_rows().query("delay_lt == 0 and strength == 1 and noise == 0.01")
-    figure = drawn("control_frontier", scores=simple)
-    assert len(figure.axes) == 2
-    assert overlapping_texts(drawn_texts(figure)) == []
-
-
-def test_conditions_are_shown_where_nothing_ran_under_the_usual_ones():
-    table = frontier_rows().query("delay_lt == 0")
-    weak = pd.concat([table.assign(strength=value, noise=0.01) for value in (0.2, 0.4)])
-    plain = weak.drop_duplicates(["forecaster", "strategy", "metric", "strength"])
-    panels = drawn("control_frontier", scores=plain).axes
-    assert {axes.get_xlabel() for axes in panels} == {"Strength of the actuator"}
+def test_the_frontier_is_of_the_usual_conditions():
+    table = frontier_rows()
+    simple = table.query("delay_lt == 0 and strength == 1 and noise == 0.01")
+    assert overlapping_texts(drawn_texts(drawn("control_frontier", scores=simple))) == []
+    late = drawn("control_frontier", scores=table.query("delay_lt == 1"))
+    assert "Without control no event" in " ".join(texts(late))
+    alone = drawn("control_frontier", scores=simple.query("strategy == 'reactive'"))
+    assert len(alone.axes) == 1
 
 
 # -- observables -----------------------------------------------------------------------------------

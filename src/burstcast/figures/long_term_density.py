@@ -1,9 +1,9 @@
 """(a) Density of the observable over all data, the training set and the long closed loops of one
 network: the one of the shown size and strategy with the smallest Kantorovich metric.
 (b) Kantorovich metric and (c) mean logarithmic error against reservoir size, medians and
-quartiles over the networks of an ensemble, where there are several sizes. In grey: the same measures between two random halves of
-the data, in the median. Open markers, if any: published values; diamonds on the right edge: the
-published training set.
+quartiles over the networks of an ensemble, where there are several sizes. In grey: the same
+measures between two random halves of the data, in the median. Open markers, if any: published
+values; diamonds on the right edge: the published training set.
 """
 
 from collections.abc import Mapping, Sequence

@@ -2,9 +2,10 @@
 and time, of all data, the training set and one network: the one of the shown size and strategy
 with the smallest Kantorovich metric. (d-f) Errors of the profiles, normalised by the
 range of the true profile, against reservoir size, where there are several sizes: medians and
-quartiles over the networks of an ensemble. In grey: the same errors between two random halves of the data, in the median. Open
-markers, if any: published values; diamonds on the right edge: the published training set. U_0:
-velocity of the laminar flow halfway between centre and wall; h: half the distance of the walls.
+quartiles over the networks of an ensemble. In grey: the same errors between two random halves of
+the data, in the median. Open markers, if any: published values; diamonds on the right edge: the
+published training set. U_0: velocity of the laminar flow halfway between centre and wall; h: half
+the distance of the walls.
 """
 
 from collections.abc import Mapping, Sequence
