@@ -54,8 +54,9 @@ def draw(
         first = panels["size"][row]
         # side by side, without the equations from the true state, which are right throughout
         left_out = [] if several else ["equations"]
-        at_size = {"neurons": neurons, "leave_out": left_out}
-        medians.draw_references(first, percentiles, metric, _TIME, **at_size)
+        medians.draw_references(
+            first, percentiles, metric, _TIME, neurons=neurons, leave_out=left_out
+        )
         first.set_ylabel(medians.LABELS[metric])
         for validation in validations:
             look = looks.validation(validation)

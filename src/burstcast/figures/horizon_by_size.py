@@ -3,6 +3,8 @@ one size: medians and quartiles over the networks of an ensemble. In grey: forec
 with.
 """
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -62,7 +64,7 @@ def _by_forecaster(percentiles: pd.DataFrame, theirs: pd.DataFrame, neurons: flo
     for place, (row, bars) in enumerate(zip(rows.to_dict("records"), lengths, strict=True)):
         networks = row["forecaster"] == "esn"
         look = looks.validation(row["validation"]) if networks else looks.TRUTH
-        marks = {"color": look["color"], "marker": "o", "linestyle": "none"}
+        marks: dict[str, Any] = {"color": look["color"], "marker": "o", "linestyle": "none"}
         axes.errorbar(row["p50"], place, xerr=bars[:, np.newaxis], **style.BARS, **marks)
         if networks:
             of = {"validation": row["validation"], "neurons": neurons}

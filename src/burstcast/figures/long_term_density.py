@@ -39,7 +39,7 @@ def draw(
         shown.append((best.statistics.histogram, looks.NETWORK, best.label))
     several = errors.several_sizes(percentiles)
     figure = style.new_figure(style.DOUBLE_COLUMN, 4.2 if several else 2.4)
-    mosaic = [["density", "density"], ["kantorovich", "mean_log_error"]]
+    mosaic: Any = [["density", "density"], ["kantorovich", "mean_log_error"]]
     panels = figure.subplot_mosaic(mosaic if several else mosaic[:1])
     density = panels.pop("density")
     for histogram, look, label in shown:
