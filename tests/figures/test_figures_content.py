@@ -516,7 +516,7 @@ def test_the_frontier_shows_what_is_left_against_what_was_spent():
     (bars,) = (each for each in frontier.containers if each.get_label() == committee)
     (segment,) = bars.lines[2][0].get_segments()
     assert np.ptp(segment[:, 1]) == 0
-    assert "no event observed" in texts(figure)
+    assert "0: no event observed" in texts(figure)
 
 
 def test_return_levels_stand_against_return_periods_and_bounds_where_nothing_was_seen():

@@ -3,9 +3,9 @@ actuation duty cycle: by strategies that react to the observable or to a forecas
 that compare forecasts with and without actuation, of each at most the four with most runs, under
 the usual conditions (no delay, full strength). Small open markers are the runs with all settings,
 such as horizons or levels; lines join the runs that no other run of the same strategy and
-forecaster betters in both. In the grey strip no event was observed: how rare an event is there,
-long runs say (return levels). Bars: confidence intervals over flows. One network is shown, and the
-committee of all networks of its size.
+forecaster betters in both. The vertical axis is linear in the grey strip; at 0 no event was
+observed: how rare an event is there, long runs say (return levels). Bars: confidence intervals over
+flows. One network is shown, and the committee of all networks of its size.
 """
 
 from collections.abc import Mapping, Sequence
@@ -203,6 +203,6 @@ def _finish(panels: Sequence[Axes], runs: pd.DataFrame) -> None:
         axes.set_ylim(-0.25 * end, 3.0 * highest)
         axes.axhspan(-0.25 * end, end, color=style.LIGHT_GREY, alpha=0.5, linewidth=0, zorder=0.2)
         axes.axhline(1.0, color=style.GREY, linewidth=0.5, zorder=0.5)
-        axes.text(
-            0.98, 0.3 * end, "no event observed", **_IN_STRIP, transform=axes.get_yaxis_transform()
-        )
+        if (shares == 0).any():
+            place = {**_IN_STRIP, "transform": axes.get_yaxis_transform()}
+            axes.text(0.98, 0.3 * end, "0: no event observed", **place)
