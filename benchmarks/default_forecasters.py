@@ -2,24 +2,27 @@
 
 ::
 
-    python benchmarks/default_forecasters.py [--kinds KIND ...] RECORD ...
+    python benchmarks/default_forecasters.py [--kinds KIND ...] [--csv FILE] RECORD ...
+    python benchmarks/default_forecasters.py table
 
 Records are lorenz96, lorenz63, shear_flow and fitzhugh_nagumo, simulated with noise in all series,
 and glucose.csv and fulda.csv as examples/real_records/extract.py writes them. Forecasters have
 their defaults, but for those that a record in Lyapunov times of half an hour or a day needs. Scores
-are of one test set at 1, 2 and 3 Lyapunov times; seconds are the processor's, of one thread. The
-first table of benchmarks/measured.md consists of these rows.
+are of one test set at 1, 2 and 3 Lyapunov times; seconds are the processor's, of one thread.
+benchmarks/default_forecasters.csv keeps the rows; "table" prints the first table of
+benchmarks/measured.md from it.
 """
 
 import argparse
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from burstcast import EventForecaster
 from burstcast.base.arrays import FloatArray
@@ -156,8 +159,11 @@ def record_of(name: str) -> Record:
     return {"glucose": glucose, "fulda": fulda}[Path(name).stem](name)
 
 
-def row(record: Record, kind: str) -> str:
-    """Scores of a forecaster, and the seconds of its fit, as a row of the table."""
+KEPT = Path(__file__).with_suffix(".csv")
+
+
+def scored(record: Record, kind: str) -> dict[str, Any]:
+    """Scores of a forecaster, and the seconds of its fit."""
     options = record.options.get(kind)
     forecaster = EventForecaster(
         kind=kind, prediction_times=TIMES, options=options, **record.settings
@@ -166,26 +172,66 @@ def row(record: Record, kind: str) -> str:
     forecaster.fit(record.series[: record.training])
     seconds = time.process_time() - start
     scores = [forecaster.scores(record.series[record.training :], at) for at in TIMES]
-    cells = [f"{score[name]:.2f}" for name in ("alarm_f_score", "brier_skill") for score in scores]
-    permanent = " ".join(f"{score['permanent_f_score']:.2f}" for score in scores)
-    signs = len(forecaster.warnings_)
-    print(f"# {kind}: permanent alarm {permanent}, {scores[0]['events']} events, {signs} warnings")
-    return f"| {kind} | {' '.join(cells[:3])} | {' '.join(cells[3:])} | {seconds:.1f} |"
+    names = ("alarm_f_score", "brier_skill", "permanent_f_score")
+    return {
+        "record": record.title.partition(",")[0],
+        "forecaster": kind,
+        "events": scores[0]["events"],
+        **{
+            f"{name}_{at}": score[name]
+            for name in names
+            for at, score in zip(TIMES, scores, strict=True)
+        },
+        "seconds": seconds,
+        "warnings": len(forecaster.warnings_),
+    }
+
+
+def cells(row: Mapping[str, Any], name: str) -> str:
+    """A score at all prediction times."""
+    return " ".join(f"{row[f'{name}_{at}']:z.2f}" for at in TIMES)
+
+
+def table(rows: pd.DataFrame) -> str:
+    """Markdown of kept rows, with the permanent alarm of each record."""
+    lines = ["| series | forecaster | F-score | Brier skill | seconds |", "|---|---|---|---|---|"]
+    for record, of_record in rows.groupby("record", sort=False):
+        each = of_record.to_dict("records")
+        permanent = cells(each[0], "permanent_f_score")
+        lines.append(f"| {record} | always-alarm forecast | {permanent} | | |")
+        for row in each:
+            name = f"`{row['forecaster']}`" + ", the default" * (row["forecaster"] == "esn")
+            scores = " | ".join(cells(row, score) for score in ("alarm_f_score", "brier_skill"))
+            lines.append(f"| | {name} | {scores} | {row['seconds']:.0f} |")
+    return "\n".join(lines)
 
 
 def main() -> None:
-    """Print a table for each record."""
+    """Print a table for each record, or that of all kept rows."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("records", nargs="+")
     parser.add_argument("--kinds", nargs="+", default=KINDS)
+    parser.add_argument("--csv", type=Path)
     given = parser.parse_args()
+    if given.records == ["table"]:
+        print(table(pd.read_csv(KEPT)))
+        return
     warnings.simplefilter("ignore")
+    rows = []
     for name in given.records:
         record = record_of(name)
         print(f"\n{record.title}\n")
         print("| forecaster | F | Brier skill | seconds |\n|---|---|---|---|")
         for kind in given.kinds:
-            print(row(record, kind), flush=True)
+            row = scored(record, kind)
+            rows.append(row)
+            permanent = cells(row, "permanent_f_score")
+            print(f"# {kind}: always alarm {permanent}, {row['events']} events", end="")
+            print(f", {row['warnings']} warnings")
+            scores = " | ".join(cells(row, score) for score in ("alarm_f_score", "brier_skill"))
+            print(f"| {kind} | {scores} | {row['seconds']:.1f} |", flush=True)
+            if given.csv:
+                pd.DataFrame(rows).to_csv(given.csv, index=False, float_format="%.6g")
 
 
 if __name__ == "__main__":

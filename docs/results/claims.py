@@ -1,17 +1,20 @@
 """Claims of the paper, and what our tables say about each.
 
 A claim is a function of the tables of the paper's campaign whose docstring is the rule by which it
-agrees. A number agrees if our whole interval lies within a margin of the paper's number. `MARGINS`
-fixes the margins, independently of the results. An interval that is wider than its margin cannot
-agree. Intervals are over the test data, without the scatter over training series.
+agrees. Its bar is what the paper itself says or draws, and stands with the claim as its source; a
+claim for which the paper gives no bar is not testable, whatever our numbers are. A number agrees if
+our whole interval lies within a margin of the paper's number. `MARGINS` fixes the margins, which
+are ours, independently of the results. An interval that is wider than its margin cannot agree.
+Intervals are over the test data, without the scatter over training series.
 """
 
 import inspect
 import itertools
 import math
+import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, wraps
 from typing import Any
 
 from kept_tables import Tables, published_rows, published_value, table, text
@@ -43,7 +46,8 @@ class Finding:
 
     paper: str  #: the paper's numbers, as text
     ours: str  #: our numbers with their intervals
-    agrees: str  #: "yes", "nearly", "undecided", "no"; of several: "3 yes, 1 nearly"
+    #: "yes", "nearly", "undecided", "no"; of several: "3 yes, 1 nearly"; `NOT_TESTABLE`
+    agrees: str
     why: str = ""  #: reason of a disagreement, or a remark
 
 
@@ -53,11 +57,15 @@ class Claim:
 
     text: str
     section: str
+    source: str  #: the paper's words, or its figure, that give the bar; "" if none does
     find: Callable[[Tables], Finding]
 
 
 CLAIMS: list[Claim] = []
 """All claims, in the order of the page."""
+
+NOT_TESTABLE = "not testable"
+"""Verdict on a claim for which the paper gives no bar."""
 
 NOT_KEPT = (
     "the largest error of the forecast velocity during an event is about 5 % of its range (II, "
@@ -70,11 +78,17 @@ NOT_KEPT = (
 """Claims that the kept tables cannot judge."""
 
 
-def claim(words: str, section: str) -> Callable[[Callable[[Tables], Finding]], Callable[..., Any]]:
-    """Make a function a claim of the paper."""
+def claim(
+    words: str, section: str, source: str = ""
+) -> Callable[[Callable[[Tables], Finding]], Callable[..., Any]]:
+    """Make a function a claim of the paper; without a source of its bar it is not testable."""
 
     def add(find: Callable[[Tables], Finding]) -> Callable[[Tables], Finding]:
-        CLAIMS.append(Claim(words, section, find))
+        def found(tables: Tables) -> Finding:
+            finding = find(tables)
+            return finding if source else replace(finding, agrees=NOT_TESTABLE)
+
+        CLAIMS.append(Claim(words, section, source, wraps(find)(found)))
         return find
 
     return add
@@ -106,12 +120,38 @@ def claims_table(tables: Tables) -> str:
     return table("claim", cells)
 
 
+def sources_table() -> str:
+    """Table of the bars of all claims: where the paper gives them."""
+    return table(
+        "claim", [(each.text, "source of its bar", each.source or "none") for each in CLAIMS]
+    )
+
+
 def verdicts_of(tables: Tables) -> dict[str, int]:
-    """Number of claims that agree, agree nearly or are undecided, agree in part, or disagree."""
+    """Number of claims that agree, agree nearly, agree in part, or disagree.
+
+    ``nearly``: Those of which no part disagrees, but that are not "yes" as a whole. ``mixed``: Some
+    parts disagree. ``claims``: All that have a bar; ``untestable``: The others.
+    """
     verdicts = [finding.agrees for finding in findings(tables)]
-    counts = {answer: verdicts.count(answer) for answer in ("yes", "no")}
-    counts["nearly"] = sum(answer in ("nearly", "undecided") for answer in verdicts)
-    return {**counts, "claims": len(CLAIMS), "mixed": len(CLAIMS) - sum(counts.values())}
+    counts = {answer: verdicts.count(answer) for answer in ("yes", "no", NOT_TESTABLE)}
+    untestable = counts.pop(NOT_TESTABLE)
+    counts["mixed"] = sum(bool(re.search(r"\d no", answer)) for answer in verdicts)
+    claims = len(CLAIMS) - untestable
+    nearly = claims - sum(counts.values())
+    return {**counts, "nearly": nearly, "claims": claims, "untestable": untestable}
+
+
+def verdicts_by_margin(tables: Tables, factor: float) -> dict[str, int]:
+    """`verdicts_of` if all margins were so many times as wide."""
+    kept = dict(MARGINS)
+    try:
+        MARGINS.update({kind: (unit, factor * margin) for kind, (unit, margin) in kept.items()})
+        findings.cache_clear()
+        return verdicts_of(tables)
+    finally:
+        MARGINS.update(kept)
+        findings.cache_clear()
 
 
 def verdict(kind: str, paper: float, low: float, high: float, digit: float = 0.0) -> str:
@@ -191,7 +231,11 @@ def _with_ends(row: Any, digits: int = 3) -> str:
 # -- data ------------------------------------------------------------------------------------------
 
 
-@claim("series of 2000 that do not laminarise, Re = 400", "II B")
+@claim(
+    "series of 2000 that do not laminarise, Re = 400",
+    "II B",
+    'II B: "the dataset consists of 1436 time series" of 2000',
+)
 def series_kept(tables: Tables) -> Finding:
     """Agrees if our 95 % interval (Wilson) lies within the margin."""
     row = tables.rows("dataset", case=CASE).iloc[0]
@@ -203,7 +247,11 @@ def series_kept(tables: Tables) -> Finding:
     return Finding("1436", ours, verdict("share of series", 1436, low, high))
 
 
-@claim("leading Lyapunov exponents, Re = 400, 600, 800, 1000", "II A, IV C")
+@claim(
+    "leading Lyapunov exponents, Re = 400, 600, 800, 1000",
+    "II A, IV C",
+    "II A, IV C: the exponents",
+)
 def exponents(tables: Tables) -> Finding:
     """Agrees if our interval lies within the margin and half a unit of the paper's last digit."""
     rows = tables.rows("dataset").to_dict("records")
@@ -219,14 +267,17 @@ def exponents(tables: Tables) -> Finding:
     differ = [
         f"{row['reynolds']:g}" for row, answer in zip(rows, verdicts, strict=True) if answer == "no"
     ]
-    why = (
-        f"not at Re = {', '.join(differ)}: the authors' own QR recipe gives 0.0154 on our data, "
-        "and a mean of fitted slopes, their second method, is biased upwards"
-    )
+    growth = [f"{row[f'{name}_by_growth']:.4f}" for row in rows]
+    why = f"not at Re = {', '.join(differ)}; by the growth of perturbations {', '.join(growth)}"
     return Finding(paper, ours, all_of(verdicts), why if differ else "")
 
 
-@claim("share of starting points followed by an event in the window (base rate), Re = 400", "IV A")
+@claim(
+    "share of starting points followed by an event in the window (base rate), Re = 400",
+    "IV A",
+    'IV A: "9000 starting points, which ... consist of 360 extreme events"; the authors\' files '
+    "score 6914",
+)
 def events_after_the_points(tables: Tables) -> Finding:
     """Agrees if our 95 % interval (Poisson) of the share at 5 LT lies within the margin."""
     where = {"forecaster": "equations", "case": CASE, "prediction_time_lt": 5}
@@ -263,7 +314,11 @@ def _horizons_larger(tables: Tables, case: str, neurons: int) -> str:
     return larger(rv, ssv)
 
 
-@claim("RV outperforms SSV in precision, recall and F-score, Re = 400", "IV A")
+@claim(
+    "RV outperforms SSV in precision, recall and F-score, Re = 400",
+    "IV A",
+    'IV A: "outperforms the Single Shot Validation in all the figures of merit"; figure 8',
+)
 def recycle_beats_single_shot(tables: Tables) -> Finding:
     """Agrees if RV's median is larger beyond the scatter of networks; nearly if it is larger."""
     metrics = ("precision", "recall", "f_score")
@@ -273,7 +328,11 @@ def recycle_beats_single_shot(tables: Tables) -> Finding:
     return Finding("always", ours, all_of(itertools.chain(*better.values())))
 
 
-@claim("F-score 3 LT ahead: 1500 neurons with RV exceed 3000 with SSV", "IV A")
+@claim(
+    "F-score 3 LT ahead: 1500 neurons with RV exceed 3000 with SSV",
+    "IV A",
+    'IV A: "F_RV = 0.79, which is greater than ... F_SSV = 0.76"',
+)
 def tuning_beats_size(tables: Tables) -> Finding:
     """Agrees if the median is larger beyond the scatter of networks; nearly if it is larger."""
     rv, ssv = _f(tables, 3, neurons=1500, **RV), _f(tables, 3, neurons=3000, **SSV)
@@ -281,7 +340,11 @@ def tuning_beats_size(tables: Tables) -> Finding:
     return Finding("0.79 > 0.76", ours, larger(rv, ssv))
 
 
-@claim("F-score 2 LT and 3 LT ahead", "IV A")
+@claim(
+    "F-score 2 LT and 3 LT ahead",
+    "IV A",
+    'IV A: "F >= 0.9 for 2LTs prediction time and up to F = 0.8 for 3LTs"',
+)
 def two_and_three_times_ahead(tables: Tables) -> Finding:
     """Agrees if the interval of the best size is above 0.9 - margin (2 LT), and at 0.8 (3 LT)."""
     two, three = (
@@ -294,7 +357,11 @@ def two_and_three_times_ahead(tables: Tables) -> Finding:
     return Finding(">= 0.9 and up to 0.8", ours, agrees)
 
 
-@claim("events predicted 2 LT ahead, and false alarms", "IV A")
+@claim(
+    "events predicted 2 LT ahead, and false alarms",
+    "IV A",
+    'IV A: "almost all the events (90 %) ... with only a few false positives (10 %)"',
+)
 def most_events_two_ahead(tables: Tables) -> Finding:
     """Agrees if the intervals of recall and precision of 2000 neurons lie within the margin."""
     recall, right = (_f(tables, 2, metric=m, neurons=2000, **RV) for m in ("recall", "precision"))
@@ -305,7 +372,11 @@ def most_events_two_ahead(tables: Tables) -> Finding:
     return Finding("90 %, 10 % false", ours, agrees)
 
 
-@claim("largest precision and recall", "VII")
+@claim(
+    "largest precision and recall",
+    "VII",
+    'VII: "large precision (up to 98 %) and recall (up to 99 %)"',
+)
 def largest_scores(tables: Tables) -> Finding:
     """Agrees if the largest medians are the paper's, within the margin."""
     precision, recall = (
@@ -322,31 +393,45 @@ def largest_scores(tables: Tables) -> Finding:
 
 @claim("events predicted more than five Lyapunov times ahead", "abstract, VII")
 def five_times_ahead(tables: Tables) -> Finding:
-    """Agrees if the interval of the largest recall at 5 LT lies above 1/3 minus the margin."""
+    """The paper does not say how many of the events must be predicted, or alarms be right."""
     recalls = {n: _f(tables, 5, metric="recall", neurons=n, **RV) for n in tables.sizes(CASE)}
     size, recall = max(recalls.items(), key=lambda item: item[1].p50)
     right = _f(tables, 5, metric="precision", neurons=size, **RV)
     shares = f"{_with_ends(recall)} of the events, {_with_ends(right)} of the alarms are right"
-    ours = f"5 LT ahead {shares}"
-    return Finding(
-        "up to more than 5 LT", ours, reaches("precision, recall, F-score", 1 / 3, recall)
-    )
+    theirs = [published_value("classification", metric, **_AT_FIVE) for metric in _SHARES]
+    why = "published medians of 2000 neurons: {:.3f} of the events, {:.3f} of the alarms"
+    return Finding("up to more than 5 LT", f"5 LT ahead {shares}", "", why.format(*theirs))
 
 
-@claim("F-score against size, 3 LT ahead, RV", "IV A")
+_SHARES = ("recall", "precision")
+_AT_FIVE: dict[str, Any] = {"reynolds": 400, "neurons": 2000, "prediction_time_lt": 5.0, **RV}
+
+
+@claim(
+    "F-score from 500 to 1000 neurons, 3 LT ahead, RV",
+    "IV A",
+    'IV A: "a significant improvement in the performance between 500 and 1000 neurons"',
+)
+def small_networks_improve(tables: Tables) -> Finding:
+    """Agrees if the median is larger beyond the scatter of networks; nearly if it is larger."""
+    small, large = (_f(tables, 3, neurons=n, **RV) for n in (500, 1000))
+    ours = f"{_with_ends(small)} and {_with_ends(large)}"
+    return Finding("a significant improvement", ours, larger(large, small))
+
+
+@claim("F-score from 1500 neurons on, 3 LT ahead, RV", "IV A")
 def size_levels_off(tables: Tables) -> Finding:
-    """Agrees if F rises by two margins from 500 to 1000, and varies within one from 1500 on."""
-    scores = {n: _f(tables, 3, neurons=n, **RV) for n in tables.sizes(CASE)}
-    large = [score for n, score in scores.items() if n >= 1500]
-    gain = scores[1000].p50 - scores[500].p50
-    spread = max(score.p50 for score in large) - min(score.p50 for score in large)
-    _, margin = MARGINS["precision, recall, F-score"]
-    ours = ", ".join(f"{n}: {score.p50:.3f}" for n, score in scores.items())
-    agrees = all_of([gain > 2 * margin, spread <= margin])
-    return Finding("much from 500 to 1000, constant from 1500", ours, agrees)
+    """The paper does not say what is approximately constant."""
+    scores = {n: _f(tables, 3, neurons=n, **RV).p50 for n in tables.sizes(CASE) if n >= 1500}
+    ours = ", ".join(f"{n}: {score:.3f}" for n, score in scores.items())
+    return Finding("approximately constant", ours, "")
 
 
-@claim("RV outperforms SSV in the prediction horizon", "IV B")
+@claim(
+    "RV outperforms SSV in the prediction horizon",
+    "IV B",
+    'IV B: "outperforms the Single Shot Validation in all the figures of merit"; figure 11',
+)
 def recycle_beats_single_shot_in_horizon(tables: Tables) -> Finding:
     """Agrees if RV's median is larger beyond the scatter of networks; nearly if it is larger."""
     gains = [
@@ -358,7 +443,11 @@ def recycle_beats_single_shot_in_horizon(tables: Tables) -> Finding:
     return Finding("at all sizes", ours, agrees)
 
 
-@claim("mean PH_ee: 1000 neurons with RV equal 2500 with SSV", "IV B")
+@claim(
+    "mean PH_ee: 1000 neurons with RV equal 2500 with SSV",
+    "IV B",
+    'IV B: "4.23 LTs ... approximately the same ... 4.22 LTs"',
+)
 def tuning_beats_size_in_horizon(tables: Tables) -> Finding:
     """Agrees if the interval of 1000 lies within the margin of the median of 2500."""
     rv, ssv = _horizon(tables, neurons=1000, **RV), _horizon(tables, neurons=2500, **SSV)
@@ -366,7 +455,11 @@ def tuning_beats_size_in_horizon(tables: Tables) -> Finding:
     return Finding("4.23 and 4.22 LT", ours, verdict("PH_ee", ssv.p50, rv.low, rv.high))
 
 
-@claim("mean PH_ee of the largest networks", "IV B")
+@claim(
+    "mean PH_ee of the largest networks",
+    "IV B",
+    'IV B: "up to almost 5LTs in advance on average"',
+)
 def horizon_of_large_networks(tables: Tables) -> Finding:
     """Agrees if the interval of the best size lies within the margin of 5 LT."""
     best = max((_horizon(tables, neurons=n, **RV) for n in tables.sizes(CASE)), key=lambda e: e.p50)
@@ -383,7 +476,11 @@ def _grows(before: Any, later: Any) -> str:
     return _beyond(later.p50 - before.p50, half)
 
 
-@claim("mean PH_ee with the Reynolds number", "IV C")
+@claim(
+    "mean PH_ee with the Reynolds number",
+    "IV C",
+    'IV C: "increasing the Reynolds number increases the prediction horizon"; figure 12 (a)',
+)
 def horizon_grows(tables: Tables) -> Finding:
     """Agrees if it grows beyond the combined half-width of both intervals (2000 neurons, RV)."""
     horizons = [_horizon(tables, case, neurons=2000, **RV) for case in tables.cases()]
@@ -392,20 +489,31 @@ def horizon_grows(tables: Tables) -> Finding:
     return Finding("grows", ours, all_of(higher))
 
 
-@claim("F-score with the Reynolds number, 3 LT ahead", "IV C")
+@claim(
+    "F-score at Re = 600, 800, 1000 and at 400, 3 LT ahead",
+    "IV C",
+    'IV C: "the F-score deteriorates from Re = 400 to the other cases"; figure 12 (b)',
+)
 def score_falls(tables: Tables) -> Finding:
-    """Agrees if F is lower than at 400 beyond both intervals, and varies within the margin."""
+    """Agrees if F is lower than at 400 beyond the combined half-width of both intervals."""
     first, *others = (_f(tables, 3, case, neurons=2000, **RV) for case in tables.cases())
-    middles = [row.p50 for row in others]
-    _, margin = MARGINS["precision, recall, F-score"]
-    return Finding(
-        "lower than at 400, similar to each other",
-        ", ".join(map(_with_ends, (first, *others))),
-        all_of([*(_grows(row, first) for row in others), max(middles) - min(middles) <= margin]),
-    )
+    ours = f"{', '.join(map(_with_ends, others))} and {_with_ends(first)}"
+    return Finding("lower", ours, all_of(_grows(row, first) for row in others))
 
 
-@claim("RV outperforms SSV at Re = 600, 800, 1000", "IV C")
+@claim("F-score at Re = 600, 800 and 1000, 3 LT ahead", "IV C")
+def scores_are_similar(tables: Tables) -> Finding:
+    """The paper does not say what is similar."""
+    scores = [_f(tables, 3, case, neurons=2000, **RV).p50 for case in tables.cases()[1:]]
+    ours = ", ".join(f"{score:.3f}" for score in scores)
+    return Finding("similar to each other", ours, "")
+
+
+@claim(
+    "RV outperforms SSV at Re = 600, 800, 1000",
+    "IV C",
+    'IV C: "outperforms ... in all figures of merit in the new range of Reynolds values"',
+)
 def recycle_everywhere(tables: Tables) -> Finding:
     """Agrees if RV's median is larger beyond the scatter of networks; nearly if it is larger."""
     others = [case for case in tables.cases() if case != CASE]
@@ -448,13 +556,18 @@ def _improves(tables: Tables, metrics: dict[str, str], digits: int) -> Finding:
 @claim(
     "the density of k improves on the training set (Kantorovich metric; mean logarithmic error)",
     "V",
+    'V: "the networks improve the statistics with respect to the training set in all cases"',
 )
 def density_improves(tables: Tables) -> Finding:
     """Agrees if each size's upper quartile is below the training set's; nearly if the median is."""
     return _improves(tables, DENSITY, 3)
 
 
-@claim("the density of k does not improve with size", "V")
+@claim(
+    "the density of k does not improve with size",
+    "V",
+    'V: "no significant improvement ... when increasing their size"; quartiles of figure 13 (b, c)',
+)
 def density_and_size(tables: Tables) -> Finding:
     """Agrees if no larger network's quartiles lie below a smaller one's."""
     sizes = tables.sizes(CASE)
@@ -468,13 +581,22 @@ def density_and_size(tables: Tables) -> Finding:
     return Finding("no significant improvement", ours, all_of(not larger for larger in better))
 
 
-@claim("profiles improve on the training set (NRMSE of u; u^2; uv)", "V")
+@claim(
+    "profiles improve on the training set (NRMSE of u; u^2; uv)",
+    "V",
+    'V: "the ESN improves the statistics with respect to the available data"; figure 14 (d to f)',
+)
 def profiles_improve(tables: Tables) -> Finding:
     """Agrees if each size's upper quartile is below the training set's; nearly if the median is."""
     return _improves(tables, PROFILES, 2)
 
 
-@claim("the flow field improves less on the training set than the kinetic energy", "V")
+@claim(
+    "the flow field improves less on the training set than the kinetic energy",
+    "V",
+    'V: "a smaller improvement in the statistics of the flowfield than in the statistics of the '
+    'kinetic energy"',
+)
 def flow_improves_less(tables: Tables) -> Finding:
     """Agrees if errors of profiles fall by a smaller factor than the density's, at each size."""
 
@@ -513,7 +635,11 @@ def flow_improves_less(tables: Tables) -> Finding:
 # -- control ---------------------------------------------------------------------------------------
 
 
-@claim("exceedance under control, Re = 400 and 600, 1 and 2 LT ahead", "VI")
+@claim(
+    "exceedance under control, Re = 400 and 600, 1 and 2 LT ahead",
+    "VI",
+    "the authors' files, in our definition",
+)
 def exceedances(tables: Tables) -> Finding:
     """Agrees if our 95 % interval lies within the margin (2000 neurons, RV)."""
     paper, ours, verdicts, beyond = [], [], [], []
@@ -538,7 +664,11 @@ def exceedances(tables: Tables) -> Finding:
     return Finding(", ".join(paper), ", ".join(ours), all_of(verdicts), why)
 
 
-@claim("the shorter prediction time leaves less exceedance", "VI")
+@claim(
+    "the shorter prediction time leaves less exceedance",
+    "VI",
+    'VI: "an improvement in the suppression of the tail as the prediction time decreases"',
+)
 def nearer_is_better(tables: Tables) -> Finding:
     """Agrees if the median is smaller beyond the scatter of networks; nearly if it is smaller."""
     left_of = tables.rows("control_percentiles", metric="exceedance_controlled", neurons=2000, **RV)
@@ -550,10 +680,18 @@ def nearer_is_better(tables: Tables) -> Finding:
     return Finding("at all Re", ", ".join(texts), all_of(verdicts))
 
 
-@claim("extreme events become rarer by control, 1 and 2 LT ahead", "abstract, VII")
+def _factor(factor: float) -> str:
+    return f"{factor:.1f}" if math.isfinite(factor) else "the whole tail"
+
+
+@claim(
+    "extreme events become rarer by control, 1 and 2 LT ahead",
+    "abstract, VII",
+    'abstract: "decreases the occurrence of extreme events up to one order of magnitude"',
+)
 def rarer(tables: Tables) -> Finding:
-    """Agrees if the exceedance is divided by 10 at some Re, interval included, for both times."""
-    texts, verdicts = [], []
+    """Agrees if the exceedance is divided by 10 in some case; nearly if its median alone is."""
+    texts, largest = [], []
     for time in (1.0, 2.0):
         factors = []
         for case in tables.cases():
@@ -561,20 +699,26 @@ def rarer(tables: Tables) -> Finding:
             free, left = (_exceedance(tables, s, **where) for s in ("uncontrolled", "controlled"))
             middle, low, high = (free.p50 / end for end in (left.p50, left.high, left.low))
             factors.append((middle, low, high, case))
-        factor, low, high, case = max(factors)
-        verdicts.append(_graded(low >= AN_ORDER, nearly=factor >= AN_ORDER))
-        texts.append(f"{time:g} LT ahead by {factor:.1f} ({low:.1f} to {high:.1f}, {case})")
+        largest.append(max(factors))
+        middle, low, high, case = largest[-1]
+        texts.append(f"{time:g} LT ahead by {middle:.1f} ({low:.1f} to {high:.1f}, {case})")
+    middle, low, *_ = max(largest)
     return Finding(
         "by up to one order of magnitude",
         f"divided at most {'; '.join(texts)}",
-        all_of(verdicts),
+        _graded(low >= AN_ORDER, nearly=middle >= AN_ORDER),
         "far beyond the threshold the density decreases by more: next claim",
     )
 
 
-@claim("the density's tail decreases beyond k_e, 1 and 2 LT ahead", "VI, VII")
+@claim(
+    "the density's tail decreases beyond k_e, 1 and 2 LT ahead",
+    "VI",
+    'VI: "the tail of the PDF decreases in all cases analysed by up to one order of magnitude"; '
+    "figure 18",
+)
 def tail_decreases(tables: Tables) -> Finding:
-    """Agrees if time above each level falls, tenfold at the majority of Re for each PT.
+    """Agrees if time above each level falls in all cases, and tenfold in some.
 
     The highest level is exceeded for a thousandth of the time without control.
     """
@@ -590,20 +734,16 @@ def tail_decreases(tables: Tables) -> Finding:
         ratios = (without / controlled)[without >= 1e-3]
         largest.setdefault(time, {})[str(case)] = ratios.max()
         smallest = min(smallest, ratios.min())
-    texts, counts, most = [], [], []
+    texts, counts = [], []
     for time, by_case in sorted(largest.items()):
-        times = {
-            c: f"{r:.1f}" if math.isfinite(r) else "the whole tail" for c, r in by_case.items()
-        }
-        texts.append(f"{time:g} LT ahead up to {', '.join(f'{r} ({c})' for c, r in times.items())}")
+        cells = ", ".join(f"{_factor(ratio)} ({case})" for case, ratio in by_case.items())
+        texts.append(f"{time:g} LT ahead up to {cells}")
         far = sum(ratio >= AN_ORDER for ratio in by_case.values())
         counts.append(f"{time:g} LT ahead at {far} of {len(by_case)}")
-        most.append(2 * far > len(by_case))
-    agrees = all_of([smallest > 1, *most])
-    why = f"by {AN_ORDER:g} or more {', '.join(counts)} Reynolds numbers"
+    most = max(ratio for by_case in largest.values() for ratio in by_case.values())
     return Finding(
         "in all cases, by up to one order of magnitude",
         f"time beyond a level is divided by {smallest:.1f} at least; {'; '.join(texts)}",
-        agrees,
-        "" if agrees == "yes" else why,
+        all_of([smallest > 1, most >= AN_ORDER]),
+        f"by {AN_ORDER:g} or more {', '.join(counts)} Reynolds numbers",
     )

@@ -318,6 +318,12 @@ def own_ranks(tables: Tables, times: tuple[float, ...] = (1.0, 2.0, 3.0, 4.0, 5.
     return f"the best in {best} and the worst in {worst} of {count} F-scores"
 
 
+def own_is_best(tables: Tables, score: Score, network: dict[str, Any]) -> bool:
+    """Whether the campaign's own training set has the best mean over seeds of all sets."""
+    means = score.networks(tables, False, **network).mean(axis=1)
+    return str(means.idxmax()) == CASE
+
+
 # -- readouts --------------------------------------------------------------------------------------
 
 READOUTS = {

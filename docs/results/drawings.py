@@ -8,6 +8,7 @@ from kept_tables import PUBLISHED as PUBLISHED_PERCENTILES
 from kept_tables import Tables, published_rows
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter
 
 from burstcast.base.files.tables import read_table
 from burstcast.figures import published_scores
@@ -100,32 +101,92 @@ def draw_forecasters(paper: Tables, readouts: Tables, beyond: Tables) -> Figure:
     return figure
 
 
+_NONE = 0.01
+"""Height of a marker of a run without an event, per cent."""
+
+
 @style.styled
 def draw_late_actuator(tables: Tables) -> Figure:
-    """Draw what the best rule and plans leave, and their duty cycles, by the actuator's delay."""
+    """Draw what strategies leave, and their duty cycles, by the actuator's delay.
+
+    Feedback on each observable and each forecaster has its best settings. Where no event was
+    observed, a marker lies in the grey strip, without an interval.
+    """
     runs = tables.runs("control_choices", case="Re400", strength=1.0, noise=0.01)
     runs = runs.sort_values("left", kind="stable")
-    planned = runs[runs["strategy"] == "planned"]
+    of_strategy = dict(list(runs.groupby("strategy")))
+    planned, receding = of_strategy["planned"], of_strategy["receding_horizon"]
+    feedback, unaware = of_strategy["reactive"], receding[receding["options"].isna()]
     kinds = {
-        "rule": runs[runs["strategy"] == "reactive"],
-        "plans, learnt equations": planned[planned["forecaster"] == "quadratic_aware_filtered"],
-        "plans, network": planned[planned["forecaster"] == "esn_aware"],
+        "feedback on $k$": feedback[feedback["options"].isna()],
+        "feedback on $a_1$": feedback[feedback["options"].notna()],
+        "receding horizon,\nnetwork unaware of\nthe actuation": unaware[
+            unaware["forecaster"] == "esn"
+        ],
+        "predictive control,\naware equations": planned[
+            planned["forecaster"] == "quadratic_aware_filtered"
+        ],
+        "predictive control,\naware network": planned[planned["forecaster"] == "esn_aware"],
     }
-    figure = style.new_figure(style.DOUBLE_COLUMN, 2.2)
+    figure = style.new_figure(style.DOUBLE_COLUMN, 2.6)
     panels = figure.subplots(1, 2)
-    titles = {"left": "exceedance left [%]", "acting": "under actuation [%]"}
+    titles = {"left": "Remaining exceedance [%]", "acting": "Actuation duty cycle [%]"}
     for axes, (metric, title) in zip(panels, titles.items(), strict=True):
         curves = zip(kinds.items(), looks.categories(len(kinds)), strict=True)
         for number, ((name, rows), look) in enumerate(curves):
             best = rows.drop_duplicates("delay_lt").sort_values("delay_lt")
             value, low, high = (100 * best[f"{metric}{end}"] for end in ("", "_low", "_high"))
-            # a hair apart, so that bars do not hide each other
-            position = best["delay_lt"] + 0.012 * (number - 1)
-            bars = (value - low, (high - value).fillna(0.0))
-            axes.errorbar(position, value, bars, label=name, capsize=2, **look)
-        axes.set_xlabel("delay [LT]")
+            seen = value > 0
+            # a hair apart, so that bars and markers do not hide each other
+            position = best["delay_lt"] + 0.014 * (number - 2)
+            bars = (value - low)[seen], (high - value)[seen]
+            axes.errorbar(position[seen], value[seen], bars, label=name, capsize=2, **look)
+            unseen = np.full((~seen).sum(), _NONE * 1.3 ** (number - 3))
+            axes.plot(position[~seen], unseen, **{**look, "linestyle": "none"})
+        axes.set_yscale("log")
+        axes.set_xlabel("Delay of the actuator [LT]")
         axes.set_ylabel(title)
-        axes.set_ylim(bottom=-2)
+        axes.set_xticks([0, 0.5, 1])
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda tick, _: f"{tick:g}"))
+    panels[0].set_ylim(0.5 * _NONE, 200)
+    panels[0].set_yticks([0.1, 1, 10, 100])
+    panels[0].axhspan(0.5 * _NONE, 3 * _NONE, color=style.LIGHT_GREY, alpha=0.5, lw=0, zorder=0.2)
+    panels[0].text(0.25, 1.3 * _NONE, "no event observed", ha="center", color=style.GREY)
+    panels[1].set_ylim(1, 100)
     style.letter_panels(panels)
-    style.label_ends(figure, panels)
+    style.label_ends(figure, panels[1:])
+    return figure
+
+
+@style.styled
+def draw_learning_curves(tables: Tables) -> Figure:
+    """Draw F-scores against the number of events that forecasters learn from."""
+    data = tables.rows("dataset").set_index("case")["events_per_series"]
+    scores = tables.medians("classification", "f_score", prediction_time_lt=[1.0, 3.0])
+    series = scores["case"].str.removeprefix("training_").astype(int)
+    scores = scores.assign(events=series * scores["case"].map(data))
+    kinds = {
+        "equations_filtered": "true equations, filtered",
+        "quadratic_filtered": "learnt equations, filtered",
+        "quadratic": "learnt equations, noisy state",
+        "esn": "network, 500 neurons",
+    }
+    figure = style.new_figure(style.DOUBLE_COLUMN, 2.4)
+    panels = figure.subplots(1, 2, sharey=True)
+    for axes, time in zip(panels, (1.0, 3.0), strict=True):
+        at_time = scores[scores["prediction_time_lt"] == time]
+        curves = zip(kinds.items(), looks.categories(len(kinds)), strict=True)
+        for number, ((kind, name), look) in enumerate(curves):
+            curve = at_time[at_time["forecaster"] == kind].sort_values("events")
+            ends = (curve["p50"] - curve["low"], curve["high"] - curve["p50"])
+            position = curve["events"] * 1.03 ** (number - 1.5)
+            axes.errorbar(position, curve["p50"], ends, label=name, capsize=2, **look)
+        axes.set_xscale("log")
+        axes.set_xticks([10, 20, 50, 100], ["10", "20", "50", "100"])
+        axes.set_xlabel("Events in the training series")
+        axes.set_title(f"{time:g} LT ahead", loc="center")
+    panels[0].set_ylim(0, 1.04)
+    panels[0].set_ylabel("F-score")
+    style.letter_panels(panels)
+    style.label_ends(figure, panels[1:])
     return figure

@@ -177,6 +177,11 @@ _NAMES = {
     "floor": "halves of the data: the floor",
     "data": "the flow",
     "none": "no forecast",
+    "permanent_alarm": "always-alarm forecast",
+    "esn_direct": "reservoir, logistic readout of the event",
+    "precursor": "boosted trees",
+    "published_precursor": "published precursor",
+    "nvar": "next-generation reservoir (nvar)",
 }
 
 
@@ -190,7 +195,7 @@ def name_of(row: Mapping[Any, Any]) -> str:
         name = name if kind == "esn" else f"{kind.removeprefix('esn_')} network, {name}"
     if kind == forecaster:
         return name
-    return f"committee: {name}" if network else f"members of {name}"
+    return f"ensemble: {name}" if network else f"members of {name}"
 
 
 def condition(run: Mapping[str, Any]) -> str:

@@ -1,7 +1,8 @@
-"""docs/results.md and a page for each campaign, from tables that were kept: ``make results``.
+"""Pages with results, from tables that were kept: ``make results``.
 
-Pages are the templates in ``pages``, rendered with tables and numbers; no number is typed. Beside
-them are four figures and published_values.csv.
+They are docs/results.md, a page for each campaign, and pages of docs that quote results. Each is a
+template in ``pages``, rendered with tables and numbers; no number is typed. Beside them are five
+figures and published_values.csv.
 """
 
 import re
@@ -16,14 +17,16 @@ import drawings
 import jinja2
 import kept_tables
 import pandas as pd
+import yaml
 from kept_tables import KEPT, Part, Tables, text
 
 from burstcast.figures.parts.style import render
 
 DOCS = KEPT.parent
 TEMPLATES = KEPT / "pages"
-FINDINGS = "results"
-"""The page that opens docs/results.md; all others lie in docs/results."""
+IN_DOCS = ("results.md", "related_work.md", "real_records.md", "return_times.md")
+"""Pages that lie in docs; all others lie in docs/results."""
+_CODE = re.compile(r"(^```.*?^```$)", re.MULTILINE | re.DOTALL)
 PUBLISHED_VALUES = KEPT / "published_values.csv"
 
 
@@ -41,20 +44,27 @@ def supported(*holds: bool, caller: Callable[[], str]) -> str:
 
 
 def wrapped(page: str) -> str:
-    """A page whose paragraphs and points have lines of 100 columns at most.
+    """A page whose paragraphs and points have lines of 100 columns at most; code stays as it is.
 
     None begins with a per cent sign, which Sphinx would take for a comment.
     """
+    parts = [_wrapped(part) if part[:3] != "```" else part for part in _CODE.split(page)]
+    return "\n\n".join(filter(None, parts)) + "\n"
+
+
+def _wrapped(page: str) -> str:
+    """Text between blocks of code, wrapped."""
     lines = TextWrapper(100, break_on_hyphens=False, break_long_words=False)
     points = TextWrapper(100, "", "  ", break_on_hyphens=False, break_long_words=False)
     blocks = []
     for block in re.split(r"\n{2,}", re.sub(r"\s%", "\0%", page.strip())):
         if block.startswith("* "):
+            block = re.sub(r"\n +", "\n", block)
             block = "\n".join(map(points.fill, re.split(r"\n(?=\* )", block)))
         elif not block.startswith(("|", "#", "!", "<")):
             block = lines.fill(block)
         blocks.append(block)
-    return "\n\n".join(blocks).replace("\0", " ") + "\n"
+    return "\n\n".join(blocks).replace("\0", " ")
 
 
 def trio(tables: Tables, times: tuple[float, ...] = (1.0, 3.0, 5.0)) -> Part:
@@ -85,6 +95,12 @@ def readout_of(tables: Tables, score: comparisons.Score, forecaster: str) -> dic
     return dict(zip(rows["neurons"], rows["mean"], strict=True))
 
 
+def authors_share() -> float:
+    """Share of time above the event threshold in the authors' training set, which a preset has."""
+    preset = yaml.safe_load((DOCS.parent / "workflow/presets/authors.yaml").read_text("utf-8"))
+    return float(preset["campaign"][1]["event_shares"][0])
+
+
 @cache
 def compared() -> pd.DataFrame:
     """Our values beside the published ones."""
@@ -111,9 +127,12 @@ def pages() -> dict[Path, str]:
         "in_units": in_units,
         "readout_of": readout_of,
         "compared": compared(),
+        "authors_share": authors_share(),
         "verdicts_of": claims.verdicts_of,
         "claims_table": claims.claims_table,
+        "verdicts_by_margin": claims.verdicts_by_margin,
         "margins_table": claims.margins_table,
+        "sources_table": claims.sources_table,
         "not_kept": claims.NOT_KEPT,
         "concat": partial(pd.concat, ignore_index=True),
     }
@@ -122,7 +141,7 @@ def pages() -> dict[Path, str]:
     for template in sorted(TEMPLATES.glob("*.md.jinja")):
         name = template.name.removesuffix(".jinja")
         body = environment.from_string(names + template.read_text(encoding="utf-8"))
-        texts[(DOCS if name == f"{FINDINGS}.md" else KEPT) / name] = wrapped(body.render())
+        texts[(DOCS if name in IN_DOCS else KEPT) / name] = wrapped(body.render())
     return texts
 
 
@@ -138,6 +157,7 @@ if __name__ == "__main__":
     for name, figure in (
         ("readout", drawings.draw_readouts(Tables(KEPT / "readout"))),
         ("late_actuator", drawings.draw_late_actuator(Tables(KEPT / "aware"))),
+        ("learning_curves", drawings.draw_learning_curves(Tables(KEPT / "training_series_sweep"))),
         ("published_scores", drawings.draw_published_scores(Tables(KEPT / "paper"))),
         (
             "forecasters",

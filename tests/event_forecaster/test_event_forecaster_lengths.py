@@ -10,11 +10,13 @@ from burstcast import EventForecaster
 from burstcast.data.dataset import component_scales
 from burstcast.data.observation_noise import estimate_noise
 from burstcast.data.series_layout import labelled_series
+from burstcast.event_forecaster.score_intervals import score_intervals
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.linear_inverse import LinearInverseModel
 from burstcast.forecasters.nvar import NVAR
 from burstcast.forecasters.registry import all_kinds, kind_class
+from burstcast.forecasts.scores import Outcomes
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.readout import Moments
 from burstcast.networks.reservoir import make_reservoir
@@ -266,8 +268,27 @@ def test_scores_have_intervals_over_series_or_blocks_of_time(series):
         assert intervals[name].value == pytest.approx(plain[name], abs=1e-12)
         assert intervals[name].low <= plain[name] <= intervals[name].high
     assert intervals["base_rate"].low < intervals["base_rate"].high
-    assert intervals == forecaster.scores(tested, interval=True)
+    again = forecaster.scores(tested, interval=True)
+    assert_array_equal([*again.values()], [*intervals.values()])
+    # what the scatter of a sample enlarges has no interval
+    assert np.isnan([intervals[name][1:] for name in ("reliability", "calibration_error")]).all()
+    assert intervals["alarm_f_score"].high <= 1
     widths = intervals["base_rate"].high - intervals["base_rate"].low
     rates = [forecaster.scores(states[np.newaxis])["base_rate"] for states in tested]
     if series == 12:
-        assert widths == pytest.approx(3.92 * np.std(rates) / np.sqrt(12), rel=0.35)
+        student = 2.201 * np.std(rates, ddof=1) / np.sqrt(12)
+        assert widths == pytest.approx(2 * student, rel=0.35)
+
+
+def test_a_score_without_an_error_has_an_interval_all_the_same():
+    """Series whose events all follow a jump to 1: every forecast is right."""
+    outcomes = Outcomes(
+        np.array([0.0, 1.0]), np.tile([9, 1], (20, 1)), events=np.tile([0, 1], (20, 1))
+    )
+    scores = score_intervals(outcomes, 0.5, 10, 1, np.zeros(20))
+    for name in ("alarm_f_score", "alarm_recall", "brier_skill", "roc_area"):
+        value, low, high = scores[name]
+        assert value == high == 1
+        assert 0.7 < low < 1
+    # one further error of 200 forecasts, 3.7 times
+    assert scores["invalid_fraction"].high == pytest.approx(-np.log(0.025) / 201)

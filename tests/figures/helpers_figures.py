@@ -581,6 +581,10 @@ ARGUMENTS = {
         "bins": reliability_rows(),
         **{"prediction_times_lt": [3.0], "neurons": 2000, "validation": "RV"},
     },
+    "precision_recall": lambda: {
+        "bins": reliability_rows(),
+        **{"prediction_times_lt": [3.0], "neurons": 2000, "validation": "RV"},
+    },
     "midplane_planes": lambda: {**FLOW, "event": EVENT, "threshold": THRESHOLD},
     "vorticity_isosurfaces": lambda: {**FLOW, "event": EVENT},
     "midplane_mean_square": lambda: {**FLOW, **LONG_TERM},

@@ -130,10 +130,9 @@ def test_undefined_medians_leave_a_gap_and_no_zero():
 
 
 def test_reference_forecasters_are_drawn_beside_the_networks():
-    table = percentile_rows(SCORES, (500.0,), prediction_times=PREDICTION_TIMES)
-    equations = table[table["validation"] == "RV"].assign(
-        forecaster="equations", p50=0.5, **NO_SIZE
-    )
+    table = percentile_rows(SCORES, (500.0, 1000.0), prediction_times=PREDICTION_TIMES)
+    one = table.query("validation == 'RV' and neurons == 500")
+    equations = one.assign(forecaster="equations", p50=0.5, **NO_SIZE)
     figure = scores_of(pd.concat([table, equations]))
     assert lines_with(figure.axes[0], [0.5, 0.5, 0.5]) == 1
     assert "equations, true state" in texts(figure)
@@ -142,6 +141,37 @@ def test_reference_forecasters_are_drawn_beside_the_networks():
     figure = horizons_of(pd.concat([horizons, others]))
     assert lines_with(figure.axes[0], [1.25, 1.25]) == 1
     assert "linear inverse model" in texts(figure)
+
+
+def test_a_single_size_has_no_panel_of_one_tick():
+    scores = percentile_rows(SCORES, (500.0,), prediction_times=PREDICTION_TIMES)
+    side_by_side = scores_of(pd.concat([scores, scores.assign(forecaster="equations", **NO_SIZE)]))
+    assert len({axes.get_position().y0 for axes in side_by_side.axes}) == 1
+    assert {"RV", "SSV"} <= set(texts(side_by_side))
+    assert "equations, true state" not in texts(side_by_side)  # right throughout
+    horizons = percentile_rows({"mean_horizon_lt": 4.5}, (500.0,))
+    alone = {"forecaster": "linear_inverse", "p25": 1.25, "p50": 1.25, "p75": 1.25}
+    others = horizons.iloc[:1].assign(**alone, **NO_SIZE)
+    figure = horizons_of(pd.concat([others, horizons]))
+    (axes,) = figure.axes
+    assert [text.get_text() for text in axes.get_yticklabels()] == [
+        "network, 500 neurons, RV",
+        "network, 500 neurons, SSV",
+        "linear inverse model",
+    ]
+    places = [bars.lines[0].get_xdata()[0] for bars in axes.containers]
+    assert places == sorted(places, reverse=True)
+    one_size = statistics_rows().query("neurons.isna() or neurons == 500")
+    assert len(drawn("profile_errors", percentiles=one_size).axes) == 3
+    assert len(drawn("long_term_density", percentiles=one_size).axes) == 1
+    arguments = published_scores()
+    small = {
+        name: table.query("neurons == 500")
+        for name, table in arguments.items()
+        if "neurons" in table
+    }
+    small.pop("published", None)
+    assert len(drawn("published_scores", **small).axes) == 3
 
 
 def test_other_networks_are_drawn_at_their_sizes():
@@ -218,7 +248,9 @@ def test_published_reductions_are_those_of_networks():
     left = without.assign(**{name: share * without["p50"] for name, share in shares.items()})
     theirs = as_published(left.assign(metric="exceedance_probability"), "control")
     figure = drawn("control_tradeoff", published=theirs)
-    assert lines_with(figure.axes[0], [1 - 0.3 / 1.02] * 3) == 1
+    opened = [line for line in figure.axes[0].get_lines() if line.get_gid() == "published"]
+    values = [line.get_xdata()[0] for line in opened]
+    assert values == pytest.approx([1 - 0.3 / 1.02] * 3)
     assert "published" in texts(figure)
     assert "published" not in texts(drawn("control_tradeoff"))
 
@@ -346,20 +378,27 @@ def test_published_scores_lie_beside_ours_with_intervals_of_a_network():
     assert (low, high) == pytest.approx((0.9 * reached.min(), 1.02 * reached.max()))
 
 
-def test_every_forecaster_has_a_curve_of_skill_beside_three_others_at_most():
+def test_the_six_most_skilful_forecasters_have_curves():
     scores = score_rows("alarm_f_score", "brier_skill")
     votes = scores.assign(probability="votes", value=scores["value"] / 2)
-    new = scores[scores["forecaster"] == "analogues"].assign(forecaster="lstm", value=0.42)
+    new = scores[scores["forecaster"] == "analogues"].assign(forecaster="lstm", value=0.97)
     everything = pd.concat([scores, votes, new])
     figure = drawn("forecast_skill", scores=everything)
-    curves = [len(axes.get_lines()) for axes in figure.axes]
-    assert max(curves) <= 4
-    assert sum(curves) == 2 * everything["forecaster"].nunique()
-    calibrated = everything.query("metric == 'alarm_f_score' and probability == 'calibrated'")
-    for kind in ("equations_filtered", "lstm"):
-        values = list(calibrated[calibrated["forecaster"] == kind]["value"])
-        assert sum(lines_with(axes, values) for axes in figure.axes[::2]) == 1
-    assert {forecaster_label(kind) for kind in everything["forecaster"]} <= set(texts(figure))
+    assert [len(axes.get_lines()) for axes in figure.axes] == [6, 6]
+    calibrated = everything.query("probability == 'calibrated'")
+    means = calibrated.query("metric == 'brier_skill'").groupby("forecaster")["value"].mean()
+    left_out = ["equations", "climatology", "persistence", "observable_now"]
+    means = means.drop(left_out, errors="ignore")
+    best = means.sort_values(ascending=False).index[:6]
+    assert "lstm" in best
+    for kind in best:
+        rows = calibrated.query("metric == 'alarm_f_score' and forecaster == @kind")
+        values = rows.groupby("prediction_time_lt")["value"].median()
+        assert lines_with(figure.axes[0], list(values)) >= 1
+        assert forecaster_label(kind) in texts(figure)
+    assert forecaster_label("equations") not in texts(figure)  # always right
+    baselines = everything[everything["forecaster"].isin(["climatology", "persistence"])]
+    assert "climatology" in texts(drawn("forecast_skill", scores=baselines))
 
 
 def test_a_new_kind_of_forecaster_looks_like_no_other():
@@ -376,15 +415,33 @@ def test_a_new_kind_of_forecaster_looks_like_no_other():
     ]
 
 
-def test_reliability_is_drawn_of_those_who_tell_probabilities():
+def test_reliability_is_drawn_of_forecasters_with_many_probabilities():
     rows = reliability_rows()
-    diagram, _ = drawn("reliability").axes
+    (diagram,) = drawn("reliability").axes
     mean = np.linspace(0, 1, 11)
     assert lines_with(diagram, (0.95 * mean).tolist()) == 1
     assert lines_with(diagram, (0.9 * mean).tolist()) == 1
+    assert "forecasts, 40 to 7000, log" in texts(drawn("reliability"))
     without = rows[rows["forecaster"] != "esn_committee"]
     two = pd.concat([without, without[:1].assign(forecaster="esn", neurons=2000.0)])
-    assert len(drawn("reliability", bins=two).axes) == 2 * 9
+    assert len(drawn("reliability", bins=two).axes) == 9
+
+
+def test_precision_and_recall_are_of_alarms_from_a_probability_on():
+    shown = reliability_rows().query("forecaster in ['esn_committee', 'equations', 'climatology']")
+    figure = drawn("precision_recall", bins=shown)
+    (axes,) = figure.axes
+    line = next(one for one in axes.get_lines() if one.get_label() == "committee of networks")
+    # alarms from 0.9 on: 40 at 1 and 40 at 0.9, of which 95 % and 85.5 % are right
+    recall, precision = line.get_xydata().T
+    frequencies = 0.95 * np.linspace(0, 1, 11)
+    hits = np.cumsum(40 * frequencies[::-1])
+    np.testing.assert_allclose(precision[1:3], [0.95, (0.95 + 0.855) / 2])
+    np.testing.assert_allclose(recall[1:11], hits[:10] / hits[9])
+    assert recall[0] == 0
+    assert not {"climatology", "equations, true state"} & set(texts(figure))
+    of_none = reliability_rows().query("forecaster == 'climatology'")
+    assert "can be wrong" in " ".join(texts(drawn("precision_recall", bins=of_none)))
 
 
 def test_bins_of_few_forecasts_are_not_joined():
@@ -398,7 +455,8 @@ def test_bins_of_few_forecasts_are_not_joined():
             "observed_frequency": [0.0, 1.0, 0.5, 1.0],
         }
     )
-    lines = drawn("reliability", bins=bins).axes[0].lines[1:]
+    lines = drawn("reliability", bins=bins).axes[0].lines
+    lines = [line for line in lines if line.get_marker() == "o"]
     shown = {line.get_linestyle(): line.get_xdata().tolist() for line in lines}
     assert (shown["-"], shown["None"]) == ([0.0, 0.6, 1.0], [0.3])
 
@@ -431,7 +489,7 @@ def test_bars_of_control_are_intervals_over_flows():
     figure = drawn("control_tradeoff", percentiles=shown, strategies=all_strategies)
     # the bar holds zero, which quartiles of three networks exclude
     bars = figure.axes[0].collections[0].get_segments()[0]
-    assert bars[0, 1] < 0 < bars[1, 1]
+    assert bars[0, 0] < 0 < bars[1, 0]
 
 
 def curve_of(axes, label):
@@ -440,29 +498,25 @@ def curve_of(axes, label):
     return np.transpose(bars.lines[0].get_xydata())
 
 
-def test_the_frontier_shows_what_is_left_against_what_was_spent_and_against_conditions():
+def test_the_frontier_shows_what_is_left_against_what_was_spent():
     figure = drawn("control_frontier")
-    rules, frontier, by_delay, by_strength, by_noise = figure.axes
+    rules, frontier = figure.axes
     names = ("reactive", "the paper's strategy, network", "receding horizon, network")
     committee = "receding horizon, committee of networks"
-    assert {*names, committee, "interval over flows"} <= set(texts(figure))
+    assert {*names, committee, "interval over flows", "other settings"} <= set(texts(figure))
     # the run that leaves nothing and acts least betters all others; a small marker is any run
     assert curve_of(frontier, names[2]).tolist() == [pytest.approx([0.033]), [0.0]]
     assert curve_of(frontier, committee).tolist() == [pytest.approx([0.025]), [0.0]]
     assert lines_with(frontier, [4e-2, 4e-2, 2e-3, 2e-3, 0.0, 0.0]) == 1
     # rules have a panel of their own, and no run of theirs betters another
     np.testing.assert_allclose(curve_of(rules, "reactive"), [[0.24, 0.5], [0.06, 0.01]])
-    # the runs without delay belong to the curve over delays
-    for panel, shares in (
-        (by_delay, [2e-3, 4e-2, 4e-2]),
-        (by_strength, [4e-2, 4e-2, 2e-3]),
-        (by_noise, [2e-3, 4e-2, 4e-2]),
-    ):
-        np.testing.assert_allclose(curve_of(panel, names[2])[1], shares)
-    assert "delay" in by_delay.get_xlabel().lower()
-    # nothing left has a place on the axis
+    # nothing left has a place on the axis, and no bar
     low, high = frontier.get_ylim()
     assert low < 0 < high
+    (bars,) = (each for each in frontier.containers if each.get_label() == committee)
+    (segment,) = bars.lines[2][0].get_segments()
+    assert np.ptp(segment[:, 1]) == 0
+    assert "0: no event observed" in texts(figure)
 
 
 def test_return_levels_stand_against_return_periods_and_bounds_where_nothing_was_seen():
@@ -523,19 +577,14 @@ def test_the_frontier_tells_apart_what_is_observed():
     assert {"reactive", "reactive, observed modes 4"} <= set(shown)
 
 
-def test_strategies_under_one_condition_alone_are_not_compared_under_several():
-    simple = frontier_rows().query("delay_lt == 0 and strength == 1 and noise == 0.01")
-    figure = drawn("control_frontier", scores=simple)
-    assert len(figure.axes) == 2
-    assert overlapping_texts(drawn_texts(figure)) == []
-
-
-def test_conditions_are_shown_where_nothing_ran_under_the_usual_ones():
-    table = frontier_rows().query("delay_lt == 0")
-    weak = pd.concat([table.assign(strength=value, noise=0.01) for value in (0.2, 0.4)])
-    plain = weak.drop_duplicates(["forecaster", "strategy", "metric", "strength"])
-    panels = drawn("control_frontier", scores=plain).axes
-    assert {axes.get_xlabel() for axes in panels} == {"Strength of the actuator"}
+def test_the_frontier_is_of_the_usual_conditions():
+    table = frontier_rows()
+    simple = table.query("delay_lt == 0 and strength == 1 and noise == 0.01")
+    assert overlapping_texts(drawn_texts(drawn("control_frontier", scores=simple))) == []
+    late = drawn("control_frontier", scores=table.query("delay_lt == 1"))
+    assert "Without control no event" in " ".join(texts(late))
+    alone = drawn("control_frontier", scores=simple.query("strategy == 'reactive'"))
+    assert len(alone.axes) == 1
 
 
 # -- observables -----------------------------------------------------------------------------------
@@ -796,20 +845,20 @@ def test_burst_forecast_decodes_channels_and_finds_the_true_state_in_its_series(
 def test_lost_skill_draws_onsets_of_committees_and_says_each_alarm_once():
     equations, others = drawn("lost_skill").axes
     labels = [[bars.get_label() for bars in axes.containers] for axes in (equations, others)]
-    assert labels[0] == ["flow: true state", "sensors: filtered"]
+    assert labels[0] == ["sensors: filtered"]  # the true state is right throughout
     assert [" ".join(label.split()) for label in labels[1]] == [
         "published precursor",
         "invariants: committee of networks, 50 neurons",
         "invariants: network, 90 neurons",
         "observable now",
     ]
-    # the first forecaster, of onsets alone
+    # the third forecaster of the table, of onsets alone
     line = equations.containers[0].lines[0]
     np.testing.assert_allclose(line.get_xdata(), [0.5, 1, 2])
-    np.testing.assert_allclose(line.get_ydata(), 0.9 * np.exp(-0.3 * np.array([0.5, 1, 2])))
+    np.testing.assert_allclose(line.get_ydata(), 0.9 * np.exp(-0.3 * np.array([0.5, 1, 2]) - 0.4))
 
 
-def test_lost_skill_shows_each_kind_at_its_best_and_four_curves_in_a_panel():
+def test_lost_skill_shows_each_kind_at_its_best_and_six_curves_in_a_panel():
     table = ranking_rows()
     now = table[(table["alarm"] == "observable_now") & (table["case"] == "flow")]
     more = [
@@ -818,7 +867,7 @@ def test_lost_skill_shows_each_kind_at_its_best_and_four_curves_in_a_panel():
     ]
     more[0]["value"] += 0.01  # the first is better in the flow
     figure = drawn("lost_skill", tables=[table, *more])
-    assert [len(axes.containers) for axes in figure.axes] == [2, 4, 2]
+    assert [len(axes.containers) for axes in figure.axes] == [1, 6]
     assert "flow: kind0" in texts(figure)
     assert "sensors: kind0" not in texts(figure)
 

@@ -73,6 +73,17 @@ def test_filters_around_a_network(finished):
 
 
 @pytest.mark.long
+def test_intervals_of_scores_hold_the_truth():
+    """44 of 50 repetitions at least: nine scores, four shapes of series, two forecasters."""
+    text = said("score_intervals.py", 50)
+    cells = re.findall(r" (\d+|-), (\d+) ", text)
+    ours = [int(own) for own, _ in cells if own != "-"]
+    assert (len(cells), len(ours)) == (72, 56)  # reliability and calibration error have none
+    assert min(ours) >= 88
+    assert min(int(percentile) for _, percentile in cells) < 50
+
+
+@pytest.mark.long
 def test_time_of_planning():
     text = said("planning.py", "--seeds", 1, "--reynolds", 1, "--sizes", 1)
     jobs, seconds, _, _, times = map(float, text.splitlines()[-1].split())

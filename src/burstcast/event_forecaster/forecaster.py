@@ -640,8 +640,9 @@ class EventForecaster(Estimator):
 
         ``prediction_time``: One of ``prediction_times``; None: the only one, or, of several, all
         of them: scores by name, by prediction time. ``interval``: Whether scores have confidence
-        intervals of 95 %, as tuples ``(value, low, high)``. They resample series, or blocks of time
-        where there are fewer than ten series.
+        intervals of 95 %, as tuples ``(value, low, high)``, over series, or over blocks of time
+        where there are fewer than ten series; NaN for "calibration_error" and "reliability", and
+        where one series or block alone defines a score.
         """
         self._check_fitted()
         verified = self._verified(series)

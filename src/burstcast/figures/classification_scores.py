@@ -1,5 +1,5 @@
 """Precision, recall and F-score: medians (lines) and quartiles (bands) over the networks of an
-ensemble. In grey: forecasters to compare with.
+ensemble, beside forecasters to compare with.
 """
 
 import numpy as np
@@ -27,8 +27,8 @@ def draw(
 ) -> Figure:
     """Draw a column at a fixed size, one at a fixed time, and one of up to four sizes.
 
-    The second takes three sizes, the third two. Where the table has no such size, time or strategy,
-    the nearest or the last is shown.
+    The second takes three sizes, the third two; a single size has its panels side by side. Where
+    the table has no such size, time or strategy, the nearest or the last is shown.
     """
     theirs = published_beside(percentiles, published, "classification")
     networks = percentiles[percentiles["forecaster"] == "esn"]
@@ -45,35 +45,42 @@ def draw(
         columns["time"] = f"PT = {time:g} LT"
     if len(sizes) > 1:
         columns["strategy"] = sizes_validation
-    figure = style.new_figure(style.DOUBLE_COLUMN * (1.0 if len(columns) > 1 else 0.5), 5.6)
-    grid = figure.subplots(3, len(columns), sharex="col", sharey=True, squeeze=False)
-    panels = dict(zip(columns, grid.T, strict=True))
+    several = len(columns) > 1
+    figure = style.new_figure(style.DOUBLE_COLUMN, 5.6 if several else 2.5)
+    shape = (3, len(columns)) if several else (1, 3)
+    grid = figure.subplots(*shape, sharex="col", sharey=True, squeeze=False)
+    panels = dict(zip(columns, grid.T if several else grid, strict=True))
     for row, metric in enumerate(_METRICS):
         first = panels["size"][row]
-        medians.draw_references(first, percentiles, metric, _TIME, neurons=neurons)
+        # side by side, without the equations from the true state, which are right throughout
+        left_out = [] if several else ["equations"]
+        medians.draw_references(
+            first, percentiles, metric, _TIME, neurons=neurons, leave_out=left_out
+        )
         first.set_ylabel(medians.LABELS[metric])
         for validation in validations:
             look = looks.validation(validation)
             chosen = {"metric": metric, "validation": validation}
-            at_size, at_time = {**chosen, "neurons": neurons}, {**chosen, _TIME: time}
-            medians.draw_both(first, networks, theirs, at_size, _TIME, look, label=validation)
+            of_size, at_time = {**chosen, "neurons": neurons}, {**chosen, _TIME: time}
+            medians.draw_both(first, networks, theirs, of_size, _TIME, look, label=validation)
             if "time" in columns:
                 curves = panels["time"][row], networks, theirs, at_time
                 medians.draw_both(*curves, "neurons", look, label=validation)
         if "strategy" in columns:
             some = looks.few_of(sizes)
             for size, look in zip(some, looks.sequence(len(some)), strict=True):
-                at_size = {"metric": metric, "validation": sizes_validation, "neurons": float(size)}
-                curves = panels["strategy"][row], networks, theirs, at_size
+                of_size = {"metric": metric, "validation": sizes_validation, "neurons": float(size)}
+                curves = panels["strategy"][row], networks, theirs, of_size
                 medians.draw_both(*curves, _TIME, look, label=f"{size:g}")
     lowest = min((panel.dataLim.y0 for panel in grid.flat if panel.has_data()), default=0.0)
     grid[0, 0].set_ylim(max(0.0, np.floor(10 * lowest) / 10), 1.02)
     more = [*medians.spread_handles(grid.flat), *medians.published_handles(grid.flat)]
-    style.legend_above(figure, panels["size"], more, columns=4 if len(columns) > 1 else 2)
+    style.legend_above(figure, panels["size"] if several else [], more, columns=4)
     medians.say_where_empty(grid.flat)
     for column, (top, _, bottom) in panels.items():
         top.set_title(columns[column], loc="center")
-        bottom.set_xlabel(medians.NEURONS if column == "time" else medians.PREDICTION_TIME)
+        for axes in [bottom] if several else grid[0]:
+            axes.set_xlabel(medians.NEURONS if column == "time" else medians.PREDICTION_TIME)
         if column == "time":
             top.set_xticks(sizes, [f"{size:g}" for size in sizes])
             top.margins(x=0.08)
@@ -83,4 +90,8 @@ def draw(
     if "strategy" in columns and panels["strategy"][2].has_data():
         panels["strategy"][2].legend(title="neurons", loc="best", ncols=2 if len(sizes) > 3 else 1)
     style.letter_panels(list(grid.flat))
+    if not several:
+        for axes in grid[0, 1:]:
+            axes.xaxis.set_major_locator(MultipleLocator(1))
+        style.label_ends(figure, grid[0, 2:])
     return figure

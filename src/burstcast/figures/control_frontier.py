@@ -1,24 +1,22 @@
-"""Exceedance of the event threshold that control leaves, as a share of that without control: by
-rules and strategies that react to a forecast, and by strategies that compare forecasts with and
-without actuation, of each at most the four with most runs. Against the share of the time under
-actuation, small markers are the runs with all settings, such as horizons or levels; lines join the
-runs that no other run of the same strategy and forecaster betters in both. Against conditions,
-curves have the setting that was tried at most values, and of several the one that leaves least. The
-vertical axes are linear in the shaded strip: a marker on 0 has left nothing in these flows; how
-rare an event is, long runs say (return levels). Bars: confidence intervals over flows. One network
-is shown, and the committee of all networks of its size.
+"""Remaining exceedance of the event threshold, as a share of that without control, against the
+actuation duty cycle: by strategies that react to the observable or to a forecast, and by strategies
+that compare forecasts with and without actuation, of each at most the four with most runs, under
+the usual conditions (no delay, full strength). Small open markers are the runs with all settings,
+such as horizons or levels; lines join the runs that no other run of the same strategy and
+forecaster betters in both. The vertical axis is linear in the grey strip; at 0 no event was
+observed: how rare an event is there, long runs say (return levels). Bars: confidence intervals over
+flows. One network is shown, and the committee of all networks of its size.
 """
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter
 
 from burstcast.base.declared import at, read
 from burstcast.figures.parts import looks, medians, style
@@ -27,28 +25,7 @@ from burstcast.forecasters._labels import forecaster_label
 
 LEFT, ACTING = "relative_exceedance", "control_fraction"
 _ENDS = ("value", "low", "high")
-_NO_SETTINGS = {
-    *("case", "reynolds", "forecaster", "neurons", "validation", "seed", "strategy", "label"),
-    *("starts", "quiet_lt", "span_lt", "delay_lt", "strength", "noise"),
-    *(f"{end}_{metric}" for metric in (LEFT, ACTING) for end in _ENDS),
-}
-
-
-@dataclass(frozen=True)
-class Condition:
-    """A condition that strategies are tried under, as an axis."""
-
-    column: str
-    label: str
-    logarithmic: bool = True
-    unit: float = 1.0
-
-
-CONDITIONS = (
-    Condition("delay_lt", "Delay of the actuator [LT]", logarithmic=False),
-    Condition("strength", "Strength of the actuator"),
-    Condition("noise", "Noise of the observations [%]", unit=100.0),
-)
+_IN_STRIP: Any = {"ha": "right", "va": "bottom", "color": style.GREY}
 
 
 @figure(section="control", position=50, cases="other_control")
@@ -65,37 +42,25 @@ def draw(
     ``span_lt``, ``noise``: Usual length of a run and noise of the observations.
     """
     runs = _runs_of(_of_network(scores, network), span_lt)
-    usual = {"delay_lt": 0.0, "strength": 1.0, "noise": noise}
-    comparing = runs["strategy"].isin(looks.COMPARING)
-    contents: list[tuple[Condition | None, pd.DataFrame, dict[str, Any]]] = []
-    for group in (_most_runs(runs[~comparing]), _most_runs(runs[comparing])):
-        curves = _looks(group)
-        contents.append((None, _where(group, usual), curves))
-        contents += [
-            (condition, _tried_under(group, usual, condition.column), curves)
-            for condition in CONDITIONS
-        ]
-    contents = [content for content in contents if not content[1].empty]
-    if not contents:
+    runs = _where(runs, {"delay_lt": 0.0, "strength": 1.0, "noise": noise})
+    if runs.empty:
         return style.nothing_to_show(
             "Without control no event occurred that control could prevent."
         )
-    rows = math.ceil(len(contents) / 4)
-    columns = math.ceil(len(contents) / rows)
-    figure = style.new_figure(style.DOUBLE_COLUMN, 0.7 + 2.1 * rows)
-    panels = style.grid_of(figure, len(contents), columns, sharey=True)
-    frontiers: list[Axes] = []
-    for axes, (condition, shown, curves) in zip(panels, contents, strict=True):
-        if condition is None:
-            _draw_frontier(axes, shown, curves)
-            frontiers.append(axes)
-        else:
-            _draw_condition(axes, shown, curves, condition)
-    _finish_frontiers(frontiers)
-    _finish(panels, pd.concat([shown for _, shown, _ in contents]))
-    for axes in panels[::columns]:
-        axes.set_ylabel(rf"Exceedance left, $P({symbol} \geq {symbol}_e)$")
-    style.legend_above(figure, panels, [style.bar_handle("interval over flows")], columns=2)
+    comparing = runs["strategy"].isin(looks.COMPARING)
+    groups = [group for group in (runs[~comparing], runs[comparing]) if len(group)]
+    figure = style.new_figure(style.DOUBLE_COLUMN, 3.4)
+    panels = figure.subplots(1, len(groups), sharey=True, squeeze=False)[0]
+    for axes, group in zip(panels, map(_most_runs, groups), strict=True):
+        _draw_frontier(axes, group, _looks(group))
+    _finish_frontiers(panels)
+    _finish(panels, runs)
+    panels[0].set_ylabel(rf"Remaining share of $P({symbol} \geq {symbol}_e)$")
+    small: Any = {"marker": "o", "markersize": 2.2, "markeredgewidth": 0.5, "linestyle": "none"}
+    others = Line2D(
+        [], [], color=style.GREY, markerfacecolor="white", label="other settings", **small
+    )
+    style.legend_above(figure, panels, [others, style.bar_handle("interval over flows")], columns=2)
     style.letter_panels(panels)
     return figure
 
@@ -136,34 +101,11 @@ def _where(runs: pd.DataFrame, conditions: Mapping[str, float]) -> pd.DataFrame:
     return runs.loc[matching]
 
 
-def _tried_under(runs: pd.DataFrame, conditions: Mapping[str, float], column: str) -> pd.DataFrame:
-    """Runs of one setting of each strategy and forecaster at several values of one condition.
-
-    All other conditions are as usual. The setting is the one that was tried at most values, and of
-    several the one that leaves least.
-    """
-    runs = _where(runs, {name: value for name, value in conditions.items() if name != column})
-    chosen = []
-    for _, of_label in runs.groupby("label", sort=False):
-        settings = [rows for _, rows in of_label.groupby(_settings(runs), dropna=False)]
-        tried = [rows for rows in settings if rows[column].nunique() > 1]
-        if tried:
-            chosen.append(
-                min(tried, key=lambda rows: (-rows[column].nunique(), rows[f"value_{LEFT}"].mean()))
-            )
-    return pd.concat(chosen) if chosen else runs.iloc[:0]
-
-
 def _undominated(runs: pd.DataFrame) -> pd.DataFrame:
     """Runs on the frontier: no other run leaves less at a shorter time under actuation."""
     runs = runs.sort_values([f"value_{ACTING}", f"value_{LEFT}"])
     left = runs[f"value_{LEFT}"]
     return runs[left < left.cummin().shift(fill_value=np.inf)]
-
-
-def _settings(runs: pd.DataFrame) -> list[str]:
-    """Names of the settings that any strategy has."""
-    return [name for name in runs.columns if name not in _NO_SETTINGS]
 
 
 def _labels(runs: pd.DataFrame) -> list[str]:
@@ -203,11 +145,15 @@ def _looks(runs: pd.DataFrame) -> dict[str, Any]:
     }
 
 
-def _draw_curve(axes: Axes, rows: pd.DataFrame, x: Any, look: Mapping[str, Any]) -> None:
-    """Draw the share left, with its interval."""
-    bars = medians.lengths(rows, *(f"{end}_{LEFT}" for end in ("value", "low", "high")))
+def _draw_curve(axes: Axes, rows: pd.DataFrame, look: Mapping[str, Any]) -> None:
+    """Draw the share left, with its interval where an event was observed."""
+    ends = rows[f"value_{LEFT}"] > 0
+    bars = (
+        medians.lengths(rows, *(f"{end}_{LEFT}" for end in ("value", "low", "high")))
+        * ends.to_numpy()
+    )
     thin: Any = {"capsize": 1.5, "elinewidth": 0.5, "capthick": 0.5}
-    axes.errorbar(x, rows[f"value_{LEFT}"], yerr=bars, **thin, **look)
+    axes.errorbar(rows[f"value_{ACTING}"], rows[f"value_{LEFT}"], yerr=bars, **thin, **look)
 
 
 def _draw_frontier(axes: Axes, runs: pd.DataFrame, curves: Mapping[str, Any]) -> None:
@@ -223,34 +169,8 @@ def _draw_frontier(axes: Axes, runs: pd.DataFrame, curves: Mapping[str, Any]) ->
             "markeredgewidth": 0.5,
         }
         axes.plot(rows[f"value_{ACTING}"], rows[f"value_{LEFT}"], **small, markerfacecolor="white")
-        best = _undominated(rows)
-        _draw_curve(axes, best, best[f"value_{ACTING}"], {**look, "label": label})
-    axes.set_xlabel("Share of the time under actuation")
-
-
-def _draw_condition(
-    axes: Axes, runs: pd.DataFrame, curves: Mapping[str, Any], condition: Condition
-) -> None:
-    """Draw the share left against a condition."""
-    values = condition.unit * np.unique(runs[condition.column].to_numpy(dtype=np.float64))
-    for number, (label, look) in enumerate(curves.items()):
-        rows = runs[runs["label"] == label].sort_values(condition.column)
-        if rows.empty:
-            continue
-        position = condition.unit * rows[condition.column].to_numpy(dtype=np.float64)
-        # a hair apart, so that bars do not hide each other
-        apart = 0.015 * (number - 0.5 * (len(curves) - 1))
-        if condition.logarithmic:
-            position = position * (values[-1] / values[0]) ** apart
-        else:
-            position = position + (values[-1] - values[0]) * apart
-        _draw_curve(axes, rows, position, {**look, "label": label})
-    if condition.logarithmic:
-        axes.set_xscale("log")
-    axes.set_xticks(values, [f"{value:g}" for value in values])
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.margins(x=0.12)
-    axes.set_xlabel(condition.label)
+        _draw_curve(axes, _undominated(rows), {**look, "label": label})
+    axes.set_xlabel("Actuation duty cycle")
 
 
 def _finish_frontiers(panels: Sequence[Axes]) -> None:
@@ -283,3 +203,6 @@ def _finish(panels: Sequence[Axes], runs: pd.DataFrame) -> None:
         axes.set_ylim(-0.25 * end, 3.0 * highest)
         axes.axhspan(-0.25 * end, end, color=style.LIGHT_GREY, alpha=0.5, linewidth=0, zorder=0.2)
         axes.axhline(1.0, color=style.GREY, linewidth=0.5, zorder=0.5)
+        if (shares == 0).any():
+            place = {**_IN_STRIP, "transform": axes.get_yaxis_transform()}
+            axes.text(0.98, 0.3 * end, "0: no event observed", **place)

@@ -1,17 +1,15 @@
-"""Share of the exceedance of the event threshold that control removes, (a) against the prediction
-time and (b) against the share of the time under actuation: medians over the networks of an
-ensemble. Bands and bars: bootstrap intervals over flows, of networks the medians of their ends. For
-comparison: alarms by the equations themselves, started from the true
-state, and random alarms at the rate of the networks'. Open markers, if any: the paper's exceedance
-with control, over ours without control.
+"""(a) Share of the exceedance of the event threshold that control removes and (b) actuation duty
+cycle, by forecaster and prediction time: medians over the networks of an ensemble. Bars: bootstrap
+intervals over flows, of networks the medians of their ends. For comparison: alarms by the equations
+themselves, started from the true state, and random alarms at the rate of the networks'. Open
+markers, if any: the paper's exceedance with control, over ours without control.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
 
 from burstcast.base.declared import at, read
 from burstcast.figures.parts import looks, medians, style
@@ -20,6 +18,10 @@ from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
 
 _LABELS = {"esn": "echo state networks", "equations": "equations", "random": "random alarms"}
+_AXES = {
+    "reduction": r"Reduction of $P({symbol} \geq {symbol}_e)$",
+    "control_fraction": "Actuation duty cycle",
+}
 _ENDS = {"reduction": "relative_exceedance", "control_fraction": "control_fraction"}
 _PAPERS = {"strategy": "prediction_triggered", "starts": "quiet"} | {
     "delay_lt": 0.0,
@@ -47,58 +49,45 @@ def draw(
         return style.nothing_to_show(
             "Without control no event occurred that control could prevent."
         )
-    figure = style.new_figure(style.DOUBLE_COLUMN, 2.6)
-    left, right = figure.subplots(1, 2, sharey=True)
     present = list(shown["forecaster"].unique())
-    lines = looks.controller_lines(sorted(present, key=[*_LABELS, *present].index))
-    for forecaster, look in lines.items():
-        label = _LABELS.get(forecaster, forecaster_label(forecaster))
-        reduction, fraction = (
-            medians.select(shown, forecaster=forecaster, metric=metric) for metric in _ENDS
-        )
-        medians.draw(left, reduction, "prediction_time_lt", look, label=label)
-        both = fraction.merge(reduction, on="prediction_time_lt", suffixes=("_x", "_y"))
-        both = both.sort_values("prediction_time_lt")
-        bars: dict[str, Any] = {
-            f"{axis}err": medians.lengths(both, *(f"{end}_{axis}" for end in ("p50", "p25", "p75")))
-            for axis in ("x", "y")
-        }
-        right.errorbar(both["p50_x"], both["p50_y"], **bars, **style.BARS, **look)
-        for row in both.to_dict("records") if forecaster == "esn" else ():
-            # at the right end of its bar
-            right.annotate(
-                f"{row['prediction_time_lt']:g} LT",
-                (row["p75_x"], row["p50_y"]),
-                (3, 0),
-                "data",
-                "offset points",
-                ha="left",
-                va="top",
-                color=look["color"],
-                path_effects=[withStroke(linewidth=2.0, foreground="white")],
-                zorder=5,
-            )
+    kinds = sorted(present, key=[*_LABELS, *present].index)
+    times = sorted(shown["prediction_time_lt"].dropna().unique())
+    figure = style.new_figure(style.DOUBLE_COLUMN, 0.9 + 0.33 * len(kinds))
+    panels = figure.subplots(1, 2, sharey=True)
+    colours = dict(zip(times, looks.sequence(len(times)), strict=True))
     exceedances = published_beside(percentiles, published, "control")
-    rows = medians.select(published_reductions(exceedances, shown), metric="reduction")
-    look = looks.controller_lines(["esn"])["esn"]
-    medians.draw_published(left, rows, "prediction_time_lt", look)
-    left.set_xticks(sorted(shown["prediction_time_lt"].dropna().unique()))
-    left.margins(x=0.06)
-    # Zero is shown, and neither a marker nor the label below it is cut.
-    lowest = min(0.0, left.dataLim.y0, right.dataLim.y0)
-    highest = max(left.dataLim.y1, right.dataLim.y1)
-    room = 0.06 * (highest - lowest or 1.0)
-    left.set_ylim(lowest - 2 * room, highest + 2 * room)
-    for panel in (left, right):
-        panel.axhline(0, color=style.GREY, linewidth=0.5, zorder=0.5)
-    left.set_xlabel(medians.PREDICTION_TIME)
-    left.set_ylabel(rf"Reduction of $P({symbol} \geq {symbol}_e)$")
-    right.set_xlabel("Fraction of time under control")
-    right.margins(x=0.12)
-    more = medians.spread_handles([left], "interval over flows")
-    style.legend_above(figure, [left], [*more, *medians.published_handles([left])])
-    style.letter_panels([left, right])
+    theirs = published_reductions(exceedances, shown)
+    for axes, (metric, label) in zip(panels, _AXES.items(), strict=True):
+        for time, look in colours.items():
+            rows = medians.select(shown, metric=metric, prediction_time_lt=time)
+            places = rows["forecaster"].map(kinds.index) + _apart(times, time)
+            bars = medians.lengths(rows, "p50", "p25", "p75")
+            marks = {**look, "linestyle": "none"}
+            axes.errorbar(
+                rows["p50"], places, xerr=bars, label=f"PT = {time:g} LT", **style.BARS, **marks
+            )
+            of_paper = medians.select(theirs, metric=metric, prediction_time_lt=time)
+            for value in of_paper["p50"]:
+                place = kinds.index("esn") + _apart(times, time)
+                opened = {**marks, "markerfacecolor": "none", "markersize": 6.0}
+                axes.plot(value, place, gid=medians.PUBLISHED, **opened)
+        axes.set_xlabel(label.format(symbol=symbol))
+        axes.margins(x=0.06)
+    panels[0].axvline(0, color=style.GREY, linewidth=0.5, zorder=0.5)
+    panels[0].set_yticks(
+        range(len(kinds)), [_LABELS.get(kind, forecaster_label(kind)) for kind in kinds]
+    )
+    panels[0].set_ylim(len(kinds) - 0.5, -0.5)
+    panels[1].set_xlim(left=0)
+    more = [style.bar_handle("interval over flows"), *medians.published_handles(panels)]
+    style.legend_above(figure, panels, more)
+    style.letter_panels(panels)
     return figure
+
+
+def _apart(times: Sequence[float], time: float) -> float:
+    """Distance of a prediction time's marker from the middle of its row."""
+    return 0.16 * (times.index(time) - 0.5 * (len(times) - 1))
 
 
 def over_flows(percentiles: pd.DataFrame, strategies: pd.DataFrame) -> pd.DataFrame:

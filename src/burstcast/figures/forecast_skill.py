@@ -1,9 +1,10 @@
-"""F-score of the alarms, whose threshold was chosen on the calibration series (left), and Brier
-skill of the calibrated probabilities (right), against prediction time: a row for each family of
-forecasters. The grey band, the same in all rows, is the committee of networks: the share of these
-networks that forecast an event. Bands: bootstrap intervals over the test series; of a network,
-medians over the networks of an ensemble of the scores and of the ends of their intervals. Skills
-below -0.1 are cut off.
+"""(a) F-score of the alarms, whose threshold was chosen on the calibration series, and (b) Brier
+skill of the calibrated probabilities, against prediction time: the six sources of alarms with the
+largest mean skill, without the equations from the true state, which are right throughout. The grey
+band is the climatological forecast, whose alarm is always on. Probabilities of a committee are the
+share of its members that forecast an event. Bands: bootstrap intervals over the test series; of a
+network, medians over the networks of an ensemble of the scores and of the ends of their intervals.
+Skills below -0.1 are cut off.
 """
 
 from typing import Any
@@ -21,7 +22,7 @@ from burstcast.forecasters._labels import forecaster_label
 _LABELS = {"alarm_f_score": "F-score of alarms", "brier_skill": "Brier skill score"}
 _LIMITS = {"alarm_f_score": (0.0, 1.04), "brier_skill": (-0.1, 1.04)}
 _TIME = "prediction_time_lt"
-_COMMITTEE = "esn_committee"
+_REFERENCE, _ALWAYS_RIGHT = "climatology", "equations"
 
 
 @figure(section="probabilities", position=10, cases="every")
@@ -33,30 +34,45 @@ def draw(
 ) -> Figure:
     """Draw the F-score of alarms and the Brier skill against the prediction time."""
     scores = alarm_scores.alarms_shown(alarm_scores.calibrated(scores), neurons, validation)
-    rows = looks.families(scores["forecaster"])
-    figure = style.new_figure(style.DOUBLE_COLUMN, 0.9 + 1.25 * len(rows))
-    panels = figure.subplots(len(rows), 2, sharex=True, sharey="col", squeeze=False)
-    for column, (metric, label) in enumerate(_LABELS.items()):
-        curves = alarm_scores.median_networks(scores[scores["metric"] == metric], _TIME)
-        curves = curves.dropna(subset="value")
-        for axes, (family, kinds) in zip(panels[:, column], rows, strict=True):
-            _draw_band(axes, curves[curves["forecaster"] == _COMMITTEE], style.LIGHT_GREY, 0.8)
-            for kind, look in zip(kinds, looks.categories(len(kinds)), strict=True):
-                _draw_curve(axes, curves[curves["forecaster"] == kind], look, kind)
-            axes.set_title(family, loc="center")
-            axes.set_ylabel(label)
-            axes.set_ylim(_LIMITS[metric])
-            axes.margins(x=0.02)
-    for axes in panels[-1]:
+    curves = {
+        metric: alarm_scores.median_networks(scores[scores["metric"] == metric], _TIME).dropna(
+            subset="value"
+        )
+        for metric in _LABELS
+    }
+    kinds = _most_skilful(curves["brier_skill"])
+    figure = style.new_figure(style.DOUBLE_COLUMN, 2.7)
+    panels = figure.subplots(1, 2, sharex=True)
+    for axes, (metric, label) in zip(panels, _LABELS.items(), strict=True):
+        rows = curves[metric]
+        _draw_band(axes, rows[rows["forecaster"] == _REFERENCE], style.LIGHT_GREY, 0.9)
+        for kind, look in zip(kinds, looks.categories(len(kinds)), strict=True):
+            _draw_curve(axes, rows[rows["forecaster"] == kind], look, kind)
+        axes.set_ylabel(label)
+        axes.set_ylim(_LIMITS[metric])
+        axes.margins(x=0.02)
         axes.xaxis.set_major_locator(MultipleLocator(1))
         axes.set_xlabel(medians.PREDICTION_TIME)
-    if _COMMITTEE in set(scores["forecaster"]):
-        band = style.band_handle("committee of networks, in all rows")
+    if _REFERENCE in set(scores["forecaster"]):
+        band = style.band_handle("climatological forecast")
         figure.legend(handles=[band], loc="outside upper center")
-    medians.say_where_empty(panels.flat)
-    style.letter_panels(list(panels.flat))
-    style.label_ends(figure, panels[:, -1])
+    medians.say_where_empty(panels)
+    style.letter_panels(panels)
+    style.label_ends(figure, panels[1:])
     return figure
+
+
+def _most_skilful(skills: pd.DataFrame) -> list[str]:
+    """Sources of alarms with the largest mean skill, as many as a panel has, the best first.
+
+    Alarms without a forecast are shown only where there is nothing else.
+    """
+    means = skills.groupby("forecaster")["value"].mean().drop(_ALWAYS_RIGHT, errors="ignore")
+    means = means.sort_values(ascending=False, kind="stable")
+    forecasting = means[[not looks.is_baseline(kind) for kind in means.index]]
+    return [str(kind) for kind in (forecasting if len(forecasting) else means).index][
+        : looks.MOST_LABELLED
+    ]
 
 
 def _draw_curve(axes: Axes, rows: pd.DataFrame, look: looks.MarkerStyle, kind: str) -> None:

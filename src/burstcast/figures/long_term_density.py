@@ -1,9 +1,9 @@
 """(a) Density of the observable over all data, the training set and the long closed loops of one
 network: the one of the shown size and strategy with the smallest Kantorovich metric.
 (b) Kantorovich metric and (c) mean logarithmic error against reservoir size, medians and
-quartiles over the networks of an ensemble. In grey: the same measures between two random halves of
-the data, in the median. Open markers, if any: published values; diamonds on the right edge: the
-published training set.
+quartiles over the networks of an ensemble, where there are several sizes. In grey: the same
+measures between two random halves of the data, in the median. Open markers, if any: published
+values; diamonds on the right edge: the published training set.
 """
 
 from collections.abc import Mapping, Sequence
@@ -37,14 +37,19 @@ def draw(
     shown = [(true, looks.TRUTH, "True"), (trained, looks.TRAINING, "Train")]
     if best is not None:
         shown.append((best.statistics.histogram, looks.NETWORK, best.label))
-    figure = style.new_figure(style.DOUBLE_COLUMN, 4.2)
-    panels = figure.subplot_mosaic([["density", "density"], ["kantorovich", "mean_log_error"]])
+    several = errors.several_sizes(percentiles)
+    figure = style.new_figure(style.DOUBLE_COLUMN, 4.2 if several else 2.4)
+    mosaic: Any = [["density", "density"], ["kantorovich", "mean_log_error"]]
+    panels = figure.subplot_mosaic(mosaic if several else mosaic[:1])
     density = panels.pop("density")
     for histogram, look, label in shown:
         density.stairs(histogram.density, true.edges, baseline=None, label=label, **look)
     frame.density_axes(density, threshold, symbol, observable_name)
     density.set_ylim(0.5 * true.density[true.density > 0].min(), 2.5 * true.density.max())
     density.set_xlim(float(true.edges[0]), float(true.edges[-1]))
+    if not several:
+        style.legend_above(figure, [density])
+        return figure
     theirs = published_beside(percentiles, published, "statistics")
     errors.draw(panels, percentiles, theirs)
     below = list(panels.values())

@@ -1,10 +1,10 @@
 """Where skill is lost between a flow and a forecast of its events: average precision of onsets
-against the prediction time. First, the equations, started from the true state, from noisy or few
-observations of it, and from encoded states; other forecasters learn from the channels of
-encoded cases, each kind in the case and size where it ranks best, or are alarms without a forecast.
-Single trajectories rank starting points by the largest observable that they forecast. Curves lie in
-panels in the order of their means. The grey line is the base rate, which chance reaches. Bars:
-bootstrap intervals over test series.
+against the prediction time. (a) The equations, started from noisy or few observations of the state,
+and from encoded states; from the true state they are right throughout. (b) Other forecasters, which
+learn from the channels of encoded cases, each kind in the case and size where its mean over the
+times is largest, or are alarms without a forecast. Six curves at most in a panel, with the largest
+means. Single trajectories rank starting points by the largest observable that they forecast. The
+grey line is the base rate, which chance reaches. Bars: bootstrap intervals over test series.
 """
 
 import textwrap
@@ -23,7 +23,7 @@ from burstcast.forecasters._labels import forecaster_label
 from burstcast.forecasts.scores import ONSET
 
 _METRIC = "average_precision"
-_LEFT_OUT = ("climatology", "persistence")
+_LEFT_OUT = ("climatology", "persistence", "equations")
 _EQUATIONS = "equations"
 
 
@@ -42,11 +42,17 @@ def draw(*, tables: Sequence[pd.DataFrame] = read("encoded_cases/tables/ranking.
     learnt = rows[~by_equations]
     best = learnt.drop_duplicates("forecaster")[["case", "alarm"]]
     contents = [
-        *_panels("equations", rows[by_equations]),
-        *_panels("other forecasters", learnt.merge(best)),
+        (title, _curves(shown))
+        for title, shown in (
+            ("equations", rows[by_equations]),
+            ("other forecasters", learnt.merge(best)),
+        )
+        if len(shown)
     ]
-    figure = style.new_figure(style.DOUBLE_COLUMN, 0.3 + 2.1 * ((len(contents) + 1) // 2))
-    panels = style.grid_of(figure, len(contents), 2, sharex=True, sharey=True)
+    if not contents:
+        return style.nothing_to_show("No forecaster ranks onsets.")
+    figure = style.new_figure(style.DOUBLE_COLUMN, 2.7)
+    panels = style.grid_of(figure, len(contents), len(contents), sharex=True, sharey=True)
     for axes, (title, curves) in zip(panels, contents, strict=True):
         for curve, look in zip(curves, looks.categories(len(curves)), strict=True):
             axes.errorbar(
@@ -61,20 +67,17 @@ def draw(*, tables: Sequence[pd.DataFrame] = read("encoded_cases/tables/ranking.
         axes.plot(rates.index, rates, **looks.FLOOR)
         axes.set_ylim(0, 1.04)
         axes.set_title(title, loc="center")
-        axes.tick_params(labelbottom=True)
-    for axes in panels[-2:]:
         axes.set_xlabel(medians.PREDICTION_TIME)
-    for axes in panels[::2]:
-        axes.set_ylabel("Average precision of onsets")
+    panels[0].set_ylabel("Average precision of onsets")
     style.letter_panels(panels)
     style.label_ends(figure, panels)
     return figure
 
 
-def _panels(title: str, rows: pd.DataFrame) -> list[tuple[str, list[pd.DataFrame]]]:
-    """Title and curves of each panel, as many at a time as a panel has."""
+def _curves(rows: pd.DataFrame) -> list[pd.DataFrame]:
+    """Curves of a panel, in the order of their means."""
     curves = [curve for _, curve in rows.groupby(["case", "alarm"], sort=False)]
-    return [(title, some) for some in looks.by_panel(curves)]
+    return curves[: looks.MOST_LABELLED]
 
 
 def _label(row: pd.Series) -> str:

@@ -1,10 +1,11 @@
 """(a-c) Profiles of the velocity along x, its square and the Reynolds stress, averaged over x, z
 and time, of all data, the training set and one network: the one of the shown size and strategy
 with the smallest Kantorovich metric. (d-f) Errors of the profiles, normalised by the
-range of the true profile, against reservoir size: medians and quartiles over the networks of an
-ensemble. In grey: the same errors between two random halves of the data, in the median. Open
-markers, if any: published values; diamonds on the right edge: the published training set. U_0:
-velocity of the laminar flow halfway between centre and wall; h: half the distance of the walls.
+range of the true profile, against reservoir size, where there are several sizes: medians and
+quartiles over the networks of an ensemble. In grey: the same errors between two random halves of
+the data, in the median. Open markers, if any: published values; diamonds on the right edge: the
+published training set. U_0: velocity of the laminar flow halfway between centre and wall; h: half
+the distance of the walls.
 """
 
 from collections.abc import Mapping, Sequence
@@ -50,8 +51,9 @@ def draw(
     shown = [(true, looks.TRUTH, "True"), (trained, looks.TRAINING, "Train")]
     if best is not None:
         shown.append((best.statistics, looks.NETWORK, best.label))
-    figure = style.new_figure(style.DOUBLE_COLUMN, 4.0)
-    panels = figure.subplots(2, 3)
+    several = errors.several_sizes(percentiles)
+    figure = style.new_figure(style.DOUBLE_COLUMN, 4.0 if several else 2.2)
+    panels = figure.subplots(2 if several else 1, 3, squeeze=False)
     for statistics, look, name in shown:
         moments = statistics.moments
         profiles = matrices.profiles(moments.mean, moments.mean_product)
@@ -61,6 +63,10 @@ def draw(
         axes.set_xlabel(label)
         axes.set_ylim(float(y[0]), float(y[-1]))
         axes.set_ylabel("$y$ [$h$]")
+    if not several:
+        style.legend_above(figure, [panels[0, 0]])
+        style.letter_panels(list(panels.flat))
+        return figure
     theirs = published_beside(percentiles, published, "statistics")
     errors.draw(dict(zip(_LABELS, panels[1], strict=True)), percentiles, theirs)
     more = [*medians.spread_handles(panels.flat), *medians.published_handles(panels.flat)]

@@ -1,7 +1,7 @@
 """The published medians of the paper (open markers) and ours (lines): (a) precision, (b) recall and
 (c) F-score against the prediction time, by the number of neurons; (d) mean prediction horizon of
-extreme events against the number of neurons. Bands and bars: 95 % intervals of a single network
-over test series and events.
+extreme events against the number of neurons, where there are several. Bands and bars: 95 %
+intervals of a single network over test series and events.
 """
 
 from collections.abc import Iterable
@@ -35,8 +35,10 @@ def draw(
     scores = medians.with_intervals(scores, score_intervals)
     horizons = medians.with_intervals(horizons, horizon_intervals)
     curves = _curves(medians.select(scores, validation=validation))
-    figure = style.new_figure(style.DOUBLE_COLUMN, 4.4)
-    panels = figure.subplots(2, 2).ravel()
+    sizes = np.unique(medians.select(horizons, validation=validation)["neurons"].astype(float))
+    several = len(sizes[np.isfinite(sizes)]) > 1
+    figure = style.new_figure(style.DOUBLE_COLUMN, 4.4 if several else 2.4)
+    panels = figure.subplots(*((2, 2) if several else (1, 3))).ravel()
     theirs = published_beside(scores, published, "classification")
     for axes, metric in zip(panels, _SCORES, strict=False):
         of: dict[str, object] = {"metric": metric, "validation": validation}
@@ -47,20 +49,32 @@ def draw(
         axes.set_ylim(0.0, 1.03)
         axes.set_xlabel(medians.PREDICTION_TIME)
         axes.set_ylabel(medians.LABELS[metric])
-    theirs = published_beside(horizons, published, "horizon")
-    of = {"metric": _HORIZON, "validation": validation}
-    for kind in dict.fromkeys(kind for kind, _ in curves):
-        look = next(look for (name, _), look in curves.items() if name == kind)
-        networks = {**of, "forecaster": kind}
-        _draw(panels[3], horizons, theirs, networks, "neurons", look, forecaster_label(kind))
-    panels[3].set_xticks(np.unique(medians.select(horizons, **of)["neurons"].astype(float)))
-    panels[3].set_xlabel(medians.NEURONS)
-    panels[3].set_ylabel(medians.LABELS[_HORIZON])
+    if several:
+        _draw_horizons(panels[3], horizons, published, validation, curves)
     spread = medians.spread_handles(panels, "interval of a network")
     style.legend_above(figure, [], [*spread, *medians.published_handles(panels)])
     style.letter_panels(panels)
-    style.label_ends(figure, panels)
+    style.label_ends(figure, panels if several else panels[2:])
     return figure
+
+
+def _draw_horizons(
+    axes: Axes,
+    horizons: pd.DataFrame,
+    published: pd.DataFrame,
+    validation: str,
+    curves: dict[tuple[str, float], looks.MarkerStyle],
+) -> None:
+    """Draw the mean prediction horizon against the size."""
+    theirs = published_beside(horizons, published, "horizon")
+    of: dict[str, object] = {"metric": _HORIZON, "validation": validation}
+    for kind in dict.fromkeys(kind for kind, _ in curves):
+        look = next(look for (name, _), look in curves.items() if name == kind)
+        networks = {**of, "forecaster": kind}
+        _draw(axes, horizons, theirs, networks, "neurons", look, forecaster_label(kind))
+    axes.set_xticks(np.unique(medians.select(horizons, **of)["neurons"].astype(float)))
+    axes.set_xlabel(medians.NEURONS)
+    axes.set_ylabel(medians.LABELS[_HORIZON])
 
 
 def _curves(networks: pd.DataFrame) -> dict[tuple[str, float], looks.MarkerStyle]:

@@ -1,8 +1,8 @@
-"""Reliability diagrams of forecast probabilities, as shares of votes and calibrated on
-series other than the test series: observed frequency of events against the mean probability, in
-bins. Grey bars: where the frequency would lie, at the level of confidence of the intervals, if the
-calibrated probabilities were right. Below: how many calibrated forecasts lie in each bin. Shown are
-the forecasters that tell more than two probabilities, if there are any.
+"""Reliability: observed frequency of events against the mean forecast probability, in bins. Grey
+bars: where the frequency would lie, at the level of confidence of the intervals, if the calibrated
+probabilities were right. In the strip above: the logarithm of the number of calibrated forecasts in
+each bin. Shown are the forecasters with five distinct probabilities or more, and, where there are
+none, those with most.
 """
 
 from collections.abc import Sequence
@@ -21,6 +21,10 @@ from burstcast.forecasters._labels import forecaster_label
 
 FEW_FORECASTS = 10
 """Bins with fewer are open markers without a line: their frequencies are mostly chance."""
+MANY = 5
+"""Distinct probabilities of a forecaster that make a diagram."""
+_STRIP = 1.06
+"""Lower end of the strip of counts, in units of the frequency."""
 _OPEN: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "alpha": 0.6}
 
 
@@ -32,10 +36,9 @@ def draw(
     neurons: float = at("figures.fixed_neurons"),
     validation: str = at("shown.example.name.validation"),
 ) -> Figure:
-    """Draw diagrams, and below them how many forecasts lie in each bin.
+    """Draw diagrams, with the number of forecasts in each bin.
 
-    A row for each forecaster with more than two probabilities: yes and no alone are easily
-    calibrated. Without any, forecasters with two probabilities are shown. A column for each
+    A row for each forecaster of `MANY` probabilities, or with most of them. A column for each
     prediction time that the table has, or for its longest.
     """
     bins = alarm_scores.alarms_shown(bins, neurons, validation)
@@ -44,36 +47,22 @@ def draw(
     bins = bins[shown & (bins["forecasts"] > 0)]
     by_time = alarm_scores.calibrated(bins).groupby(["forecaster", "prediction_time_lt"])["bin"]
     probabilities = by_time.nunique().groupby("forecaster").max()
-    kinds = looks.ordered_forecasters(
-        set(probabilities.index[probabilities > 2]) or set(probabilities.index[probabilities > 1])
-    )
+    most = min(MANY, probabilities.max()) if len(probabilities) else MANY
+    kinds = looks.ordered_forecasters(set(probabilities.index[probabilities >= max(2, most)]))
     if not kinds:
         return style.nothing_to_show("Every forecaster always tells the same probability.")
     width = min(style.DOUBLE_COLUMN, 0.4 + 2.2 * len(times))
-    figure = style.new_figure(width, 0.35 + 2.8 * len(kinds))
-    panels = figure.subplots(
-        2 * len(kinds),
-        len(times),
-        sharex=True,
-        sharey="row",
-        squeeze=False,
-        height_ratios=[3, 1] * len(kinds),
-    )
-    diagrams, counts = panels[::2], panels[1::2]
+    figure = style.new_figure(width, 0.5 + 2.1 * len(kinds))
+    diagrams = figure.subplots(len(kinds), len(times), sharex=True, sharey=True, squeeze=False)
     for row, kind in enumerate(kinds):
         for column, time in enumerate(times):
+            axes = diagrams[row, column]
             chosen = (bins["forecaster"] == kind) & np.isclose(bins["prediction_time_lt"], time)
-            _draw_diagram(diagrams[row, column], bins[chosen])
-            rows = alarm_scores.calibrated(bins[chosen])
-            below, count = counts[row, column], rows["forecasts"]
-            below.vlines(rows["mean_probability"], 0.5, count, color=style.GREY, linewidth=3.0)
-            below.set_yscale("log")
-            below.set_ylim(bottom=0.5)
-            title = f"{forecaster_label(kind)}, PT = {time:g} LT"
-            diagrams[row, column].set_title(title, loc="center")
+            _draw_diagram(axes, bins[chosen])
+            _draw_counts(axes, alarm_scores.calibrated(bins[chosen]))
+            axes.set_title(f"{forecaster_label(kind)}, PT = {time:g} LT", loc="center")
         diagrams[row, 0].set_ylabel("Observed frequency")
-        counts[row, 0].set_ylabel("Forecasts")
-    for axes in counts[-1]:
+    for axes in diagrams[-1]:
         axes.set_xticks([0.0, 0.5, 1.0])
         axes.set_xlabel("Probability")
     shown = bins["forecaster"].isin(kinds)
@@ -82,8 +71,21 @@ def draw(
         label = f"fewer than {FEW_FORECASTS} forecasts"
         more.append(Line2D([], [], label=label, color=style.GREY, marker="o", **_OPEN))
     style.legend_above(figure, diagrams.flat, more, columns=1 if len(times) == 1 else None)
-    style.letter_panels(list(diagrams.flat), inside=True)
+    for index, axes in enumerate(diagrams.flat):
+        axes.text(0.0, 0.985, f"({chr(ord('a') + index)})", ha="left", va="top")
     return figure
+
+
+def _draw_counts(axes: Axes, rows: pd.DataFrame) -> None:
+    """Draw the logarithm of the number of forecasts in each bin into a strip above the diagram."""
+    heights = np.log10(1.0 + rows["forecasts"].to_numpy(dtype=np.float64))
+    heights = 0.2 * heights / heights.max(initial=np.log10(2.0))
+    axes.axhline(_STRIP, color=style.BLACK, linewidth=0.4)
+    axes.vlines(rows["mean_probability"], _STRIP, _STRIP + heights, color=style.GREY, linewidth=2.5)
+    label = f"forecasts, {rows['forecasts'].min():g} to {rows['forecasts'].max():g}, log"
+    place: Any = {"ha": "center", "va": "top", "fontsize": 6.5, "color": style.GREY}
+    axes.text(0.5, _STRIP + 0.23, label, **place)
+    axes.set_yticks([0.0, 0.5, 1.0])
 
 
 def _draw_diagram(axes: Axes, bins: pd.DataFrame) -> None:
@@ -108,4 +110,4 @@ def _draw_diagram(axes: Axes, bins: pd.DataFrame) -> None:
         label="consistent with calibration",
     )
     axes.set_xlim(-0.04, 1.04)
-    axes.set_ylim(-0.04, 1.04)
+    axes.set_ylim(-0.04, _STRIP + 0.26)

@@ -289,6 +289,7 @@ GROUPS = {
     "GATHERED": """classification_table/* horizon_table/* warnings_table/*
         calibrate/* probability_scores/* reliability_table/* lead_times/*
         joined_forecasts joined_horizon joined_warnings joined_probabilities figure/reliability
+        figure/precision_recall
         figure/classification_scores figure/horizon_by_size figure/forecast_skill
         figure/error_growth figure/published_scores""",
     "OF_CONTROL": """control_table/* control_density_table/* control_strategies_table/*

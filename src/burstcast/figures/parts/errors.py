@@ -27,6 +27,11 @@ def best_of(data: Mapping[str, Any], long_term: Sequence[Mapping[str, Any]]) -> 
     return best_network(LongTermStatistics.from_arrays(data), statistics)
 
 
+def several_sizes(percentiles: pd.DataFrame) -> bool:
+    """Whether there are networks of more than one size: errors against it make a curve."""
+    return percentiles.loc[percentiles["forecaster"] == "esn", "neurons"].nunique() > 1
+
+
 def draw(panels: Mapping[str, Axes], percentiles: pd.DataFrame, published: pd.DataFrame) -> None:
     """Draw statistics' errors against reservoir size, with the training set and the floor.
 

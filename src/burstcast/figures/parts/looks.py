@@ -78,6 +78,8 @@ _FORECASTERS: dict[str, tuple[str, Dashes]] = {
 _BASELINES = ("persistence", "observable_now", "climatology", "permanent_alarm")
 MOST_CURVES = 4
 """Curves of a panel at most."""
+MOST_LABELLED = 6
+"""Curves at most of a panel whose curves have labels at their ends."""
 
 
 def ordered_forecasters(kinds: Iterable[str]) -> list[str]:
@@ -113,7 +115,7 @@ def families(kinds: Iterable[str]) -> list[tuple[str, list[str]]]:
         "without a forecast": [],
     }
     for kind in ordered_forecasters(kinds):
-        if kind in _BASELINES:
+        if is_baseline(kind):
             members["without a forecast"].append(kind)
         elif kind.startswith("quadratic"):
             members["learnt equations"].append(kind)
@@ -124,6 +126,11 @@ def families(kinds: Iterable[str]) -> list[tuple[str, list[str]]]:
         else:
             members["other forecasters"].append(kind)
     return [(family, some) for family, kinds in members.items() for some in by_panel(kinds)]
+
+
+def is_baseline(kind: str) -> bool:
+    """Whether alarms of a kind come without a forecast."""
+    return kind in _BASELINES
 
 
 _CONTROLLERS = {
@@ -212,8 +219,8 @@ def few_of(values: FloatArray) -> FloatArray:
 
 def categories(count: int) -> list[MarkerStyle]:
     """Looks of curves of one panel that have no order: colours, lines and markers differ."""
-    dashes: tuple[Dashes, ...] = ("-", _DASHES, _DASH_DOT, _DOTS)
-    colours = (BLUE, VERMILLION, GREEN, _MAUVE)
+    dashes: tuple[Dashes, ...] = ("-", _DASHES, _DASH_DOT, _DOTS, _LONG, _CHAIN)
+    colours = (BLUE, VERMILLION, GREEN, _MAUVE, ORANGE, BLACK)
     return [
         MarkerStyle(color=colour, linestyle=linestyle, linewidth=1.1, marker=marker)
         for colour, linestyle, marker in zip(colours, dashes, _MARKERS, strict=False)

@@ -27,7 +27,7 @@ LABELS = {
 PREDICTION_TIME = "Prediction time [LT]"
 NEURONS = "Neurons"
 
-_PUBLISHED, _BAND, _BARS = "published", "band", "bars"
+PUBLISHED, _BAND, _BARS = "published", "band", "bars"
 """Marks of published values, and of bands and bars over an ensemble."""
 
 
@@ -154,7 +154,7 @@ def draw_published(
         rows[x].to_numpy(dtype=np.float64) + shift,
         rows["p50"].to_numpy(dtype=np.float64),
         yerr=bars,
-        gid=_PUBLISHED,
+        gid=PUBLISHED,
         linestyle="none",
         marker=look["marker"],
         markersize=5.0,
@@ -189,7 +189,7 @@ def draw_published_level(axes: Axes, rows: pd.DataFrame, color: str) -> None:
         axes.plot(
             1.0,
             float(value),
-            gid=_PUBLISHED,
+            gid=PUBLISHED,
             transform=axes.get_yaxis_transform(),
             marker="D",
             markersize=4.5,
@@ -231,7 +231,7 @@ def spread_handles(
 
 def published_handles(panels: Iterable[Axes]) -> list[Artist]:
     """Entry of a legend for published values, if any of the panels shows some."""
-    if not any(line.get_gid() == _PUBLISHED for panel in panels for line in panel.get_lines()):
+    if not any(line.get_gid() == PUBLISHED for panel in panels for line in panel.get_lines()):
         return []
     look: dict[str, Any] = {"marker": "o", "mfc": "none", "mec": "black", "ms": 5.0}
     return [Line2D([], [], linestyle="none", label="published", **look)]

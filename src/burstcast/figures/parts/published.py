@@ -45,7 +45,7 @@ def published_percentiles(published: pd.DataFrame, table: str) -> pd.DataFrame:
     ``metric``, ``p25``, ``p50``, ``p75``; rows with the validation ``TRAIN`` are the training set's
     own. ``table``: "classification", "horizon", "hyperparameters", "statistics" or "control".
     Input scalings are left out. Classification is as it was published: with the paper's washout in
-    place of the authors' the F-score would be lower by 0.002 to 0.008.
+    place of the authors' fewer starting points are left out.
     """
     rows = published[published["kind"].map(_TABLES) == table]
     if rows.empty:
