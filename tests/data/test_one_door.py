@@ -308,23 +308,63 @@ def test_clocks_that_go_round(bits, unit):
 # -- columns that are no state, and units ----------------------------------------------------------
 
 
-def test_numbers_of_runs_and_counters_are_no_state_and_other_columns_are():
-    rows = np.arange(300.0)
-    columns = {
-        "run": lambda n: np.full(300, float(n)),
-        "stamp": lambda n: 1.7e9 + 600 * rows + 1e6 * n,
-        "days": lambda n: (rows + n) / 7,
-        "countdown": lambda n: 300 - rows,
-        "same in all": lambda n: np.full(300, 4.0),
-        "hour": lambda n: rows % 24,
-        "wave": lambda n: np.sin(rows + n),
-        "ramp and wave": lambda n: rows + 1e-3 * np.sin(rows),
-        "constant in one": lambda n: np.full(300, 1.0) if n else np.sin(rows),
-    }
-    series = [np.stack([make(n) for make in columns.values()], axis=1) for n in range(3)]
-    constant, counting = columns_of_no_state([*columns], series)
-    assert constant == ["run"]
-    assert counting == ["stamp", "days", "countdown"]
+ROWS = np.arange(400.0)
+DAYS = pd.date_range("1999-11-03", periods=400)
+CONSTANT = {"run": lambda n: np.full(400, float(n))}
+COUNTING = {
+    "stamp": lambda n: 1.7e9 + 600 * ROWS + 1e6 * n,
+    "stamp of a clock that jitters": lambda n: 600 * ROWS + 30 * np.sin(ROWS + n),
+    "stamp with gaps": lambda n: 600 * (ROWS + ROWS // 50) + 1e6 * n,
+    "stamp in single precision": lambda n: np.float32(1.7e9 + 600 * ROWS),
+    "days": lambda n: (ROWS + n) / 7,
+    "countdown": lambda n: 300 - ROWS,
+    "year of months": lambda n: 1990 + n + (ROWS + n) // 12,
+    "year of days": lambda n: np.float64(DAYS.year) + n,
+    "year, within one for some": lambda n: 2000 + (n + (ROWS > 200) * (n > 1)),
+    "run in one table": lambda n: np.repeat([1.0, 2.0, 3.0, 4.0], [50, 120, 30, 200]),
+}
+CYCLIC = {
+    "hour": lambda n: ROWS % 24,
+    "hour of half hours": lambda n: (ROWS // 2 + n) % 24,
+    "hour with minutes": lambda n: (ROWS * 7 / 60 + n) % 24,
+    "hours to go": lambda n: 23 - ROWS % 24,
+    "month": lambda n: np.float64(DAYS.month),
+    "day of the month": lambda n: np.float64(DAYS.day),
+    "day of the week": lambda n: np.float64(DAYS.day_of_week),
+    "day of the year": lambda n: np.float64(DAYS.day_of_year),
+    "index of joined tables": lambda n: np.concatenate([np.arange(150.0), np.arange(250.0)]),
+}
+
+
+def uneven(seed, values):
+    """Values that stay for random times."""
+    generator = np.random.default_rng(seed)
+    return np.repeat(values, generator.integers(1, 9, size=len(values)))[:400]
+
+
+STATES = {
+    "same in all": lambda n: np.full(400, 4.0),
+    "wave": lambda n: np.sin(ROWS + n),
+    "season": lambda n: np.cos(2 * np.pi * (ROWS + n) / 24),
+    "ramp and wave": lambda n: ROWS + 3 * np.sin(ROWS),
+    "constant in one": lambda n: np.full(400, 1.0) if n else np.sin(ROWS),
+    "spikes": lambda n: np.float64(np.random.default_rng(n).random(400) > 0.9),
+    "rain": lambda n: np.maximum(0, np.random.default_rng(n).normal(size=400)),
+    "counts": lambda n: np.float64(np.random.default_rng(n).poisson(0.4, size=400)),
+    "counts that are reset": lambda n: uneven(n, np.arange(400) % 4),
+    "random walk of a grid": lambda n: np.random.default_rng(n).integers(-1, 2, 400).cumsum(),
+    "decay": lambda n: np.exp(-ROWS / 100),
+    "dry but in one": lambda n: np.where(ROWS > 300, 1.0, 0.0) if n == 1 else np.zeros(400),
+}
+
+
+@pytest.mark.parametrize("name", [*CONSTANT, *COUNTING, *CYCLIC, *STATES])
+def test_columns_that_are_no_state(name):
+    made = {**CONSTANT, **COUNTING, **CYCLIC, **STATES}[name]
+    series = [np.stack([np.sin(ROWS), made(n)], axis=1) for n in range(4)]
+    found = columns_of_no_state(["u", name], series)
+    expected = [[name] * (name in kinds) for kinds in (CONSTANT, COUNTING, CYCLIC)]
+    assert [*found] == expected
 
 
 @pytest.mark.parametrize("form", ["array", "data set", "file"])
