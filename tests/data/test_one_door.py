@@ -234,6 +234,31 @@ REFUSED = [
     ),
     (xarray.Variable("time", SECONDS), TypeError, "not a Variable of xarray"),
     (
+        pd.concat(tables("dates"), keys=range(3), names=["run", "time"]).swaplevel().sort_index(),
+        ValueError,
+        r"whose outer index level is called time, of 3 rows at most: .* table.swaplevel\(\)",
+    ),
+    (
+        pd.concat(tables("rows"), keys=range(3)).swaplevel().sort_index(),
+        ValueError,
+        r"whose outer index level has 40 entries, of 3 rows at most: .* table.swaplevel\(\)",
+    ),
+    (tables("rows")[0].to_dict("series"), TypeError, "are a dictionary of columns"),
+    ({"u": pd.Series(SECONDS), "v": pd.Series(SECONDS)}, TypeError, "a dictionary of columns"),
+    (tables("rows")[0].to_records(), TypeError, r"not records: give pd.DataFrame\(records\)"),
+    (tables("dates")[0].resample("5s"), TypeError, "be an array .* not a DatetimeIndexResampler"),
+    (tables("rows")[0].rolling(10), TypeError, "must be an array .* not a Rolling"),
+    ({"a": RUNS[0]}.keys(), TypeError, "must be an array .* not a dict_keys"),
+    ([tables("rows")[:2], tables("rows")[2:]], TypeError, "not a list of tables"),
+    ([tables("rows")[0], None], TypeError, "not a NoneType"),
+    ([tables("rows")[0].astype(object)], ValueError, r"but object; .* table.astype\(float\)"),
+    ([tables("rows")[0].astype(str)], ValueError, r"'u' has no numbers, .* table.astype\(float\)"),
+    (
+        [np.float64(1.0), np.float64(2.0)],
+        ValueError,
+        r"must be \(series, time, component\), not \(2,\)",
+    ),
+    (
         pd.DataFrame({"date": pd.to_datetime(DATES), "u": SECONDS}),
         ValueError,
         "column 'date' has no numbers, but datetime.*; if it is the clock, call it 'time'",
@@ -252,6 +277,69 @@ REFUSED = [
 def test_what_is_not_understood_is_refused_by_name(data, error, message):
     with pytest.raises(error, match=message):
         labelled_series(data)
+
+
+@pytest.mark.parametrize("keys", ["run", ["run"], pd.Grouper(key="run")])
+@pytest.mark.parametrize("selected", [None, ["u", "v"]])
+def test_groups_leave_the_column_that_they_are_grouped_by(keys, selected):
+    together = pd.concat([t.assign(run=n) for n, t in enumerate(tables("rows"))])
+    groups = together.groupby(keys)
+    given = labelled_series(groups if selected is None else groups[selected])
+    assert given.labels == ("u", "v")
+    np.testing.assert_array_equal(given.states, RUNS)
+    one = labelled_series(together.groupby("run")["v"])
+    assert one.labels == ("v",)
+    np.testing.assert_array_equal(one.states, RUNS[..., 1:])
+
+
+@pytest.mark.parametrize("by", ["run", ["run"], ["run", "place"]])
+def test_groups_of_polars_are_in_the_order_of_their_keys(by):
+    polars = pytest.importorskip("polars")
+    runs = [
+        polars.DataFrame({"run": [10 - n] * 40, "place": ["x"] * 40, "u": u, "v": v})
+        for n, (u, v) in enumerate(RUNS.transpose(0, 2, 1))
+    ]
+    together = polars.concat(runs if "place" in by else [t.drop("place") for t in runs])
+    for _ in range(4):  # polars has another order each time
+        given = labelled_series(together.group_by(by))
+        assert given.labels == ("u", "v")
+        np.testing.assert_array_equal(given.states, RUNS[::-1])
+    kept = labelled_series(together.group_by(by, maintain_order=True))
+    np.testing.assert_array_equal(kept.states, RUNS)
+
+
+class ArrowTable(OtherFrame):
+    """A table of pyarrow that was made from one of pandas, with its index as a column."""
+
+    def __init__(self, table):
+        index = {} if isinstance(table.index, pd.RangeIndex) else {"__index_level_0__": table.index}
+        super().__init__({**{name: table[name].to_numpy() for name in table}, **index})
+        self.schema = type("Schema", (), {"pandas_metadata": {}})
+        self.to_pandas = lambda: table
+
+
+@pytest.mark.parametrize("library", ["stand-in", "pyarrow"])
+def test_tables_of_pyarrow_keep_the_index_of_pandas(library):
+    made = ArrowTable
+    if library == "pyarrow":
+        made = pytest.importorskip("pyarrow").Table.from_pandas
+    dated = labelled_series([made(table) for table in tables("dates")])
+    assert (dated.labels, dated.step) == (("u", "v"), pytest.approx(STEP))
+    np.testing.assert_array_equal(dated.states, RUNS)
+    with pytest.raises(ValueError, match="rows are missing between 6 and 8 of its index"):
+        labelled_series(made(tables("rows")[0].drop(index=[7])))
+
+
+def test_panels_of_many_short_runs_have_a_clock_or_are_a_list():
+    short = [table.iloc[:3] for table in tables("dates")] * 3
+    panel = pd.concat(short, keys=range(9))
+    assert labelled_series(panel).states.shape == (9, 3, 2)
+    numbered = pd.concat([table.reset_index(drop=True) for table in short], keys=range(9))
+    with pytest.raises(ValueError, match="outer index level has 9 entries, of 3 rows at most"):
+        labelled_series(numbered)
+    as_list = [table for _, table in numbered.groupby(level=0)]
+    assert labelled_series(as_list).states.shape == (9, 3, 2)
+    assert labelled_series(dict(enumerate(short)).values()).states.shape == (9, 3, 2)
 
 
 def test_dates_of_python_and_coordinates_that_are_no_components():
@@ -353,6 +441,7 @@ CYCLIC = {
     "day of the month": lambda n: np.float64(DAYS.day),
     "day of the week": lambda n: np.float64(DAYS.day_of_week),
     "day of the year": lambda n: np.float64(DAYS.day_of_year),
+    "index of joined tables with holes": lambda n: np.flatnonzero(n != ROWS % 9)[:300] % 150,
     "index of joined tables": lambda n: np.concatenate([np.arange(150.0), np.arange(250.0)]),
 }
 
@@ -382,7 +471,8 @@ STATES = {
 @pytest.mark.parametrize("name", [*CONSTANT, *COUNTING, *CYCLIC, *STATES])
 def test_columns_that_are_no_state(name):
     made = {**CONSTANT, **COUNTING, **CYCLIC, **STATES}[name]
-    series = [np.stack([np.sin(ROWS), made(n)], axis=1) for n in range(4)]
+    columns = [made(n) for n in range(4)]
+    series = [np.stack([np.sin(ROWS[: len(each)]), each], axis=1) for each in columns]
     found = columns_of_no_state(["u", name], series)
     expected = [[name] * (name in kinds) for kinds in (CONSTANT, COUNTING, CYCLIC)]
     assert [*found] == expected

@@ -13,9 +13,11 @@ from burstcast.data.series_layout import LabelledSeries
 _EQUAL = 0.01
 """Largest difference of the steps of a counter, relative to their median."""
 _MOSTLY = 0.8
-"""Least share of equal steps of a column that never turns: gaps are in the others."""
+"""Least share of equal steps in the direction of a counter: gaps are in the others."""
 _REGULAR = 0.15
 """Largest difference of the times for which a clock shows one value, such as months."""
+_FIRST = 0.05
+"""Part of its range in which a cycle or a count of rows starts again."""
 _LEAST_STARTS = 3
 """Different first values, at least, of a column that is constant in some series."""
 
@@ -103,10 +105,11 @@ def _kind(column: FloatArray) -> Literal["constant", "counting", "cyclic"] | Non
         return "counting" if is_clock or equal.mean() >= _MOSTLY else None
     starts = column[1:][falls]
     shown = np.diff(np.flatnonzero(changes))
+    first = column.min() + max((1 + _EQUAL) * typical, _FIRST * np.ptp(column))
     is_cycle = (
-        equal.all()
+        equal.mean() >= _MOSTLY
         and 2 * int(falls.sum()) <= len(rises)
-        and bool((starts < column.min() + (1 + _EQUAL) * typical).all())
+        and bool((starts < first).all())
         and np.ptp(shown) <= max(1.0, _REGULAR * float(shown.max()))
     )
     return "cyclic" if is_cycle else None

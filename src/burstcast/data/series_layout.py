@@ -95,7 +95,11 @@ def labelled_series(data: Any, what: str = "the series") -> LabelledSeries:
                 check_units(f"series {number}", labels, run.units, "series 1", units)
         step, dated = _clock(runs, what)
         return LabelledSeries(_side_by_side(states, what), labels, step, dated, units)
-    lengths = {len(series) for series in data if hasattr(series, "__len__")}
+    lengths = {
+        len(series)
+        for series in data
+        if getattr(series, "shape", None) != () and hasattr(series, "__len__")
+    }
     if len(lengths) < 2:
         return LabelledSeries(_checked(float_array(data, what), np.shape(data), what))
     return LabelledSeries(_side_by_side([float_array(series, what) for series in data], what))

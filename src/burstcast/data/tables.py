@@ -157,7 +157,9 @@ def frame_run(
                 raise ValueError(f"{source}{place}: column {TIME!r} {error}") from None
         elif not pd.api.types.is_numeric_dtype(kind) or kind.kind in "bc":
             dated = kind.kind == "M" and TIME not in names
+            texts = kind.kind in "OUT" or str(kind) in ("str", "string")
             advice = f"; if it is the clock, call it {TIME!r}" if dated else ""
+            advice = "; if all are numbers, table.astype(float)" if texts else advice
             raise ValueError(f"{source}: column {name!r} has no numbers, but {kind}{advice}")
         else:
             columns[name] = column.to_numpy(dtype=np.float64, na_value=np.nan)
