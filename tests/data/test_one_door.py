@@ -261,7 +261,12 @@ REFUSED = [
     (
         pd.DataFrame({"date": pd.to_datetime(DATES), "u": SECONDS}),
         ValueError,
-        "column 'date' has no numbers, but datetime.*; if it is the clock, call it 'time'",
+        "column 'date' has no numbers, but dates: if it is the clock, call it 'time'",
+    ),
+    (
+        tables("rows")[0].assign(hour=DATES.astype(str)).drop(index=[7]),
+        ValueError,
+        "column 'hour' has no numbers, but dates: .* 'time'}.*, or else leave it out",
     ),
     (
         xarray.Dataset(
@@ -402,6 +407,23 @@ def test_the_step_of_all_samples_counts(missing):
                 call()
         else:
             call()
+
+
+@pytest.mark.parametrize("step", [0.01, 12.0, 30.0, 100000.0])
+def test_rows_that_are_there_twice_are_no_clock_that_goes_round(step):
+    table = pd.DataFrame({"time": step * np.r_[0:20, 19:40], "u": np.sin(np.arange(41))})
+    for call in (labelled_series, lambda given: measured_series(given, step)):
+        with pytest.raises(ValueError, match=r"stays at .* Remove rows that are there twice"):
+            call(table)
+
+
+def test_trading_days_have_no_clock():
+    days = pd.bdate_range("2020-01-01", periods=40)
+    traded = pd.DataFrame(RUNS[0], columns=[*"uv"], index=days)
+    with pytest.raises(ValueError, match="as trading days do, leave the times out"):
+        labelled_series(traded)
+    without = labelled_series(traded.reset_index(drop=True))
+    np.testing.assert_array_equal(without.states, RUNS[:1])
 
 
 @pytest.mark.parametrize("bits", [16, 24, 31, 32])

@@ -271,7 +271,8 @@ def _step(times: FloatArray, dated: bool, what: str) -> float:
     raise ValueError(
         f"{what}: the rate of samples changes: up to the time {before} they are {fault.before:.6g}"
         f"{unit} apart, and {fault.after:.6g}{unit} from {after} on: give parts of one rate as "
-        f"records of their own, or resample"
+        f"records of their own, or resample; if each row follows the row before it whatever its "
+        f"time, as trading days do, leave the times out"
     )
 
 
