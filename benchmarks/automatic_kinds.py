@@ -134,6 +134,7 @@ def compared(record: Record) -> Comparison | None:
         errors, reference = (weights @ each for each in sums)
         with np.errstate(divide="ignore", invalid="ignore"):
             skills[kind] = np.nan_to_num(1 - errors / reference, nan=0.0, neginf=0.0)
+        print(f"#   {kind} in the test: {skills[kind][0]:.3f}", flush=True)
     return Comparison(
         chosen, warned, int(made.happened.sum()), len(made.happened), skills, seconds
     )

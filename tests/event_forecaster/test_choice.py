@@ -150,6 +150,20 @@ def test_noise_has_no_best_kind():
     assert list(findings([Trial("esn", 0.2, 0.1, 0.3)], "esn", 40)) == []
 
 
+def test_a_washout_that_is_as_long_as_a_cycle_is_told():
+    """Each washout of eleven years has a maximum of the cycle: few starting points are left."""
+    years = np.arange(200.0)
+    cycle = np.sin(2 * np.pi * years / 11) + 0.2 * np.random.default_rng(0).normal(size=200)
+    given = {"event_threshold": {"quantile": 0.87}, "prediction_times": (2,), "window": 3}
+    given |= {"kind": "analogues", "calibration_spacing": 1}
+    told = EventForecaster(0, washout=11, **given).fit(cycle[np.newaxis, :, np.newaxis]).warnings_
+    (found,) = [text for text in told if "shorten washout" in text]
+    counts = found.split(" starting")[0].split(" of ")
+    assert int(counts[0]) < 0.25 * int(counts[1])
+    short = EventForecaster(0, washout=3, **given).fit(cycle[np.newaxis, :, np.newaxis]).warnings_
+    assert not [text for text in short if "shorten washout" in text]
+
+
 def test_the_cost_is_said_before():
     with pytest.warns(UserWarning, match="fits analogues, which takes some .* on one core"):
         automatic(["analogues"]).fit(SERIES[:6])

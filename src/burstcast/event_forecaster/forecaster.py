@@ -308,6 +308,7 @@ class EventForecaster(Estimator):
             observed = observed_series(states, 0, self.noise, scales, self.random_seed, self.case)
         points = self._points(case, observed, value, self._samples("calibration_spacing"))
         findings += [*events.weaknesses(value), *self._short_series(states)]
+        findings += events.few_starts(points)
         if self.calibrate and len(states) < 2:
             raise ValueError(
                 "calibrating leaves one series out and takes two at least: give more series, or "
