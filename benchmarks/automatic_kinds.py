@@ -2,7 +2,7 @@
 
 ::
 
-    python benchmarks/automatic_kinds.py RECORD ...
+    python benchmarks/automatic_kinds.py [--kinds KIND ...] RECORD ...
 
 Records are those of benchmarks/default_forecasters.py, and sunspots and el_nino, which statsmodels
 has (pip install statsmodels). Every kind that "auto" tries is scored on test series that nothing
@@ -14,13 +14,13 @@ ways; ``sunspots:11`` has a washout of 11 samples.
 import argparse
 import time
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
 import numpy as np
-from default_forecasters import SIMULATED, Record, record_of
+from default_forecasters import Record, record_of
 from threadpoolctl import threadpool_limits
 
 from burstcast import EventForecaster
@@ -106,11 +106,11 @@ def records(name: str) -> Iterator[Record]:
         yield Record(title, series, TRAINING_BLOCKS, settings)
 
 
-def compared(record: Record) -> Comparison | None:
+def compared(record: Record, kinds: Sequence[str]) -> Comparison | None:
     """Fit all kinds, choose as "auto" does, and score all in the test; None without an event."""
     forecaster = EventForecaster(kind="auto", **NETWORKS, **record.settings)
     begun = time.process_time()
-    fitted, of_training, trials = tried(forecaster, record.series[: record.training], None, KINDS)
+    fitted, of_training, trials = tried(forecaster, record.series[: record.training], None, kinds)
     seconds = time.process_time() - begun
     for trial in trials:
         told = f"{trial.brier_skill:.3f} ({trial.low:.3f} to {trial.high:.3f})"
@@ -135,9 +135,7 @@ def compared(record: Record) -> Comparison | None:
         with np.errstate(divide="ignore", invalid="ignore"):
             skills[kind] = np.nan_to_num(1 - errors / reference, nan=0.0, neginf=0.0)
         print(f"#   {kind} in the test: {skills[kind][0]:.3f}", flush=True)
-    return Comparison(
-        chosen, warned, int(made.happened.sum()), len(made.happened), skills, seconds
-    )
+    return Comparison(chosen, warned, int(made.happened.sum()), len(made.happened), skills, seconds)
 
 
 def _steps(made: Any, forecaster: EventForecaster) -> Any:
@@ -184,6 +182,7 @@ def main() -> None:
     """Print a row for each record."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("records", nargs="+")
+    parser.add_argument("--kinds", nargs="+", default=KINDS)
     given = parser.parse_args()
     warnings.simplefilter("ignore")
     with threadpool_limits(1):
@@ -191,7 +190,7 @@ def main() -> None:
             splits = list(records(name))
             made = []
             for record in splits:
-                if (each := compared(record)) is not None:
+                if (each := compared(record, given.kinds)) is not None:
                     made.append(each)
                     print(f"{'# ' if len(splits) > 1 else ''}{row(record, each)}", flush=True)
             if len(splits) > 1:
