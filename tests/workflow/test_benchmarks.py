@@ -36,6 +36,18 @@ def test_scores_of_default_forecasters():
     assert ours == sorted(ours, reverse=True)
 
 
+def test_the_choice_of_a_kind():
+    """The score of a kind is that of the other table of scores; its choice loses nothing."""
+    nvar = printed("default_forecasters.py", "lorenz63", "--kinds", "nvar")["nvar"]
+    cells = printed("automatic_kinds.py", "lorenz63", "--kinds", "linear_inverse", "nvar")
+    _, chosen, skill, best, of_best, loss, inside, _ = cells["Lorenz 63"]
+    assert chosen == best == "`nvar`"
+    assert skill == of_best
+    assert skill.split()[0] == nvar[1].split()[0]
+    assert loss == "0.000 (0.000 to 0.000)"
+    assert inside == "yes"
+
+
 def test_costs_of_a_stream():
     text = said("stream.py", "--neurons", 40, "--members", 2)
     update, near, far, washout, states = map(float, re.findall(r" ([\d.]+) ms$", text, re.M))

@@ -31,6 +31,8 @@ FEW_EVENTS = 10
 LITTLE_SKILL = 0.05
 """Brier skill in series that were left out, below which probabilities are no better than the base
 rate: a tenth of the skill of most useful forecasts."""
+_FEW_QUIET = 0.5
+"""Share of starting points without an event in their washout, below which it may be too long."""
 _ROUGH = 1.1
 """Samples in a Lyapunov time over whole ones, beyond which a warning says that it is rounded."""
 _FOLDS = 10
@@ -141,6 +143,22 @@ class Events:
                     f"decorrelates within {steps} (give lyapunov_time or longer durations)"
                 )
 
+    def few_starts(self, points: ObservedPoints) -> Iterator[str]:
+        """A sentence about a washout in which events leave too few starting points to learn from.
+
+        ``points``: Starting points in training series.
+        """
+        quiet = self.quiet(points)
+        followed = min(
+            int((self.happened(points, time) & quiet).sum()) for time in self.timing.times
+        )
+        if len(quiet) and followed < FEW_EVENTS and quiet.mean() < _FEW_QUIET:
+            yield (
+                f"{int(quiet.sum())} of {len(quiet)} starting points have a washout without an "
+                f"event, and an event follows {followed} of them, fewer than {FEW_EVENTS}: shorten "
+                f"washout"
+            )
+
     def shares(self, votes: Sequence[WindowSummaries]) -> ByTime:
         """Share of the votes for an event."""
         windows, times = self.timing.windows, self.timing.times
@@ -197,7 +215,8 @@ class Events:
             if not outcomes.levels.size:
                 raise ValueError(
                     f"no starting point is left to calibrate with: the observable reaches the "
-                    f"event threshold {self.threshold:.4g} in every washout"
+                    f"event threshold {self.threshold:.4g} in every washout: shorten washout, or "
+                    f"raise the threshold"
                 )
             alarms[time] = _rule(outcomes, prior)
             if text := useless_votes(outcomes):

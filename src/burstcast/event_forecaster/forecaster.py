@@ -76,7 +76,7 @@ from burstcast.event_forecaster.shared_rows import shared_rows
 from burstcast.event_forecaster.stream import ObservationStream
 from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasters._limits import TrainingLimits
-from burstcast.forecasters._options import in_samples
+from burstcast.forecasters._options import in_samples, resolved_by_samples
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
 from burstcast.forecasters.registry import as_forecaster, class_of, kind_name, make_kind_of
 from burstcast.forecasts.alarms import UNCALIBRATED, AlarmRule
@@ -140,7 +140,7 @@ class EventForecaster(Estimator):
     ensemble vote, or if it is a classifier), ``hyperparameters_`` what the search found for each
     network, ``event_threshold_`` the threshold in units of the observable, ``alarms_`` the
     calibrations and thresholds (`burstcast.forecasts.alarms`) by prediction time,
-    ``kind_`` and ``choices_`` what ``kind="auto"`` chose and tried,
+    ``kind_``, ``options_`` and ``choices_`` what ``kind="auto"`` chose and tried,
     ``warnings_`` signs of weakness, in sentences, and ``classes_`` the columns of `predict_proba`.
 
     Examples
@@ -268,7 +268,7 @@ class EventForecaster(Estimator):
         best, trials = choose(self, series, parameters, kinds)
         chosen = best.kind
         vars(self).update({**vars(best), "kind": self.kind, "options": self.options})
-        self.kind_, self.choices_ = str(chosen), trials
+        self.kind_, self.choices_, self.options_ = str(chosen), trials, dict(best.options or {})
         self._parameters_of_fit |= {"kind": self.kind, "options": copied(self.options)}
         events = int(sum(each.happened.sum() for each in self.left_out_.values()))
         told: list[str] = [*choice.findings(trials, self.kind_, events)]
@@ -308,6 +308,7 @@ class EventForecaster(Estimator):
             observed = observed_series(states, 0, self.noise, scales, self.random_seed, self.case)
         points = self._points(case, observed, value, self._samples("calibration_spacing"))
         findings += [*events.weaknesses(value), *self._short_series(states)]
+        findings += events.few_starts(points)
         if self.calibrate and len(states) < 2:
             raise ValueError(
                 "calibrating leaves one series out and takes two at least: give more series, or "
@@ -721,7 +722,7 @@ class EventForecaster(Estimator):
             if has_unit(parameters[name]):
                 parameters[name] = f"{checked_parameters(self)[name]:.9f} seconds"
         if self.kind == AUTO:  # what was chosen
-            parameters["kind"], parameters["options"] = self.kind_, None
+            parameters["kind"], parameters["options"] = self.kind_, self.options_
         elif not isinstance(self.kind, str):  # by its name, and its options
             kind = self._kind
             parameters |= {"kind": kind_name(type(kind)), "options": kind.options}
@@ -806,7 +807,7 @@ class EventForecaster(Estimator):
         """The unfitted forecaster with its options."""
         kind = self._model
         if self.kind == AUTO:
-            kind = make_kind_of(class_of(kind), {})
+            kind = make_kind_of(class_of(kind), self.options_)
         elif not isinstance(kind, ForecasterKind):
             kind = make_kind_of(class_of(kind), self.options or {})
         elif self.options:
@@ -843,6 +844,10 @@ class EventForecaster(Estimator):
         if getattr(self, name) is None:
             duration = max(duration, 1 / timing.unit)
         return timing.samples(name, duration)
+
+    def resolved_options(self) -> dict[str, Any]:
+        """Options of the kind that the samples are too coarse for, with the nearest that fit."""
+        return resolved_by_samples(self._kind, self._timing.unit, self._samples("washout"))
 
     @property
     def _components(self) -> Components:

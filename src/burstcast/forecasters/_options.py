@@ -7,6 +7,8 @@ defaults. A kind has the options of the sections that it inherits from.
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
+from burstcast.base import durations
+
 
 @dataclass(frozen=True, kw_only=True)
 class NetworkOptions:
@@ -188,3 +190,23 @@ def in_samples(kind: Any) -> Any:
         if isinstance(kind, section) and getattr(kind, name) == getattr(section(), name)
     }
     return replace(kind, **changes) if changes else kind
+
+
+def resolved_by_samples(kind: Any, samples_per_lt: int, washout: int) -> dict[str, Any]:
+    """Options of a forecaster that its samples are too coarse for, with the nearest that fit.
+
+    Durations have one sample at least, and lags are different samples of a washout of ``washout``
+    samples. ``samples_per_lt``: Samples in a Lyapunov time, or 1 where durations are in samples.
+    """
+    changes: dict[str, Any] = {}
+    for section, name in ((QuadraticOptions, "window_lt"), (ClassifierOptions, "start_spacing_lt")):
+        if isinstance(kind, section) and not durations.steps(getattr(kind, name), samples_per_lt):
+            changes[name] = 1 / samples_per_lt
+    if isinstance(kind, PrecursorOptions):
+        lags = [durations.steps(lag, samples_per_lt) for lag in kind.lags_lt]
+        if len({*lags}) < len(lags) or not all(0 < lag < washout for lag in lags):
+            nearest = {max(1, round(lag * samples_per_lt)) for lag in kind.lags_lt}
+            changes["lags_lt"] = tuple(
+                lag / samples_per_lt for lag in sorted(nearest) if lag < washout
+            )
+    return changes

@@ -92,3 +92,4 @@ def table(trials: Sequence[Trial], chosen: str) -> Iterator[str]:
             f"{trial.kind:{width}}  {trial.brier_skill:11.3f}  {interval:>15}  "
             f"{trial.seconds:8.1f}{mark}"
         )
+    yield from (trial.adapted for trial in trials if trial.adapted)

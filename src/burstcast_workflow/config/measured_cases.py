@@ -279,8 +279,11 @@ def _no_state(
     _, unit = time_step_of(time_step)
     runs = [run for path in paths for run in content_of(path).read(columns, unit)]
     series = [np.stack([run.columns[name] for name in columns], axis=1) for run in runs]
-    constant, counting = columns_of_no_state(columns, series)
-    return [(name, "constant in each run, as the number of a run is") for name in constant] + [
-        (name, "rising or falling in equal steps, as a time or a row number is")
-        for name in counting
+    found = columns_of_no_state(columns, series)
+    return [
+        *((name, "constant in each run, as the number of a run is") for name in found.constant),
+        *(
+            (name, "rising or falling in equal steps, as a time or a row number is")
+            for name in found.counting
+        ),
     ]
