@@ -155,7 +155,7 @@ class FilteredLinearModel(FilteredForecaster):
 
 def test_around_a_linear_model_it_is_the_kalman_filter(observed):
     training = observed[:, :, :10].transpose(2, 0, 1)
-    filtered = FilteredLinearModel().fit(training, FILTERED)
+    filtered = FilteredLinearModel(inflation=1.0).fit(training, FILTERED)
     model, noise = filtered.model, filtered.errors
     washout = observed[100:120, :, 11]
     centre, covariance = washout[0], np.diag(noise**2)
