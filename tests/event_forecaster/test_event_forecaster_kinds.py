@@ -13,10 +13,14 @@ from sklearn.model_selection import GridSearchCV, cross_val_score
 from test_event_forecaster import SMALL
 
 from burstcast import EventForecaster
+from burstcast.data.starting_points import SeriesPoints
+from burstcast.event_forecaster.causes import better_window
 from burstcast.event_forecaster.components import Components
 from burstcast.event_forecaster.scoring import EventScorer
-from burstcast.forecasters.base import Forecaster, fitted
+from burstcast.forecasters.base import Forecaster, ForecastingCase, fitted
 from burstcast.forecasters.nvar import NVAR
+from burstcast.forecasters.quadratic import QuadraticModel
+from burstcast.systems.measured import MeasuredSeries
 
 # what extrapolates or persists forecasts events no better than chance
 pytestmark = pytest.mark.filterwarnings("ignore:signs of a weak forecaster")
@@ -220,6 +224,27 @@ def test_a_window_of_one_interval_and_an_unlearnable_step_are_causes():
     assert "windows of 2 sampling intervals (option window_lt, 0.2)" in text
     assert "one sample ahead its forecast of component" in text
     assert "the prediction window has 4 samples" in text
+
+
+def test_a_better_window_of_the_regression_is_named():
+    """Who follows the words has a smaller error in series that nobody has learnt from."""
+    series = roessler(12, 500, 0.2)
+    case = ForecastingCase(MeasuredSeries(("x", "y", "z"), "x"), 0.2, 1, 30)
+    series = series + 0.02 * series.std(axis=(0, 1)) * np.random.default_rng(1).normal(
+        size=series.shape
+    )
+    points = SeriesPoints(np.repeat(np.arange(8), 20), np.tile(np.arange(20, 460, 22), 8))
+    short = QuadraticModel(window_lt=0.07)
+    (text,) = better_window(short, case, series[:8], points)
+    assert "windows of 8 sampling intervals" in text
+    assert "of those over 2: try options={'window_lt': 0.267}" in text
+    errors = []
+    for model in (short, QuadraticModel(window_lt=0.267)):
+        fitted = model.fit(series[:8], case)
+        forecast, _ = fitted.advance(fitted.start(series[8:, 100:101].transpose(1, 2, 0)), 30)
+        errors.append(np.square(forecast - series[8:, 101:131].transpose(1, 2, 0)).mean())
+    assert errors[1] < 0.7 * errors[0]
+    assert list(better_window(QuadraticModel(window_lt=0.267), case, series[:8], points)) == []
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from burstcast.data.observation_noise import coarse_sampling, estimate_noise, sp
 from burstcast.data.starting_points import SeriesPoints, segments
 from burstcast.event_forecaster.events import FEW_EVENTS, EventTiming
 from burstcast.forecasters.base import Forecaster, ForecastingCase
+from burstcast.forecasters.quadratic import QuadraticModel
 from burstcast.forecasts.windows import POINTS_PER_BATCH
 
 _STEP_ERROR = 0.1
@@ -26,6 +27,14 @@ _FEW_INTERVALS = 3
 """Intervals in the window of a regression, below which its quadrature is of low order."""
 _FEW_SAMPLES = 4
 """Samples of a prediction window, or of a washout, below which it is short."""
+_WINDOW_FACTORS = (0.5, 2, 4)
+"""Windows of learnt equations that are tried, in units of the given one."""
+_WINDOW_POINTS = 200
+"""Starting points that judge windows, at most."""
+_LEAST_AHEAD = 5
+"""Least samples of the forecasts that judge windows."""
+_WINDOW_GAIN = 0.05
+"""Least gain of another window that is worth a word, in log10 of the mean square error."""
 
 
 def causes(
@@ -109,6 +118,68 @@ def step_error(
             "this changes by: models of this kind cannot follow the dynamics at this sampling; "
             "take another kind (esn and analogues need no equations), or sample more finely"
         )
+
+
+def better_window(
+    kind: Any, case: ForecastingCase, training: FloatArray, points: SeriesPoints
+) -> Iterator[str]:
+    """A sentence about a window of learnt equations that forecasts series left out better.
+
+    Half and multiples of the kind's ``window_lt`` are compared with it: equations of one half of
+    the series forecast the other half from single observations, over a Lyapunov time. ``points``:
+    Starting points.
+    """
+    unit, series = case.steps_per_lyapunov_time, len(training)
+    ahead = max(unit, _LEAST_AHEAD)
+    given = durations.steps(kind.window_lt, unit)
+    windows = sorted({given, *(int(given * factor) for factor in _WINDOW_FACTORS)} - {0})
+    inside = points.step + ahead < training.shape[1]
+    chosen = np.flatnonzero(inside)[:: max(1, -(-int(inside.sum()) // _WINDOW_POINTS))]
+    points = SeriesPoints(points.series[chosen], points.step[chosen])
+    around = segments(training, points, 0, ahead)
+    whole = np.isfinite(around).all(axis=(1, 2))
+    if not whole.any():
+        return
+    errors = {}
+    for window in windows:
+        model = QuadraticModel(degree=kind.degree, window_lt=window / unit, noise=kind.noise)
+        logs = np.full(len(points), np.nan)
+        for fold in range(2):
+            here = (points.series % 2 == fold) & whole
+            try:
+                fitted = model.fit(training[np.arange(series) % 2 != fold], case)
+            except ValueError:  # series too short, or nothing but noise
+                break
+            logs[here] = _log_errors(fitted, around[here], samples_of(training).std(axis=0))
+        errors[window] = logs[whole]
+    errors = {window: logs for window, logs in errors.items() if np.isfinite(logs).all()}
+    if given not in errors:
+        return
+    best = min(errors, key=lambda window: float(errors[window].mean()))
+    gain = errors[given] - errors[best]
+    # points of a series are no independent witnesses: their means by series are
+    rows = points.series[whole]
+    means = np.array([gain[rows == row].mean() for row in np.unique(rows)])
+    scatter = means.std(ddof=1) / np.sqrt(len(means)) if len(means) > 1 else np.inf
+    if best != given and means.mean() > max(_WINDOW_GAIN, 2 * scatter):
+        yield (
+            f"equations learnt over windows of {best} sampling intervals forecast training series "
+            f"that were left out with {10 ** -means.mean():.2g} times the mean square error of "
+            f"those over {given}: try options={{'window_lt': {best / unit:.3g}}}"
+        )
+
+
+def _log_errors(forecaster: Forecaster, around: FloatArray, scale: FloatArray) -> FloatArray:
+    """Log10 of the mean square error of forecasts from first samples, ``(points,)``, at most 0.3.
+
+    ``around``: ``(points, 1 + steps, dimension)``. ``scale``: Unit of the errors.
+    """
+    batch = np.ascontiguousarray(around.transpose(1, 2, 0))
+    with np.errstate(over="ignore", invalid="ignore"):
+        outputs, _ = forecaster.advance(forecaster.start(batch[:1]), len(batch) - 1)
+        square = np.square((outputs - batch[1:]) / scale[:, np.newaxis]).mean(axis=(0, 1))
+    # two states that have nothing to do with each other are apart by twice the variance
+    return np.asarray(np.log10(np.clip(np.nan_to_num(square, nan=2.0, posinf=2.0), 1e-12, 2.0)))
 
 
 def diagnosed(symptoms: Sequence[str], found: Sequence[str]) -> list[str]:

@@ -32,7 +32,7 @@ from burstcast.data.observation_noise import estimate_noise
 from burstcast.data.series_layout import LabelledSeries, labelled_series, observation_of
 from burstcast.data.starting_points import SeriesPoints, segments
 from burstcast.event_forecaster import choice, files
-from burstcast.event_forecaster.causes import causes, diagnosed, step_error
+from burstcast.event_forecaster.causes import better_window, causes, diagnosed, step_error
 from burstcast.event_forecaster.choice import (
     AUTO,
     KINDS,
@@ -76,7 +76,7 @@ from burstcast.event_forecaster.shared_rows import shared_rows
 from burstcast.event_forecaster.stream import ObservationStream
 from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasters._limits import TrainingLimits
-from burstcast.forecasters._options import in_samples
+from burstcast.forecasters._options import QuadraticOptions, in_samples
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
 from burstcast.forecasters.registry import as_forecaster, class_of, kind_name, make_kind_of
 from burstcast.forecasts.alarms import UNCALIBRATED, AlarmRule
@@ -364,6 +364,8 @@ class EventForecaster(Estimator):
             prior = None if labelled else checked["prior_forecasts"]
             left_out_forecasts = events.left_out(points, values, prior)
             alarms, unskilled = events.calibrated(points, values, prior)
+            if isinstance(kind, QuadraticOptions) and learnt is None:
+                findings += better_window(kind, case, training, points.points)
         if symptoms := [*invalid, *unskilled.values()]:
             found = causes(
                 kind,
