@@ -96,6 +96,7 @@ class LearntErrorOfAnotherBox(FilteredEquationsOfAnotherBox):
     """
 
     model_class: ClassVar[type[Forecaster]] = CorrectedEquationsOfAnotherBox
+    provides_ensemble: ClassVar[bool] = False
 
     inflation: float | None = 1.0
     rounds: int = 0
@@ -155,15 +156,23 @@ class LearntErrorOfAnotherBox(FilteredEquationsOfAnotherBox):
         restored = super().restore(record, case)
         return restored.with_fitted(model_error=record.arrays["model_error"])
 
-    def ensemble(self, washout):
-        """Memories of the members after a washout, each step of which has its error."""
+    def start(self, washout):
+        """Mean of the members after a washout, in each step of which they have their errors."""
         numbers = _numbers(len(self.errors), self.members)
         shape = len(self.errors), self.members, washout.shape[2]
         members = self.first_members(washout[0]).reshape(shape)
         for observation in washout[1:]:
             members = self._moved(members, np.square(self.model_error), numbers)
             members = self.corrected(members, observation)
-        return members
+        return members.mean(axis=1)
+
+    def ensemble(self, washout):
+        """The mean alone: forecasts of all members would take as many times longer."""
+        return self.start(washout)[..., np.newaxis, :]
+
+    def combined(self, ensemble):
+        """Memory of the mean."""
+        return ensemble[..., 0, :]
 
 
 def _numbers(dimension, members):
