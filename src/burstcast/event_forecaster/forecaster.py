@@ -80,7 +80,11 @@ from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCa
 from burstcast.forecasters.registry import as_forecaster, class_of, kind_name, make_kind_of
 from burstcast.forecasts.alarms import UNCALIBRATED, AlarmRule
 from burstcast.forecasts.points import ObservedPoints, observed_points
-from burstcast.forecasts.probabilities import out_of_sample_forecasts, out_of_sample_probabilities
+from burstcast.forecasts.probabilities import (
+    announcement,
+    out_of_sample_forecasts,
+    out_of_sample_probabilities,
+)
 from burstcast.forecasts.scores import outcomes_by_series, probability_scores
 from burstcast.forecasts.windows import WindowSummaries, member_forecasts, window_forecasts
 from burstcast.systems.base import DynamicalSystem
@@ -349,6 +353,10 @@ class EventForecaster(Estimator):
             if left_out is not None:
                 points = points.of_series(np.concatenate([each.forecast for each in left_out]))
             if labelled is None:
+                washouts = _washouts_of(training, points, timing)
+                system, windows = case.system, timing.boundaries
+                for text in announcement(members[0], system.observable, washouts, windows):
+                    warnings.warn(text, stacklevel=3)
                 votes = _left_out(members, case, training, points, timing, left_out)
                 values = events.shares(votes)
                 invalid += events.invalid(votes, "of series that were left out", members[0])
