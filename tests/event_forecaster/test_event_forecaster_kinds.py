@@ -14,8 +14,9 @@ from test_event_forecaster import SMALL
 
 from burstcast import EventForecaster
 from burstcast.data.starting_points import SeriesPoints
-from burstcast.event_forecaster.causes import better_window
+from burstcast.event_forecaster.causes import better_window, causes
 from burstcast.event_forecaster.components import Components
+from burstcast.event_forecaster.events import EventTiming
 from burstcast.event_forecaster.scoring import EventScorer
 from burstcast.forecasters.base import Forecaster, ForecastingCase, fitted
 from burstcast.forecasters.nvar import NVAR
@@ -224,6 +225,18 @@ def test_a_window_of_one_interval_and_an_unlearnable_step_are_causes():
     assert "windows of 2 sampling intervals (option window_lt, 0.2)" in text
     assert "one sample ahead its forecast of component" in text
     assert "the prediction window has 4 samples" in text
+
+
+def test_components_that_turn_within_a_few_samples_are_a_cause():
+    """A sine of five samples and one of forty, with noise; a map has no turns."""
+    time = np.arange(400) + np.arange(3)[:, np.newaxis]
+    series = np.stack([np.sin(2 * np.pi * time / period) for period in (5.0, 40.0)], axis=-1)
+    series = series + 0.02 * np.random.default_rng(0).normal(size=series.shape)
+    for unit, told in ((40.0, True), (1.0, False)):
+        timing = EventTiming(unit, 1.0, (1.0,), 10.0)
+        words = list(causes(NVAR(), timing, series, ("fast", "slow"), washout=9, events=50))
+        assert any("samples in a turn of the trajectory: fast 5;" in text for text in words) == told
+        assert not any("slow" in text for text in words)
 
 
 def test_a_better_window_of_the_regression_is_named():

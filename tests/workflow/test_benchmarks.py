@@ -73,6 +73,16 @@ def test_filters_around_a_network(finished):
 
 
 @pytest.mark.long
+def test_washouts_of_other_flows_are_found():
+    text = said("consistency.py", "--kinds", "quadratic")
+    rows = re.findall(r"^\| `quadratic` \| 0.5 \| (.*?) \| ([0-9.]+)%", text, re.MULTILINE)
+    found = {name: float(share) for name, share in rows}
+    assert len(found) == 7
+    assert found["the same"] < 12
+    assert found["box longer by 5 %"] > 50
+
+
+@pytest.mark.long
 def test_time_of_planning():
     text = said("planning.py", "--seeds", 1, "--reynolds", 1, "--sizes", 1)
     jobs, seconds, _, _, times = map(float, text.splitlines()[-1].split())

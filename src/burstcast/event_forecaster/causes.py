@@ -25,6 +25,8 @@ _STEP_ERROR = 0.1
 it grows exponentially with the steps. Of the noise, what both must have is left out."""
 _FEW_INTERVALS = 3
 """Intervals in the window of a regression, below which its quadrature is of low order."""
+_FEW_SAMPLES_A_TURN = 8
+"""Samples of a turn of the trajectory, below which the sampling is coarse for any model."""
 _FEW_SAMPLES = 4
 """Samples of a prediction window, or of a washout, below which it is short."""
 _WINDOW_FACTORS = (0.5, 2, 4)
@@ -53,7 +55,8 @@ def causes(
     training series.
     """
     if events < FEW_EVENTS:
-        yield f"{events} events are too few to learn from (lower event_threshold, or more series)"
+        number = f"{events} event is" if events == 1 else f"{events} events are"
+        yield f"{number} too few to learn from (lower event_threshold, or give more series)"
     options = kind.options
     if options.get("noise", 0.0) is None:
         yield from coarse_sampling(observed, names)
@@ -62,6 +65,8 @@ def causes(
             f"the sampling is coarse for the spikes of {', '.join(spiky)}, which last a few "
             "samples: sample more finely"
         )
+    if kind.has_trajectories and timing.unit > 1:  # in maps, a step is a turn
+        yield from _few_samples_a_turn(observed, names)
     if "window_lt" in options:
         intervals = durations.steps(options["window_lt"], timing.unit)
         if intervals < _FEW_INTERVALS:
@@ -76,6 +81,30 @@ def causes(
     # kinds that start from the last state need no washout
     if (kind.has_filter or kind.has_search or not kind.has_trajectories) and washout < _FEW_SAMPLES:
         yield f"the washout has {washout} samples: lengthen washout"
+
+
+def _few_samples_a_turn(observed: FloatArray, names: Sequence[str]) -> Iterator[str]:
+    """A sentence about components that oscillate within a few samples.
+
+    The mean square change in a sample of an oscillation of n samples a period is
+    2 (1 - cos(2 pi / n)) times its variance; twice that of the noise is left out.
+    """
+    if observed.shape[1] <= 8:
+        return
+    noise = 2 * np.square(estimate_noise(observed))
+    change = np.square(samples_of(np.diff(observed, axis=1))).mean(axis=0) - noise
+    variance = samples_of(observed).var(axis=0)
+    ratio = np.clip(change / np.where(variance > 0, variance, np.inf), 1e-12, 4.0)
+    period = 2 * np.pi / np.arccos(1 - 0.5 * ratio)
+    fast = [
+        f"{names[component]} {period[component]:.2g}"
+        for component in np.flatnonzero(period < _FEW_SAMPLES_A_TURN).tolist()
+    ]
+    if fast:
+        yield (
+            f"the sampling is coarse: samples in a turn of the trajectory: {', '.join(fast)}; "
+            f"sample more finely, {_FEW_SAMPLES_A_TURN} or more in a turn"
+        )
 
 
 def step_error(
@@ -113,10 +142,11 @@ def step_error(
     ratio = np.where(judged, np.where(np.isfinite(ratio), ratio, np.inf), 0.0)
     worst = int(np.argmax(ratio))
     if ratio[worst] > _STEP_ERROR:
+        size = f"{ratio[worst]:.0%} of" if ratio[worst] < 10 else "far more than"
         yield (
-            f"one sample ahead its forecast of {names[worst]} errs by {ratio[worst]:.0%} of what "
-            "this changes by: models of this kind cannot follow the dynamics at this sampling; "
-            "take another kind (esn and analogues need no equations), or sample more finely"
+            f"one sample ahead its forecast of {names[worst]} errs by {size} what this changes by: "
+            "models of this kind cannot follow the dynamics at this sampling, or have too few "
+            "series to learn them from; take another kind, sample more finely, or give more series"
         )
 
 

@@ -28,6 +28,8 @@ INFLATIONS = (1.0, 1.01, 1.02, 1.05, 1.1, 1.2, 1.4, 1.7, 2.0)
 """Inflations to choose from."""
 _SEGMENTS = 64
 """Segments of the training series, a Lyapunov time long, that judge inflations, at most."""
+_LARGE_INFLATION = 1.05
+"""Inflation that tells of errors of the model; a smaller one makes up for the finite ensemble."""
 _LOST = -1e9
 """Log-likelihood of a segment in which the filter is not finite."""
 
@@ -91,7 +93,7 @@ class FilteredForecaster(ObservationOptions, FilterOptions, Forecaster):
     def weaknesses(self) -> list[str]:
         """Sentences of the model, and one about innovations that it does not explain."""
         found = self.model.weaknesses()
-        if self.chosen_inflation is not None and self.chosen_inflation > 1:
+        if self.chosen_inflation is not None and self.chosen_inflation >= _LARGE_INFLATION:
             found.append(
                 f"the filter's observations lie further from its forecasts than noise and ensemble "
                 f"explain: it inflates the ensemble by {self.chosen_inflation:g} before each of "
