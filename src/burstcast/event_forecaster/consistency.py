@@ -1,4 +1,4 @@
-"""A test whether the observations of a washout are like those that the model has learnt from.
+"""A test whether the observations of a washout are like those of the training series.
 
 The first half of a washout is continued by the model, and compared with the second half. What the
 errors are like is known from training series that the model has not learnt from (hindcasts): they
