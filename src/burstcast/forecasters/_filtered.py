@@ -110,16 +110,23 @@ class FilteredForecaster(ObservationOptions, FilterOptions, Forecaster):
     def _with_chosen_inflation(self, training: FloatArray, steps: int) -> Self:
         """Return this forecaster with the inflation under which innovations are most likely.
 
-        The smallest one that is as good as the best but for its standard error. ``steps``: Samples
-        of a segment, a Lyapunov time.
+        The smallest one that is as good as the best but for its standard error; larger ones are not
+        tried once the likelihood has fallen twice. ``steps``: Samples of a segment, a Lyapunov
+        time.
         """
         points = _ends_of_segments(training, steps)
-        candidates = [replace(self, chosen_inflation=factor) for factor in INFLATIONS]
         if not len(points) or not (self.errors > 0).any():
-            return candidates[0]
+            return replace(self, chosen_inflation=INFLATIONS[0])
         washouts = segments(training, points, steps - 1, 0)
         batch = np.ascontiguousarray(washouts.transpose(1, 2, 0))
-        likely = np.array([each._log_likelihood(batch) for each in candidates])
+        candidates: list[Self] = []
+        logs: list[FloatArray] = []
+        for factor in INFLATIONS:
+            candidates.append(replace(self, chosen_inflation=factor))
+            logs.append(candidates[-1]._log_likelihood(batch))
+            if len(logs) > 2 and logs[-1].mean() < logs[-2].mean() < logs[-3].mean():
+                break
+        likely = np.array(logs)
         worse = likely[np.argmax(likely.mean(axis=1))] - likely
         bound = worse.std(axis=1, ddof=1) / np.sqrt(len(points)) if len(points) > 1 else 0.0
         return candidates[int(np.argmax(worse.mean(axis=1) <= bound))]
