@@ -96,6 +96,16 @@ def test_intervals_of_scores_hold_the_truth():
 
 
 @pytest.mark.long
+def test_washouts_of_other_flows_are_found():
+    text = said("consistency.py", "--kinds", "quadratic_filtered")
+    rows = re.findall(r"^\| `quadratic_filtered` \| 0.5 \| (.*?) \| ([0-9.]+)%", text, re.MULTILINE)
+    found = {name: float(share) for name, share in rows}
+    assert len(found) == 7
+    assert found["the same"] < 12
+    assert found["box longer by 5 %"] > 90
+
+
+@pytest.mark.long
 def test_time_of_planning():
     text = said("planning.py", "--seeds", 1, "--reynolds", 1, "--sizes", 1)
     jobs, seconds, _, _, times = map(float, text.splitlines()[-1].split())

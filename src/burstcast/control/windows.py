@@ -201,7 +201,7 @@ def _crosses_between_windows(flows: ControlledFlows, upward: BoolArray) -> BoolA
 
 
 def totals(sample: FlowSample, counts: WindowCounts, left_out: int) -> dict[str, float]:
-    """Counts and shares over all flows that laminarise neither with control nor without it.
+    """Counts and shares over all flows that neither laminarise nor escape.
 
     Steps and exceedances are of the steps that count. ``reduction`` is the share of the exceedance
     that control removes, ``alarm_rate`` the share of the forecasts that raise an alarm; NaN where
@@ -216,7 +216,8 @@ def totals(sample: FlowSample, counts: WindowCounts, left_out: int) -> dict[str,
         "actuated_integration_steps": int(records.actuated_integration_steps[kept].sum()),
         "flows": flows,
         "left_out": left_out,
-        "laminarised": len(kept) - flows,
+        "laminarised": int(records.laminarises.sum()),
+        "escaped": int(records.escapes.sum()),
         "laminarised_controlled": int((records.laminar_step_controlled >= 0).sum()),
         "laminarised_uncontrolled": int((records.laminar_step_uncontrolled >= 0).sum()),
         "events_controlled": sum(total[name] for name in _EVENTS),

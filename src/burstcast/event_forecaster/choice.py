@@ -24,6 +24,7 @@ from burstcast.data.starting_points import SeriesPoints
 from burstcast.event_forecaster.score_intervals import blocks_of
 from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasts.alarms import isotonic, logistic
+from burstcast.forecasts.probabilities import rounded
 from burstcast.forecasts.scores import Outcomes, outcomes_by_series
 
 if TYPE_CHECKING:
@@ -238,13 +239,7 @@ def cost(kinds: Sequence[str], series: FloatArray, forecaster: "EventForecaster"
     total = sum(seconds.values())
     dearest = max(seconds, key=lambda kind: seconds[kind])
     return (
-        f"kind='auto' fits {', '.join(kinds)}, which takes some {_rounded(total)} on one core, "
-        f"{_rounded(seconds[dearest])} of them for {dearest}; fewer kinds: "
+        f"kind='auto' fits {', '.join(kinds)}, which takes some {rounded(total)} on one core, "
+        f"{rounded(seconds[dearest])} of them for {dearest}; fewer kinds: "
         f"options={{'kinds': [...]}}"
     )
-
-
-def _rounded(seconds: float) -> str:
-    if seconds < 90:
-        return f"{max(1.0, float(f'{seconds:.1g}')):g} s"
-    return f"{float(f'{seconds / 60:.1g}'):g} minutes"

@@ -47,7 +47,9 @@ class FilterOptions:
     section: ClassVar[str] = "filter"
 
     members: int = 40  #: size of the ensemble: even, and at least twice the dimension
-    inflation: float = 1.0  #: see `burstcast.forecasters._square_root_filter.assimilate`
+    #: factor of the ensemble's deviations before each observation, which makes up for errors of the
+    #: model; None: chosen by the innovations in the training series
+    inflation: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

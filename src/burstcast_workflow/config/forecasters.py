@@ -286,7 +286,11 @@ class Filter(Section):
     members: Annotated[Whole, Field(multiple_of=2)] = setting(
         "size of the ensemble: at least twice the components of a wholly observed state", ge=2
     )
-    inflation: Number = setting("factor of the ensemble's scatter before each observation", ge=1)
+    inflation: Number | None = setting(
+        "factor of the ensemble's scatter before each observation; null: chosen by the innovations "
+        "in the training series, 1 for a model without error",
+        ge=1,
+    )
 
 
 @with_defaults(vars(SECTIONS["quadratic"]()))

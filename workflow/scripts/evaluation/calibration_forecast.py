@@ -4,9 +4,9 @@ import numpy as np
 
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.forecasts.forecast_files import forecast_variables
-from burstcast.forecasts.probabilities import out_of_sample_forecasts
+from burstcast.forecasts.probabilities import announcement, out_of_sample_forecasts
 from burstcast.forecasts.windows import window_forecasts
-from burstcast_workflow.harness.job import JobSettings, at, job, write_netcdf
+from burstcast_workflow.harness.job import JobSettings, at, job, tell, write_netcdf
 from burstcast_workflow.jobs.cases import Washout
 from burstcast_workflow.jobs.forecasters import Observing, seen
 from burstcast_workflow.jobs.forecasts import Windows
@@ -38,6 +38,8 @@ def forecast_calibration_set(
     model = forecasting.read_forecaster(forecaster)
     points = read_netcdf(calibration_set)
     washouts = seen(model, points["washout"], points["true_washout"], points.get("parameter"))
+    for text in announcement(model, space.observable, washouts, boundaries):
+        tell(text)
     training_set = read_scheduled(scheduled, settings.case) if scheduled else None
     if settings.calibration_series or (training_set and not training_set.own_rows):
         forecasts = window_forecasts(model, space.observable, washouts, boundaries)
