@@ -109,6 +109,8 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
             raise ValueError(f"rounds must be 0 at least, not {self.rounds}")
         if self.members < 4 or self.members % 2:
             raise ValueError(f"members must be even, and 4 at least, not {self.members}")
+        if self.conserved and not self.observable_follows:
+            raise ValueError("conserved takes an observable that follows (observable_follows)")
         if not self.rates_per_lt or min(self.rates_per_lt) <= 0:
             raise ValueError(f"rates_per_lt must be above 0, not {self.rates_per_lt}")
 
@@ -151,7 +153,9 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
         candidates: list[Self] = []
         judged: list[float] = []
         for number in range(self.rounds + 1):
-            learnt = _learnt(states, noise, interval, window, follows, first, len(errors))
+            learnt = _learnt(
+                states, noise, interval, window, follows, first, len(errors), self.conserved
+            )
             current = self._with(learnt, case, **common)
             followed = current._follow(observed, unit, points[0])
             current = current.with_fitted(
@@ -229,7 +233,14 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
             others = np.delete(np.arange(len(training)), rows)
             follows = None if followed_by is None else followed_by[others]
             learnt = _learnt(
-                states[others], noise, interval, window, follows, first, len(self.errors)
+                states[others],
+                noise,
+                interval,
+                window,
+                follows,
+                first,
+                len(self.errors),
+                self.conserved,
             )
             # in the units of the variables that the prior is about
             yield self._with(learnt, case)
@@ -403,11 +414,12 @@ def _learnt(
     follows: FloatArray | None,
     first: int,
     observed: int,
+    conserved: bool,
 ) -> _Learnt:
-    """Learn equations from series of observed and hidden variables, from sample ``first`` on."""
-    coefficients = factored_coefficients(
-        np.ascontiguousarray(states), noise, interval, _DEGREE, window, _SIGNIFICANCE
-    )[0]
+    """Learn equations from series of observed and hidden variables, from sample ``first`` on.
+
+    ``conserved``: Whether quadratic terms leave the observable that follows as it is.
+    """
     samples = samples_of(states)
     known = np.column_stack([np.ones(len(samples)), samples[:, :observed]])
     hidden = samples[:, observed:]
@@ -420,8 +432,26 @@ def _learnt(
         there = ~np.isnan(states[..., 0])
         targets = follows[:, first : first + states.shape[1]][there]
         weights = np.asarray(np.linalg.lstsq(_values(samples).T, targets, rcond=None)[0])
+    coefficients = factored_coefficients(
+        np.ascontiguousarray(states),
+        noise,
+        interval,
+        _DEGREE,
+        window,
+        _SIGNIFICANCE,
+        conserved=_form(weights, states.shape[2]) if conserved else None,
+    )[0]
     reach = _REACH * np.abs(samples).max(axis=0)
     return _Learnt(coefficients, np.asarray(prior), np.asarray(root), scale, reach, weights)
+
+
+def _form(weights: FloatArray | None, dimension: int) -> FloatArray:
+    """Matrix of the quadratic terms of a function with these weights of the monomials."""
+    form = np.zeros((dimension, dimension))
+    if weights is not None:
+        rows, columns = np.triu_indices(dimension)
+        form[rows, columns] = weights[1 + dimension :]
+    return np.asarray(form + form.T) / 2
 
 
 def _settled(smoothed: FloatArray, observed: FloatArray, unit: int) -> tuple[FloatArray, int]:

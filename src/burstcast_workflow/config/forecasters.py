@@ -306,6 +306,10 @@ class HiddenQuadratic(Section):
         "whether the observable is a component that follows from the others and the hidden "
         "variables, and has no equation of its own"
     )
+    conserved: bool = setting(
+        "whether quadratic terms conserve this observable, as those of an incompressible flow "
+        "conserve its kinetic energy; takes observable_follows"
+    )
     rounds: Whole = setting(
         "how often the training series are smoothed by the equations, which are learnt again", ge=0
     )
