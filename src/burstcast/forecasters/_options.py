@@ -86,7 +86,7 @@ class HiddenQuadraticOptions:
     #: whether quadratic terms conserve the observable that follows, as those of an incompressible
     #: flow conserve its kinetic energy
     conserved: bool = False
-    rounds: int = 8  #: how often the training series are smoothed and the equations learnt again
+    rounds: int = 12  #: how often the training series are smoothed and the equations learnt again
     #: rates of moving averages that the first hidden variables may be, per Lyapunov time
     rates_per_lt: tuple[float, ...] = (0.18, 0.4, 0.73, 1.5, 3.0, 5.5)
     smoothing_lag_lt: float = 0.65  #: time by which later observations correct smoothed series
