@@ -80,7 +80,9 @@ class HiddenQuadraticOptions:
 
     section: ClassVar[str] = "quadratic_hidden"
 
-    hidden: int = 2  #: number of hidden variables, which nothing but prior knowledge tells
+    #: number of hidden variables, which nothing but prior knowledge tells; 0: there are none, and
+    #: equations are learnt again from smoothed series
+    hidden: int = 2
     #: whether the observable is a component that follows from the others and the hidden variables
     observable_follows: bool = False
     #: whether quadratic terms conserve the observable that follows, as those of an incompressible

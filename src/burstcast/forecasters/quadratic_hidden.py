@@ -35,7 +35,7 @@ from burstcast.forecasters._square_root_filter import mean
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.systems.integration import integrate
 from burstcast.systems.polynomials.basis import denoised, monomials
-from burstcast.systems.polynomials.hidden import hidden_series
+from burstcast.systems.polynomials.hidden import HiddenSeries, hidden_series
 from burstcast.systems.polynomials.regression import factored_coefficients
 from burstcast.systems.polynomials.system import PolynomialSystem
 
@@ -103,8 +103,8 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
     consistency: FloatArray = fitted()  #: mean square innovation over the expected one
 
     def __post_init__(self) -> None:
-        if self.hidden < 1:
-            raise ValueError(f"hidden must be 1 at least, not {self.hidden}")
+        if self.hidden < 0:
+            raise ValueError(f"hidden must be 0 at least, not {self.hidden}")
         if self.rounds < 0:
             raise ValueError(f"rounds must be 0 at least, not {self.rounds}")
         if self.members < 4 or self.members % 2:
@@ -127,28 +127,25 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
         observed, followed_by = _parted(training, place)
         errors = observation_noise(observed, self.noise)
         window = max(2, durations.steps(_FIRST_WINDOW_LT, unit))
-        rates = [rate / unit for rate in self.rates_per_lt]
-        series = without_padding(observed)
-        found = hidden_series(series, errors, self.hidden, rates, max(2, 2 * window // 3))
-        states = padded(
-            [
-                np.concatenate([part[found.first :], hidden], axis=1)
-                for part, hidden in zip(
-                    [series[row] for row in found.rows], found.series, strict=True
-                )
-            ]
-        )
-        follows = None if followed_by is None else followed_by[found.rows]
+        found = self._found(observed, errors, max(2, 2 * window // 3), unit)
+        states, follows, first = observed, followed_by, 0
+        if found is not None:
+            first, rows = found.first, found.rows
+            parts = [part[first:] for part in without_padding(observed[rows])]
+            states = padded(
+                [np.concatenate(pair, axis=1) for pair in zip(parts, found.series, strict=True)]
+            )
+            follows = None if followed_by is None else followed_by[rows]
         common = {
             "errors": errors,
             "place": place,
             "random_seed": case.random_seed,
-            "rates": np.array(found.rates) * unit,
-            "explained": found.explained,
+            "rates": np.array(() if found is None else found.rates) * unit,
+            "explained": float("nan") if found is None else found.explained,
             "time_step": case.time_step,
             "sampling_stride": case.sampling_stride,
         }
-        noise, first = np.concatenate([errors, np.zeros(self.hidden)]), found.first
+        noise = np.concatenate([errors, np.zeros(self.hidden)])
         points = _starts(observed, _FORECAST_LT * unit, unit)
         candidates: list[Self] = []
         judged: list[float] = []
@@ -170,6 +167,15 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
                 follows = followed_by
         best = int(np.argmin(judged)) if judged else self.rounds
         return candidates[best].with_fitted(round_errors=np.array(judged, dtype=np.float64))
+
+    def _found(
+        self, observed: FloatArray, errors: FloatArray, window: int, unit: int
+    ) -> HiddenSeries | None:
+        """First estimate of hidden variables; None: there are none."""
+        if not self.hidden:
+            return None
+        rates = [rate / unit for rate in self.rates_per_lt]
+        return hidden_series(without_padding(observed), errors, self.hidden, rates, window)
 
     def _place(self, training: FloatArray, case: ForecastingCase) -> int:
         """Component that is the observable and follows from the others; -1 for none."""
@@ -248,7 +254,7 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
     def weaknesses(self) -> list[str]:
         """Sentences about hidden variables that are not seen, and a filter that misjudges."""
         found, (low, high) = [], _CONSISTENT
-        if self.explained > _LITTLE_EXPLAINED:
+        if self.hidden and self.explained > _LITTLE_EXPLAINED:
             found.append(
                 f"hidden variables explain little: equations with them leave {self.explained:.2g} "
                 "times what equations without them leave (hidden, rates_per_lt)"
@@ -256,7 +262,11 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
         edges = min(self.rates_per_lt), max(self.rates_per_lt)
         on_edge = np.isclose(self.rates[:, np.newaxis], edges).any(axis=1)
         # two averages are taken at once; one hidden variable needs one
-        if len(self.rates_per_lt) > 2 and (~on_edge).sum() < min(self.hidden, len(self.rates)):
+        if (
+            self.hidden
+            and len(self.rates_per_lt) > 2
+            and (~on_edge).sum() < min(self.hidden, len(self.rates))
+        ):
             found.append(
                 f"a rate of the moving averages is on the edge of its search, "
                 f"{self.rates[on_edge][0]:.3g} per Lyapunov time: search beyond it (rates_per_lt)"
@@ -424,7 +434,8 @@ def _learnt(
     known = np.column_stack([np.ones(len(samples)), samples[:, :observed]])
     hidden = samples[:, observed:]
     prior = np.linalg.lstsq(known, hidden, rcond=None)[0]
-    covariance = np.cov((hidden - known @ prior).T).reshape(hidden.shape[1], -1)
+    left = hidden - known @ prior
+    covariance = left.T @ left / max(1, len(left) - 1)
     scale = hidden.std(axis=0)
     root = np.linalg.cholesky(covariance + 1e-12 * np.diag(np.square(scale) + 1e-300))
     weights: FloatArray | None = None

@@ -301,7 +301,9 @@ class Quadratic(Section):
 class HiddenQuadratic(Section):
     """Learnt quadratic equations with hidden variables, `quadratic_hidden`."""
 
-    hidden: Count = setting("number of hidden variables, which must be known beforehand")
+    hidden: Whole = setting(
+        "number of hidden variables, which must be known beforehand; 0: smoothing alone", ge=0
+    )
     observable_follows: bool = setting(
         "whether the observable is a component that follows from the others and the hidden "
         "variables, and has no equation of its own"
