@@ -53,7 +53,7 @@ ROWS = [
 
 
 def explained(model, washouts, truth):
-    """Shares of the variance of hidden amplitudes, ``(hidden,)``; ``truth``: ``(hidden, points)``."""
+    """Explained shares of the variance of ``truth``, ``(hidden, points)``: ``(hidden,)``."""
     states = model.start(washouts.transpose(1, 2, 0))
     known = np.concatenate([np.ones((1, states.shape[1])), states])
     left = truth - truth @ np.linalg.pinv(known) @ known
@@ -100,8 +100,10 @@ def main():
             truth = states[first:][points.series, points.step][:, unseen].T
             shares = " ".join(f"{share:.4f}" for share in explained(model, washouts, truth))
         table.writerow(
-            [kind, hidden, number, *(f"{scores[name]:.4f}" for name in names), best, shares]
-            + [f"{fitted - began:.0f}", f"{1e3 * (forecast - fitted) / len(washouts):.2f}"]
+            [
+                *(kind, hidden, number, *(f"{scores[name]:.4f}" for name in names), best, shares),
+                *(f"{fitted - began:.0f}", f"{1e3 * (forecast - fitted) / len(washouts):.2f}"),
+            ]
         )
         sys.stdout.flush()
 
