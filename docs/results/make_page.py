@@ -1,7 +1,7 @@
 """docs/results.md and a page for each campaign, from tables that were kept: ``make results``.
 
 Pages are the templates in ``pages``, rendered with tables and numbers; no number is typed. Beside
-them are four figures and published_values.csv.
+them are six figures and published_values.csv.
 """
 
 import re
@@ -13,6 +13,7 @@ from textwrap import TextWrapper
 import claims
 import comparisons
 import drawings
+import experiments
 import jinja2
 import kept_tables
 import pandas as pd
@@ -24,6 +25,7 @@ DOCS = KEPT.parent
 TEMPLATES = KEPT / "pages"
 FINDINGS = "results"
 """The page that opens docs/results.md; all others lie in docs/results."""
+BENCHMARKS = DOCS.parent / "benchmarks"
 PUBLISHED_VALUES = KEPT / "published_values.csv"
 
 
@@ -105,7 +107,9 @@ def pages() -> dict[Path, str]:
     environment.globals |= {
         **vars(kept_tables),
         **vars(comparisons),
+        **vars(experiments),
         "kept": cache(lambda name: Tables(KEPT / name)),
+        "measured": Tables(BENCHMARKS),
         "supported": supported,
         "trio": trio,
         "in_units": in_units,
@@ -137,6 +141,8 @@ if __name__ == "__main__":
     PUBLISHED_VALUES.write_text(published_values(), encoding="utf-8")
     for name, figure in (
         ("readout", drawings.draw_readouts(Tables(KEPT / "readout"))),
+        ("smoothing", experiments.draw_smoothing(Tables(BENCHMARKS))),
+        ("hidden_modes", experiments.draw_hidden_modes(Tables(BENCHMARKS))),
         ("late_actuator", drawings.draw_late_actuator(Tables(KEPT / "aware"))),
         ("published_scores", drawings.draw_published_scores(Tables(KEPT / "paper"))),
         (

@@ -1,5 +1,6 @@
 """Every kind that forecasts trajectories keeps to the same rules; those that learn least alone."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -516,7 +517,9 @@ def test_hidden_variables_that_cannot_be_found_are_refused():
 
 
 def test_equations_with_a_hidden_variable_forecast_what_quadratic_ones_cannot(hidden_model):
-    assert hidden_model.weaknesses() == []
+    assert replace(hidden_model, round_errors=np.zeros(2)).weaknesses() == [
+        "no round of smoothing improved forecasts (quadratic_hidden.rounds)"
+    ]
     np.testing.assert_allclose(hidden_model.consistency, 1, atol=0.25)
     washout, _ = washouts_of(NOISY_LONG[4:, :850, :2], 30, 55)
     truth = np.concatenate(
@@ -537,6 +540,31 @@ def test_equations_with_a_hidden_variable_forecast_what_quadratic_ones_cannot(hi
     for other in refitted:
         again = other.advance(other.start(washout), 20)[0]
         assert np.median(np.abs((again - outputs[:20]) / scale).max(axis=(0, 1))) < 0.3
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"round_errors": np.array([-1.0, -1.5])}, "lowered the log10 square error .* by 0.5"),
+        ({"model_error": np.array([0.01, 0.5])}, "the smoother follows its own equations"),
+        ({"explained": 0.9}, "hidden variables explain little"),
+        ({"consistency": np.array([1.0, 2.0])}, "1 to 2 times the expected"),
+        ({"rates": np.array([0.8, 5.5])}, "on the edge of its search"),
+    ],
+)
+def test_weak_fits_with_hidden_variables_are_told(fields, message):
+    sound = {
+        "round_errors": np.array([-1.0, -1.01]),
+        "model_error": np.array([0.5, 0.5]),
+        "errors": np.ones(2),
+        "explained": 0.1,
+        "consistency": np.ones(2),
+        "rates": np.array([1.65, 2.93]),
+    }
+    model = HiddenQuadraticModel(**HIDDEN_OPTIONS)
+    assert model.with_fitted(**sound).weaknesses() == []
+    (weakness,) = model.with_fitted(**{**sound, **fields}).weaknesses()
+    assert re.search(message, weakness)
 
 
 def test_smoothing_brings_equations_without_hidden_variables_nearer_to_the_true_ones():

@@ -28,7 +28,12 @@ from burstcast.base.series_lengths import (
     without_padding,
 )
 from burstcast.data.observation_noise import observation_noise
-from burstcast.forecasters._ensemble_smoother import Followed, follow, opposite_pairs
+from burstcast.forecasters._ensemble_smoother import (
+    LEAST_ERROR,
+    Followed,
+    follow,
+    opposite_pairs,
+)
 from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters._options import HiddenQuadraticOptions, ObservationOptions
 from burstcast.forecasters._square_root_filter import mean
@@ -55,6 +60,10 @@ _FORECAST_LT, _MOST_STARTS = 2, 1000
 _LOST = 100.0
 """Square error, in variances of a component, that counts for a forecast beyond it."""
 _CONSISTENT = (0.8, 1.25)
+_STILL_IMPROVING = 0.05
+"""Gain of the last round, in the mean log10 square error of forecasts, that suggests another."""
+_TRUSTED = 1.1
+"""Error of the equations, in units of the least, up to which it counts as the least."""
 _LITTLE_EXPLAINED = 0.8
 """Share of the residual of equations without hidden variables from which none are seen."""
 
@@ -279,6 +288,19 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
             )
         if self.rounds and self.round_errors.size and int(np.argmin(self.round_errors)) == 0:
             found.append("no round of smoothing improved forecasts (quadratic_hidden.rounds)")
+        if self.rounds and self.round_errors.size:
+            gain = float(self.round_errors[-2] - self.round_errors[-1])
+            if gain > _STILL_IMPROVING:
+                found.append(
+                    f"the last round of smoothing lowered the log10 square error of forecasts by "
+                    f"{gain:.2g}: more may help (quadratic_hidden.rounds)"
+                )
+        there = self.errors > 0
+        if (self.model_error[there] <= _TRUSTED * LEAST_ERROR * self.errors[there]).any():
+            found.append(
+                "the smoother follows its own equations: their estimated error in a step is as "
+                "small as it may be in some component (quadratic_hidden.rounds, observation.noise)"
+            )
         return found
 
     def record(self) -> ForecasterRecord:
