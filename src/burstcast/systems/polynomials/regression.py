@@ -280,7 +280,7 @@ def _conserving(
     ``gram``, ``cross``: Sums over the windows of each stretch.
     """
     constraints = _changes_of_form(form)
-    quadratic = constraints.any(axis=(0, 2))
+    quadratic: BoolArray = np.asarray(constraints.any(axis=(0, 2)))
     kept = (coefficients != 0) | quadratic[:, np.newaxis]
     total = gram.sum(axis=0)
     free, moved, blocks = np.zeros_like(coefficients), [], []
@@ -308,8 +308,8 @@ def _changes_of_form(form: FloatArray) -> FloatArray:
     """
     dimension = len(form)
     basis = monomials(dimension, 2)
-    cubics = [factors for factors in monomials(dimension, 3) if len(factors) == 3]
-    place = {factors: row for row, factors in enumerate(cubics)}
+    cubics = monomials(dimension, 3)[len(basis) :]
+    place: dict[Monomial, int] = {factors: row for row, factors in enumerate(cubics)}
     changes = np.zeros((len(cubics), len(basis), dimension))
     for row, factors in enumerate(basis):
         if len(factors) == 2:
