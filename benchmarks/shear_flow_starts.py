@@ -64,21 +64,27 @@ class Starts:
 
     observable: np.ndarray
     seen: np.ndarray
+    steps_per_lyapunov_time: int = STEPS_PER_LT
+    threshold: float = THRESHOLD
+    washout: int = WASHOUT
 
     def __post_init__(self) -> None:
         count, length = self.observable.shape
-        points = starting_points(count, length, STEPS_PER_LT, 3 * STEPS_PER_LT, BOUNDARIES[-1])
-        before = segments(self.seen[..., np.newaxis], points, WASHOUT - 1, 0)[..., 0]
-        quiet = before.max(axis=1) < THRESHOLD
+        unit = self.steps_per_lyapunov_time
+        self.boundaries = window_boundaries(0.5, 11, unit)
+        points = starting_points(count, length, unit, 3 * unit, self.boundaries[-1])
+        before = segments(self.seen[..., np.newaxis], points, self.washout - 1, 0)[..., 0]
+        quiet = before.max(axis=1) < self.threshold
         points = SeriesPoints(points.series[quiet], points.step[quiet])
-        ahead = segments(self.observable[..., np.newaxis], points, 0, BOUNDARIES[-1])[:, 1:, 0]
-        followed = (ahead >= THRESHOLD).any(axis=1)
+        ahead = segments(self.observable[..., np.newaxis], points, 0, self.boundaries[-1])
+        ahead = ahead[:, 1:, 0]
+        followed = (ahead >= self.threshold).any(axis=1)
         drawn = random_streams.stream(SEED, "points without events").random(len(followed)) < 0.25
         taken = followed | drawn
         self.points = SeriesPoints(points.series[taken], points.step[taken])
         self.weights = np.where(followed, 1.0, 4.0)[taken]
-        truth = summarise(ahead[taken].T, BOUNDARIES)
-        self.truth = np.array([crosses(truth, 2 * time - 1, 2, THRESHOLD) for time in TIMES])
+        truth = summarise(ahead[taken].T, self.boundaries)
+        self.truth = np.array([crosses(truth, 2 * time - 1, 2, self.threshold) for time in TIMES])
 
     def washouts(self, observed: np.ndarray, steps: int) -> np.ndarray:
         """Observed washouts, ``(points, steps, component)``."""
@@ -87,7 +93,7 @@ class Starts:
     def scores(self, forecasts: WindowForecasts, resamples: int = 1000) -> dict[str, float]:
         """F of the majority of the members, its interval at 3 LT, and Brier skill of votes."""
         votes = np.array(
-            [share_of_votes(forecasts.members, 2 * time - 1, 2, THRESHOLD) for time in TIMES]
+            [share_of_votes(forecasts.members, 2 * time - 1, 2, self.threshold) for time in TIMES]
         )
         alarms, number = votes >= 0.5, self.points.series.max() + 1
 

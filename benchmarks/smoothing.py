@@ -57,18 +57,27 @@ ROUNDS, JITTER = 4, 0.05
 CASE = ForecastingCase(SYSTEM, 0.25, 4, STEPS_PER_LT)
 
 
-def networks(observed, neurons, seed):
+def networks(
+    observed,
+    neurons,
+    seed,
+    observable=SYSTEM.observable,
+    unit=STEPS_PER_LT,
+    washout=WASHOUT,
+    intervals=30,
+    input_scalings=INPUT_SCALINGS,
+):
     """Echo state network with squares, and with filter and smoothing: variant and forecaster."""
     training = TrainingSeries(observed, component_scales(observed).range)
     reservoir_seed = ReservoirSeed(87, neurons, seed, 20.0, 1.0)
     reservoir = reservoir_seed.reservoir(observed.shape[2])
-    plan = ValidationPlan(washout=WASHOUT, interval=2 * STEPS_PER_LT, series=4, intervals=30)
+    plan = ValidationPlan(washout=washout, interval=2 * unit, series=4, intervals=intervals)
     validator = PointValidator(
-        reservoir, training, SYSTEM.observable, plan, TIKHONOV, "compiled", "quadratic"
+        reservoir, training, observable, plan, TIKHONOV, "compiled", "quadratic"
     )
     tried = [
         (result.objective, point, result.tikhonov)
-        for radius, scaling in product(SPECTRAL_RADII, INPUT_SCALINGS)
+        for radius, scaling in product(SPECTRAL_RADII, input_scalings)
         for point in [HyperparameterPoint(radius, scaling, 1.0)]
         for result in validator(point, [make_strategy("RV")])
     ]
@@ -86,9 +95,9 @@ def networks(observed, neurons, seed):
             dynamics,
             reservoir_seed,
             training,
-            washout=WASHOUT,
+            washout=washout,
             tikhonov=tikhonov,
-            steps_per_lyapunov_time=STEPS_PER_LT,
+            steps_per_lyapunov_time=unit,
         )
 
     plain = NetworkForecaster(input_offset="none")

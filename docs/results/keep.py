@@ -48,7 +48,10 @@ KEPT_TABLES = (
 
 # Probabilities of single networks fill large tables: only committees are kept, in campaigns about
 # probabilities.
-WITH_PROBABILITIES = ("beyond_the_paper", "learnt_precursor", "readout_committee")
+WITH_PROBABILITIES = (
+    *("beyond_the_paper", "learnt_precursor", "readout_committee"),
+    *("smoothing", "hidden_modes"),
+)
 
 VERSIONS = "versions.json"
 RULE_COSTS = "rule_costs.csv"
