@@ -33,11 +33,11 @@ BOUNDARIES = window_boundaries(0.5, 11, STEPS_PER_LT)
 LAMINAR_STATE = np.array([1, 0, 0.07066, -0.07076, 0, 0, 0, 0, 0])
 
 
-def true_series(count: int) -> np.ndarray:
+def true_series(count: int, system: MoehlisFaisstEckhardt = SYSTEM) -> np.ndarray:
     """Series that do not laminarise, of ``count`` that are integrated."""
     generator = random_streams.stream(SEED, "initial states of experiments")
     kept = generate_ensemble(
-        SYSTEM,
+        system,
         initial_states(LAMINAR_STATE, 3, 0.01, count, generator),
         time_step=0.25,
         sampling_stride=4,
