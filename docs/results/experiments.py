@@ -96,6 +96,31 @@ def smoothing_gains(tables: Tables) -> Part:
     return cells
 
 
+def reach_scores(tables: Tables) -> Part:
+    """Prediction horizons of the variants at Re = 400, and F-scores at Re = 1000."""
+    cells: Part = []
+    for row in tables.rows("smoothing_reach").to_dict("records"):
+        label, reynolds = VARIANTS[row["variant"]], f"Re = {row['reynolds']:g}"
+        if pd.notna(row["horizon_lt"]):
+            ends = f"({row['horizon_low']:.1f}–{row['horizon_high']:.1f})"
+            cells.append((label, f"PH_ee, {reynolds} [LT]", f"{row['horizon_lt']:.2f} {ends}"))
+        if pd.notna(row["f_3"]):
+            ends = f"({row['f_3_low']:.2f}–{row['f_3_high']:.2f})"
+            cells.append((label, f"F, 3 LT, {reynolds}", f"{row['f_3']:.3f} {ends}"))
+    return cells
+
+
+def lorenz96_scores(tables: Tables) -> Part:
+    """F-scores and Brier skill for Lorenz 96 at 1, 2 and 3 LT, means over seeds."""
+    cells: Part = []
+    for variant, label in VARIANTS.items():
+        rows = tables.rows("smoothing_lorenz96", variant=variant)
+        for head, metric in {"F": "f", "Brier skill": "brier"}.items():
+            values = [f"{rows[f'{metric}_{time}'].mean():.2f}" for time in (1, 2, 3)]
+            cells.append((label, f"Lorenz 96: {head}, 1, 2, 3 LT", " ".join(values)))
+    return cells
+
+
 def hidden_scores(tables: Tables) -> Part:
     """F-scores of equations where two modes are hidden."""
     cells: Part = []
