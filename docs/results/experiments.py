@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from comparisons import Mean, mean_of, paired
+from comparisons import Mean, _margin, mean_of, paired
 from kept_tables import Part, Tables
 from matplotlib.figure import Figure
 
@@ -46,6 +46,17 @@ def with_range(tables: Tables, table: str, metric: str, **where: Any) -> str:
     return f"{values.mean():.3f} ({values.min():.3f}–{values.max():.3f})"
 
 
+def over_sets_and_series(tables: Tables, table: str, **where: Any) -> str:
+    """Interval of the mean F at 3 LT, for other training sets and other test series; "" of one."""
+    rows = tables.rows(table, **where)
+    if len(rows) < 2:
+        return ""
+    of_test = np.square((rows["f_3_high"] - rows["f_3_low"]) / (2 * 1.96)).mean()
+    count = len(rows)
+    half = _margin(rows["f_3"].var(ddof=1) / count, of_test, count)
+    return f"{rows['f_3'].mean() - half:.3f}–{min(1.0, rows['f_3'].mean() + half):.3f}"
+
+
 def kinds_of(tables: Tables, table: str, columns: list[str]) -> list[dict[str, Any]]:
     """Different values of some columns, as conditions of rows; None where there is none."""
     kinds = tables.rows(table)[columns].drop_duplicates().astype(object)
@@ -64,11 +75,14 @@ def smoothing_scores(tables: Tables) -> Part:
     cells: Part = []
     kinds = kinds_of(tables, "smoothing", ["kind", "neurons", "variant"])
     kinds.sort(key=lambda kind: [*VARIANTS].index(kind["variant"]))
-    kinds.sort(key=lambda kind: (kind["kind"] != "esn", kind["neurons"] or 0))
+    kinds.sort(key=lambda kind: ([*FORECASTERS].index(kind["kind"]), kind["neurons"] or 0))
     for kind in kinds:
         label = f"{smoothing_name(kind)}: {VARIANTS[kind['variant']]}"
         for head, metric in {**F_SCORES, "Brier skill, 3 LT": "brier_3"}.items():
             cells.append((label, head, with_range(tables, "smoothing", metric, **kind)))
+            if metric == "f_3":
+                ends = over_sets_and_series(tables, "smoothing", **kind)
+                cells.append((label, "its 95 % interval", ends))
         milliseconds = mean_score(tables, "smoothing", "forecast_ms", **kind).mean
         cells.append((label, "forecast [ms]", f"{milliseconds:.1f}"))
     return cells
@@ -82,6 +96,11 @@ def gain(tables: Tables, metric: str, variant: str, over: str = "plain", **kind:
     return paired(first, second)
 
 
+def gain_text(difference: Mean) -> str:
+    """A difference and its margin, if there is one."""
+    return difference.text(3) if difference.count > 1 else f"{difference.mean:+.3f}"
+
+
 def smoothing_gains(tables: Tables) -> Part:
     """Gains of F at 3 LT and of Brier skill over the forecaster as it is."""
     cells: Part = []
@@ -92,7 +111,7 @@ def smoothing_gains(tables: Tables) -> Part:
             for metric, name in {"f_3": "F, 3 LT", "brier_3": "Brier skill, 3 LT"}.items():
                 difference = gain(tables, metric, variant, **kind)
                 head = f"{name}: {VARIANTS[variant]}"
-                cells.append((smoothing_name(kind), head, difference.text(3)))
+                cells.append((smoothing_name(kind), head, gain_text(difference)))
     return cells
 
 
@@ -132,6 +151,9 @@ def hidden_scores(tables: Tables) -> Part:
         cells.append((label, "training sets", f"{sets}"))
         for head, metric in {**F_SCORES, "Brier skill, 3 LT": "brier_3"}.items():
             cells.append((label, head, with_range(tables, "hidden_modes", metric, **kind)))
+            if metric == "f_3":
+                ends = over_sets_and_series(tables, "hidden_modes", **kind)
+                cells.append((label, "its 95 % interval", ends))
     return cells
 
 
@@ -193,8 +215,9 @@ def draw_hidden_modes(tables: Tables) -> Figure:
     axes = figure.subplots()
     rows = {}
     for kind, name in HIDDEN_KINDS.items():
-        hidden = {} if kind == "equations" else {"hidden": "a8, a9"}
-        found = tables.rows("hidden_modes", kind=kind, **hidden)
+        found = tables.rows("hidden_modes", kind=kind, hidden="a8, a9")
+        if kind == "equations":
+            found = tables.rows("smoothing", kind=kind)
         if len(found):
             rows[name] = found
     _curves(axes, rows)
