@@ -53,7 +53,9 @@ def over_sets_and_series(tables: Tables, table: str, **where: Any) -> str:
         return ""
     of_test = np.square((rows["f_3_high"] - rows["f_3_low"]) / (2 * 1.96)).mean()
     count = len(rows)
-    half = _margin(rows["f_3"].var(ddof=1) / count, of_test, count)
+    of_sets = rows["f_3"].var(ddof=1) / count
+    # the true equations are the same for all sets
+    half = _margin(of_sets, of_test, count) if of_sets > 0 else 1.96 * np.sqrt(of_test)
     return f"{rows['f_3'].mean() - half:.3f}–{min(1.0, rows['f_3'].mean() + half):.3f}"
 
 
@@ -78,6 +80,7 @@ def smoothing_scores(tables: Tables) -> Part:
     kinds.sort(key=lambda kind: ([*FORECASTERS].index(kind["kind"]), kind["neurons"] or 0))
     for kind in kinds:
         label = f"{smoothing_name(kind)}: {VARIANTS[kind['variant']]}"
+        cells.append((label, "sets", f"{len(tables.rows('smoothing', **kind))}"))
         for head, metric in {**F_SCORES, "Brier skill, 3 LT": "brier_3"}.items():
             cells.append((label, head, with_range(tables, "smoothing", metric, **kind)))
             if metric == "f_3":
@@ -148,7 +151,7 @@ def hidden_scores(tables: Tables) -> Part:
         if kind["hidden"] not in ("none", None):
             label += f"; {kind['hidden'].replace('a', 'a_')} hidden"
         sets = len(tables.rows("hidden_modes", **kind))
-        cells.append((label, "training sets", f"{sets}"))
+        cells.append((label, "sets", f"{sets}"))
         for head, metric in {**F_SCORES, "Brier skill, 3 LT": "brier_3"}.items():
             cells.append((label, head, with_range(tables, "hidden_modes", metric, **kind)))
             if metric == "f_3":
@@ -221,5 +224,5 @@ def draw_hidden_modes(tables: Tables) -> Figure:
         if len(found):
             rows[name] = found
     _curves(axes, rows)
-    figure.legend(loc="outside right upper")
+    axes.legend(loc="center left")
     return figure
