@@ -1,7 +1,7 @@
 """Pages with results, from tables that were kept: ``make results``.
 
 They are docs/results.md, a page for each campaign, and pages of docs that quote results. Each is a
-template in ``pages``, rendered with tables and numbers; no number is typed. Beside them are five
+template in ``pages``, rendered with tables and numbers; no number is typed. Beside them are seven
 figures and published_values.csv.
 """
 
@@ -14,6 +14,7 @@ from textwrap import TextWrapper
 import claims
 import comparisons
 import drawings
+import experiments
 import jinja2
 import kept_tables
 import pandas as pd
@@ -27,6 +28,7 @@ TEMPLATES = KEPT / "pages"
 IN_DOCS = ("results.md", "related_work.md", "real_records.md", "return_times.md")
 """Pages that lie in docs; all others lie in docs/results."""
 _CODE = re.compile(r"(^```.*?^```$)", re.MULTILINE | re.DOTALL)
+BENCHMARKS = DOCS.parent / "benchmarks"
 PUBLISHED_VALUES = KEPT / "published_values.csv"
 
 
@@ -121,7 +123,9 @@ def pages() -> dict[Path, str]:
     environment.globals |= {
         **vars(kept_tables),
         **vars(comparisons),
+        **vars(experiments),
         "kept": cache(lambda name: Tables(KEPT / name)),
+        "measured": Tables(BENCHMARKS),
         "supported": supported,
         "trio": trio,
         "in_units": in_units,
@@ -156,6 +160,8 @@ if __name__ == "__main__":
     PUBLISHED_VALUES.write_text(published_values(), encoding="utf-8")
     for name, figure in (
         ("readout", drawings.draw_readouts(Tables(KEPT / "readout"))),
+        ("smoothing", experiments.draw_smoothing(Tables(BENCHMARKS))),
+        ("hidden_modes", experiments.draw_hidden_modes(Tables(BENCHMARKS))),
         ("late_actuator", drawings.draw_late_actuator(Tables(KEPT / "aware"))),
         ("learning_curves", drawings.draw_learning_curves(Tables(KEPT / "training_series_sweep"))),
         ("published_scores", drawings.draw_published_scores(Tables(KEPT / "paper"))),

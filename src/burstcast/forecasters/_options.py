@@ -58,7 +58,7 @@ class FilteredNetworkOptions:
 
     section: ClassVar[str] = "esn_filtered"
 
-    denoising_rounds: int = 2  #: how often the training series are smoothed and learnt from again
+    denoising_rounds: int = 4  #: how often the training series are smoothed and learnt from again
     #: noise of the inputs of a training on smoothed series, in units of the observation noise
     jitter: float = 0.05
     members: int = 30  #: size of the ensemble: even
@@ -84,10 +84,15 @@ class HiddenQuadraticOptions:
 
     section: ClassVar[str] = "quadratic_hidden"
 
-    hidden: int = 2  #: number of hidden variables, which nothing but prior knowledge tells
+    #: number of hidden variables, which nothing but prior knowledge tells; 0: there are none, and
+    #: equations are learnt again from smoothed series
+    hidden: int = 2
     #: whether the observable is a component that follows from the others and the hidden variables
     observable_follows: bool = False
-    rounds: int = 8  #: how often the training series are smoothed and the equations learnt again
+    #: whether quadratic terms conserve the observable that follows, as those of an incompressible
+    #: flow conserve its kinetic energy
+    conserved: bool = False
+    rounds: int = 12  #: how often the training series are smoothed and the equations learnt again
     #: rates of moving averages that the first hidden variables may be, per Lyapunov time
     rates_per_lt: tuple[float, ...] = (0.18, 0.4, 0.73, 1.5, 3.0, 5.5)
     smoothing_lag_lt: float = 0.65  #: time by which later observations correct smoothed series

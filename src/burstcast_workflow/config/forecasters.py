@@ -305,10 +305,16 @@ class Quadratic(Section):
 class HiddenQuadratic(Section):
     """Learnt quadratic equations with hidden variables, `quadratic_hidden`."""
 
-    hidden: Count = setting("number of hidden variables, which must be known beforehand")
+    hidden: Whole = setting(
+        "number of hidden variables, which must be known beforehand; 0: smoothing alone", ge=0
+    )
     observable_follows: bool = setting(
         "whether the observable is a component that follows from the others and the hidden "
         "variables, and has no equation of its own"
+    )
+    conserved: bool = setting(
+        "whether quadratic terms conserve this observable, as those of an incompressible flow "
+        "conserve its kinetic energy; takes observable_follows"
     )
     rounds: Whole = setting(
         "how often the training series are smoothed by the equations, which are learnt again", ge=0
