@@ -287,6 +287,11 @@ def test_a_rule_is_explained_with_its_settings_and_where_it_ends(finished):
     assert "`burstcast.forecasts` (forecast_files, horizon)" in horizon
     assert re.search(r"\* ends in the tables horizon(, \w+)*; the figures ", horizon)
     assert "* no job in this campaign\n" in long_control
+    # with how values follow that are not in the config as they are
+    plans = [*COMMAND, "explain", "control", "--configfile", TINY]
+    control = said_by(plans, finished.directory, **finished.environment()).replace("\n  ", " ")
+    assert "* `control.run`: Plan of control; the noise is the case's if it has none" in control
+    assert "* `control.flows`" not in control
     mistaken = [*COMMAND, "explain", "horizons", "--configfile", TINY]
     said = said_by(mistaken, finished.directory, status=2, **finished.environment())
     assert "there is no rule horizons (did you mean 'horizon'?)" in said

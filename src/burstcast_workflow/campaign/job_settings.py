@@ -302,6 +302,18 @@ def _properties() -> frozenset[str]:
     return frozenset(names | {*_computed})
 
 
+def meaning_of(path: str) -> str:
+    """How the value of a setting follows from others; empty for one that stands in the config."""
+    section, _, name = path.partition(".")
+    function = _computed.get(path) or _computed.get(".".join(path.split(".")[:2]))
+    if function is None:
+        owners = {"case": (Simulated, Measured), "job": (Job,), "shown": (Shown,)}.get(section, ())
+        for owner in owners if path not in _settings() else ():
+            member = inspect.getattr_static(owner, name.partition(".")[0], None)
+            function = getattr(member, "fget", getattr(member, "func", None)) or function
+    return " ".join((inspect.getdoc(function) or "").split()) if function else ""
+
+
 def names_of(owner: type) -> list[str]:
     """Names of the properties of a class, by which settings, places and cases are addressed."""
     members = ((name, inspect.getattr_static(owner, name)) for name in dir(owner))

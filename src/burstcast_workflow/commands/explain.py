@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from burstcast.base.discovery import suggestion
+from burstcast_workflow.campaign.job_settings import meaning_of
 from burstcast_workflow.commands.planned import options_of, planned
 from burstcast_workflow.harness.call import is_script
 from burstcast_workflow.snakemake_internals import jobs_with_sources, rules_of
@@ -66,11 +67,12 @@ def main(arguments: Sequence[str]) -> int:
             print(f"there is no rule {name}{suggestion(name, explained)}", file=sys.stderr)
             return 2
     if named:
-        texts = [text_of(explained[name], modules(explained[name].code)) for name in named]
+        rules = [explained[name] for name in named]
+        texts = [text_of(rule, modules(rule.code)) for rule in rules]
     else:
-        packages = {name: rooms(rule.code) for name, rule in explained.items()}
-        texts = [_HEAD, *(text_of(rule, packages[name]) for name, rule in explained.items())]
-    print("\n".join(texts), end="")
+        rules = [*explained.values()]
+        texts = [_HEAD, *(text_of(rule, rooms(rule.code)) for rule in rules)]
+    print("\n".join([*texts, *meanings(rules)]), end="")
     return 0
 
 
@@ -169,6 +171,21 @@ def rooms(code: Iterable[str]) -> str:
     return ", ".join([*scripts, *(f"`{name}`" for name in sorted(packages))])
 
 
+def meanings(rules: Iterable[Explained]) -> list[str]:
+    """A section about settings that do not stand in the config as they are; none without any."""
+    paths = sorted({path for rule in rules for path in rule.settings})
+    lines = [f"* `{path}`: {meaning}" for path in paths if (meaning := meaning_of(path))]
+    return [
+        "\n".join(["## Settings that follow from others\n", *map(_wrapped, lines)]) + "\n"
+    ] * bool(lines)
+
+
+def _wrapped(line: str) -> str:
+    return textwrap.fill(
+        line, 100, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+    )
+
+
 def text_of(rule: Explained, code: str) -> str:
     """A section of the page, in which the code is called so."""
     read = [
@@ -186,11 +203,7 @@ def text_of(rule: Explained, code: str) -> str:
         lines += [f"* code: {code}", f"* ends in {ends}"]
     else:
         lines += ["* no job in this campaign"]
-    wrapped = (
-        textwrap.fill(line, 100, subsequent_indent="  ", break_long_words=False)
-        for line in lines[1:]
-    )
-    return "\n".join([lines[0], *wrapped]) + "\n"
+    return "\n".join([lines[0], *map(_wrapped, lines[1:])]) + "\n"
 
 
 def _listed(names: Sequence[str], mark: str = "", most: int = _MOST) -> str:
