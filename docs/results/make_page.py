@@ -1,7 +1,7 @@
 """Pages with results, from tables that were kept: ``make results``.
 
 They are docs/results.md, a page for each campaign, and pages of docs that quote results. Each is a
-template in ``pages``, rendered with tables and numbers; no number is typed. Beside them are five
+template in ``pages``, rendered with tables and numbers; no number is typed. Beside them are six
 figures and published_values.csv.
 """
 
@@ -27,6 +27,7 @@ TEMPLATES = KEPT / "pages"
 IN_DOCS = ("results.md", "related_work.md", "real_records.md", "return_times.md")
 """Pages that lie in docs; all others lie in docs/results."""
 _CODE = re.compile(r"(^```.*?^```$)", re.MULTILINE | re.DOTALL)
+BENCHMARKS = DOCS.parent / "benchmarks"
 PUBLISHED_VALUES = KEPT / "published_values.csv"
 
 
@@ -128,6 +129,7 @@ def pages() -> dict[Path, str]:
         "readout_of": readout_of,
         "compared": compared(),
         "authors_share": authors_share(),
+        "benchmarks": Tables(BENCHMARKS),
         "verdicts_of": claims.verdicts_of,
         "claims_table": claims.claims_table,
         "verdicts_by_margin": claims.verdicts_by_margin,
@@ -158,6 +160,7 @@ if __name__ == "__main__":
         ("readout", drawings.draw_readouts(Tables(KEPT / "readout"))),
         ("late_actuator", drawings.draw_late_actuator(Tables(KEPT / "aware"))),
         ("learning_curves", drawings.draw_learning_curves(Tables(KEPT / "training_series_sweep"))),
+        ("spread_and_error", drawings.draw_spread_and_error(Tables(BENCHMARKS))),
         ("published_scores", drawings.draw_published_scores(Tables(KEPT / "paper"))),
         (
             "forecasters",

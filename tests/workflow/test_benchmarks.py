@@ -36,6 +36,13 @@ def test_scores_of_default_forecasters():
     assert ours == sorted(ours, reverse=True)
 
 
+def test_the_table_of_default_forecasters_is_of_the_kept_rows():
+    document = (ROOT / "benchmarks" / "measured.md").read_text(encoding="utf-8")
+    lines = said("default_forecasters.py", "table").splitlines()
+    assert len(lines) > 10
+    assert [line for line in lines if line.strip() not in document] == []
+
+
 def test_costs_of_a_stream():
     text = said("stream.py", "--neurons", 40, "--members", 2)
     update, near, far, washout, states = map(float, re.findall(r" ([\d.]+) ms$", text, re.M))
