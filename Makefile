@@ -53,6 +53,7 @@ pages: $(VENV)/installed ## pages and the schema of settings, from the model and
 	$(BIN)/python -m burstcast_workflow.config.reference > workflow/schemas/config.schema.json
 	$(BIN)/python -m burstcast_workflow.tables.page > docs/tables.md
 	$(BIN)/python docs/site/references.py > docs/references.md
+	$(BIN)/burstcast explain --configfile config.yaml > docs/rules.md
 	$(SNAKEMAKE) --rulegraph | $(BIN)/python docs/site/rule_graph.py docs/images/rule_graph.svg
 
 # make results ARGS="collect results/paper" takes a campaign's tables first

@@ -518,7 +518,7 @@ class Stages:
         search = HorizonSearch(
             longest_lead_time_lt=setting["longest_lead_time_lt"],
             lead_time_step_lt=setting["lead_time_step_lt"],
-            tolerance=setting["tolerance"] * (threshold - data.truth.mean()),
+            largest_error=setting["tolerance"] * (threshold - data.truth.mean()),
             washout=data.plan.washout,
             steps_per_lyapunov_time=data.lyapunov_time,
         )

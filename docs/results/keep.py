@@ -51,6 +51,7 @@ KEPT_TABLES = (
 WITH_PROBABILITIES = (
     *("beyond_the_paper", "learnt_precursor", "readout_committee"),
     *("glucose", "fulda"),
+    *("smoothing", "hidden_modes"),
 )
 
 VERSIONS = "versions.json"

@@ -1,7 +1,7 @@
 """Pages with results, from tables that were kept: ``make results``.
 
 They are docs/results.md, a page for each campaign, and pages of docs that quote results. Each is a
-template in ``pages``, rendered with tables and numbers; no number is typed. Beside them are six
+template in ``pages``, rendered with tables and numbers; no number is typed. Beside them are eight
 figures and published_values.csv.
 """
 
@@ -14,6 +14,7 @@ from textwrap import TextWrapper
 import claims
 import comparisons
 import drawings
+import experiments
 import jinja2
 import kept_tables
 import pandas as pd
@@ -122,14 +123,15 @@ def pages() -> dict[Path, str]:
     environment.globals |= {
         **vars(kept_tables),
         **vars(comparisons),
+        **vars(experiments),
         "kept": cache(lambda name: Tables(KEPT / name)),
+        "measured": Tables(BENCHMARKS),
         "supported": supported,
         "trio": trio,
         "in_units": in_units,
         "readout_of": readout_of,
         "compared": compared(),
         "authors_share": authors_share(),
-        "benchmarks": Tables(BENCHMARKS),
         "verdicts_of": claims.verdicts_of,
         "claims_table": claims.claims_table,
         "verdicts_by_margin": claims.verdicts_by_margin,
@@ -158,6 +160,8 @@ if __name__ == "__main__":
     PUBLISHED_VALUES.write_text(published_values(), encoding="utf-8")
     for name, figure in (
         ("readout", drawings.draw_readouts(Tables(KEPT / "readout"))),
+        ("smoothing", experiments.draw_smoothing(Tables(BENCHMARKS))),
+        ("hidden_modes", experiments.draw_hidden_modes(Tables(BENCHMARKS))),
         ("late_actuator", drawings.draw_late_actuator(Tables(KEPT / "aware"))),
         ("learning_curves", drawings.draw_learning_curves(Tables(KEPT / "training_series_sweep"))),
         ("spread_and_error", drawings.draw_spread_and_error(Tables(BENCHMARKS))),

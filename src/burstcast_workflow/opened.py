@@ -20,7 +20,7 @@ from burstcast.forecasters.base import Forecaster
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.campaign.members import CaseForecaster
-from burstcast_workflow.harness.settings import JobSettings, exponent_in
+from burstcast_workflow.harness.settings import JobSettings
 from burstcast_workflow.jobs.forecasters import Forecasting
 from burstcast_workflow.jobs.series import Observed, kept_series
 from burstcast_workflow.tracking.run import CLAIM
@@ -61,10 +61,6 @@ class Shelf(Mapping[str, Found], Generic[Found]):
 
     def _ipython_key_completions_(self) -> list[str]:
         return self._names
-
-
-class _Opened(Forecasting):
-    """What a forecaster of a campaign is read with."""
 
 
 class OpenedCampaign:
@@ -139,9 +135,7 @@ class OpenedCampaign:
         states = read_rows(path, "state", start, kept_series(str(path)) if stop is None else stop)
         if not observed:
             return array_or_list(np.asarray(states))
-        identity = {"case": case}
-        settings = Observed(settings_of_job(self._campaign, Observed.paths(), identity), identity)
-        return array_or_list(settings.observed_rows(str(path), start, states))
+        return array_or_list(self.settings(case, Observed).rows(str(path), start, states))
 
     def training_series(self, case: str) -> int:
         """Number of training series of a case."""
@@ -150,13 +144,15 @@ class OpenedCampaign:
 
     def settings(self, case: str, kind: type[Settings]) -> Settings:
         """Settings of a case, as a class of settings of jobs reads them."""
-        identity = {"case": case}
-        time_unit = self._campaign.cases[case].time_unit
-        return kind(
-            settings_of_job(self._campaign, kind.paths(), identity),
-            identity,
-            computed_exponent=exponent_in(f"{self.results}/{time_unit}" if time_unit else ""),
-        )
+        return self._settings({"case": case}, kind)
+
+    def _settings(self, identity: Mapping[str, Any], kind: type[Settings]) -> Settings:
+        files = {name: self.results / identity["case"] / f"{name}.json" for name in kind.files()}
+        for file in files.values():
+            if not file.exists():
+                raise ValueError(f"{file} is not made yet: run the campaign")
+        declared = settings_of_job(self._campaign, kind.paths(), identity)
+        return kind(declared, identity, files={name: str(file) for name, file in files.items()})
 
     def _check_case(self, case: str) -> None:
         names = self._campaign.case_names
@@ -178,12 +174,7 @@ class OpenedCampaign:
         return Shelf(what, there, lambda name: self._forecaster(there[name]))
 
     def _forecaster(self, member: CaseForecaster) -> Forecaster:
-        time_unit = self._campaign.cases[member.case].time_unit
-        settings = _Opened(
-            settings_of_job(self._campaign, _Opened.paths(), member.identity),
-            member.identity,
-            computed_exponent=exponent_in(f"{self.results}/{time_unit}" if time_unit else ""),
-        )
+        settings = self._settings(member.identity, Forecasting)
         if "backend" in settings.options:
             settings.options["backend"] = usable_backend(settings.options["backend"])
         path = str(self.results / member.directory / "forecaster.nc")

@@ -65,7 +65,7 @@ def rules_of(workflow: Any) -> list[Any]:
 
 
 def _is_ours(names: Any) -> bool:
-    return "campaign" in names and "of_script" in names
+    return "campaign" in names and "stages" in names
 
 
 def names_of_rules(workflow: Any) -> Any:
@@ -79,10 +79,10 @@ def force(workflow: Any, files: Iterable[str]) -> None:
     workflow.dag.forcefiles.update(files)
 
 
-def recorded_parameters(workflow: Any, output: Any) -> list[str] | None:
-    """Representations of the parameters that Snakemake knows an output to be made with."""
-    recorded: list[str] | None = workflow.persistence.params(output)
-    return recorded
+def recorded(workflow: Any, output: Any) -> tuple[list[str], dict[str, str]]:
+    """Parameters, as texts, and digests of inputs that Snakemake has recorded of an output."""
+    record = workflow.persistence.metadata(output)
+    return (record.params or [], record.input_checksums or {}) if record else ([], {})
 
 
 def outputs_of(rule: Any, wildcards: Any) -> list[Any]:
@@ -117,6 +117,12 @@ def all_files(workflow: Any, targets: Iterable[Any]) -> list[Any]:
 def is_in_storage(workflow: Any) -> bool:
     """Whether results lie in a storage, and here are only copies of them."""
     return workflow.storage_settings.default_storage_provider is not None
+
+
+def jobs_with_sources(workflow: Any) -> dict[Any, set[Any]]:
+    """All jobs of a plan, also where they would not run, and the jobs that each reads from."""
+    dag = workflow.dag
+    return {job: {*dag.dependencies[job]} for job in dag.jobs}
 
 
 def planned_jobs(workflow: Any) -> Iterable[Any]:

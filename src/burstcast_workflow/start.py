@@ -27,7 +27,7 @@ from burstcast_workflow.snakemake_internals import (
     parameters_of,
     path_of_results,
     planned_jobs,
-    recorded_parameters,
+    recorded,
     without_rate_limit,
 )
 from burstcast_workflow.stages.resources import beyond_memory
@@ -136,7 +136,7 @@ def _check_results(workflow: Any, notes: Notes, rule: Any, wildcards: Any) -> No
     """
     for file in outputs_of(rule, wildcards):
         if os.path.exists(path := str(file)) and not notes.is_up_to_date(
-            path, recorded_parameters(workflow, file), lambda: parameters_of(rule, wildcards)
+            path, recorded(workflow, file), lambda: parameters_of(rule, wildcards)
         ):
             force(workflow, [path])
             unrecorded.add(path)
@@ -154,7 +154,7 @@ def begin_run(workflow: Any, started: Started, campaign: Campaign) -> None:
     begin(
         started.results,
         started.config,
-        started.sources.whole_entries(),
+        started.sources.whole(),
         started.directories,
         source_revision(),
     )

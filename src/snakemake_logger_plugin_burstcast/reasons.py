@@ -1,8 +1,8 @@
 """Jobs that a dry run would start, grouped by what they would run for.
 
-Snakemake lists each job with its reason. Parameters of burstcast's rules are texts: a setting
-``path = value``, a module of the code ``module @hash``, or a library ``library ==version``, so that
-the reason has what changed, before and now.
+Snakemake lists each job with its reason, which has the representations of parameters that changed,
+before and now. Those of burstcast's rules are mappings: settings by their paths, and code, hashes
+by the names of scripts and modules and versions by those of libraries.
 """
 
 import ast
@@ -11,13 +11,14 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
-# names of code may have " = " in them: files that a module reads
-_CODE = re.compile(r"(.+) @([0-9a-f]+)", re.S)
+_LIBRARY = "library:"
 _NOW = " now: "
 _LITERAL_OR_NOW = re.compile(rf"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"|{_NOW}")
 _PARAMETERS = "Params have changed since last execution: "
+_BEFORE_ALL = "Union of exclusive params before and now across all output: before: "
 _REASONS = (
     (re.compile(r"Forced execution"), "asked for by an option"),
     (re.compile(r"Missing output files: "), "results are missing"),
@@ -53,6 +54,7 @@ def explanation(jobs: Sequence[PlannedJob]) -> str:
     """What the jobs would run for: each reason with all jobs that it sets off, directly or not."""
     if not jobs:
         return "Nothing to be done"
+    jobs = _in_order(jobs)
     causes: dict[str, set[int]] = {}
     cases: dict[str, set[str]] = {}
     for number, job in enumerate(jobs):
@@ -85,51 +87,63 @@ def own_causes(job: PlannedJob) -> Iterator[tuple[str, str]]:
         yield from differences(*_before_and_now(parameters))
 
 
-def _before_and_now(text: str) -> tuple[list[str], list[str]]:
+def _before_and_now(text: str) -> tuple[list[Any], list[Any]]:
     """Parameters before and now, from Snakemake's text of both."""
-    before: list[str] = []
-    now: list[str] = []
-    found = before
     for match in _LITERAL_OR_NOW.finditer(text):
         if match[0] == _NOW:
-            found = now
-        else:
-            found.append(str(ast.literal_eval(match[0])))
-    return before, now
+            return _values(text[: match.start()]), _values(text[match.end() :])
+    return [], []
 
 
-def differences(before: Iterable[str], now: Iterable[str]) -> Iterator[tuple[str, str]]:
+@cache
+def _values(text: str) -> list[Any]:
+    """Values of representations with commas between them."""
+    try:
+        return [*ast.literal_eval(f"[{text.removeprefix(_BEFORE_ALL).strip()}]")]
+    except (ValueError, SyntaxError):
+        return []  # "<nothing exclusive>", or of a rule of others
+
+
+def differences(before: Iterable[Any], now: Iterable[Any]) -> Iterator[tuple[str, str]]:
     """Text of each difference of parameters, and the case that it is of, or ""."""
-    settings, code, libraries = _sorted_out(before)
-    settings_now, code_now, libraries_now = _sorted_out(now)
+    settings, code = _sorted_out(before)
+    settings_now, code_now = _sorted_out(now)
     for case, path in sorted({*settings, *settings_now}):
         pair = (settings.get((case, path), _NONE), settings_now.get((case, path), _NONE))
         if _text(pair[0]) != _text(pair[1]):
             yield f"{path} {_change(*pair)}", case
-    changed = sorted(code.keys() & code_now.keys()) or sorted(code.keys() ^ code_now.keys())
-    if changed:
-        more = f" and {len(changed) - _MOST_MODULES} more" if len(changed) > _MOST_MODULES else ""
-        yield f"code of {', '.join(changed[:_MOST_MODULES])}{more}", ""
-    for name in sorted({*libraries, *libraries_now}):
-        yield f"{name} {libraries.get(name, 'none')} -> {libraries_now.get(name, 'none')}", ""
+    names = {*code, *code_now}
+    libraries = {name for name in names if name.startswith(_LIBRARY)}
+    differing = {name for name in names if code.get(name) != code_now.get(name)}
+    # a module that was edited explains why others are used that were not
+    both = code.keys() & code_now.keys()
+    modules = sorted(differing & both - libraries) or sorted(differing - libraries)
+    if modules:
+        more = f" and {len(modules) - _MOST_MODULES} more" if len(modules) > _MOST_MODULES else ""
+        yield f"code of {', '.join(modules[:_MOST_MODULES])}{more}", ""
+    for name in sorted(differing & libraries):
+        versions = f"{code.get(name, 'none')} -> {code_now.get(name, 'none')}"
+        yield f"{name.removeprefix(_LIBRARY)} {versions}", ""
 
 
 _NONE = object()
 
 
-def _sorted_out(texts: Iterable[str]) -> tuple[dict[tuple[str, str], Any], dict[str, str], Any]:
+def _sorted_out(
+    parameters: Iterable[Any],
+) -> tuple[dict[tuple[str, str], Any], dict[str, str]]:
+    """Settings by case (or "") and path, and code by name: only the latter has a script."""
     settings: dict[tuple[str, str], Any] = {}
-    code, libraries = {}, {}
-    for text in texts:
-        path, is_setting, value = text.partition(" = ")
-        if match := _CODE.fullmatch(text):
-            code[match[1]] = match[2]
-        elif is_setting:
-            settings.update(_leaves(path, json.loads(value)))
-        elif " ==" in text:
-            name, _, version = text.partition(" ==")
-            libraries[name] = version
-    return settings, code, libraries
+    code: dict[str, str] = {}
+    for value in parameters:
+        if not isinstance(value, Mapping):
+            continue
+        if any(name.endswith(".py") for name in value):
+            code |= value
+        else:
+            for path, below in value.items():
+                settings.update(_leaves(path, below))
+    return settings, code
 
 
 def _leaves(path: str, value: Any) -> Iterator[tuple[tuple[str, str], Any]]:
@@ -192,6 +206,23 @@ def _users(jobs: Sequence[PlannedJob]) -> list[set[int]]:
             if path in maker:
                 users[maker[path]].add(number)
     return users
+
+
+def _in_order(jobs: Sequence[PlannedJob]) -> list[PlannedJob]:
+    """Jobs after all that they read from, level by level: Snakemake tells groups in any order."""
+    users = _users(jobs)
+    lacking = Counter(user for of_job in users for user in of_job)
+    level = [number for number in range(len(jobs)) if not lacking[number]]
+    ordered: list[PlannedJob] = []
+    while level:
+        level.sort(key=lambda number: (jobs[number].rule, [*jobs[number].outputs]))
+        ordered += [jobs[number] for number in level]
+        after: list[int] = []
+        for user in (user for number in level for user in users[number]):
+            lacking[user] -= 1
+            after += [] if lacking[user] else [user]
+        level = after
+    return ordered
 
 
 def _set_off(first: Iterable[int], users: Sequence[set[int]]) -> frozenset[int]:

@@ -26,7 +26,7 @@ def whole(
     *,
     made: tuple[float, str] = made_by(half),
     size: int = at("case.size"),
-    points: tuple[int, ...] = at("search.grid", "points", make=tuple),
+    points: tuple[int, ...] = at("search.grid.points", make=tuple),
     cost: bool = at("control.cost", otherwise=False),
     flows: list[str] = gathered("runs/flows.nc", "row edge*"),
     state: str = read("source/ensemble.nc:state"),
@@ -47,7 +47,7 @@ def test_files_and_paths_are_those_of_a_function_and_of_what_makes_its_arguments
         ("runs/flows.nc", ""),
         ("source/ensemble.nc", "state"),
     ]
-    assert paths_of(whole) == ["case.size", "search.grid", "control.cost"]
+    assert paths_of(whole) == ["case.size", "search.grid.points", "control.cost"]
 
 
 def test_a_function_is_called_with_what_it_declares_and_with_what_is_given_beside():

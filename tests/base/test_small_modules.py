@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
 from burstcast.base import durations, random_streams
-from burstcast.base.events import upward_crossings
-from burstcast.base.laminarisation import first_laminar_step, is_laminar
 from burstcast.base.natural_order import natural_order
+from burstcast.data.events import upward_crossings
+from burstcast.data.laminarisation import first_laminar_step, is_laminar
 
 
 @given(st.floats(1e-3, 10, allow_subnormal=False), st.floats(1e-4, 0.1, allow_subnormal=False))

@@ -151,6 +151,7 @@ def simulation_of(timing, controlled, **values):
     usual |= {"actuated": np.zeros(controlled.shape, dtype=bool)}
     names = ("actuated_integration_steps", "switchings")
     usual |= dict.fromkeys(names, np.zeros(len(controlled), dtype=np.int64))
+    usual |= {"escape_step": np.full(len(controlled), -1)}
     return ControlledFlows(**{**usual, "timing": timing, "controlled": controlled, **values})
 
 

@@ -8,7 +8,6 @@ import pytest
 from helpers_control import PAPER, experiment
 
 from burstcast.base.discovery import UnsoundError
-from burstcast.base.events import upward_crossings
 from burstcast.control.arenas import Lorenz96Arena, checked_action, run_shear_flow
 from burstcast.control.check import _shear_flow, check_controller
 from burstcast.control.controller import Controller, make_controller
@@ -21,6 +20,7 @@ from burstcast.control.rules import (
     WhileRising,
 )
 from burstcast.control.strategies.reactive import Reactive
+from burstcast.data.events import upward_crossings
 from burstcast.systems.integration import integrate
 from helpers_library import ROOT
 

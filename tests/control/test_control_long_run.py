@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from helpers_control import EQUATIONS, FLOW, PAPER, SCHEDULE, experiment
 
-from burstcast.base.events import upward_crossings
 from burstcast.control import long_run
 from burstcast.control.long_run import EndlessFlows, ObservationNoise, _Counting, run_long
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast.control.strategies.reactive import Reactive
 from burstcast.control.strategies.receding_horizon import RecedingHorizon
 from burstcast.control.strategies.uncontrolled import Uncontrolled
+from burstcast.data.events import upward_crossings
 
 LEVELS = [0.05, 0.07, 0.1]
 STRATEGIES = {

@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 
 from burstcast.control import loop as loop_module
 from burstcast.control.experiment import controlled_series, noise_of_flows
+from burstcast.control.records import FlowSample, Span, record_flows, score_flows
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast.control.strategies.probability_triggered import ProbabilityTriggered
 from burstcast.control.strategies.receding_horizon import RecedingHorizon
@@ -137,18 +138,52 @@ def test_wrong_shapes_are_refused():
 
 @BOTH
 def test_a_flow_that_actuation_takes_out_of_the_range_of_numbers(strategy):
-    """The message tells which flow, after how much time, and what to change."""
+    """It is counted and the others go on; where all are lost, the message says what to change."""
     violent = experiment(3, threshold=10.0, actuated_system=ForcedSystem(FLOW, [1e200] * 9))
-    policy = random_alarms(0.0, 3, strategy.timing(SCHEDULE))
+    timing = strategy.timing(SCHEDULE)
+    policy = random_alarms(0.0, 3, timing)
     policy.table[1, 1] = True
+    flows = strategy.simulate(violent, policy, noise=None, keep_states=True, costs=True)
+    free = strategy.simulate(
+        violent, random_alarms(0.0, 3, timing), noise=None, keep_states=True, costs=True
+    )
+    others = [0, 2]
+    np.testing.assert_array_equal(flows.controlled[others], free.controlled[others])
+    np.testing.assert_array_equal(
+        flows.controlled_energy.input[others], free.controlled_energy.input[others]
+    )
+    assert flows.escape_step[others].tolist() == [-1, -1]
+    escape = int(flows.escape_step[1])
+    acted = np.flatnonzero(flows.actuated[1])
+    assert escape == acted[0]
+    assert np.isnan(flows.controlled_states[1, escape:]).all()
+    np.testing.assert_array_equal(
+        flows.controlled_states[1, :escape], free.controlled_states[1, :escape]
+    )
+    records = record_flows(flows, None)
+    assert records.escapes.tolist() == [False, True, False]
+    assert records.kept.tolist() == [True, False, True]
+    assert records.escape_step[1] == escape - timing.first_look
+    sample = FlowSample(records, Span.of(timing), {"effort": flows.cost.effort})
+    scores = score_flows(sample, 10, np.random.default_rng(0))
+    assert scores["escaped_fraction"].value == pytest.approx(1 / 3)
+    assert scores["effort"].value == 0.0
+    policy.table[:, 1] = True
     with pytest.raises(FloatingPointError) as caught:
         strategy.simulate(violent, policy, noise=None)
     assert re.match(
-        "controlled flow 1 left the range of floating-point numbers under actuation: at most "
-        r"(5 time units after it was first actuated, 5|20 .*, 20) of them under actuation\. The "
-        "actuated equations need a shorter ensemble.time_step than 0.25, or a weaker actuation",
+        r"all 3 controlled flows left the range of floating-point numbers under actuation, flow \d "
+        r"at most (1|5|20) time units after it was first actuated, .* have no bounded solution: "
+        "take a weaker actuation .*; or they need a shorter ensemble.time_step than 0.25",
         str(caught.value),
     ), caught.value
+
+
+def test_a_flow_that_is_lost_without_actuation_is_an_error():
+    """Its own equations are at fault: no flow that counts is like the others."""
+    lost = experiment(2, threshold=10.0, system=ForcedSystem(FLOW, [1e200] * 9))
+    with pytest.raises(FloatingPointError, match=r"trajectory \d left the range"):
+        SAMPLED.simulate(lost, random_alarms(0.0, 2, SAMPLED.timing(SCHEDULE)), noise=None)
 
 
 # -- the experiment --------------------------------------------------------------------------------

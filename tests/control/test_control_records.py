@@ -73,8 +73,10 @@ def test_record_flows_counts_what_counts(laminar):
 # -- scores ----------------------------------------------------------------------------------------
 
 
-def random_records(flows, seed, controlled=0.2, laminar=0):
+def random_records(flows, seed, controlled=0.2, laminar=0, escaped=0):
     """Flows of which the first ``laminar`` laminarise, alternately without and with control.
+
+    The last ``escaped`` escape.
 
     Of flows that laminarise, control may leave an energy that is no number.
     """
@@ -93,6 +95,7 @@ def random_records(flows, seed, controlled=0.2, laminar=0):
             of_flows = generator.normal(2.0, 0.1, flows)
             of_flows[step >= 0] = np.nan
             values[f"{name}_{run}"] = of_flows
+    values["escape_step"] = np.where(np.arange(flows) >= flows - escaped, 3, -1)
     values["fallbacks"] = generator.binomial(9, 0.3, flows)
     return FlowRecords(**values)
 
@@ -103,6 +106,7 @@ def plain_scores(records, span, drawn, costs):
         flow
         for flow in drawn
         if max(records.laminar_step_uncontrolled[flow], records.laminar_step_controlled[flow]) < 0
+        and records.escape_step[flow] < 0
     ]
 
     def quotient(numerator, denominator):
@@ -128,6 +132,8 @@ def plain_scores(records, span, drawn, costs):
     decisions = sum(int(records.decisions[flow]) for flow in kept)
     fallbacks = sum(int(records.fallbacks[flow]) for flow in kept)
     scores["fallback_fraction"] = quotient(fallbacks, decisions)
+    escaped = sum(int(records.escape_step[flow] >= 0) for flow in drawn)
+    scores["escaped_fraction"] = quotient(escaped, len(drawn))
     for name in ("exceedance", "input", "dissipation"):
         pair = scores[f"{name}_controlled"], scores[f"{name}_uncontrolled"]
         scores[f"relative_{name}"] = quotient(*pair)
@@ -137,7 +143,10 @@ def plain_scores(records, span, drawn, costs):
 @pytest.mark.parametrize("flows", [0, 1, 6, 40])
 def test_score_flows_is_a_plain_sum_over_the_flows_of_each_resample(flows):
     """Flows that laminarise count in hazards alone; their energies and costs are not defined."""
-    records, generator = random_records(flows, 1, laminar=3), np.random.default_rng(2)
+    records, generator = (
+        random_records(flows, 1, laminar=3, escaped=flows // 20),
+        np.random.default_rng(2),
+    )
     laminar = np.maximum(records.laminar_step_uncontrolled, records.laminar_step_controlled) >= 0
     costs = {name: np.where(laminar, np.nan, generator.random(flows)) for name in COSTS}
     sample = FlowSample(records, SPAN, costs)
@@ -241,7 +250,9 @@ def flows_with(left, acting, effort=None):
     """Flows with 20 exceeding steps each without control; ``left`` steps and acting steps given."""
     nothing = np.zeros(len(left), dtype=np.int64)
     values = dict.fromkeys(RECORDS, nothing)
-    values |= {f"laminar_step_{run}": nothing - 1 for run in WHO}
+    values |= {
+        name: nothing - 1 for name in RECORDS if name.endswith("_step") or "laminar_step" in name
+    }
     values |= {"exceeding_uncontrolled": nothing + 20, "exceeding_controlled": np.array(left)}
     values["actuated_integration_steps"] = np.array(acting)
     costs = {} if effort is None else {"effort": np.array(effort)}

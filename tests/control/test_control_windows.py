@@ -156,6 +156,7 @@ def test_count_windows_and_totals_are_those_of_a_plain_loop(flows, laminar):
     kinds += ("events_after_false_alarms", "events_between_windows")
     acting = flows.actuated_integration_steps[kept].sum()
     total |= {"flows": len(kept), "left_out": 2, "laminarised": 12 - len(kept)}
+    total["escaped"] = 0
     total |= {"steps": 9 * len(kept), "integration_steps": 18 * len(kept)}
     total |= {"actuated_integration_steps": acting, "events_uncontrolled": rises.sum()}
     total["events_controlled"] = sum(total[name] for name in kinds)

@@ -26,7 +26,6 @@ from burstcast.data.starting_points import (
 )
 from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
-from burstcast_workflow.harness.settings import cases_of_thresholds, with_thresholds
 from helpers_library import lorenz_series
 
 # -- made and observed -----------------------------------------------------------------------------
@@ -317,22 +316,6 @@ def cut_out(step, before, after):
 def test_what_makes_no_sense_is_refused(made, error, message):
     with pytest.raises(error, match=message):
         made()
-
-
-def test_values_replace_quantiles_wherever_they_are():
-    unknown = {"case": "a", "quantile": 0.9}
-    thresholds = {"b": {**unknown, "case": "b"}, "c": 3.0}
-    cases = [
-        {"identity": {"case": case}, "settings": {"case.event_threshold": threshold}}
-        for case, threshold in thresholds.items()
-    ]
-    settings = {"case.event_threshold": unknown, "cases": cases, "quantile": 0.5}
-    assert list(cases_of_thresholds(settings)) == ["a", "b"]
-    thresholds = with_thresholds(settings, {"a": 1.5, "b": 2.5}.get)
-    assert thresholds["case.event_threshold"] == 1.5
-    replaced = [record["settings"]["case.event_threshold"] for record in thresholds["cases"]]
-    assert replaced == [2.5, 3.0]
-    assert (thresholds["quantile"], list(cases_of_thresholds(thresholds))) == (0.5, [])
 
 
 # -- delay coordinates -----------------------------------------------------------------------------

@@ -46,12 +46,24 @@ def frames_of(library):
         package = pytest.importorskip(library)
         if library == "polars":
             return [package.DataFrame({str(c): t[c].to_numpy() for c in t}) for t in tables]
-        if library == "pyarrow":
-            return [package.table({str(c): t[c].to_numpy() for c in t}) for t in tables]
-        frame = pytest.importorskip("dask.dataframe")
-        return [frame.from_pandas(table, npartitions=2, sort=False) for table in tables]
+        return [package.table({str(c): t[c].to_numpy() for c in t}) for t in tables]
 
     return convert
+
+
+class LazyFrame:
+    """A frame of partitions that is computed when it is asked for, with an index, as of Dask."""
+
+    def __init__(self, table):
+        self._parts = [table.iloc[:20], table.iloc[20:]]
+        self.npartitions, self.ndim, self.columns = 2, 2, table.columns
+        self.iloc, self.index = None, None
+
+    def compute(self):
+        return pd.concat(self._parts)
+
+    def __getitem__(self, name):
+        raise NotImplementedError
 
 
 def grouped(tables):
@@ -59,10 +71,6 @@ def grouped(tables):
 
 
 def to_xarray(table):
-    if isinstance(table.index, pd.PeriodIndex) or not isinstance(
-        table.index, pd.DatetimeIndex | pd.TimedeltaIndex
-    ):
-        pytest.skip("xarray has coordinates of its own")
     return table.rename_axis("time").to_xarray()
 
 
@@ -79,7 +87,7 @@ CONTAINERS = {
     "arrays of xarray": lambda tables: [
         to_xarray(table).to_dataarray("component") for table in tables
     ],
-    "dask": frames_of("dask"),
+    "lazy frames": lambda tables: [LazyFrame(table) for table in tables],
 }
 INDICES = {
     "rows": range(40),
@@ -93,6 +101,12 @@ INDICES = {
     "text": DATES.astype(str),
     "periods": DATES.to_period("250ms"),
 }
+HAS_COORDINATES = ("data sets", "arrays of xarray")
+IN = [
+    (container, index)
+    for container, index in itertools.product(CONTAINERS, INDICES)
+    if container not in HAS_COORDINATES or index in ("dates", "durations", "zone")
+]
 BAD_ROWS = {
     "hole": [*range(10), *range(15, 40)],
     "a single row": [*range(20), *range(21, 40)],
@@ -108,8 +122,7 @@ def tables(index, rows=slice(None), columns="uv", name=None):
     return [table[[*columns]].iloc[rows] for table in made]
 
 
-@pytest.mark.parametrize("index", INDICES)
-@pytest.mark.parametrize("container", CONTAINERS)
+@pytest.mark.parametrize(("container", "index"), IN)
 def test_a_good_series_is_the_plain_array(container, index):
     given = labelled_series(CONTAINERS[container](tables(index)))
     assert given.labels == ("u", "v")
@@ -126,8 +139,7 @@ def test_a_good_series_is_the_plain_array(container, index):
 
 
 @pytest.mark.parametrize("rows", BAD_ROWS)
-@pytest.mark.parametrize("index", INDICES)
-@pytest.mark.parametrize("container", CONTAINERS)
+@pytest.mark.parametrize(("container", "index"), IN)
 def test_rows_that_are_missing_or_in_disorder_are_refused_by_both_doors(container, index, rows):
     for call in (labelled_series, lambda given: measured_series(given, "0.25 seconds")):
         with pytest.raises((ValueError, TypeError)):
@@ -155,6 +167,15 @@ def test_frames_of_other_libraries_go_by_their_labels(library, columns, clock):
                 labelled_series(as_frames([table.iloc[rows] for table in plain]))
     (single,) = as_frames(plain[:1])
     assert labelled_series(single).states.shape == (1, 40, 2)
+
+
+@pytest.mark.parametrize("index", ["rows", "times", "dates"])
+def test_frames_of_dask_are_computed(index):
+    frame = pytest.importorskip("dask.dataframe")
+    made = [frame.from_pandas(table, npartitions=2, sort=False) for table in tables(index)]
+    given = labelled_series(made)
+    np.testing.assert_array_equal(given.states, RUNS)
+    assert given.step == (None if index == "rows" else pytest.approx(STEP))
 
 
 def test_a_library_that_is_not_understood_is_told_the_way_to_pandas():
@@ -213,9 +234,39 @@ REFUSED = [
     ),
     (xarray.Variable("time", SECONDS), TypeError, "not a Variable of xarray"),
     (
+        pd.concat(tables("dates"), keys=range(3), names=["run", "time"]).swaplevel().sort_index(),
+        ValueError,
+        r"whose outer index level is called time, of 3 rows at most: .* table.swaplevel\(\)",
+    ),
+    (
+        pd.concat(tables("rows"), keys=range(3)).swaplevel().sort_index(),
+        ValueError,
+        r"whose outer index level has 40 entries, of 3 rows at most: .* table.swaplevel\(\)",
+    ),
+    (tables("rows")[0].to_dict("series"), TypeError, "are a dictionary of columns"),
+    ({"u": pd.Series(SECONDS), "v": pd.Series(SECONDS)}, TypeError, "a dictionary of columns"),
+    (tables("rows")[0].to_records(), TypeError, r"not records: give pd.DataFrame\(records\)"),
+    (tables("dates")[0].resample("5s"), TypeError, "be an array .* not a DatetimeIndexResampler"),
+    (tables("rows")[0].rolling(10), TypeError, "must be an array .* not a Rolling"),
+    ({"a": RUNS[0]}.keys(), TypeError, "must be an array .* not a dict_keys"),
+    ([tables("rows")[:2], tables("rows")[2:]], TypeError, "not a list of tables"),
+    ([tables("rows")[0], None], TypeError, "not a NoneType"),
+    ([tables("rows")[0].astype(object)], ValueError, r"but object; .* table.astype\(float\)"),
+    ([tables("rows")[0].astype(str)], ValueError, r"'u' has no numbers, .* table.astype\(float\)"),
+    (
+        [np.float64(1.0), np.float64(2.0)],
+        ValueError,
+        r"must be \(series, time, component\), not \(2,\)",
+    ),
+    (
         pd.DataFrame({"date": pd.to_datetime(DATES), "u": SECONDS}),
         ValueError,
-        "column 'date' has no numbers, but datetime.*; if it is the clock, call it 'time'",
+        "column 'date' has no numbers, but dates: if it is the clock, call it 'time'",
+    ),
+    (
+        tables("rows")[0].assign(hour=DATES.astype(str)).drop(index=[7]),
+        ValueError,
+        "column 'hour' has no numbers, but dates: .* 'time'}.*, or else leave it out",
     ),
     (
         xarray.Dataset(
@@ -231,6 +282,69 @@ REFUSED = [
 def test_what_is_not_understood_is_refused_by_name(data, error, message):
     with pytest.raises(error, match=message):
         labelled_series(data)
+
+
+@pytest.mark.parametrize("keys", ["run", ["run"], pd.Grouper(key="run")])
+@pytest.mark.parametrize("selected", [None, ["u", "v"]])
+def test_groups_leave_the_column_that_they_are_grouped_by(keys, selected):
+    together = pd.concat([t.assign(run=n) for n, t in enumerate(tables("rows"))])
+    groups = together.groupby(keys)
+    given = labelled_series(groups if selected is None else groups[selected])
+    assert given.labels == ("u", "v")
+    np.testing.assert_array_equal(given.states, RUNS)
+    one = labelled_series(together.groupby("run")["v"])
+    assert one.labels == ("v",)
+    np.testing.assert_array_equal(one.states, RUNS[..., 1:])
+
+
+@pytest.mark.parametrize("by", ["run", ["run"], ["run", "place"]])
+def test_groups_of_polars_are_in_the_order_of_their_keys(by):
+    polars = pytest.importorskip("polars")
+    runs = [
+        polars.DataFrame({"run": [10 - n] * 40, "place": ["x"] * 40, "u": u, "v": v})
+        for n, (u, v) in enumerate(RUNS.transpose(0, 2, 1))
+    ]
+    together = polars.concat(runs if "place" in by else [t.drop("place") for t in runs])
+    for _ in range(4):  # polars has another order each time
+        given = labelled_series(together.group_by(by))
+        assert given.labels == ("u", "v")
+        np.testing.assert_array_equal(given.states, RUNS[::-1])
+    kept = labelled_series(together.group_by(by, maintain_order=True))
+    np.testing.assert_array_equal(kept.states, RUNS)
+
+
+class ArrowTable(OtherFrame):
+    """A table of pyarrow that was made from one of pandas, with its index as a column."""
+
+    def __init__(self, table):
+        index = {} if isinstance(table.index, pd.RangeIndex) else {"__index_level_0__": table.index}
+        super().__init__({**{name: table[name].to_numpy() for name in table}, **index})
+        self.schema = type("Schema", (), {"pandas_metadata": {}})
+        self.to_pandas = lambda: table
+
+
+@pytest.mark.parametrize("library", ["stand-in", "pyarrow"])
+def test_tables_of_pyarrow_keep_the_index_of_pandas(library):
+    made = ArrowTable
+    if library == "pyarrow":
+        made = pytest.importorskip("pyarrow").Table.from_pandas
+    dated = labelled_series([made(table) for table in tables("dates")])
+    assert (dated.labels, dated.step) == (("u", "v"), pytest.approx(STEP))
+    np.testing.assert_array_equal(dated.states, RUNS)
+    with pytest.raises(ValueError, match="rows are missing between 6 and 8 of its index"):
+        labelled_series(made(tables("rows")[0].drop(index=[7])))
+
+
+def test_panels_of_many_short_runs_have_a_clock_or_are_a_list():
+    short = [table.iloc[:3] for table in tables("dates")] * 3
+    panel = pd.concat(short, keys=range(9))
+    assert labelled_series(panel).states.shape == (9, 3, 2)
+    numbered = pd.concat([table.reset_index(drop=True) for table in short], keys=range(9))
+    with pytest.raises(ValueError, match="outer index level has 9 entries, of 3 rows at most"):
+        labelled_series(numbered)
+    as_list = [table for _, table in numbered.groupby(level=0)]
+    assert labelled_series(as_list).states.shape == (9, 3, 2)
+    assert labelled_series(dict(enumerate(short)).values()).states.shape == (9, 3, 2)
 
 
 def test_dates_of_python_and_coordinates_that_are_no_components():
@@ -295,6 +409,23 @@ def test_the_step_of_all_samples_counts(missing):
             call()
 
 
+@pytest.mark.parametrize("step", [0.01, 12.0, 30.0, 100000.0])
+def test_rows_that_are_there_twice_are_no_clock_that_goes_round(step):
+    table = pd.DataFrame({"time": step * np.r_[0:20, 19:40], "u": np.sin(np.arange(41))})
+    for call in (labelled_series, lambda given: measured_series(given, step)):
+        with pytest.raises(ValueError, match=r"stays at .* Remove rows that are there twice"):
+            call(table)
+
+
+def test_trading_days_have_no_clock():
+    days = pd.bdate_range("2020-01-01", periods=40)
+    traded = pd.DataFrame(RUNS[0], columns=[*"uv"], index=days)
+    with pytest.raises(ValueError, match="as trading days do, leave the times out"):
+        labelled_series(traded)
+    without = labelled_series(traded.reset_index(drop=True))
+    np.testing.assert_array_equal(without.states, RUNS[:1])
+
+
 @pytest.mark.parametrize("bits", [16, 24, 31, 32])
 @pytest.mark.parametrize("unit", [1, 1e-3])
 def test_clocks_that_go_round(bits, unit):
@@ -308,23 +439,65 @@ def test_clocks_that_go_round(bits, unit):
 # -- columns that are no state, and units ----------------------------------------------------------
 
 
-def test_numbers_of_runs_and_counters_are_no_state_and_other_columns_are():
-    rows = np.arange(300.0)
-    columns = {
-        "run": lambda n: np.full(300, float(n)),
-        "stamp": lambda n: 1.7e9 + 600 * rows + 1e6 * n,
-        "days": lambda n: (rows + n) / 7,
-        "countdown": lambda n: 300 - rows,
-        "same in all": lambda n: np.full(300, 4.0),
-        "hour": lambda n: rows % 24,
-        "wave": lambda n: np.sin(rows + n),
-        "ramp and wave": lambda n: rows + 1e-3 * np.sin(rows),
-        "constant in one": lambda n: np.full(300, 1.0) if n else np.sin(rows),
-    }
-    series = [np.stack([make(n) for make in columns.values()], axis=1) for n in range(3)]
-    constant, counting = columns_of_no_state([*columns], series)
-    assert constant == ["run"]
-    assert counting == ["stamp", "days", "countdown"]
+ROWS = np.arange(400.0)
+DAYS = pd.date_range("1999-11-03", periods=400)
+CONSTANT = {"run": lambda n: np.full(400, float(n))}
+COUNTING = {
+    "stamp": lambda n: 1.7e9 + 600 * ROWS + 1e6 * n,
+    "stamp of a clock that jitters": lambda n: 600 * ROWS + 30 * np.sin(ROWS + n),
+    "stamp with gaps": lambda n: 600 * (ROWS + ROWS // 50) + 1e6 * n,
+    "stamp in single precision": lambda n: np.float32(1.7e9 + 600 * ROWS),
+    "days": lambda n: (ROWS + n) / 7,
+    "countdown": lambda n: 300 - ROWS,
+    "year of months": lambda n: 1990 + n + (ROWS + n) // 12,
+    "year of days": lambda n: np.float64(DAYS.year) + n,
+    "year, within one for some": lambda n: 2000 + (n + (ROWS > 200) * (n > 1)),
+    "run in one table": lambda n: np.repeat([1.0, 2.0, 3.0, 4.0], [50, 120, 30, 200]),
+}
+CYCLIC = {
+    "hour": lambda n: ROWS % 24,
+    "hour of half hours": lambda n: (ROWS // 2 + n) % 24,
+    "hour with minutes": lambda n: (ROWS * 7 / 60 + n) % 24,
+    "hours to go": lambda n: 23 - ROWS % 24,
+    "month": lambda n: np.float64(DAYS.month),
+    "day of the month": lambda n: np.float64(DAYS.day),
+    "day of the week": lambda n: np.float64(DAYS.day_of_week),
+    "day of the year": lambda n: np.float64(DAYS.day_of_year),
+    "index of joined tables with holes": lambda n: np.flatnonzero(n != ROWS % 9)[:300] % 150,
+    "index of joined tables": lambda n: np.concatenate([np.arange(150.0), np.arange(250.0)]),
+}
+
+
+def uneven(seed, values):
+    """Values that stay for random times."""
+    generator = np.random.default_rng(seed)
+    return np.repeat(values, generator.integers(1, 9, size=len(values)))[:400]
+
+
+STATES = {
+    "same in all": lambda n: np.full(400, 4.0),
+    "wave": lambda n: np.sin(ROWS + n),
+    "season": lambda n: np.cos(2 * np.pi * (ROWS + n) / 24),
+    "ramp and wave": lambda n: ROWS + 3 * np.sin(ROWS),
+    "constant in one": lambda n: np.full(400, 1.0) if n else np.sin(ROWS),
+    "spikes": lambda n: np.float64(np.random.default_rng(n).random(400) > 0.9),
+    "rain": lambda n: np.maximum(0, np.random.default_rng(n).normal(size=400)),
+    "counts": lambda n: np.float64(np.random.default_rng(n).poisson(0.4, size=400)),
+    "counts that are reset": lambda n: uneven(n, np.arange(400) % 4),
+    "random walk of a grid": lambda n: np.random.default_rng(n).integers(-1, 2, 400).cumsum(),
+    "decay": lambda n: np.exp(-ROWS / 100),
+    "dry but in one": lambda n: np.where(ROWS > 300, 1.0, 0.0) if n == 1 else np.zeros(400),
+}
+
+
+@pytest.mark.parametrize("name", [*CONSTANT, *COUNTING, *CYCLIC, *STATES])
+def test_columns_that_are_no_state(name):
+    made = {**CONSTANT, **COUNTING, **CYCLIC, **STATES}[name]
+    columns = [made(n) for n in range(4)]
+    series = [np.stack([np.sin(ROWS[: len(each)]), each], axis=1) for each in columns]
+    found = columns_of_no_state(["u", name], series)
+    expected = [[name] * (name in kinds) for kinds in (CONSTANT, COUNTING, CYCLIC)]
+    assert [*found] == expected
 
 
 @pytest.mark.parametrize("form", ["array", "data set", "file"])

@@ -6,6 +6,8 @@ from test_event_forecaster import lorenz
 
 from burstcast.event_forecaster.choice import LeftOutForecasts, Trial, findings
 from burstcast.event_forecaster.forecaster import EventForecaster
+from burstcast.forecasters._options import resolved_by_samples
+from burstcast.forecasters.registry import make_kind
 
 pytestmark = pytest.mark.filterwarnings("ignore")
 SERIES = lorenz(8, 700, 1)
@@ -91,6 +93,52 @@ def test_a_kind_that_cannot_be_fitted_is_told_and_left_out():
         automatic(["equations"]).fit(SERIES[:6])
 
 
+def red_noise(series, samples):
+    states = np.random.default_rng(0).normal(size=(series, samples, 1))
+    for step in range(1, samples):
+        states[:, step] += 0.8 * states[:, step - 1]
+    return states
+
+
+@pytest.mark.parametrize("samples", [1, 6])
+def test_coarse_samples_exclude_no_kind(samples, tmp_path):
+    """The nearest durations that samples resolve are taken, said, and those of a fit by hand."""
+    coarse, kinds = red_noise(8, 90), ["quadratic_filtered", "precursor", "esn_direct"]
+    given = {"sampling_interval": 0.2, "lyapunov_time": 0.2 * samples, "prediction_times": (1.0,)}
+    given |= {"observable": 0, "event_threshold": {"quantile": 0.8}}
+    made = automatic(kinds, **given).fit(coarse[:6])
+    assert not [trial.remark for trial in made.choices_ if trial.remark]
+    by_kind = {trial.kind: trial for trial in made.choices_}
+    washout = max(1, samples // 2)
+    assert by_kind["esn_direct"].options == {"start_spacing_lt": 1 / samples}
+    lags = tuple(lag / samples for lag in (1, 2) if lag < min(washout, samples))
+    assert by_kind["precursor"].options["lags_lt"] == lags
+    window = by_kind["quadratic_filtered"].options
+    assert window == ({} if samples > 4 else {"window_lt": 1 / samples})
+    chosen = by_kind[made.kind_]
+    assert made.options_ == chosen.options
+    assert (chosen.adapted in made.warnings_) == bool(chosen.options)
+    by_hand = EventForecaster(
+        **{**made.get_params(), "kind": made.kind_, "options": chosen.options or None}
+    )
+    expected = by_hand.fit(coarse[:6]).predict_proba(coarse[6:])
+    np.testing.assert_array_equal(made.predict_proba(coarse[6:]), expected)
+    made.save(tmp_path / "f.nc")
+    loaded = EventForecaster.load(tmp_path / "f.nc")
+    np.testing.assert_array_equal(loaded.predict_proba(coarse[6:]), expected)
+
+
+def test_lags_are_different_samples_of_the_washout():
+    def lags(samples, washout, *given):
+        kind = make_kind("precursor", {"lags_lt": given or (0.1, 0.2, 0.3, 0.4)})
+        return resolved_by_samples(kind, samples, washout).get("lags_lt")
+
+    assert lags(20, 10) is None
+    assert lags(6, 3) == (1 / 6, 2 / 6)
+    assert lags(1, 1) == ()
+    assert lags(1, 3, 1.0, 2.0, 3.0, 4.0) == (1.0, 2.0)
+
+
 def test_noise_has_no_best_kind():
     noise = np.random.default_rng(0).normal(size=(6, 400, 1)).cumsum(axis=1) * 0
     noise += np.random.default_rng(1).normal(size=noise.shape)
@@ -100,6 +148,20 @@ def test_noise_has_no_best_kind():
     made.set_params(lyapunov_time=None, prediction_times=(3,), window=6, washout=5).fit(noise)
     assert made.warnings_[0].startswith("no kind beats the base rate: the best, ")
     assert list(findings([Trial("esn", 0.2, 0.1, 0.3)], "esn", 40)) == []
+
+
+def test_a_washout_that_is_as_long_as_a_cycle_is_told():
+    """Each washout of eleven years has a maximum of the cycle: few starting points are left."""
+    years = np.arange(200.0)
+    cycle = np.sin(2 * np.pi * years / 11) + 0.2 * np.random.default_rng(0).normal(size=200)
+    given = {"event_threshold": {"quantile": 0.87}, "prediction_times": (2,), "window": 3}
+    given |= {"kind": "analogues", "calibration_spacing": 1}
+    told = EventForecaster(0, washout=11, **given).fit(cycle[np.newaxis, :, np.newaxis]).warnings_
+    (found,) = [text for text in told if "shorten washout" in text]
+    counts = found.split(" starting")[0].split(" of ")
+    assert int(counts[0]) < 0.25 * int(counts[1])
+    short = EventForecaster(0, washout=3, **given).fit(cycle[np.newaxis, :, np.newaxis]).warnings_
+    assert not [text for text in short if "shorten washout" in text]
 
 
 def test_the_cost_is_said_before():

@@ -250,6 +250,19 @@ def test_a_forecaster_of_which_no_forecast_is_valid_is_told_and_the_fallback_con
             assert run.scores["control_fraction"].value == share
 
 
+def test_a_flow_that_escapes_is_counted_and_told():
+    """The force takes whom it acts on out of the range of numbers; the others go on."""
+    rule, force = Reactive(0.1, 40.0), {"actuation": None, "force": [1e200, 0.0, 0.0]}
+    with pytest.warns(UserWarning, match="4 of 8 flows leave the range .* weaker actuation"):
+        run = controlled(rule, duration=3, references=False, **force)
+    lost = run.actuated.any(axis=1)
+    assert lost.sum() == 4
+    assert np.isnan(run.states[lost, -1]).all()
+    np.testing.assert_array_equal(run.states[~lost], run.free_states[~lost])
+    assert run.scores["escaped_fraction"].value == 4 / 8
+    assert run.scores["control_fraction"].value == 0.0
+
+
 def test_a_run_has_references_that_know_nothing():
     run = controlled()
     always, by_chance = run.references["always"], run.references["random"]

@@ -54,8 +54,7 @@ def with_noise(washouts, seed=1, correlation=0.0):
 
 @pytest.fixture(scope="module")
 def test_of_circles():
-    generator = np.random.default_rng(5)
-    return ConsistencyTest.of(Rotation(), with_noise(circles(400, 12)), NOISE, generator)
+    return ConsistencyTest.of(hindcast_errors(Rotation(), with_noise(circles(400, 12), seed=5)))
 
 
 def share_inconsistent(test, washouts):
@@ -83,6 +82,16 @@ def test_a_right_model_raises_false_alarms_as_often_as_is_said(test_of_circles):
     np.testing.assert_allclose(test_of_circles.scale[0], expected, rtol=0.1)
 
 
+def test_a_model_that_errs_raises_no_more_of_them():
+    """Its own error is in the hindcasts, too."""
+    flow = np.array([[np.cos(0.35), -np.sin(0.35)], [np.sin(0.35), np.cos(0.35)]])
+    reference = with_noise(circles(800, 12, flow, seed=3), seed=4)
+    test = ConsistencyTest.of(hindcast_errors(Rotation(), reference))
+    own = with_noise(circles(4000, 12, flow, seed=7), seed=8)
+    assert 0.03 < share_inconsistent(test, own) < 0.08
+    assert share_inconsistent(test, with_noise(circles(500, 12, TURN @ TURN, seed=9))) > 0.6
+
+
 @pytest.mark.parametrize("way", ["another flow", "another gain", "coloured noise", "more noise"])
 def test_what_the_model_cannot_have_made_is_found(test_of_circles, way):
     truth = circles(500, 12, seed=9)
@@ -101,9 +110,7 @@ def test_lost_hindcasts_are_inconsistent_and_short_washouts_have_no_test(test_of
     p_values = test_of_circles.p_values(Rotation(), washouts)
     assert p_values[0] > 0
     assert p_values[1] == 0.0
-    generator = np.random.default_rng(1)
-    assert ConsistencyTest.of(Rotation(), circles(400, 5), NOISE, generator) is None
-    assert ConsistencyTest.of(Rotation(), circles(20, 12), NOISE, generator) is None
+    assert ConsistencyTest.of(hindcast_errors(Rotation(), circles(20, 12))) is None
     again = ConsistencyTest.restore(test_of_circles.record())
     np.testing.assert_array_equal(again.p_values(Rotation(), washouts), p_values)
     with pytest.raises(ValueError, match="none"):
@@ -128,6 +135,30 @@ def test_a_reliable_ensemble_has_a_level_histogram_and_a_spread_like_its_error()
     assert np.isnan(spread_and_error(members[:1], truth)).all()
 
 
+@pytest.mark.parametrize(
+    ("kind", "changes"),
+    [("esn", {"neurons": 40, "members": 1, "searches": 1}), ("analogues", {}), ("nvar", {})],
+)
+def test_the_rate_of_false_alarms_holds_for_imperfect_kinds(kind, changes):
+    """A small network errs by much; analogues would find their own training series."""
+    generator = np.random.default_rng(3)
+    series = lorenz(16, 900, 1)
+    series = series + 0.01 * series.std(axis=(0, 1)) * generator.normal(size=series.shape)
+    forecaster = EventForecaster(
+        *(2, 40.0),
+        kind=kind,
+        **{"lyapunov_time": 1.1, "sampling_interval": 0.02, "washout": 0.5, "calibrate": False},
+        **{"prediction_times": (0.5,), "start_spacing": 0.25, **changes},
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        table = forecaster.fit(series[:8]).scores_by_consistency(series[8:])
+        # a third less of the flow
+        wrong = forecaster.scores_by_consistency(0.7 * series[8:])
+    assert table["inconsistent"]["share"] < 0.11
+    assert wrong["inconsistent"]["share"] > 0.5
+
+
 def test_an_event_forecaster_knows_inconsistent_washouts(tmp_path):
     """Of Lorenz's flow: its own series, and the same with another gain."""
     generator = np.random.default_rng(3)
@@ -148,7 +179,7 @@ def test_an_event_forecaster_knows_inconsistent_washouts(tmp_path):
     assert sum(part["forecasts"] for part in table.values()) == total["forecasts"]
     assert sum(part["events"] for part in table.values()) == total["events"]
     assert sum(part["share"] for part in table.values()) == pytest.approx(1.0)
-    with pytest.warns(UserWarning, match="washouts are not ones that the model can have made"):
+    with pytest.warns(UserWarning, match="washouts are unlike those of the training series"):
         forecaster.scores(0.8 * tested)
     wrong = forecaster.scores_by_consistency(0.8 * tested)
     assert wrong["inconsistent"]["share"] > 0.8

@@ -259,13 +259,18 @@ def test_columns_that_are_no_state_are_told_by_name():
     plain = forecaster(observable="z").fit(frames()[:6])
     assert not any("no component" in text for text in plain.warnings_)
     with_columns = [
-        table.assign(run=number, timestamp=1.7e9 + 600 * np.arange(len(table)))
+        table.assign(
+            run=number,
+            timestamp=1.7e9 + 600 * np.arange(len(table)),
+            hour=np.arange(len(table)) // 6 % 24,
+        )
         for number, table in enumerate(frames())
     ]
     made = forecaster(observable="z").fit(with_columns[:6])
     assert made.warnings_[0].startswith("run is constant in each series")
     assert made.warnings_[1].startswith("timestamp is rising")
-    as_told = [table.drop(columns=["run", "timestamp"]) for table in with_columns]
+    assert made.warnings_[2].startswith("hour is rising in equal steps and then starting again")
+    as_told = [table.drop(columns=["run", "timestamp", "hour"]) for table in with_columns]
     np.testing.assert_array_equal(
         forecaster(observable="z").fit(as_told[:6]).predict_proba(as_told[6:]),
         plain.predict_proba(frames()[6:]),

@@ -13,10 +13,15 @@ from sklearn.model_selection import GridSearchCV, cross_val_score
 from test_event_forecaster import SMALL
 
 from burstcast import EventForecaster
+from burstcast.data.starting_points import SeriesPoints
+from burstcast.event_forecaster.causes import better_window, causes
 from burstcast.event_forecaster.components import Components
+from burstcast.event_forecaster.events import EventTiming
 from burstcast.event_forecaster.scoring import EventScorer
-from burstcast.forecasters.base import Forecaster, fitted
+from burstcast.forecasters.base import Forecaster, ForecastingCase, fitted
 from burstcast.forecasters.nvar import NVAR
+from burstcast.forecasters.quadratic import QuadraticModel
+from burstcast.systems.measured import MeasuredSeries
 
 # what extrapolates or persists forecasts events no better than chance
 pytestmark = pytest.mark.filterwarnings("ignore:signs of a weak forecaster")
@@ -220,6 +225,39 @@ def test_a_window_of_one_interval_and_an_unlearnable_step_are_causes():
     assert "windows of 2 sampling intervals (option window_lt, 0.2)" in text
     assert "one sample ahead its forecast of component" in text
     assert "the prediction window has 4 samples" in text
+
+
+def test_components_that_turn_within_a_few_samples_are_a_cause():
+    """A sine of five samples and one of forty, with noise; a map has no turns."""
+    time = np.arange(400) + np.arange(3)[:, np.newaxis]
+    series = np.stack([np.sin(2 * np.pi * time / period) for period in (5.0, 40.0)], axis=-1)
+    series = series + 0.02 * np.random.default_rng(0).normal(size=series.shape)
+    for unit, told in ((40.0, True), (1.0, False)):
+        timing = EventTiming(unit, 1.0, (1.0,), 10.0)
+        words = list(causes(NVAR(), timing, series, ("fast", "slow"), washout=9, events=50))
+        assert any("samples in a turn of the trajectory: fast 5;" in text for text in words) == told
+        assert not any("slow" in text for text in words)
+
+
+def test_a_better_window_of_the_regression_is_named():
+    """Who follows the words has a smaller error in series that nobody has learnt from."""
+    series = roessler(12, 500, 0.2)
+    case = ForecastingCase(MeasuredSeries(("x", "y", "z"), "x"), 0.2, 1, 30)
+    series = series + 0.02 * series.std(axis=(0, 1)) * np.random.default_rng(1).normal(
+        size=series.shape
+    )
+    points = SeriesPoints(np.repeat(np.arange(8), 20), np.tile(np.arange(20, 460, 22), 8))
+    short = QuadraticModel(window_lt=0.07)
+    (text,) = better_window(short, case, series[:8], points)
+    assert "windows of 8 sampling intervals" in text
+    assert "of those over 2: try options={'window_lt': 0.267}" in text
+    errors = []
+    for model in (short, QuadraticModel(window_lt=0.267)):
+        fitted = model.fit(series[:8], case)
+        forecast, _ = fitted.advance(fitted.start(series[8:, 100:101].transpose(1, 2, 0)), 30)
+        errors.append(np.square(forecast - series[8:, 101:131].transpose(1, 2, 0)).mean())
+    assert errors[1] < 0.7 * errors[0]
+    assert list(better_window(QuadraticModel(window_lt=0.267), case, series[:8], points)) == []
 
 
 @dataclass(frozen=True)

@@ -609,9 +609,9 @@ ARGUMENTS = {
     "control_density": lambda: {
         "densities": [density_rows()],
         "panels": [
-            {"case": f"Re{re}", "event_threshold": 0.1, "neurons": 2000, "validation": "RV"}
-            for re in (400, 600, 800, 1000)
+            {"case": f"Re{re}", "neurons": 2000, "validation": "RV"} for re in (400, 600, 800, 1000)
         ],
+        "thresholds": [0.1] * 4,
         "prediction_times_lt": [1.0, 2.0],
         **NAMED,
     },

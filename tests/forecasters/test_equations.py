@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.encoders.channels import StateChannels, channel_names, encoding_case
@@ -155,7 +156,7 @@ class FilteredLinearModel(FilteredForecaster):
 
 def test_around_a_linear_model_it_is_the_kalman_filter(observed):
     training = observed[:, :, :10].transpose(2, 0, 1)
-    filtered = FilteredLinearModel().fit(training, FILTERED)
+    filtered = FilteredLinearModel(inflation=1.0).fit(training, FILTERED)
     model, noise = filtered.model, filtered.errors
     washout = observed[100:120, :, 11]
     centre, covariance = washout[0], np.diag(noise**2)
@@ -168,6 +169,70 @@ def test_around_a_linear_model_it_is_the_kalman_filter(observed):
     members = filtered.ensemble(washout[:, :, np.newaxis])
     np.testing.assert_allclose(filtered.start(washout[:, :, np.newaxis])[:, 0], centre, atol=1e-8)
     np.testing.assert_allclose(np.cov(members[:, :, 0]), covariance, atol=1e-8)
+
+
+ROTATION = 0.99 * np.array([[np.cos(0.3), -np.sin(0.3)], [np.sin(0.3), np.cos(0.3)]])
+
+
+def linear_flow(series, samples, drift, seed=0):
+    """A damped rotation with random forcing of this size, and noise of 0.1 in each component."""
+    generator = np.random.default_rng(seed)
+    states = np.empty((samples, 2, series))
+    states[0] = generator.normal(size=(2, series))
+    for step in range(1, samples):
+        states[step] = ROTATION @ states[step - 1] + drift * generator.normal(size=(2, series))
+    return states + 0.1 * generator.normal(size=states.shape)
+
+
+def test_innovations_have_the_likelihood_of_the_textbooks_kalman_filter(observed):
+    """One component after the other, from their normal distributions."""
+    filtered = FilteredLinearModel(inflation=1.1, noise=0.05)
+    filtered = filtered.fit(observed[:, :, :10].transpose(2, 0, 1), FILTERED)
+    model, noise, washout = filtered.model, filtered.errors, observed[100:120, :, 11]
+    centre, covariance, logs = washout[0], np.diag(noise**2), []
+    for observation in washout[1:]:
+        centre = model.propagator @ centre + model.constant
+        covariance = 1.1**2 * model.propagator @ covariance @ model.propagator.T
+        spread = np.sqrt(covariance.diagonal() + noise**2)
+        logs.append(norm(centre, spread).logpdf(observation).sum())
+        gain = covariance @ np.linalg.inv(covariance + np.diag(noise**2))
+        centre = centre + gain @ (observation - centre)
+        covariance = covariance - gain @ covariance
+    counted = logs[len(logs) // 4 :]
+    expected = sum(counted) + len(counted) * 3 * 0.5 * np.log(2 * np.pi)
+    found = filtered._log_likelihood(washout[:, :, np.newaxis])
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("drift", "inflated"), [(0.0, False), (0.1, True)])
+def test_inflation_is_chosen_where_the_model_errs_and_nowhere_else(drift, inflated):
+    """Without forcing the linear model is exact; with it, no ensemble knows of the forcing."""
+    training = linear_flow(8, 400, drift, seed=1).transpose(2, 0, 1)
+    exact = LinearInverseModel().with_fitted(propagator=ROTATION, constant=np.zeros(2))
+    unknown = FilteredLinearModel().with_fitted(model=exact, errors=np.full(2, 0.1))
+    chosen = unknown._with_chosen_inflation(training, 50)
+    assert (chosen.chosen_inflation > 1.0) == inflated
+    words = " ".join(chosen.weaknesses())
+    assert ("further from its forecasts than noise and ensemble explain" in words) == inflated
+    test = linear_flow(200, 30, drift, seed=2)
+    assert chosen.tuned().inflation == chosen.chosen_inflation
+    again = chosen.restore(chosen.record(), FILTERED)
+    np.testing.assert_array_equal(again.start(test), chosen.start(test))
+    assert again.chosen_inflation == chosen.chosen_inflation
+
+
+def test_a_chosen_inflation_of_one_is_the_filter_without_inflation(observed):
+    training = observed[:, :, :10].transpose(2, 0, 1)
+    chosen, plain = (
+        FilteredEquations(inflation=given).fit(training, FILTERED) for given in (None, 1)
+    )
+    assert chosen.chosen_inflation == 1.0
+    assert chosen.weaknesses() == []
+    np.testing.assert_array_equal(chosen.start(observed[:30]), plain.start(observed[:30]))
+    unequal = np.where(np.arange(500)[:, np.newaxis] < 300, training, np.nan)
+    assert FilteredEquations(noise=0.02).fit(unequal, FILTERED).chosen_inflation == 1.0
+    exact = FilteredEquations(noise=0.0).fit(training, FILTERED)
+    assert exact.chosen_inflation == 1.0
 
 
 # -- encoded states --------------------------------------------------------------------------------

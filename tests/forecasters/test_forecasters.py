@@ -1,5 +1,6 @@
 """Every kind that forecasts trajectories keeps to the same rules; those that learn least alone."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -505,7 +506,8 @@ def test_hidden_variables_that_cannot_be_found_are_refused():
         with pytest.raises(ValueError, match=message):
             hidden_series(*arguments)
     for options, message in (
-        ({"hidden": 0}, "hidden must be 1 at least"),
+        ({"hidden": -1}, "hidden must be 0 at least"),
+        ({"conserved": True}, "conserved takes an observable that follows"),
         ({"rounds": -1}, "rounds must be 0 at least"),
         ({"members": 5}, "members must be even"),
         ({"rates_per_lt": (0.0, 1.0)}, "rates_per_lt must be above 0"),
@@ -515,7 +517,9 @@ def test_hidden_variables_that_cannot_be_found_are_refused():
 
 
 def test_equations_with_a_hidden_variable_forecast_what_quadratic_ones_cannot(hidden_model):
-    assert hidden_model.weaknesses() == []
+    assert replace(hidden_model, round_errors=np.zeros(2)).weaknesses() == [
+        "no round of smoothing improved forecasts (quadratic_hidden.rounds)"
+    ]
     np.testing.assert_allclose(hidden_model.consistency, 1, atol=0.25)
     washout, _ = washouts_of(NOISY_LONG[4:, :850, :2], 30, 55)
     truth = np.concatenate(
@@ -536,6 +540,53 @@ def test_equations_with_a_hidden_variable_forecast_what_quadratic_ones_cannot(hi
     for other in refitted:
         again = other.advance(other.start(washout), 20)[0]
         assert np.median(np.abs((again - outputs[:20]) / scale).max(axis=(0, 1))) < 0.3
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"round_errors": np.array([-1.0, -1.5])}, "lowered the log10 square error .* by 0.5"),
+        ({"model_error": np.array([0.01, 0.5])}, "the smoother follows its own equations"),
+        ({"explained": 0.9}, "hidden variables explain little"),
+        ({"consistency": np.array([1.0, 2.0])}, "1 to 2 times the expected"),
+        ({"rates": np.array([0.8, 5.5])}, "on the edge of its search"),
+    ],
+)
+def test_weak_fits_with_hidden_variables_are_told(fields, message):
+    sound = {
+        "round_errors": np.array([-1.0, -1.01]),
+        "model_error": np.array([0.5, 0.5]),
+        "errors": np.ones(2),
+        "explained": 0.1,
+        "consistency": np.ones(2),
+        "rates": np.array([1.65, 2.93]),
+    }
+    model = HiddenQuadraticModel(**HIDDEN_OPTIONS)
+    assert model.with_fitted(**sound).weaknesses() == []
+    (weakness,) = model.with_fitted(**{**sound, **fields}).weaknesses()
+    assert re.search(message, weakness)
+
+
+def test_smoothing_brings_equations_without_hidden_variables_nearer_to_the_true_ones():
+    noise = 0.1 * LORENZ_SCALE * np.random.default_rng(8).normal(size=LONG_LORENZ.shape)
+    noisy = LONG_LORENZ + noise
+    case = replace(HIDDEN_CASE, system=Lorenz63())
+    options = {"hidden": 0, "members": 20}
+    first, last = (
+        HiddenQuadraticModel(rounds=rounds, **options).fit(noisy[:4], case) for rounds in (0, 4)
+    )
+    assert last.round_errors[0] == first.round_errors[0]
+    assert np.argmin(last.round_errors) > 0
+    states = LONG_LORENZ[4].T
+    truth = case.system.right_hand_side(states)
+    off = [
+        np.square(model.system.right_hand_side(states) - truth).mean() for model in (first, last)
+    ]
+    assert off[1] < 0.5 * off[0]
+    washout, _ = washouts_of(noisy[4:, :800], 30, 55)
+    assert_depends_on_its_washout_alone(last, washout[..., :5], 12, case)
+    assert len(list(last.leave_one_out(noisy[:4], case, 30))) == 4
+    assert not any("hidden" in weakness for weakness in last.weaknesses())
 
 
 def test_an_observable_that_follows_is_learnt_from_all_variables():

@@ -15,12 +15,15 @@ from burstcast.forecasters._logistic_readout import event_probability, fit_logis
 from burstcast.forecasters.analogues import Analogues
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.linear_inverse import LinearInverseModel
+from burstcast.forecasters.persistence import Persistence
 from burstcast.forecasters.precursor import LearntPrecursor
+from burstcast.forecasts import probabilities
 from burstcast.forecasts.alarms import UNCALIBRATED, AlarmRule, isotonic, logistic
 from burstcast.forecasts.probabilities import out_of_sample_forecasts, out_of_sample_probabilities
 from burstcast.forecasts.scores import Outcomes, resampled_scores
 from burstcast.forecasts.windows import window_forecasts
 from burstcast.systems.lorenz63 import Lorenz63
+from burstcast.systems.measured import MeasuredSeries
 from helpers_library import count_by_series, samples
 
 
@@ -232,3 +235,26 @@ def test_without_an_event_in_the_other_series_none_is_forecast():
     assert (result[series == 2, 1] == 0).all()
     assert (result[series != 2, 1] > 0).all()
     assert (result[:, 0] > 0).all()
+
+
+# -- announcements ---------------------------------------------------------------------------------
+
+
+def test_a_calibration_by_an_ensemble_is_announced_if_it_takes_long(monkeypatch):
+    """Sixteen of eighty points took a second and a half: all take some seven."""
+    clock = iter([10.0, 11.5, 0.0, 0.9])
+    monkeypatch.setattr(probabilities.time, "process_time", lambda: next(clock))
+    training = np.cumsum(np.random.default_rng(0).normal(size=(3, 90, 2)), axis=1)
+    case = ForecastingCase(MeasuredSeries(("x", "y"), "x"), 1.0, 1, 10)
+    kind = Analogues(neighbours=6).fit(training, case)
+    washouts = np.repeat(training[:1, :4], 80, axis=0)
+    arguments = kind, case.system.observable, washouts, (2, 4)
+    (text,) = probabilities.announcement(*arguments)
+    assert text == (
+        "calibration begins: 80 starting points, each forecast by an ensemble of 6 members, take "
+        "some 8 s of processor time or less"
+    )
+    assert list(probabilities.announcement(*arguments)) == []  # of five seconds or less
+    single = Persistence().fit(training, case)
+    assert list(probabilities.announcement(single, *arguments[1:])) == []
+    assert list(probabilities.announcement(kind, arguments[1], washouts[:0], (2, 4))) == []

@@ -199,7 +199,7 @@ def first_component(state):
 SEARCH = HorizonSearch(
     longest_lead_time_lt=3.0,
     lead_time_step_lt=0.5,
-    tolerance=1.0,
+    largest_error=1.0,
     washout=3,
     # odd: half a Lyapunov time is no whole number of steps
     steps_per_lyapunov_time=5,

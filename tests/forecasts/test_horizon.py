@@ -21,7 +21,7 @@ from helpers_library import MadeUpForecaster
 SEARCH = HorizonSearch(
     longest_lead_time_lt=4.0,
     lead_time_step_lt=0.5,
-    tolerance=0.125,
+    largest_error=0.125,
     washout=5,
     steps_per_lyapunov_time=13,
 )
@@ -70,7 +70,7 @@ def horizon_by_hand(speeds, search):
         for step in range(start + 1, event + 1):
             speed, ahead = speeds[start], step - start
             error = (math.nan if ahead > -speed else 0.0) if speed < 0 else speed * ahead
-            if not abs(error) < search.tolerance:
+            if not abs(error) < search.largest_error:
                 break
             accurate += 1
         if accurate == event - start:
@@ -134,9 +134,9 @@ def test_a_forecast_is_given_up_once_it_is_lost(monkeypatch):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"tolerance": 0.0}, "event threshold must exceed the mean"),
-        ({"tolerance": -0.01}, "event threshold must exceed the mean"),
-        ({"tolerance": math.nan}, "event threshold must exceed the mean"),
+        ({"largest_error": 0.0}, "event threshold must exceed the mean"),
+        ({"largest_error": -0.01}, "event threshold must exceed the mean"),
+        ({"largest_error": math.nan}, "event threshold must exceed the mean"),
         ({"lead_time_step_lt": 0.0}, "must decrease by a step"),
         ({"lead_time_step_lt": 4.5}, "must decrease by a step"),
         ({"longest_lead_time_lt": 0.05, "lead_time_step_lt": 0.05}, "shorter than a step"),

@@ -28,10 +28,10 @@ from burstcast_workflow.tracking.run import begin
 
 ROOT = Path(str(workflow.current_basedir))
 sources = Sources(lambda name: ROOT / "scripts" / name, ROOT / "none", {})
-CODE = sources.entries("step.py", {})
+CODE = {"settings": {}, "code": sources.code("step.py", {})}
 
 onstart:
-    begin("results", {}, sources.whole_entries(), [], "")
+    begin("results", {}, sources.whole(), [], "")
 
 rule all:
     input: "results/total/6.txt"
@@ -42,7 +42,7 @@ rule step:
     output: made="results/step/{n}.txt"
     log: "results/logs/{n}.log"
     wildcard_constraints: n="[1-5]"
-    params: *CODE
+    params: **CODE
     group: "five"
     resources: runtime=lambda wildcards: int(int(wildcards.n) > 4)
     script: "scripts/step.py"
@@ -51,7 +51,7 @@ rule total:
     input: before="results/step/5.txt"
     output: made="results/total/{n}.txt"
     log: "results/logs/{n}.log"
-    params: *CODE
+    params: **CODE
     resources: runtime=1
     script: "scripts/step.py"
 """

@@ -12,6 +12,8 @@ from burstcast.systems.integration import integrate
 from burstcast.systems.lorenz63 import Lorenz63
 from burstcast.systems.polynomials.basis import denoised, monomials
 from burstcast.systems.polynomials.regression import (
+    _changes_of_form,
+    _conserving,
     _moments,
     factored_coefficients,
     gregory_weights,
@@ -143,6 +145,63 @@ def test_without_factors_the_equations_are_the_plain_ones(value):
     np.testing.assert_allclose(
         coefficients[0] + value * coefficients[1], whole, rtol=1e-5, atol=1e-6
     )
+
+
+TURNED = np.array([[1.0, 0.4, 0.0], [-0.3, 1.0, 0.2], [0.1, 0.5, 1.0]])
+"""Other variables of Lorenz's equations, whose quadratic terms conserve x^2 + y^2 + z^2."""
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_quadratic_terms_that_conserve_a_form_are_nearer_to_the_true_ones(noise):
+    clean = lorenz_series(4, 50, 900) @ TURNED.T
+    deviation = noise * clean.std(axis=(0, 1))
+    series = clean + deviation * np.random.default_rng(3).standard_normal(clean.shape)
+    inverse = np.linalg.inv(TURNED)
+    form = inverse.T @ inverse
+    arguments = (series, deviation, 0.02, 2, 5, 0.0)
+    free = factored_coefficients(*arguments)[0]
+    conserving = factored_coefficients(*arguments, conserved=form)[0]
+    states = np.random.default_rng(4).normal(size=(3, 50))
+
+    def change(coefficients):
+        quadratic = np.where(np.arange(10)[:, np.newaxis] < 4, 0.0, coefficients)
+        system = PolynomialSystem(quadratic, 2, Lorenz63())
+        return np.sum(states * (form @ system.right_hand_side(states)), axis=0)
+
+    assert np.abs(change(conserving)).max() < 1e-9
+    assert np.abs(change(free)).max() > (1e-4 if noise else 1e-7)
+
+    def lorenz(states):
+        return TURNED @ Lorenz63().right_hand_side(inverse @ states)
+
+    wrong = [
+        np.square(
+            PolynomialSystem(each, 2, Lorenz63()).right_hand_side(20 * states) - lorenz(20 * states)
+        ).mean()
+        for each in (conserving, free)
+    ]
+    assert wrong[0] < wrong[1]
+    with pytest.raises(ValueError, match="of degree 2 without factors"):
+        factored_coefficients(*arguments, np.zeros((4, 899, 1)), conserved=form)
+
+
+def test_terms_that_conserve_a_form_are_least_squares_under_a_constraint():
+    """Equations with equal errors: the nearest coefficients by a penalty that tends to infinity."""
+    generator = np.random.default_rng(5)
+    states = generator.normal(size=(1, 400, 2))
+    form = np.array([[2.0, 0.3], [0.3, 1.0]])
+    values = denoised(states[0], np.zeros(2), monomials(2, 2))
+    noise = generator.normal(size=(400, 2))
+    targets = values.T @ generator.normal(size=(6, 2)) + noise
+    gram = np.array([values[:, part] @ values[:, part].T for part in np.split(np.arange(400), 4)])
+    cross = np.array([values[:, part] @ targets[part] for part in np.split(np.arange(400), 4)])
+    cross[:, :, 1] = cross[:, :, 0] * 0.5  # errors of known proportion
+    found = _conserving(np.ones((6, 2)), gram, cross, form)
+    constraint = _changes_of_form(form).reshape(4, 12)
+    matrix = np.kron(gram.sum(axis=0), np.diag([1.0, 4.0]))
+    target = (cross.sum(axis=0) * [1.0, 4.0]).reshape(12)
+    penalised = np.linalg.solve(matrix + 1e9 * constraint.T @ constraint, target)
+    np.testing.assert_allclose(found.reshape(12), penalised, rtol=1e-4, atol=1e-6)
 
 
 SERIES = np.random.default_rng(1).normal(size=(2, 300, 3))

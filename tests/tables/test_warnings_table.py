@@ -43,7 +43,7 @@ def rows_of_warnings(tmp_path, **changed):
     return [(row["forecaster"], row["neurons"], row["warning"]) for row in rows], rows
 
 
-def test_nothing_is_said_of_a_sound_case(tmp_path):
+def test_nothing_is_said_of_a_valid_case(tmp_path):
     assert rows_of_warnings(tmp_path) == ([], [])
 
 
@@ -107,9 +107,13 @@ def test_invalid_forecasts_and_decisions_without_one_are_told_above_a_hundredth(
         {**keys, "metric": "fallback_fraction", "value": share}
         for keys, share in zip(WHO, (0.0, 0.25, 0.01, np.nan), strict=True)
     )
+    escaped = [{**WHO[2], "metric": "escaped_fraction", "value": 0.02}]
+    control = pd.concat([control, pd.DataFrame(escaped)])
     changed = {"classification": pd.concat([scores, alarm]), "control": control}
     warned, rows = rows_of_warnings(tmp_path, **changed)
-    assert warned == [("esn", 50, "invalid_forecasts"), ("esn", 50, "fallback_decisions")]
+    assert warned[:2] == [("esn", 50, "invalid_forecasts"), ("esn", 50, "fallback_decisions")]
+    assert [name for *_, name in warned[2:]] == ["escaped_flows"]
+    assert "in 1 of 1 runs of control, up to 0.02 of the flows" in rows[2]["finding"]
     assert "2 LT 5.00%" in rows[0]["finding"]
     assert "1 LT" not in rows[0]["finding"]
     assert "in 1 of 2 runs of control, up to 25%" in rows[1]["finding"]

@@ -1,6 +1,7 @@
 """Configs as Snakemake merges them, with single settings changed, and their campaigns."""
 
 import copy
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -115,3 +116,16 @@ def networks(neurons: list[int], validation: tuple[str, ...] = ("RV",), seeds: i
 def records_of(loaded: Any) -> dict[str, dict[str, Any]]:
     """All settings of each case, as plain data."""
     return {name: case.dump() for name, case in Campaign(loaded).cases.items()}
+
+
+def computed_files(directory: Path, **values: Any) -> dict[str, str]:
+    """Files of values that other jobs compute, by the names of the inputs, for `JobSettings`."""
+    of_time = {"sampling_interval": 1.0, "steps_per_lyapunov_time": 20}
+    records = {"time_unit": of_time, "event_threshold": {"event_threshold": 0.1}}
+    files = {}
+    for name, record in records.items():
+        path = directory / f"{name}.json"
+        given = {key: value for key, value in values.items() if key in record}
+        path.write_text(json.dumps({**record, **given}))
+        files[name] = str(path)
+    return files

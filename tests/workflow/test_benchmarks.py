@@ -4,12 +4,16 @@ import importlib
 import re
 import sys
 from dataclasses import replace
+from io import StringIO
 
 import numpy as np
+import pandas as pd
 import pytest
 from helpers_configs import ROOT
+from sklearn.metrics import brier_score_loss, f1_score
 
 from burstcast.base.files.netcdf import Variable, write_netcdf
+from burstcast.forecasts.windows import WindowForecasts
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 from helpers_library import said_by
@@ -41,6 +45,18 @@ def test_the_table_of_default_forecasters_is_of_the_kept_rows():
     lines = said("default_forecasters.py", "table").splitlines()
     assert len(lines) > 10
     assert [line for line in lines if line.strip() not in document] == []
+
+
+def test_the_choice_of_a_kind():
+    """The score of a kind is that of the other table of scores; its choice loses nothing."""
+    nvar = printed("default_forecasters.py", "lorenz63", "--kinds", "nvar")["nvar"]
+    cells = printed("automatic_kinds.py", "lorenz63", "--kinds", "linear_inverse", "nvar")
+    _, chosen, skill, best, of_best, loss, inside, _ = cells["Lorenz 63"]
+    assert chosen == best == "`nvar`"
+    assert skill == of_best
+    assert skill.split()[0] == nvar[1].split()[0]
+    assert loss == "0.000 (0.000 to 0.000)"
+    assert inside == "yes"
 
 
 def test_costs_of_a_stream():
@@ -88,6 +104,16 @@ def test_intervals_of_scores_hold_the_truth():
     assert (len(cells), len(ours)) == (72, 56)  # reliability and calibration error have none
     assert min(ours) >= 88
     assert min(int(percentile) for _, percentile in cells) < 50
+
+
+@pytest.mark.long
+def test_washouts_of_other_flows_are_found():
+    text = said("consistency.py", "--kinds", "quadratic_filtered")
+    rows = re.findall(r"^\| `quadratic_filtered` \| 0.5 \| (.*?) \| ([0-9.]+)%", text, re.MULTILINE)
+    found = {name: float(share) for name, share in rows}
+    assert len(found) == 7
+    assert found["the same"] < 12
+    assert found["box longer by 5 %"] > 90
 
 
 @pytest.mark.long
@@ -145,3 +171,54 @@ def test_equations_of_a_ring_are_learnt_from_noisy_observations(monkeypatch):
 def test_the_page_has_the_table_of_controllers():
     page = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
     assert said("controllers.py", "table").strip() in page
+
+
+# -- experiments with smoothing --------------------------------------------------------------------
+
+
+def test_scores_of_experiments_are_weighted(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    starts_of = importlib.import_module("shear_flow_starts").Starts
+    generator = np.random.default_rng(3)
+    # peaks of 15 samples, where a Lyapunov time has 61
+    peaks = np.repeat(generator.random((20, 160)) < 0.04, 15, axis=1)
+    observable = np.where(peaks, 0.2, 0.05)
+    starts = starts_of(observable, observable)
+    assert set(starts.weights) == {1.0, 4.0}
+    count = len(starts.weights)
+    first = np.zeros((count, 4, 11))
+    largest = np.where(generator.random((count, 4, 11)) < 0.3, 0.2, 0.0)
+    single = WindowForecasts(
+        first[:, 0], largest[:, 0], np.zeros(count, dtype=bool), first, largest
+    )
+    scores = starts.scores(single)
+    for row, time in enumerate((1, 2, 3, 5)):
+        windows = slice(2 * time - 1, 2 * time + 1)
+        votes = (largest[:, :, windows].max(axis=2) >= 0.1).mean(axis=1)
+        truth, weights = starts.truth[row], starts.weights
+        expected = f1_score(truth, votes >= 0.5, sample_weight=weights)
+        assert scores[f"f_{time}"] == pytest.approx(expected)
+        rate = np.average(truth, weights=weights)
+        error = brier_score_loss(truth, votes, sample_weight=weights)
+        assert scores[f"brier_{time}"] == pytest.approx(1 - error / (rate * (1 - rate)))
+    assert scores["f_3_low"] < scores["f_3"] < scores["f_3_high"]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("program", "arguments", "rows"),
+    [
+        ("smoothing.py", ("--forecasters", "nvar", "--sets", 0, "--series", 55, "--tests", 3), 4),
+        ("hidden_modes.py", ("--rows", 1, "--series", 55, "--tests", 3), 1),
+        (
+            "hidden_washouts.py",
+            ("--kinds", "esn", "--neurons", 60, "--series", 20, "--tests", 3, "--washouts", 0.5),
+            1,
+        ),
+        ("smoothing_lorenz96.py", ("--neurons", 60, "--seeds", 0, "--tests", 6), 4),
+    ],
+)
+def test_experiments_print_their_tables(program, arguments, rows):
+    table = pd.read_csv(StringIO(said(program, *arguments)))
+    assert len(table) == rows
+    assert table[["f_1", "f_2", "f_3", "f_5"]].to_numpy().min() >= 0

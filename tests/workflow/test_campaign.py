@@ -270,7 +270,7 @@ def test_networks_with_true_washouts_share_the_search_of_the_others():
     with_truth = campaign(blocks=[{"reynolds": [400], "forecasters": chosen}])
     assert len(with_truth.networks) == 2
     assert with_truth.searched_networks == ()
-    searched = [with_truth.searched(network).directory for network in with_truth.networks]
+    searched = [with_truth.search_source(network).directory for network in with_truth.networks]
     assert searched == [f"Re400/networks/esn-N500-RV-seed{seed}" for seed in range(2)]
     # they have learnt from noisy series
     wildcards = {"case": "Re400", "forecaster": "esn_true_washout-N500-RV-seed0"}

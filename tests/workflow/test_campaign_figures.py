@@ -211,7 +211,7 @@ def test_densities_of_control_are_of_one_system_one_size_and_not_of_the_sweep():
     assert {run.prediction_time_lt for run in swept.control_runs} == {1, 2, 3, 4, 5}
     assert {"control_density", "control_density_lorenz"} <= stage_figures(swept)
     network = {"neurons": 2000, "validation": "RV"}
-    of_re = [{"case": case, "event_threshold": 0.1, **network} for case in ("Re400", "Re600")]
+    of_re = [{"case": case, **network} for case in ("Re400", "Re600")]
     assert shown(swept, "control_density")["shown.panels"] == of_re
     (of_lorenz,) = shown(swept, "control_density", "lorenz")["shown.panels"]
     assert of_lorenz["case"] == "lorenz"
@@ -324,9 +324,7 @@ def test_figures_show_the_case_in_their_name_or_the_examples():
     other = campaign({"figures": {"example_case": "Re600"}, **swept})
     assert figure_case(other, "classification_scores", "") == "Re600"
     drawn = FIGURES["observable_and_density"]
-    assert files_of(PAPER, drawn, "Re400")["exponents"] == []
-    computed = campaign({"case_defaults": {"lyapunov": {"time_unit": "computed"}}})
-    assert files_of(computed, drawn, "Re400")["exponents"] == "Re400/lyapunov.json"
+    assert files_of(PAPER, drawn, "Re600")["unit"] == "Re600/time_unit.json"
 
 
 def test_stages_that_are_switched_off_have_no_tables():

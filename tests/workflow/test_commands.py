@@ -119,7 +119,7 @@ def test_the_page_has_all_commands(capsys):
         main(["--help"])
     commands = re.findall(r"^    ([a-z-]+)(?: |$)", capsys.readouterr().out, re.MULTILINE)
     assert sorted(re.findall(r"^\| `burstcast ([a-z-]+)", PAGE, re.MULTILINE)) == sorted(commands)
-    assert len(commands) == 6
+    assert len(commands) == 7
 
 
 def study(directory, change=("", "")):
@@ -274,6 +274,37 @@ def test_a_directory_is_packed_with_what_its_config_makes(finished, tmp_path):
 PACKED = ("tables/horizon.csv", "why.txt", "config.yaml")
 
 
+# -- rules -----------------------------------------------------------------------------------------
+
+
+def test_a_rule_is_explained_with_its_settings_and_where_it_ends(finished):
+    command = [*COMMAND, "explain", "horizon", "long_control", "--configfile", TINY]
+    text = said_by(command, finished.directory, **finished.environment())
+    horizon, long_control = text.replace("\n  ", " ").split("\n## long_control\n")
+    assert "* makes `{case}/{family}/{forecaster}/horizon.nc`\n" in horizon
+    assert "`event_threshold` (event_threshold), `forecaster` (fit, train), " in horizon
+    assert "`horizon.longest_lead_time_lt`, `horizon.tolerance`, `random_seed`" in horizon
+    assert "`burstcast.forecasts` (forecast_files, horizon)" in horizon
+    assert re.search(r"\* ends in the tables horizon(, \w+)*; the figures ", horizon)
+    assert "* no job in this campaign\n" in long_control
+    mistaken = [*COMMAND, "explain", "horizons", "--configfile", TINY]
+    said = said_by(mistaken, finished.directory, status=2, **finished.environment())
+    assert "there is no rule horizons (did you mean 'horizon'?)" in said
+
+
+def test_the_page_of_rules_has_all_of_them_with_their_settings():
+    text = (ROOT / "docs" / "rules.md").read_text(encoding="utf-8")
+    rules = (ROOT / "workflow" / "rules").glob("*.smk")
+    written = "".join(path.read_text(encoding="utf-8") for path in rules)
+    for name, body in re.findall(r"^rule (\w+):\n((?: .*\n|\n)*)", written, re.M):
+        if "script:" not in body:
+            continue
+        (section,) = re.findall(rf"^## {name}\n(.*?)(?=^## |\Z)", text, re.M | re.S)
+        for settings in re.findall(r"settings=settings\((.*?)\n?\s*\)", body, re.S):
+            for path in re.findall(r'^\s+"([\w.]+)",$', settings, re.M):
+                assert f"`{path}`" in section, f"{name}: make pages"
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -355,6 +386,6 @@ def test_the_tiny_campaign_runs_from_a_wheel_in_an_empty_directory(installed, tm
     assert packages == set(PACKAGES)
     edited = root.parents[1] / "burstcast" / "base" / "events.py"
     edited.write_text(edited.read_text() + "\nEDITED = True\n")
-    assert "code of burstcast.base.events (Re400)" in said_by(why, study, **environment)
+    assert "code of burstcast.data.events (Re400)" in said_by(why, study, **environment)
     output = said_by(["burstcast", "archive", *options], study, **environment)
     assert re.search(r"tiny.zip: \d\d files", output)

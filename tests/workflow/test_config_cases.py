@@ -26,6 +26,7 @@ from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.caveats import extrapolations, few_points
 from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.campaign.loading import ConfigError, load
+from burstcast_workflow.campaign.shown import Shown
 from burstcast_workflow.config.case import Data, Measured, Simulated
 from burstcast_workflow.config.model import Block, case_name
 from burstcast_workflow.figures.registry import figure_names
@@ -122,7 +123,9 @@ def test_an_overlay_that_changes_the_campaign_needs_no_other_line(blocks, exampl
 def test_times_that_the_campaign_has():
     times = {"classification": {"prediction_times_lt": [1, 4.5]}}
     two = campaign(times, {"control": {"prediction_times_lt": [1]}})
-    assert [two.prediction_time(wanted) for wanted in (2, 3)] == [1, 4.5]
+    shown = Shown(two, "Re400")
+    assert shown.example_prediction_time_lt == 1
+    assert shown.prediction_times_lt == [1, 4.5]
 
 
 def test_a_campaign_without_networks():

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from burstcast.base.files.tables import read_table
 from burstcast_workflow.harness.call import job_identity, provenance
-from burstcast_workflow.harness.settings import with_thresholds
 from burstcast_workflow.harness.storage import (
     write_json,
     write_table,
@@ -99,9 +98,3 @@ def test_files_say_which_job_made_them_with_which_settings_and_libraries():
     assert origin["settings"] == '{"a": {"quantile": null}, "b": [1, 2]}'
     assert (origin["rule"], origin["identity"]) == ("train", '{"rule": "train", "seed": 3}')
     assert origin.keys() - {"rule", "identity", "settings"} == {"source", "python", *LIBRARIES}
-
-
-def test_thresholds_that_are_quantiles_become_values():
-    given = {"case": {"event_threshold": {"case": "a", "quantile": 0.99}, "other": [{"case": "a"}]}}
-    values = with_thresholds(given, {"a": 0.1}.get)
-    assert values == {"case": {"event_threshold": 0.1, "other": [{"case": "a"}]}}

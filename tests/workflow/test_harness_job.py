@@ -32,15 +32,15 @@ Path("data.nc").write_text("data")
 script = Path("train.py").resolve()
 script.write_text("import burstcast.base.durations as d; d.steps")
 sources = Sources(lambda name: script, SOURCES, {})
-code = sources.entries("train.py", {})
-begin("deep", {}, sources.whole_entries(), [os.path.abspath("mine")], "abc")
+code = sources.code("train.py", {})
+begin("deep", {}, sources.whole(), [os.path.abspath("mine")], "abc")
 
 snakemake = SimpleNamespace(
     rule="train", resources={}, scriptdir=str(script.parent), log=["logs/train.log"],
     wildcards={"case": "Re400", "seed": "3"},
     input=files(data="data.nc"), output=files(network="deep/er/network.json"),
     config={"results": "deep"},
-    params=Namedlist(toclone=['number = 3', 'name = "Re400"', "", *code]),
+    params=files(settings={"number": 3, "name": "Re400"}, code=code),
 )
 """
 MAIN = "def main(*, data, network, settings: Named):\n"
@@ -199,7 +199,7 @@ def test_outputs_come_from_the_cache_with_their_log(tmp_path):
 @pytest.mark.parametrize(
     "change",
     [
-        "snakemake.params = Namedlist(toclone=['number = 4', 'name = \"Re400\"', *code])",
+        "snakemake.params.settings = {'number': 4, 'name': 'Re400'}",
         'snakemake.wildcards["seed"] = "4"',
         'Path("data.nc").write_text("other")',
         'snakemake.output = files(network="deep/er/other.json")',

@@ -9,24 +9,32 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from burstcast_workflow.harness.call import is_script, parameters
+from burstcast_workflow.harness.call import is_script
 from burstcast_workflow.harness.canonical import canonical, canonical_json
 from burstcast_workflow.harness.settings import (
     JobSettings,
     UndeclaredSettingError,
     at,
+    computed,
     concerning,
     names,
+    undeclared,
 )
 
 
 class Training(JobSettings):
-    series: int = at("case.training", "series")
-    kind: str = at("case.training", "noise", "kind")
+    series: int = at("case.training.series")
+    kind: str = at("case.training.noise.kind")
     actuation: dict[str, float] = at("case.actuation.parameters")
 
 
-class Search(Training):
+class Clock(JobSettings):
+    steps: int = computed("time_unit.steps_per_lyapunov_time")
+
+
+class Search(JobSettings):
+    training: Training
+    clock: Clock
     grid: int = at("search.grid")
     tikhonov: tuple[float, ...] = at("search.tikhonov", make=tuple)
     sensor: str | None = at("control.sensor", otherwise=None)
@@ -47,16 +55,39 @@ def settings():
 
 
 def test_fields_have_the_values_at_their_paths_and_wildcards_their_names(settings):
-    assert (settings.grid, settings.series, settings.kind) == (4, 10, "white")
+    assert (settings.grid, settings.training.series, settings.training.kind) == (4, 10, "white")
     assert settings.tikhonov == (1e-6, 1e-9)
     assert settings.value_of("case.training.noise.level") == 0.01
     assert (settings.case, settings.rule) == ("Re400", "train")
     assert settings.forecaster == settings.value_of("forecaster") == "esn-N30-RV-seed0"
-    # a class has the paths of its bases
+    # a class has the paths of its parts, each once
     fields = ["search.grid", "search.tikhonov", "control.sensor"]
-    assert Search.paths() == [*fields, "case.training", "case.actuation.parameters"]
-    same = type("Same", (JobSettings,), {"grid": at("search.grid")})
-    assert type("Both", (Search, same), {}).paths().count("search.grid") == 1
+    assert {*Search.paths()} == {*fields, *Training.paths()}
+    assert {*Training.paths()} == {
+        *("case.training.series", "case.training.noise.kind", "case.actuation.parameters")
+    }
+
+    class Both(JobSettings):
+        search: Search
+        training: Training
+
+    assert sorted(Both.paths()) == sorted(Search.paths())
+    assert Both(DECLARED, IDENTITY).training.case == "Re400"
+
+
+def test_computed_values_are_read_from_the_inputs_of_the_rule(tmp_path):
+    file = tmp_path / "time_unit.json"
+    file.write_text('{"steps_per_lyapunov_time": 61}')
+    settings = Search(DECLARED, IDENTITY, files={"time_unit": str(file)})
+    assert (settings.clock.steps, Search.files(), Training.files()) == (61, ["time_unit"], [])
+    lacking = r"train reads time_unit\.steps_per_lyapunov_time, and no input is called time_unit"
+    with pytest.raises(UndeclaredSettingError, match=lacking):
+        _ = Search(DECLARED, IDENTITY).clock.steps
+
+
+def test_a_section_covers_what_lies_in_it_and_nothing_that_begins_alike():
+    assert undeclared(["a", "b.c"], ["a.x", "b.c", "b.c.d", "a"]) == []
+    assert undeclared(["a", "b.c"], ["ab", "b", "b.cd"]) == ["ab", "b", "b.cd"]
 
 
 def test_messages_name_the_settings_as_the_config_does():
@@ -77,19 +108,32 @@ def test_what_does_not_concern_a_job_is_an_error_unless_the_field_says_otherwise
         settings.grid = 5  # a job changes none
 
 
-@pytest.mark.parametrize(
-    ("bases", "name", "value"),
-    [
-        ((JobSettings,), "reservoir", at("search.grid")),
-        ((JobSettings,), "case", property(lambda settings: "Re400")),
-        ((Search,), "grid", at("search.points")),
-        ((Search,), "grid", property(lambda settings: 3)),
-        ((Search, type("Other", (JobSettings,), {"grid": at("other.grid")})), "grid", None),
-    ],
-)
-def test_a_name_means_one_thing(bases, name, value):
-    with pytest.raises(TypeError, match=f"Wrong has the name {name} twice, or of a wildcard"):
-        type("Wrong", bases, {name: value} if value else {})
+@pytest.mark.parametrize("name", ["case", "reservoir", "provenance", "paths"])
+def test_no_field_has_the_name_of_a_wildcard_or_of_what_all_settings_have(name):
+    message = rf"Wrong\.{name} has a name of all settings of jobs"
+    for fields in ({"__annotations__": {name: str}}, {name: at("search.grid")}):
+        with pytest.raises(TypeError, match=message):
+            type("Wrong", (JobSettings,), fields)
+
+
+def test_parts_may_be_annotated_by_their_names_and_a_field_replaces_one_of_its_name():
+    named = type(
+        "Named", (JobSettings,), {"__annotations__": {"clock": "Clock"}, "__module__": __name__}
+    )
+    assert named.files() == ["time_unit"]
+    other = type("Other", (Training,), {"kind": at("case.kind")})
+    assert {*other.paths()} == {*Training.paths(), "case.kind"} - {"case.training.noise.kind"}
+
+
+def test_fields_of_jobs_are_not_set(settings):
+    for change, message in (
+        (lambda: setattr(settings.clock, "steps", 3), "computed by another job"),
+        (lambda: setattr(settings, "clock", 3), "Clock is a part"),
+    ):
+        with pytest.raises(AttributeError, match=message):
+            change()
+    with pytest.raises(UndeclaredSettingError, match=r"case\.training has no length"):
+        settings.value_of("case.training.length")
 
 
 def test_unread_names_what_nobody_has_read(settings):
@@ -99,9 +143,9 @@ def test_unread_names_what_nobody_has_read(settings):
     assert settings.case
     assert settings.value_of("case.training.noise")
     assert settings.unread() == ["case.training.series", *others]
-    assert settings.series
+    assert settings.training.series
     assert settings.grid
-    assert settings.actuation == {}
+    assert settings.training.actuation == {}
     assert settings.unread() == ["search.tikhonov"]
     assert settings.tikhonov
     assert settings.unread() == []
@@ -172,10 +216,6 @@ def test_what_has_no_canonical_form_is_refused_with_its_place(value, error, mess
         canonical({"a": value}, "params")
 
 
-def test_entries_of_code_and_settings_are_told_apart_whatever_names_say():
-    files = ["file:my:sub.py @12", "file:my:a = b.txt @1f"]
-    texts = ['a = "b.py @12"', "scripts/x.py @3", *files, "burstcast.one @0a", "numpy ==2.0", ""]
-    settings, code = parameters(texts)
-    assert settings == {"a": "b.py @12"}
-    assert code == sorted(["scripts/x.py @3", *files, "burstcast.one @0a"])
-    assert [entry for entry in code if is_script(entry)] == ["scripts/x.py @3"]
+def test_a_script_is_told_from_modules_and_from_files_that_these_read():
+    code = ["scripts/x.py", "file:my:sub.py", "burstcast.one", "library:numpy"]
+    assert [name for name in code if is_script(name)] == ["scripts/x.py"]

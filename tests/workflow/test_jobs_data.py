@@ -4,14 +4,13 @@ import json
 
 import numpy as np
 import pytest
-from helpers_configs import tiny_with
+from helpers_configs import computed_files, tiny_with
 from helpers_rebuilds import loaded_script
 
 from burstcast.base.files.netcdf import Variable, read_netcdf, write_netcdf
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import settings_of_job
 from burstcast_workflow.campaign.loading import load
-from burstcast_workflow.harness.settings import exponent_in
 from burstcast_workflow.harness.storage import write_json
 from burstcast_workflow.jobs import series as data
 from burstcast_workflow.jobs.cases import Clock
@@ -22,16 +21,15 @@ LENGTHS = loaded_script("data/lengths.py")
 ASKED = "job.asked_of_series"
 FITTING = settings_of_job(
     Campaign(load(tiny_with())), LENGTHS.LengthsOfCase.paths(), {"case": "Re400"}
-) | {"case.lyapunov.time_unit": "computed", "statistics.duration": None}
+) | {"statistics.duration": None}
 
 
 def problems(tmp_path, steps=20, samples=400, **changed):
     """Message of the job over a series of so many samples, and so many steps of a Lyapunov time."""
     ensemble, lengths = tmp_path / "ensemble.nc", tmp_path / "lengths.json"
     write_netcdf(ensemble, {"time": Variable(("time",), np.arange(samples) * 1.0, "1", "t")}, {})
-    settings = LENGTHS.LengthsOfCase(
-        {**FITTING, **changed}, {"case": "A"}, computed_exponent=1 / steps
-    )
+    files = computed_files(tmp_path, steps_per_lyapunov_time=steps)
+    settings = LENGTHS.LengthsOfCase({**FITTING, **changed}, {"case": "A"}, files=files)
     lengths.unlink(missing_ok=True)
     try:
         LENGTHS.lengths_of_case(ensemble=str(ensemble), lengths=str(lengths), settings=settings)
@@ -57,7 +55,7 @@ def test_all_that_does_not_fit_is_one_list_of_what_the_case_has(tmp_path):
         ("validations", [], "search.interval_lt", 25),
     ):
         assert problems(tmp_path, **{name: too_much})
-        unasked = {ASKED: {**FITTING[ASKED], asked: value}}
+        unasked = {f"{ASKED}.{asked}": value}
         assert not problems(tmp_path, **{name: too_much}, **unasked)
 
 
@@ -67,7 +65,7 @@ def test_test_series_follow_the_training_series_as_far_as_they_are_kept(tmp_path
 
     def rows(wanted):
         settings = {"case.training.series": 3, "case.test_series": wanted}
-        return data.Tested(settings, {"case": "A"}).test_rows(str(path))
+        return data.Tested(settings, {"case": "A"}).rows(str(path))
 
     assert rows(None) == range(3, 6)
     assert rows(2) == range(3, 5)
@@ -78,34 +76,54 @@ def test_test_series_follow_the_training_series_as_far_as_they_are_kept(tmp_path
 # -- units of time ---------------------------------------------------------------------------------
 
 
-def clock(published, time_unit="given", time_step=0.25, stride=4, file=""):
+UNIT = loaded_script("data/time_unit.py")
+
+
+def unit(tmp_path, published, time_unit="given", time_step=0.25, stride=4, computed=None):
+    """The unit of time of a case, as its job writes it; ``computed``: An exponent of another."""
     declared = {
         "case.ensemble.time_step": time_step,
         "case.ensemble.sampling_stride": stride,
         "case.lyapunov.time_unit": time_unit,
         "case.lyapunov.given_exponent": published,
     }
-    return Clock(declared, {}, computed_exponent=exponent_in(file))
-
-
-def computed(tmp_path, exponent):
-    path = tmp_path / "lyapunov.json"
-    write_json(path, {"leading": {"mean": exponent, "low": 0.001, "high": 9}})
-    return str(path)
+    exponents, file = tmp_path / "lyapunov.json", tmp_path / "time_unit.json"
+    write_json(exponents, {"leading": {"mean": computed, "low": 0.001, "high": 9}})
+    settings = UNIT.TimeUnit(declared, {})
+    UNIT.time_unit_of_case(
+        exponents=[] if computed is None else str(exponents), time_unit=str(file), settings=settings
+    )
+    return Clock({}, {}, files={"time_unit": str(file)})
 
 
 def test_the_computed_exponent_is_the_unit_where_none_is_published_or_the_config_says_so(tmp_path):
-    assert clock(0.0163).lyapunov_time == 61
-    assert clock(None, time_step=0.01, stride=2).sampling_interval == 0.02
-    path = computed(tmp_path, 0.0155)
-    assert clock(None, file=path).lyapunov_time == 64
-    assert clock(0.01, "computed", file=path).lyapunov_time == 64
-    assert clock(0.01, file=path).lyapunov_time == 100
+    assert unit(tmp_path, 0.0163).lyapunov_time == 61
+    assert unit(tmp_path, 0.9, time_step=0.01, stride=2).sampling_interval == 0.02
+    assert unit(tmp_path, None, computed=0.0155).lyapunov_time == 64
+    assert unit(tmp_path, 0.01, "computed", computed=0.0155).lyapunov_time == 64
+    assert unit(tmp_path, 0.01, computed=0.0155).lyapunov_time == 100
 
 
 def test_an_exponent_without_a_time_unit_names_the_settings(tmp_path):
     with pytest.raises(ValueError, match=r"lyapunov\.given_exponent.*: .*must be positive"):
-        _ = clock(None, file=computed(tmp_path, -0.01)).lyapunov_time
+        unit(tmp_path, None, computed=-0.01)
+
+
+def test_a_threshold_is_a_number_or_a_quantile_of_the_training_series(tmp_path):
+    script, ensemble = loaded_script("data/event_threshold.py"), str(tmp_path / "ensemble.nc")
+    observable = np.arange(24.0).reshape(4, 6)
+    variables = {
+        "series": Variable(("series",), np.arange(4), "1", "number"),
+        "observable": Variable(("series", "time"), observable, "1", "observable"),
+    }
+    write_netcdf(ensemble, variables, {})
+    file = tmp_path / "event_threshold.json"
+    for threshold, value in ((0.1, 0.1), ({"quantile": 0.5}, np.quantile(observable[:2], 0.5))):
+        declared = {"case.event_threshold": threshold, "case.training.series": 2}
+        script.event_threshold_of_case(
+            ensemble=ensemble, event_threshold=str(file), settings=script.Threshold(declared, {})
+        )
+        assert json.loads(file.read_text())["event_threshold"] == pytest.approx(value)
 
 
 # -- other training series -------------------------------------------------------------------------

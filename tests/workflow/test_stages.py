@@ -22,10 +22,9 @@ from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.jobs import FigureJobs
 from burstcast_workflow.figures.registry import FIGURES, settings_of
-from burstcast_workflow.harness.call import parameters as parameters_of
-from burstcast_workflow.harness.call import settings_taken
+from burstcast_workflow.harness.call import is_script, settings_taken
 from burstcast_workflow.harness.job import function_of
-from burstcast_workflow.harness.settings import Setting
+from burstcast_workflow.harness.settings import Computed, JobSettings, Part, Setting, covers
 from burstcast_workflow.stages.stages import Stages, any_of_regex
 from burstcast_workflow.tables.declarations import TABLES as DECLARED
 from burstcast_workflow.tracking.code import Sources
@@ -89,16 +88,10 @@ def wildcards_of(rule):
     return Wildcards(**{name: wildcards[name] for name in names})
 
 
-def texts_of(params, wildcards):
-    """Parameters as Snakemake hands them to a job."""
-    return [text(wildcards) if callable(text) else text for text in params]
-
-
 def of_job(rule, wildcards=None):
     """Settings of a rule's job, and the names of its code."""
-    params = workflow().rules[rule].params
-    settings, code = parameters_of(texts_of(params, wildcards or wildcards_of(rule)))
-    return settings, {entry.partition(" ")[0] for entry in code}
+    params, wildcards = workflow().rules[rule].params, wildcards or wildcards_of(rule)
+    return params.settings(wildcards), {*params.code(wildcards)}
 
 
 def test_the_rules_are_those_of_the_text_and_every_script_belongs_to_one():
@@ -110,23 +103,19 @@ def test_the_rules_are_those_of_the_text_and_every_script_belongs_to_one():
 
 
 @pytest.mark.parametrize("rule", WRITTEN)
-def test_a_rule_says_its_name_wherever_it_is_asked_for(rule):
-    """Settings are found by it, and logs are named by it."""
-    asked = r"computed_settings_files\(\s*\"(\w+)\"|<logs>/(\w+)"
-    assert {name for names in re.findall(asked, WRITTEN[rule]) for name in names} == {rule, ""}
-    script = script_of(rule).relative_to(SCRIPTS)
-    assert re.search(rf'\*of_script\(\s*"{script}"', WRITTEN[rule])
-    # what other jobs find out is an input of the rules that read it: of drawn training series,
-    # which the paper's campaign has not, the threshold
-    read = re.search("event_threshold|lyapunov.time_unit|drawn_shares", str(of_job(rule)[0]))
-    assert ("computed_settings_files" in WRITTEN[rule]) == bool(read)
+def test_a_rule_says_its_name_in_its_log_and_its_settings_in_order(rule):
+    assert set(re.findall(r"<logs>/(\w+)", WRITTEN[rule])) == {rule}
+    (named,) = re.findall(r"settings=settings\((.*?)\n?\s*\)", WRITTEN[rule], re.S)
+    paths = re.findall(r'^\s+"([\w.]+)",$', named, re.M)
+    assert paths == sorted(paths)
+    assert "group:" in WRITTEN[rule]
 
 
 @pytest.mark.parametrize("rule", STAGES)
 def test_a_rule_runs_the_script_of_its_name_and_has_its_code(rule):
     # of rules in a loop not that of the last one
     script, made = script_of(rule), dict(workflow().rules[rule].params.items())
-    (module,) = [name for name in of_job(rule)[1] if name.endswith(".py")]
+    (module,) = filter(is_script, of_job(rule)[1])
     assert module == str(script.relative_to(SCRIPTS))
     if script == TABLES:
         assert made["maker"] == rule
@@ -157,7 +146,7 @@ def test_a_script_takes_the_files_of_its_rule_and_its_settings(rule):
     # the last of its script, since a job starts where the decorator stands
     assert ast.parse(script_of(rule).read_text()).body[-1].name == function.__name__
     arguments = inspect.signature(function).parameters
-    assert {*arguments} - {"settings"} == {*files}
+    assert {*arguments} - {"settings"} == {*files} - {*settings_taken(function).files()}
     required = inspect.Parameter.KEYWORD_ONLY, inspect.Parameter.empty
     assert {(each.kind, each.default) for each in arguments.values()} == {required}
 
@@ -204,33 +193,55 @@ def test_a_figure_has_its_settings_and_its_own_module_and_what_that_reaches(name
 # -- settings --------------------------------------------------------------------------------------
 
 
-def fields_read(function, cls, seen):
-    """Fields that a function reads of settings of a class, in what it is handed on to as well."""
+def paths_read(function, kinds, seen):
+    """Paths of the fields that a function reads of settings and of their parts.
+
+    ``kinds``: Classes of settings by the names of arguments. In functions that these are handed on
+    to as well.
+    """
     if function in seen:
         return set()
     seen.add(function)
-    fields = set()
-    for node in ast.walk(ast.parse(textwrap.dedent(inspect.getsource(function)))):
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-            of_class = function.__globals__.get(node.value.id)
-            if node.value.id in ("settings", "self") or (of_class in cls.__mro__):
-                value = inspect.getattr_static(cls, node.attr, None)
-                method = getattr(value, "fget", value)  # of a property
-                if isinstance(value, Setting):
-                    fields.add(node.attr)
-                elif inspect.isfunction(method):
-                    fields |= fields_read(method, cls, seen)
+    paths, kinds = set(), dict(kinds)
+
+    def kind_of(node):
+        """Class of the settings that an expression is; None if it is none."""
+        if isinstance(node, ast.Name):
+            named = function.__globals__.get(node.id)
+            is_kind = inspect.isclass(named) and issubclass(named, JobSettings)
+            return kinds.get(node.id) or (named if is_kind else None)
+        if isinstance(node, ast.Attribute) and (owner := kind_of(node.value)):
+            field = inspect.getattr_static(owner, node.attr, None)
+            return field.kind if isinstance(field, Part) else None
+        return None
+
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    for node in ast.walk(tree):  # names that stand for parts
+        if isinstance(node, ast.Assign):
+            (target,), value = node.targets, node.value
+            several = isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple)
+            pairs = zip(target.elts, value.elts, strict=True) if several else [(target, value)]
+            kinds |= {
+                name.id: kind
+                for name, part in pairs
+                if isinstance(name, ast.Name) and (kind := kind_of(part))
+            }
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and (owner := kind_of(node.value)):
+            value = inspect.getattr_static(owner, node.attr, None)
+            method = getattr(value, "fget", value)  # of a property
+            if isinstance(value, Setting | Computed):
+                paths.add(value.path)
+            elif inspect.isfunction(method):
+                paths |= paths_read(method, {"self": owner}, seen)
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            handed = node.args + [keyword.value for keyword in node.keywords]
-            if {"settings", "self"} & {ast.unparse(argument) for argument in handed}:
-                helper = function.__globals__.get(node.func.id)
-                fields |= fields_read(helper, cls, seen) if inspect.isfunction(helper) else set()
-    return fields
-
-
-def fields_of(cls):
-    every = {name for ancestor in cls.__mro__ for name in vars(ancestor)}
-    return {name for name in every if isinstance(inspect.getattr_static(cls, name), Setting)}
+            helper = function.__globals__.get(node.func.id)
+            if inspect.isfunction(helper):
+                handed = dict(zip(inspect.signature(helper).parameters, node.args, strict=False))
+                handed |= {keyword.arg: keyword.value for keyword in node.keywords}
+                of_helper = {name: kind for name, part in handed.items() if (kind := kind_of(part))}
+                paths |= paths_read(helper, of_helper, seen) if of_helper else set()
+    return paths
 
 
 @pytest.mark.parametrize("rule", STAGES)
@@ -238,10 +249,12 @@ def test_a_script_reads_every_setting_that_it_declares_and_a_job_is_given(rule):
     """Those that do not concern the job are left out."""
     function = function_of(script_of(rule))
     cls = settings_taken(function)
-    assert fields_read(function, cls, set()) == fields_of(cls)
+    read = paths_read(function, {"settings": cls}, set())
+    assert [path for path in cls.paths() if not any(covers(path, each) for each in read)] == []
+    assert {*cls.files()} == {path.partition(".")[0] for path in read} & {*cls.files()}
     of_maker = {*paths_of(maker(rule))} if script_of(rule) == TABLES else set()
-    given = set(of_job(rule)[0]) - set(cls.paths())
-    assert [path for path in given if not covered(path, of_maker)] == []
+    given = set(of_job(rule)[0])
+    assert [path for path in given if not covered(path, {*cls.paths(), *of_maker})] == []
 
 
 def covered(path, paths):
@@ -313,20 +326,55 @@ def test_wildcards_of_some_names_and_of_none():
     assert not re.fullmatch(any_of_regex([]), "")
 
 
-def test_a_parameter_is_empty_where_it_does_not_concern_the_job(paper):
-    params = paper.of_script("evaluation/forecast.py", given=3)
-    lengths = []
+def test_a_job_has_the_settings_and_the_code_that_concern_it(paper):
+    named = paper.settings("random_seed", "forecasters.aware", "forecaster.options", given=3)
+    code = paper.code("evaluation/forecast.py", {})
     for name in ("esn-N2000-RV-seed3", "equations"):
         wildcards = Wildcards(case="Re600", forecaster=name)
-        texts = texts_of(params, wildcards)
-        assert "" in texts
-        settings, code = parameters_of(texts)
+        settings, reached = named(wildcards), code(wildcards)
         assert (settings["given"], settings["random_seed"]) == (3, 2022)
-        reached = {entry.partition(" ")[0] for entry in code}
+        assert "forecasters.aware" not in settings  # which concerns no kind of both
         assert ("burstcast.networks.dynamics" in reached) == name.startswith("esn")
         assert "burstcast.systems.mfe" in reached
-        lengths.append(len(texts))
-    assert lengths == [len(params)] * 2  # one for each setting and each module of any job
+
+
+@pytest.mark.parametrize(
+    ("paths", "message"),
+    [
+        (["horizon.tolerance"], "its script reads case.system, which the rule does not name"),
+        (
+            ["horizon.tolerance", "random_seed", "search.grid"],
+            "no script reads search.grid",
+        ),
+        (["search.grid"], "its script reads random_seed, which the rule does not name"),
+    ],
+)
+def test_a_rule_that_names_other_settings_than_its_script_reads_is_refused(paper, paths, message):
+    rule = SimpleNamespace(
+        name="mine",
+        params=iocontainers.Namedlist(fromdict={"settings": paper.settings(*paths)}),
+        input=iocontainers.Namedlist(fromdict={}),
+        wildcard_names={"case"},
+    )
+    function = function_of(SCRIPTS / "evaluation" / "horizon.py")
+    with pytest.raises(WorkflowError) as refused:
+        paper._check(rule, function)
+    assert f"rule mine: {message}" in str(refused.value) or f"; {message}" in str(refused.value)
+    assert "its script reads time_unit, which is none of its inputs" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("path", "similar"),
+    [
+        ("horizon.tolerence", r" \(did you mean 'horizon\.tolerance'"),
+        ("case.event_treshold", r" \(did you mean 'case\.event_threshold'"),
+        ("shown.strategis", r" \(did you mean 'shown\.strategies'"),
+        ("nothing_alike_at_all", "$"),
+    ],
+)
+def test_a_setting_that_is_none_is_told_when_rules_are_read(paper, path, similar):
+    with pytest.raises(WorkflowError, match=f"there is no setting {path}{similar}"):
+        paper.settings("random_seed", path)
 
 
 def test_a_figure_of_another_case_and_its_overlay():
@@ -346,12 +394,15 @@ PROFILE = yaml.safe_load((ROOT / "profiles" / "slurm" / "config.yaml").read_text
 DEFAULT = yaml.safe_load((ROOT / "profiles" / "default" / "config.yaml").read_text())
 
 
-def test_the_profile_describes_its_groups_and_spans_those_that_there_are():
+GROUPS = re.findall(r'group:\n\s+"(\w+)"', RULES)
+
+
+def test_the_profile_describes_the_groups_of_rules_and_spans_some():
     described = (ROOT / "profiles" / "slurm" / "config.yaml").read_text()
-    groups = {entry.split("=")[1] for entry in PROFILE["groups"]}
-    assert groups <= {*re.findall(r"^#   (\w+) ", described, re.M)}
+    assert {*GROUPS} == {*re.findall(r"^#   (\w+) ", described, re.M)}
     spanning = {entry.split("=")[0] for entry in PROFILE["group-components"]}
-    assert set() < spanning <= groups
+    assert set() < spanning <= {*GROUPS}
+    assert "groups" not in PROFILE
 
 
 def test_what_makes_a_job_run_again_is_the_same_everywhere():
@@ -363,13 +414,5 @@ def test_what_makes_a_job_run_again_is_the_same_everywhere():
     assert f'SCHEDULER_LOGS = Path("{PROFILE["slurm-logdir"]}")' in common
 
 
-def test_every_rule_belongs_to_a_group_of_the_cluster():
-    """Rules of tables name it themselves; all others the profile does."""
-    groups = dict(pair.split("=") for pair in PROFILE["groups"])
-    named = {rule for rule, text in WRITTEN.items() if "    group:\n" in text}
-    assert not named & groups.keys()
-    assert named | groups.keys() == {*WRITTEN, "figure"}
-    assert {*groups.values()} == {"case", "forecaster", "tables", "figures"}
-    in_loops = re.findall(r"^    rule:\n((?:  .*\n|\n)*)", RULES, re.M)
-    assert len(in_loops) == 2
-    assert all('group:\n            "tables"' in text for text in in_loops)
+def test_every_rule_with_a_script_belongs_to_a_group_of_the_cluster():
+    assert len(GROUPS) == RULES.count("script:\n")

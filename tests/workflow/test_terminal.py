@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 from helpers_configs import ROOT
+from snakemake.persistence import ParamsChange
 from snakemake.settings.enums import Quietness
 from snakemake_interface_logger_plugins.common import LogEvent
 
@@ -138,7 +139,8 @@ def test_messages_that_a_person_wants(handler):
 @pytest.mark.parametrize(("verbose", "one_job"), [(False, True), (True, True), (False, False)])
 def test_a_dry_run_is_its_reasons_and_all_jobs_on_demand(handler, verbose, one_job):
     handler.common_settings.dryrun, handler.common_settings.verbose = True, verbose
-    reason = "Params have changed since last execution: before: 'a = 1' now: 'a = 2' "
+    change = ParamsChange({repr({"a": 1})}, {repr({"a": 2})}, {"a"})
+    reason = f"Params have changed since last execution: {change}"
     job = {**JOB, "input": [], "reason": reason}
     if one_job:
         send(handler, event=LogEvent.JOB_INFO, **job, **OTHERS)

@@ -35,8 +35,8 @@ def sources(modules=("own",), **options):
     return Sources(lambda name: Path("scripts") / name, ROOT / "src", files, **options)
 
 
-def names(entries):
-    return {entry.rpartition(" @")[0] for entry in entries}
+def names(code):
+    return {*code}
 
 
 SAME = [
@@ -86,7 +86,7 @@ WAYS = {
 @pytest.mark.parametrize("way", WAYS)
 def test_all_imports_are_followed_wherever_they_stand(way):
     written({"scripts/a.py": way, "own/__init__.py": "", "own/part.py": "value = 1"})
-    assert ("own.part" in names(sources().entries("a.py", {}))) == WAYS[way]
+    assert ("own.part" in names(sources().code("a.py", {}))) == WAYS[way]
 
 
 @pytest.mark.parametrize(
@@ -106,23 +106,23 @@ def test_relative_imports_are_followed(module, text):
     if "deep" in text or "deep" in module:
         written({"own/one.py": "from .deep import more", "own/deep/more.py": "from .. import part"})
     written({module: text})
-    assert names(sources().entries("a.py", {})) >= {"own.one", "own.part"}
+    assert names(sources().code("a.py", {})) >= {"own.one", "own.part"}
 
 
 def test_packages_count_and_libraries_do_not():
     written(
         {"scripts/a.py": "import own.part, numpy, json", "own/__init__.py": "", "own/part.py": ""}
     )
-    assert names(sources().entries("a.py", {})) == {"a.py", "own", "own.part"}
-    assert names(sources(modules=()).entries("a.py", {})) == {"a.py"}  # nobody has own modules
+    assert names(sources().code("a.py", {})) == {"a.py", "own", "own.part"}
+    assert names(sources(modules=()).code("a.py", {})) == {"a.py"}  # nobody has own modules
 
 
 def test_files_of_own_modules_are_code():
     written({"scripts/a.py": "import own", "own.py": "", "my rates.csv": "1,2"})
     files = {"own": ["my rates.csv"]}
     seen = sources(files)
-    assert names(seen.entries("a.py", {})) == {"a.py", "own", "file:own:my rates.csv"}
-    planned = seen.whole_entries()
+    assert names(seen.code("a.py", {})) == {"a.py", "own", "file:own:my rates.csv"}
+    planned = seen.whole()
     assert sources(files).changed(planned) == []
     written({"my rates.csv": "1,3"})
     changed = ["file:own:my rates.csv"]
@@ -134,24 +134,24 @@ def test_files_of_own_modules_are_code():
 def test_modules_that_a_registry_finds_count_where_they_are_named():
     text = "from burstcast.systems.registry import make_system"
     written({"scripts/a.py": text, "own.py": ""})
-    assert names(sources().entries("a.py", {"burstcast.systems": ["lorenz63"]})) == {"a.py"}
+    assert names(sources().code("a.py", {"burstcast.systems": ["lorenz63"]})) == {"a.py"}
     written({"scripts/a.py": f"{text}\nmake_system('lorenz63', {{}})"})
     seen = sources()
-    without = names(seen.entries("a.py", {}))
+    without = names(seen.code("a.py", {}))
     assert "burstcast.systems.registry" in without
     assert "burstcast.systems.lorenz63" not in without
     by_name = {"burstcast.systems": ["lorenz63", "own:Flow"]}
-    assert names(seen.entries("a.py", by_name)) >= {*without, "burstcast.systems.lorenz63", "own"}
+    assert names(seen.code("a.py", by_name)) >= {*without, "burstcast.systems.lorenz63", "own"}
     # of another registry, which the script does not use
-    assert names(seen.entries("a.py", {"burstcast.forecasters": ["esn"]})) == without
+    assert names(seen.code("a.py", {"burstcast.forecasters": ["esn"]})) == without
 
 
 @pytest.mark.parametrize("edit", ["script", "module", "deleted"])
 def test_what_changed_is_named(edit):
     written({"scripts/a.py": "import own.part", "own/__init__.py": "", "own/part.py": "b = 1"})
     seen = sources()
-    seen.entries("a.py", {})
-    planned = seen.whole_entries()
+    seen.code("a.py", {})
+    planned = seen.whole()
     written({"own/part.py": "b = 1  # the same", "scripts/a.py": "import own.part\n"})
     assert sources().changed(planned) == []
     if edit == "script":
@@ -167,7 +167,7 @@ def test_what_changed_is_named(edit):
 def test_hashes_are_remembered_by_content_and_parser(memory, monkeypatch):
     written({"scripts/a.py": "import own", "own.py": "b = 1"})
     first = sources()
-    entries = first.entries("a.py", {})
+    entries = first.code("a.py", {})
     first.keep()
     path = Path(".snakemake/burstcast_code.json")
     if memory == "of another parser":
@@ -176,9 +176,9 @@ def test_hashes_are_remembered_by_content_and_parser(memory, monkeypatch):
         path.write_text({"damaged": '{"by": [', "empty": "[]"}[memory])
     calls = []
     monkeypatch.setattr(code, "parsed", lambda content: calls.append(1) or parsed(content))
-    assert sources().entries("a.py", {}) == entries
+    assert sources().code("a.py", {}) == entries
     assert bool(calls) == (memory != "kept")
-    planned = first.whole_entries()
+    planned = first.whole()
     written({"own.py": "b = 2"})
     assert sources().changed(planned) == ["own"]
 
@@ -236,7 +236,7 @@ def code_of(script, by_name=None, **texts):
     files |= {f"src/burstcast/{name}.py": text for name, text in texts.items()}
     written(files)
     seen = Sources(lambda name: Path("scripts") / name, Path("src"), {})
-    return seen.entries("a.py", by_name or {})
+    return seen.code("a.py", by_name or {})
 
 
 @pytest.mark.parametrize(("name", "before", "after", "concerned"), EDITS)
@@ -320,7 +320,7 @@ HIDDEN = {  # what reaches code that is not followed, and what does not
 def test_what_cannot_be_followed_in_own_modules_is_told(text):
     written({"scripts/a.py": "import own", "own.py": text, "sub.py": ""})
     seen = sources()
-    entries = seen.entries("a.py", {})
+    entries = seen.code("a.py", {})
     told = seen.hidden().get("own", [])
     assert [line.startswith(HIDDEN[text]) for line in told] == [True] * bool(HIDDEN[text])
     assert ("sub" in names(entries)) == ("('sub')" in text)
@@ -332,7 +332,7 @@ def test_own_packages_count_whole(text):
     files = {"pack/__init__.py": "__all__ = ['part', 'name']\nname = 1", "pack/part.py": ""}
     written({"scripts/a.py": "import own", "own.py": text, **files})
     expected = {"a.py", "own", "pack"} | ({"pack.part"} if text != "import pack" else set())
-    assert names(sources(("own", "pack")).entries("a.py", {})) == expected
+    assert names(sources(("own", "pack")).code("a.py", {})) == expected
 
 
 def test_own_modules_count_wherever_they_are_installed(directory, monkeypatch):
@@ -347,7 +347,7 @@ def test_own_modules_count_wherever_they_are_installed(directory, monkeypatch):
         }
     )
     monkeypatch.syspath_prepend(library)
-    assert names(sources(("lab.flows",)).entries("a.py", {})) == {
+    assert names(sources(("lab.flows",)).code("a.py", {})) == {
         *("a.py", "lab", "lab.flows", "lab.part"),  # and the other one is a library
     }
 
@@ -362,7 +362,7 @@ def test_bytecode_older_than_its_source_is_removed_whatever_the_dates_are():
     os.utime("own.py", ns=(kept.st_atime_ns, kept.st_mtime_ns))
     assert said_by(said, Path.cwd()).strip() == "1"  # as Python has it
     seen = sources()
-    seen.entries("a.py", {})
+    seen.code("a.py", {})
     seen.drop_stale_bytecode()
     assert said_by(said, Path.cwd()).strip() == "2"
 
@@ -374,7 +374,7 @@ def test_versions_of_the_libraries_that_a_job_imports():
     text = "import numpy as np\nfrom sklearn.svm import SVC\nimport json, own"
     written({"scripts/a.py": text, "own.py": "def f():\n    import yaml, no_such_library"})
     seen = sources()
-    libraries = seen.libraries(names(seen.entries("a.py", {})))
+    libraries = seen.libraries(names(seen.code("a.py", {})))
     assert libraries == {
         "no_such_library": "not installed",
         "numpy": library_version("numpy"),
@@ -386,11 +386,13 @@ def test_versions_of_the_libraries_that_a_job_imports():
     assert "matplotlib" in sources().libraries(["own"])["mpl_toolkits"]
 
 
-def test_libraries_are_entries_where_the_config_wants_it(monkeypatch):
+def test_libraries_count_where_the_config_wants_it(monkeypatch):
     written({"scripts/a.py": "import numpy"})
-    assert sources().entries("a.py", {}) == sources(with_libraries=True).entries("a.py", {})[:1]
+    assert "library:numpy" not in sources().code("a.py", {})
     monkeypatch.setattr(code, "library_version", lambda _: "9.9")
-    assert sources(with_libraries=True).entries("a.py", {})[1:] == ["numpy ==9.9"]
+    versions = sources(with_libraries=True).code("a.py", {})
+    assert versions.keys() == {"a.py", "library:numpy"}
+    assert versions["library:numpy"] == "9.9"
 
 
 def test_the_environment_does_not_depend_on_what_else_is_loaded():

@@ -133,9 +133,9 @@ def test_places_are_below_the_results(results, path, place):
     assert place_in(results, path) == place
 
 
-def recorded(parameters):
-    """As Snakemake keeps parameters."""
-    return sorted(map(repr, parameters))
+def recorded(parameters, **inputs):
+    """As Snakemake keeps parameters, and digests of inputs."""
+    return sorted(map(repr, parameters or [])), inputs
 
 
 OTHERS = [*PARAMETERS, "c = 3"]
@@ -156,26 +156,31 @@ def test_a_result_is_believed_if_it_is_of_the_parameters_of_its_job(
     tmp_path, record, now, expected
 ):
     path = made(tmp_path, "a/table.csv", "1")
-    record = record and recorded(record)
+    record = recorded(record)
     assert Notes.of(tmp_path).is_up_to_date(str(path), record, lambda: now) == expected
     forget(path)
     assert not Notes.of(tmp_path).is_up_to_date(str(path), record, lambda: now)  # of no job
 
 
+@pytest.mark.parametrize("known", [False, True])
 @pytest.mark.parametrize("newer", [False, True])
-def test_a_result_of_other_inputs_is_noticed_whatever_the_dates(tmp_path, newer):
+def test_a_result_of_other_inputs_is_noticed_whatever_the_dates(tmp_path, newer, known):
+    """``known``: Snakemake made another result of these inputs, in whose place an older one is."""
     first = made(tmp_path, "a/series.nc", "1")
     second = made(tmp_path, "a/table.csv", "2", ["a/series.nc"])
 
     def is_believed():
         notes, record = Notes.of(tmp_path), recorded(PARAMETERS)
+        if known and first.exists():
+            record[1][str(first)] = f"sha256:{digest(first)}"
         return notes.is_up_to_date(str(second), record, lambda: PARAMETERS)
 
     assert is_believed()
     made(tmp_path, "a/series.nc", "one")
     os.utime(second, (5000, 5000))
     os.utime(first, (6000, 6000) if newer else (4000, 4000))
-    assert is_believed() == newer  # Snakemake sees newer inputs by itself
+    # Snakemake sees newer inputs by itself, unless it knows their contents
+    assert is_believed() == (newer and not known)
     first.unlink()  # it will be made again
     assert is_believed()
 

@@ -117,13 +117,13 @@ def test_the_parts_of_a_state_and_a_known_exponent_are_a_config(project):
     config["cases"] |= parts["cases"]
     project.configure(config)
     planned = project.dry_run("results/lab/two_modes/evaluation_set.nc")
-    assert planned == {"simulate": 1, "import_data": 1, "evaluation_set": 1}
+    assert planned == {"simulate": 1, "import_data": 1, "time_unit": 1, "evaluation_set": 1}
     project.made("-n", "results/lab/two_modes_and_their_past/evaluation_set.nc")
     # the second run counts in what it is told
     config["cases"]["lab"] |= exponent["cases"]["lab"]
     project.configure(config | {"results": "results/lab_again"})
     planned = project.dry_run("results/lab_again/lab/evaluation_set.nc")
-    assert planned == {"import_data": 1, "evaluation_set": 1}  # no estimate
+    assert planned == {"import_data": 1, "time_unit": 1, "evaluation_set": 1}  # no estimate
 
 
 @pytest.mark.long

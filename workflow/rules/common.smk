@@ -31,14 +31,15 @@ sources, campaign = started.sources, Campaign(started.config)
 # The report reads captions from the config, where they are no setting of any job.
 config = {**started.config, "captions": captions(campaign)}
 stages = Stages(campaign, sources)
-# Parameters of rules: each setting that a script declares, and a hash of the script and of what it
-# uses of each module, directly or not (of kinds, only the ones in the wildcards). A job runs again
-# where one has changed: docs/selective_rebuilds.md.
-of_script = stages.of_script
+# A rule names the settings that its jobs depend on by their paths in config.yaml: ``case.`` stands
+# for the job's case, ``forecaster.options`` for the section of its kind of forecaster. At the end of
+# the Snakefile each rule gets the code of its script, too: a hash of the script and of what it uses of
+# each module, directly or not (of kinds, only the ones in the wildcards). A job runs again where one
+# of both has changed: docs/selective_rebuilds.md.
+settings = stages.settings
 # Resources of rules: work of seconds is "short", of minutes "usual", of an hour "long"; "training"
 # grows with the square of the neurons. All double at each retry; amounts: stages/resources.py.
-# Inputs: thresholds and units of time that jobs compute; files of all cases or forecasters.
-computed_settings_files = stages.computed_settings_files
+# Inputs: files of all cases or forecasters.
 case_files, forecaster_files = stages.case_files, stages.forecaster_files
 
 # -- where files lie ---------------------------------------------------------------------------------

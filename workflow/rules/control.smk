@@ -3,7 +3,8 @@
 
 rule control:
     input:
-        **computed_settings_files("control"),
+        event_threshold="<results>/{case}/event_threshold.json",
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
         summary="<results>/{case}/dataset.json",
         forecasters=stages.controlling,
@@ -13,19 +14,39 @@ rule control:
         flows="<results>/{case}/control/{controller}/{strategy}/flows.nc",
     log:
         "<logs>/control/{case}/{controller}/{strategy}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("control/control.py"),
+        settings=settings(
+            "case.actuation",
+            "case.controlled_density",
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.laminarisation_threshold",
+            "case.parameters",
+            "case.system",
+            "case.training.series",
+            "control.cost",
+            "control.flows",
+            "control.run",
+            "control.sensor",
+            "forecaster.divergence_bound",
+            "forecaster.options",
+            "forecaster.source",
+            "forecasters.aware",
+            "random_seed",
+            "washout_lt",
+        ),
     script:
         "../scripts/control/control.py"
 
 
 rule long_control:
     input:
-        **computed_settings_files("long_control"),
+        event_threshold="<results>/{case}/event_threshold.json",
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
         summary="<results>/{case}/dataset.json",
         forecasters=stages.controlling,
@@ -34,19 +55,38 @@ rule long_control:
         counts="<results>/{case}/control/{controller}/{strategy}/long_run.nc",
     log:
         "<logs>/long_control/{case}/{controller}/{strategy}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("long"),
     params:
-        *of_script("control/long_control.py"),
+        settings=settings(
+            "case.actuation",
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.laminarisation_threshold",
+            "case.parameters",
+            "case.system",
+            "case.training.series",
+            "control.flows",
+            "control.return_levels",
+            "control.run",
+            "control.sensor",
+            "forecaster.divergence_bound",
+            "forecaster.options",
+            "forecaster.source",
+            "forecasters.aware",
+            "random_seed",
+            "washout_lt",
+        ),
     script:
         "../scripts/control/long_control.py"
 
 
 rule suppressed_event:
     input:
-        **computed_settings_files("suppressed_event"),
+        event_threshold="<results>/{case}/event_threshold.json",
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
         summary="<results>/{case}/dataset.json",
         forecasters=stages.controlling,
@@ -54,11 +94,26 @@ rule suppressed_event:
         event="<results>/{case}/control/{controller}/{strategy}/suppressed_event.nc",
     log:
         "<logs>/suppressed_event/{case}/{controller}/{strategy}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("control/suppressed_event.py"),
+        settings=settings(
+            "case.actuation",
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.laminarisation_threshold",
+            "case.parameters",
+            "case.system",
+            "case.training.series",
+            "control.flows",
+            "control.run",
+            "forecaster.divergence_bound",
+            "forecaster.options",
+            "forecaster.source",
+            "random_seed",
+            "washout_lt",
+        ),
     script:
         "../scripts/control/suppressed_event.py"

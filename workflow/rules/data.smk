@@ -11,12 +11,18 @@ rule simulate:
         "<logs>/simulate/{case}.log",
     wildcard_constraints:
         case=any_of_regex(campaign.where(has_equations=True, takes_series=False)),
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/simulate.py"),
+        settings=settings(
+            "case.ensemble",
+            "case.laminarisation_threshold",
+            "case.parameters",
+            "case.system",
+            "random_seed",
+        ),
     script:
         "../scripts/data/simulate.py"
 
@@ -31,12 +37,22 @@ rule import_data:
         "<logs>/import_data/{case}.log",
     wildcard_constraints:
         case=any_of_regex(campaign.where(has_equations=False, takes_series=False)),
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/import_data.py"),
+        settings=settings(
+            "case.data",
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.laminarisation_threshold",
+            "case.parameters",
+            "case.test_series",
+            "case.training.series",
+            "job.contents_of_data",
+            "job.noise_of_data",
+        ),
     script:
         "../scripts/data/import_data.py"
 
@@ -53,12 +69,23 @@ rule encode:
         "<logs>/encode/{case}.log",
     wildcard_constraints:
         case=any_of_regex(campaign.where(is_encoded=True)),
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/encode.py"),
+        settings=settings(
+            "case.encoder",
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.parameters",
+            "case.sensors",
+            "case.source_system",
+            "case.system",
+            "case.training.series",
+            "job.noise_of_data",
+            "random_seed",
+        ),
     script:
         "../scripts/data/encode.py"
 
@@ -66,7 +93,6 @@ rule encode:
 rule training_realisation:
     # the series of another case with other training series
     input:
-        **computed_settings_files("training_realisation"),
         source=stages.ensemble_of_source,
     output:
         ensemble="<results>/{case}/ensemble.nc",
@@ -75,12 +101,23 @@ rule training_realisation:
         "<logs>/training_realisation/{case}.log",
     wildcard_constraints:
         case=any_of_regex(campaign.realised_cases),
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/training_realisation.py"),
+        settings=settings(
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.parameters",
+            "case.realisation",
+            "case.system",
+            "case.test_series",
+            "case.training.series",
+            "job.drawn_shares",
+            "probability.calibration_series",
+            "random_seed",
+        ),
     script:
         "../scripts/data/training_realisation.py"
 
@@ -92,20 +129,45 @@ rule event_threshold:
         event_threshold="<results>/{case}/event_threshold.json",
     log:
         "<logs>/event_threshold/{case}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/event_threshold.py"),
+        settings=settings(
+            "case.event_threshold",
+            "case.training.series",
+        ),
     script:
         "../scripts/data/event_threshold.py"
+
+
+rule time_unit:
+    input:
+        exponents=stages.computed_exponents,
+    output:
+        time_unit="<results>/{case}/time_unit.json",
+    log:
+        "<logs>/time_unit/{case}.log",
+    group:
+        "case"
+    resources:
+        **resources_of("usual"),
+    params:
+        settings=settings(
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.lyapunov.given_exponent",
+            "case.lyapunov.time_unit",
+        ),
+    script:
+        "../scripts/data/time_unit.py"
 
 
 rule scheduled_series:
     # what kinds of forecasters learn from that know the parameters
     input:
-        **computed_settings_files("scheduled_series"),
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
     output:
         scheduled_series="<results>/{case}/scheduled_series.nc",
@@ -115,12 +177,24 @@ rule scheduled_series:
         case=any_of_regex(
             [*campaign.simulated_cases, *campaign.where(known_columns=True)]
         ),
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/scheduled_series.py"),
+        settings=settings(
+            "case.actuation",
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.laminarisation_threshold",
+            "case.parameters",
+            "case.system",
+            "case.training.actuation",
+            "case.training.noise",
+            "case.training.series",
+            "job.parameters",
+            "random_seed",
+        ),
     script:
         "../scripts/data/scheduled_series.py"
 
@@ -135,12 +209,23 @@ rule lyapunov:
         "<logs>/lyapunov/{case}.log",
     wildcard_constraints:
         case=any_of_regex(campaign.simulated_cases),
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/lyapunov.py"),
+        settings=settings(
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.lyapunov.exponents",
+            "case.lyapunov.orthonormalisation_interval",
+            "case.lyapunov.perturbation",
+            "case.lyapunov.saturation",
+            "case.lyapunov.series",
+            "case.parameters",
+            "case.system",
+            "random_seed",
+        ),
     script:
         "../scripts/data/lyapunov.py"
 
@@ -154,12 +239,20 @@ rule neighbour_divergence:
         "<logs>/neighbour_divergence/{case}.log",
     wildcard_constraints:
         case=any_of_regex(campaign.where(has_equations=False)),
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/neighbour_divergence.py"),
+        settings=settings(
+            "bootstrap.confidence",
+            "bootstrap.resamples",
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.estimates_time_unit",
+            "case.training.series",
+            "random_seed",
+        ),
     script:
         "../scripts/data/neighbour_divergence.py"
 
@@ -167,7 +260,7 @@ rule neighbour_divergence:
 rule lengths:
     # what does not fit fails here at once, with one list
     input:
-        **computed_settings_files("lengths"),
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
     output:
         lengths="<results>/{case}/lengths.json",
@@ -176,19 +269,40 @@ rule lengths:
     wildcard_constraints:
         case=any_of_regex(campaign.where(has_known_lengths=False)),
     priority: 1
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/lengths.py"),
+        settings=settings(
+            "case.recycle_validation.intervals_per_series",
+            "case.recycle_validation.series",
+            "case.training.series",
+            "classification.longest_prediction_time_lt",
+            "classification.resolution_lt",
+            "classification.start_spacing_lt",
+            "classification.window_lt",
+            "forecasters.quadratic.window_lt",
+            "horizon.lead_time_step_lt",
+            "horizon.longest_lead_time_lt",
+            "job.asked_of_series.kinds",
+            "job.asked_of_series.long_runs",
+            "job.asked_of_series.validations",
+            "probability.start_spacing_lt",
+            "search.interval_lt",
+            "search.single_shot_lead_steps",
+            "statistics.duration",
+            "statistics.fixed_point_interval_lt",
+            "statistics.start_spacing_lt",
+            "washout_lt",
+        ),
     script:
         "../scripts/data/lengths.py"
 
 
 rule evaluation_set:
     input:
-        **computed_settings_files("evaluation_set"),
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
     output:
         evaluation_set="<results>/{case}/evaluation_set.nc",
@@ -196,19 +310,31 @@ rule evaluation_set:
         "<logs>/evaluation_set/{case}.log",
     wildcard_constraints:
         case=any_of_regex({*campaign.cases} - {*campaign.where(is_switched=True)}),
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/evaluation_set.py"),
+        settings=settings(
+            "case.parameters",
+            "case.system",
+            "case.test_series",
+            "case.training.noise",
+            "case.training.series",
+            "classification.longest_prediction_time_lt",
+            "classification.resolution_lt",
+            "classification.start_spacing_lt",
+            "classification.window_lt",
+            "random_seed",
+            "washout_lt",
+        ),
     script:
         "../scripts/data/evaluation_set.py"
 
 
 rule switched_evaluation_set:
     input:
-        **computed_settings_files("switched_evaluation_set"),
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
     output:
         evaluation_set="<results>/{case}/evaluation_set.nc",
@@ -216,31 +342,57 @@ rule switched_evaluation_set:
         "<logs>/switched_evaluation_set/{case}.log",
     wildcard_constraints:
         case=any_of_regex(campaign.where(is_switched=True)),
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/switched_evaluation_set.py"),
+        settings=settings(
+            "case.actuation",
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.laminarisation_threshold",
+            "case.parameters",
+            "case.system",
+            "case.test_series",
+            "case.training.actuation",
+            "case.training.noise",
+            "case.training.series",
+            "classification.longest_prediction_time_lt",
+            "classification.resolution_lt",
+            "classification.start_spacing_lt",
+            "classification.window_lt",
+            "job.parameters",
+            "random_seed",
+            "washout_lt",
+        ),
     script:
         "../scripts/data/switched_evaluation_set.py"
 
 
 rule events:
     input:
-        **computed_settings_files("events"),
+        event_threshold="<results>/{case}/event_threshold.json",
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
     output:
         events="<results>/{case}/events.nc",
         events_summary="<results>/{case}/events.json",
     log:
         "<logs>/events/{case}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/events.py"),
+        settings=settings(
+            "case.training.noise",
+            "case.training.series",
+            "horizon.events",
+            "horizon.longest_lead_time_lt",
+            "random_seed",
+            "washout_lt",
+        ),
     script:
         "../scripts/data/events.py"
 
@@ -255,11 +407,19 @@ rule reference_statistics:
         floor="<results>/{case}/statistics_floor.nc",
     log:
         "<logs>/reference_statistics/{case}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/reference_statistics.py"),
+        settings=settings(
+            "case.density",
+            "case.parameters",
+            "case.system",
+            "case.training.series",
+            "random_seed",
+            "statistics.floor_splits",
+            "statistics.profile_points",
+        ),
     script:
         "../scripts/data/reference_statistics.py"

@@ -3,26 +3,40 @@
 
 rule forecast:
     input:
-        **computed_settings_files("forecast"),
+        time_unit="<results>/{case}/time_unit.json",
         forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
         evaluation_set="<results>/{case}/evaluation_set.nc",
     output:
         forecast="<results>/{case}/{family}/{forecaster}/forecast.nc",
     log:
         "<logs>/forecast/{case}/{family}/{forecaster}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("evaluation/forecast.py"),
+        settings=settings(
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.parameters",
+            "case.system",
+            "classification.longest_prediction_time_lt",
+            "classification.resolution_lt",
+            "classification.window_lt",
+            "forecaster.divergence_bound",
+            "forecaster.options",
+            "forecaster.source",
+            "forecasters.aware",
+            "random_seed",
+        ),
     script:
         "../scripts/evaluation/forecast.py"
 
 
 rule horizon:
     input:
-        **computed_settings_files("horizon"),
+        time_unit="<results>/{case}/time_unit.json",
+        event_threshold="<results>/{case}/event_threshold.json",
         forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
         events="<results>/{case}/events.nc",
         summary="<results>/{case}/dataset.json",
@@ -30,38 +44,70 @@ rule horizon:
         horizon="<results>/{case}/{family}/{forecaster}/horizon.nc",
     log:
         "<logs>/horizon/{case}/{family}/{forecaster}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("evaluation/horizon.py"),
+        settings=settings(
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.parameters",
+            "case.system",
+            "forecaster.divergence_bound",
+            "forecaster.options",
+            "forecaster.source",
+            "horizon.lead_time_step_lt",
+            "horizon.longest_lead_time_lt",
+            "horizon.tolerance",
+            "random_seed",
+            "washout_lt",
+        ),
     script:
         "../scripts/evaluation/horizon.py"
 
 
 rule long_term:
     input:
-        **computed_settings_files("long_term"),
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
         forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
     output:
         long_term="<results>/{case}/{family}/{forecaster}/long_term.nc",
     log:
         "<logs>/long_term/{case}/{family}/{forecaster}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("evaluation/long_term.py"),
+        settings=settings(
+            "case.density",
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.fixed_point",
+            "case.laminarisation_threshold",
+            "case.parameters",
+            "case.system",
+            "case.training.noise",
+            "case.training.series",
+            "forecaster.divergence_bound",
+            "forecaster.options",
+            "forecaster.source",
+            "random_seed",
+            "statistics.duration",
+            "statistics.fixed_point_interval_lt",
+            "statistics.start_spacing_lt",
+            "statistics.starting_points",
+            "washout_lt",
+        ),
     script:
         "../scripts/evaluation/long_term.py"
 
 
 rule lyapunov_spectrum:
     input:
-        **computed_settings_files("lyapunov_spectrum"),
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
         forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
         long_term="<results>/{case}/{family}/{forecaster}/long_term.nc",
@@ -69,19 +115,38 @@ rule lyapunov_spectrum:
         spectrum="<results>/{case}/{family}/{forecaster}/lyapunov_spectrum.nc",
     log:
         "<logs>/lyapunov_spectrum/{case}/{family}/{forecaster}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("evaluation/lyapunov_spectrum.py"),
+        settings=settings(
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.lyapunov.orthonormalisation_interval",
+            "case.parameters",
+            "case.system",
+            "case.training.noise",
+            "case.training.series",
+            "forecaster.divergence_bound",
+            "forecaster.options",
+            "forecaster.source",
+            "random_seed",
+            "statistics.duration",
+            "statistics.lyapunov_exponents",
+            "statistics.lyapunov_runs",
+            "statistics.start_spacing_lt",
+            "statistics.starting_points",
+            "washout_lt",
+        ),
     script:
         "../scripts/evaluation/lyapunov_spectrum.py"
 
 
 rule examples:
     input:
-        **computed_settings_files("examples"),
+        time_unit="<results>/{case}/time_unit.json",
+        event_threshold="<results>/{case}/event_threshold.json",
         ensemble="<results>/{case}/ensemble.nc",
         summary="<results>/{case}/dataset.json",
         evaluation_set="<results>/{case}/evaluation_set.nc",
@@ -93,19 +158,39 @@ rule examples:
         examples="<results>/{case}/{family}/{forecaster}/examples.nc",
     log:
         "<logs>/examples/{case}/{family}/{forecaster}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("evaluation/examples.py"),
+        settings=settings(
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.parameters",
+            "case.system",
+            "case.training.series",
+            "classification.longest_prediction_time_lt",
+            "classification.resolution_lt",
+            "classification.window_lt",
+            "figures.example_horizon_lt",
+            "forecaster.divergence_bound",
+            "forecaster.options",
+            "forecaster.source",
+            "horizon.lead_time_step_lt",
+            "horizon.longest_lead_time_lt",
+            "horizon.tolerance",
+            "random_seed",
+            "shown.example_prediction_time_lt",
+            "washout_lt",
+        ),
     script:
         "../scripts/evaluation/examples.py"
 
 
 rule flow_event:
     input:
-        **computed_settings_files("flow_event"),
+        event_threshold="<results>/{case}/event_threshold.json",
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
         summary="<results>/{case}/dataset.json",
         forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
@@ -113,11 +198,27 @@ rule flow_event:
         event="<results>/{case}/{family}/{forecaster}/flow_event.nc",
     log:
         "<logs>/flow_event/{case}/{family}/{forecaster}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("evaluation/flow_event.py"),
+        settings=settings(
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.parameters",
+            "case.system",
+            "case.test_series",
+            "case.training.noise",
+            "case.training.series",
+            "figures.flow_event.peak",
+            "figures.flow_event.quiet_lt",
+            "figures.flow_event.tolerance",
+            "forecaster.divergence_bound",
+            "forecaster.options",
+            "forecaster.source",
+            "random_seed",
+            "washout_lt",
+        ),
     script:
         "../scripts/evaluation/flow_event.py"

@@ -24,12 +24,13 @@ rule figure:
         figure=any_of_regex(FIGURES),
         # nothing for the case that figures show by default
         of_case="(_[^/]+)?",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "figures"
     resources:
         **resources_of("short"),
     params:
-        *drawn.parameters(),
+        settings=drawn.settings,
+        code=drawn.code,
     script:
         "../scripts/figures/figure.py"
 

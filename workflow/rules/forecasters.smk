@@ -4,7 +4,7 @@
 rule scan:
     # one job for all strategies that share their sums over the training data
     input:
-        **computed_settings_files("scan"),
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
     output:
@@ -12,19 +12,42 @@ rule scan:
         scan_errors="<results>/{case}/scan/{reservoir}/{strategies}.nc",
     log:
         "<logs>/scan/{case}/{reservoir}/{strategies}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("training"),
     params:
-        *of_script("forecasters/scan.py"),
+        settings=settings(
+            "case.parameters",
+            "case.recycle_validation.intervals_per_series",
+            "case.recycle_validation.series",
+            "case.system",
+            "case.training.noise",
+            "case.training.series",
+            "forecasters.aware",
+            "forecasters.esn.backend",
+            "forecasters.esn.connectivity",
+            "forecasters.esn.input_bias",
+            "forecasters.esn.input_offset",
+            "forecasters.esn.input_range",
+            "forecasters.esn.leak_rate",
+            "forecasters.esn.readout",
+            "random_seed",
+            "search.grid",
+            "search.input_scaling",
+            "search.interval_lt",
+            "search.single_shot_lead_steps",
+            "search.spectral_radius",
+            "search.tikhonov",
+            "washout_lt",
+        ),
     script:
         "../scripts/forecasters/scan.py"
 
 
 rule search:
     input:
-        **computed_settings_files("search"),
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
         scan=stages.scan_of_network("csv"),
@@ -36,19 +59,43 @@ rule search:
         "<logs>/search/{case}/{forecaster}.log",
     wildcard_constraints:
         forecaster=NETWORK,
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("training"),
     params:
-        *of_script("forecasters/search.py"),
+        settings=settings(
+            "case.parameters",
+            "case.recycle_validation.intervals_per_series",
+            "case.recycle_validation.series",
+            "case.system",
+            "case.training.noise",
+            "case.training.series",
+            "forecasters.aware",
+            "forecasters.esn.backend",
+            "forecasters.esn.connectivity",
+            "forecasters.esn.input_bias",
+            "forecasters.esn.input_offset",
+            "forecasters.esn.input_range",
+            "forecasters.esn.leak_rate",
+            "forecasters.esn.readout",
+            "random_seed",
+            "search.bayesian_points",
+            "search.input_scaling",
+            "search.interval_lt",
+            "search.single_shot_lead_steps",
+            "search.spectral_radius",
+            "search.surrogate",
+            "search.tikhonov",
+            "washout_lt",
+        ),
     script:
         "../scripts/forecasters/search.py"
 
 
 rule train:
     input:
-        **computed_settings_files("train"),
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
         hyperparameters=stages.hyperparameters,
@@ -58,19 +105,30 @@ rule train:
         "<logs>/train/{case}/{forecaster}.log",
     wildcard_constraints:
         forecaster=NETWORK,
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("training"),
     params:
-        *of_script("forecasters/train.py"),
+        settings=settings(
+            "case.training.noise",
+            "case.training.series",
+            "forecaster.options",
+            "forecasters.aware",
+            "forecasters.esn.connectivity",
+            "forecasters.esn.input_bias",
+            "forecasters.esn.input_offset",
+            "forecasters.esn.input_range",
+            "random_seed",
+            "washout_lt",
+        ),
     script:
         "../scripts/forecasters/train.py"
 
 
 rule fit:
     input:
-        **computed_settings_files("fit"),
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
         scheduled=stages.scheduled,
     output:
@@ -79,12 +137,23 @@ rule fit:
         "<logs>/fit/{case}/{forecaster}.log",
     wildcard_constraints:
         forecaster=MODEL,
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("forecasters/fit.py"),
+        settings=settings(
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.parameters",
+            "case.system",
+            "case.training.noise",
+            "case.training.series",
+            "forecaster.divergence_bound",
+            "forecaster.options",
+            "forecaster.source",
+            "random_seed",
+        ),
     script:
         "../scripts/forecasters/fit.py"
 

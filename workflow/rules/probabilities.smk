@@ -5,25 +5,38 @@ from burstcast.base.declared import gathered
 
 rule calibration_set:
     input:
-        **computed_settings_files("calibration_set"),
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
     output:
         calibration_set="<results>/{case}/calibration_set.nc",
     log:
         "<logs>/calibration_set/{case}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/calibration_set.py"),
+        settings=settings(
+            "case.parameters",
+            "case.system",
+            "case.test_series",
+            "case.training.noise",
+            "case.training.series",
+            "classification.longest_prediction_time_lt",
+            "classification.resolution_lt",
+            "classification.window_lt",
+            "probability.calibration_series",
+            "probability.start_spacing_lt",
+            "random_seed",
+            "washout_lt",
+        ),
     script:
         "../scripts/data/calibration_set.py"
 
 
 rule calibration_forecast:
     input:
-        **computed_settings_files("calibration_forecast"),
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
         forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
         calibration_set="<results>/{case}/calibration_set.nc",
@@ -32,37 +45,65 @@ rule calibration_forecast:
         calibration_forecast="<results>/{case}/{family}/{forecaster}/calibration_forecast.nc",
     log:
         "<logs>/calibration_forecast/{case}/{family}/{forecaster}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("training"),
     params:
-        *of_script("evaluation/calibration_forecast.py"),
+        settings=settings(
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.parameters",
+            "case.system",
+            "case.training.noise",
+            "case.training.series",
+            "classification.longest_prediction_time_lt",
+            "classification.resolution_lt",
+            "classification.window_lt",
+            "forecaster.divergence_bound",
+            "forecaster.options",
+            "forecaster.source",
+            "probability.calibration_series",
+            "random_seed",
+            "washout_lt",
+        ),
     script:
         "../scripts/evaluation/calibration_forecast.py"
 
 
 rule training_set:
     input:
-        **computed_settings_files("training_set"),
+        time_unit="<results>/{case}/time_unit.json",
         ensemble="<results>/{case}/ensemble.nc",
     output:
         training_set="<results>/{case}/training_set.nc",
     log:
         "<logs>/training_set/{case}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "case"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("data/training_set.py"),
+        settings=settings(
+            "case.parameters",
+            "case.system",
+            "case.training.noise",
+            "case.training.series",
+            "classification.longest_prediction_time_lt",
+            "classification.resolution_lt",
+            "classification.window_lt",
+            "forecasters.classifiers.start_spacing_lt",
+            "random_seed",
+            "washout_lt",
+        ),
     script:
         "../scripts/data/training_set.py"
 
 
 rule event_probabilities:
     input:
-        **computed_settings_files("event_probabilities"),
+        time_unit="<results>/{case}/time_unit.json",
+        event_threshold="<results>/{case}/event_threshold.json",
         training_set="<results>/{case}/training_set.nc",
         evaluation_set="<results>/{case}/evaluation_set.nc",
         calibration_set="<results>/{case}/calibration_set.nc",
@@ -74,19 +115,33 @@ rule event_probabilities:
         "<logs>/event_probabilities/{case}/{forecaster}.log",
     wildcard_constraints:
         forecaster=MODEL,
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "forecaster"
     resources:
         **resources_of("usual"),
     params:
-        *of_script("evaluation/event_probabilities.py"),
+        settings=settings(
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.parameters",
+            "case.system",
+            "classification.prediction_times_lt",
+            "classification.resolution_lt",
+            "classification.window_lt",
+            "forecaster.divergence_bound",
+            "forecaster.options",
+            "forecaster.source",
+            "probability.calibration_series",
+            "random_seed",
+        ),
     script:
         "../scripts/evaluation/event_probabilities.py"
 
 
 rule calibrate:
     input:
-        **computed_settings_files("calibrate"),
+        event_threshold="<results>/{case}/event_threshold.json",
+        time_unit="<results>/{case}/time_unit.json",
         calibration_forecasts=stages.declared(
             gathered("forecasters/calibration_forecast.nc")
         ),
@@ -95,11 +150,16 @@ rule calibrate:
         calibration="<results>/{case}/calibration.json",
     log:
         "<logs>/calibrate/{case}.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "tables"
     resources:
         **resources_of("short"),
     params:
-        *of_script("probabilities/calibrate.py"),
+        settings=settings(
+            "classification.prediction_times_lt",
+            "classification.resolution_lt",
+            "classification.window_lt",
+            "probability.prior_forecasts",
+        ),
     script:
         "../scripts/probabilities/calibrate.py"

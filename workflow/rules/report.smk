@@ -12,11 +12,11 @@ rule report_page:
         page="<results>/report.html",
     log:
         "<logs>/report_page.log",
-    conda:
-        "../envs/burstcast.yaml"
+    group:
+        "figures"
     resources:
         **resources_of("short"),
     params:
-        *of_script("report/report_page.py", report=report_of(campaign)),
+        settings=settings(report=report_of(campaign)),
     script:
         "../scripts/report/report_page.py"

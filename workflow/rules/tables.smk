@@ -27,19 +27,16 @@ for name in MAKERS:
             name
         input:
             **stages.inputs_of_tables(name),
-            **computed_settings_files(name),
         output:
             tables=[f"<results>/{{case}}/tables/{file}.csv" for file in files_by(name)],
         log:
             f"<logs>/{name}/{{case}}.log",
         group:
             "tables"
-        conda:
-            "../envs/burstcast.yaml"
         resources:
             **resources_of("short"),
         params:
-            *of_script("tables/table.py", name, maker=name),
+            settings=stages.settings_of_table(name),
             maker=name,
         script:
             "../scripts/tables/table.py"
@@ -63,12 +60,10 @@ for section, files in tables_by_section(campaign).items():
             f"<logs>/{rule_name}.log",
         group:
             "tables"
-        conda:
-            "../envs/burstcast.yaml"
         resources:
             **resources_of("short"),
         params:
-            *of_script("tables/joined.py", rule_name, **joined(campaign, files)),
+            settings=settings(**joined(campaign, files)),
         script:
             "../scripts/tables/joined.py"
 
@@ -77,16 +72,12 @@ for section, files in tables_by_section(campaign).items():
 
 
 caption_of = {name: layout["caption"] for name, layout in typeset(TABLES).items()}
-data_parameters = {
-    "caption": caption_of["data_generation_parameters"],
-    "cases": settings_of_cases(campaign, CaseData, campaign.simulated_cases),
-}
 
 
 rule data_generation_parameters:
     input:
-        **computed_settings_files("data_generation_parameters"),
         summaries=case_files("dataset.json", campaign.simulated_cases),
+        event_thresholds=case_files("event_threshold.json", campaign.simulated_cases),
     output:
         table=in_report("data_generation_parameters"),
         latex="<results>/tables/data_generation_parameters.tex",
@@ -94,12 +85,13 @@ rule data_generation_parameters:
         "<logs>/data_generation_parameters.log",
     group:
         "tables"
-    conda:
-        "../envs/burstcast.yaml"
     resources:
         **resources_of("short"),
     params:
-        *of_script("tables/data_generation_parameters.py", **data_parameters),
+        settings=settings(
+            caption=caption_of["data_generation_parameters"],
+            cases=settings_of_cases(campaign, CaseData, campaign.simulated_cases),
+        ),
     script:
         "../scripts/tables/data_generation_parameters.py"
 
@@ -112,13 +104,14 @@ rule network_hyperparameters:
         "<logs>/network_hyperparameters.log",
     group:
         "tables"
-    conda:
-        "../envs/burstcast.yaml"
     resources:
         **resources_of("short"),
     params:
-        *of_script(
-            "tables/network_hyperparameters.py",
+        settings=settings(
+            "forecasters.esn.connectivity",
+            "search.input_scaling",
+            "search.spectral_radius",
+            "search.tikhonov",
             caption=caption_of["network_hyperparameters"],
             cases=settings_of_cases(campaign, CaseInputs),
         ),
@@ -132,11 +125,6 @@ SCATTERED = [
     for name in ("classification", "horizon", "statistics", "survival")
     if name in cases_of_tables(campaign)
 ]
-scatter = {
-    "tables": written(["training_realisations"]),
-    "scattered": written(SCATTERED),
-    "kinds": kinds_of(campaign),
-}
 
 
 rule training_realisations:
@@ -148,12 +136,14 @@ rule training_realisations:
         "<logs>/training_realisations.log",
     group:
         "tables"
-    conda:
-        "../envs/burstcast.yaml"
     resources:
         **resources_of("short"),
     params:
-        *of_script("tables/training_realisations.py", **scatter),
+        settings=settings(
+            tables=written(["training_realisations"]),
+            scattered=written(SCATTERED),
+            kinds=kinds_of(campaign),
+        ),
     script:
         "../scripts/tables/training_realisations.py"
 

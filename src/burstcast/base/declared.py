@@ -17,17 +17,15 @@ _RAISE = object()
 Result = TypeVar("Result")
 
 
-def at(
-    path: str, *below: str, otherwise: Any = _RAISE, make: Callable[[Any], Any] | None = None
-) -> Any:
+def at(path: str, *, otherwise: Any = _RAISE, make: Callable[[Any], Any] | None = None) -> Any:
     """Declare a setting: an argument of a function, or a field of a class of settings.
 
     ``path``: Where its value stands in the config. ``case.`` stands for the job's case,
     ``forecaster.options`` for the section of its kind of forecaster; ``job.`` and ``shown.`` for
-    properties of the job and of what figures show. ``below``: Keys in that value. ``otherwise``:
-    The value where the setting does not concern a job. ``make``: Makes the value that is used.
+    properties of the job and of what figures show. ``otherwise``: The value where the setting does
+    not concern a job. ``make``: Makes the value that is used.
     """
-    return Setting(path, below, otherwise, make)
+    return Setting(path, otherwise, make)
 
 
 def read(place: str, variables: str = "") -> Any:
@@ -36,7 +34,8 @@ def read(place: str, variables: str = "") -> Any:
     ``place``: The directory and the name of the file there: ``case`` is the directory of the case,
     ``example`` of the example network, others are properties of
     `burstcast_workflow.campaign.shown.Shown`. ``<file>.nc:<variable>`` is one variable,
-    ``<file>.nc:path`` the path of the file. ``variables``: Those of a NetCDF file that are read, by
+    ``<file>.json:<key>`` one value, ``<file>.nc:path`` the path of the file.
+    ``variables``: Those of a NetCDF file that are read, by
     default all; a name with an asterisk is optional.
     """
     return File(place, variables)
@@ -57,13 +56,12 @@ class Setting:
     """A setting (`at`)."""
 
     path: str
-    below: tuple[str, ...]
     otherwise: Any
     make: Callable[[Any], Any] | None
 
     def __str__(self) -> str:
         """Its name in messages: the path in the config, or in the section of a case."""
-        return ".".join([self.path, *self.below]).removeprefix("case.")
+        return self.path.removeprefix("case.")
 
     def __get__(self, settings: Any, _: type) -> Any:
         return self if settings is None else self.value(settings.value_of)
@@ -74,7 +72,7 @@ class Setting:
     def value(self, value_of: Callable[[str], Any]) -> Any:
         """Its value, by a function of paths."""
         try:
-            value = value_of(".".join([self.path, *self.below]))
+            value = value_of(self.path)
         except KeyError:
             if self.otherwise is _RAISE:
                 raise
@@ -97,7 +95,7 @@ class File:
 
     @property
     def part(self) -> str:
-        """What of it is wanted: one variable, its ``path``, or all of it (empty)."""
+        """The part that is read: one variable or value, its ``path``, or all of it (empty)."""
         return self.place.partition(":")[2]
 
 

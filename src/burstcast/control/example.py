@@ -9,12 +9,12 @@ from typing import Annotated
 import numpy as np
 
 from burstcast.base.arrays import FloatArray, IntArray
-from burstcast.base.events import upward_crossings
 from burstcast.base.files.described import Described
 from burstcast.base.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.strategies.prediction_triggered import PredictionTriggered
 from burstcast.control.windows import SuppressedEvent
+from burstcast.data.events import upward_crossings
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasts.examples import forecast_observable
 

@@ -23,11 +23,12 @@ from burstcast.base import random_streams
 from burstcast.base.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from burstcast.base.files.described import Described
 from burstcast.base.files.units import NUMBER, OBSERVABLE
-from burstcast.base.laminarisation import first_laminar_step
 from burstcast.control.experiment import ControlExperiment
 from burstcast.control.loop import FLOWS_PER_BATCH, RunningFlows, observable_of
 from burstcast.control.policy import Policy
 from burstcast.control.timing import Timing
+from burstcast.data.laminarisation import first_laminar_step
+from burstcast.systems.integration import LostTrajectoryError
 
 PERTURBATION = 1e-4
 """Perturbation of a copied flow, in standard deviations of each component over the flows."""
@@ -93,6 +94,7 @@ class EndlessFlows(RunningFlows):
         self.acting: ByteArray = np.zeros((flows, steps * stride), dtype=np.uint8)
         self.clock = np.full(flows, timing.first_look, dtype=np.int64)
         self._stop = self.clock.copy()
+        self.escape_step = np.full(flows, -1, dtype=np.int64)
         self._number = np.zeros(flows, dtype=np.int64)
         self._looks: list[tuple[IntArray, IntArray, BoolArray, BoolArray]] = []
         self._source = None if noise_scale is None else ObservationNoise(experiment, noise_scale)
@@ -114,6 +116,14 @@ class EndlessFlows(RunningFlows):
                 self._act(due, np.asarray(policy(self._look(due, self._noise))).astype(np.uint8))
                 self._looks.clear()
             self._advance(moving)
+            self._check_finite(moving)
+
+    def _check_finite(self, moved: IntArray) -> None:
+        """Raise FloatingPointError if a flow is not finite: no other can take its place."""
+        finite = np.isfinite(self.states[moved, self.clock[moved]]).all(axis=1)
+        if not finite.all():
+            flow = int(moved[np.argmin(finite)])
+            raise LostTrajectoryError(flow, self.timing.schedule.time_step)
 
     def forget_segment(self) -> None:
         """Let the end of the segment become the start of the next one."""

@@ -66,6 +66,9 @@ class ControlledFlows:
     uncontrolled_states: FloatArray | None
     controlled_states: FloatArray | None
     looks: Looks
+    #: step at which the controlled flow is first out of the range of floating-point numbers, from
+    #: which on its states are NaN; -1: it stays finite. ``(flows,)``
+    escape_step: IntArray
     cost: ActuationCost | None  #: None unless requested and the system has a right-hand side
 
     def __len__(self) -> int:
@@ -93,6 +96,8 @@ class RunningFlows:
         self.clock = np.full(len(rows), timing.first_look, dtype=np.int64)
         self._stop = self.clock.copy()
         self._leave()
+        #: step at which each flow is first not finite; -1: none
+        self.escape_step = np.full(len(rows), -1, dtype=np.int64)
         self._number = np.zeros(len(rows), dtype=np.int64)
         none = np.empty(0, dtype=np.int64)
         nobody = none != 0
@@ -103,18 +108,16 @@ class RunningFlows:
     def run(self, policy: Policy, noise: FloatArray | None) -> None:
         """Simulate the flows to their ends.
 
-        Raises FloatingPointError if a flow leaves the range of floating-point numbers.
+        A flow that leaves the range of floating-point numbers under actuation ends there
+        (``escape_step``). Raises FloatingPointError if one does so without any, or if all do.
         """
         last = self.timing.last_look
         while (moving := np.flatnonzero((self.clock < self._stop) | (self.clock <= last))).size:
             due = np.flatnonzero((self.clock == self._stop) & (self.clock <= last))
             if due.size:
                 self._act(due, np.asarray(policy(self._look(due, noise))).astype(np.uint8))
-            try:
-                self._advance(moving)
-            except LostTrajectoryError as error:
-                message = self._lost_under_actuation(int(moving[error.trajectory]))
-                raise (FloatingPointError(message) if message else error) from error
+            self._advance(moving)
+            self._end_escaped(moving)
 
     def looks(self) -> Looks:
         """All looks so far, without assessments."""
@@ -166,6 +169,24 @@ class RunningFlows:
         over = (self.clock == self._stop) & (self.clock > self.timing.last_look)
         self._stop[over] = np.maximum(self.clock[over], self.timing.counted_until)
 
+    def _end_escaped(self, moved: IntArray) -> None:
+        """End flows whose last states are not finite."""
+        last = self.states[moved, self.clock[moved]]
+        lost = moved[~np.isfinite(last).all(axis=1)]
+        if not lost.size:
+            return
+        for flow in lost.tolist():
+            if not self.acting[flow, : self.clock[flow] * self._stride].any():
+                raise LostTrajectoryError(flow, self.timing.schedule.time_step)
+            finite = np.isfinite(self.states[flow, : self.clock[flow] + 1]).all(axis=1)
+            self.escape_step[flow] = int(np.argmin(finite))
+            self.states[flow, self.escape_step[flow] :] = np.nan
+        self.clock[lost] = self._stop[lost] = max(
+            self.timing.last_look + 1, self.timing.counted_until
+        )
+        if (self.escape_step >= 0).all():
+            raise FloatingPointError(self._lost_under_actuation(int(lost[0])))
+
     def integrated(
         self, flows: IntArray, now: IntArray, steps: int, acting: ByteArray | None = None
     ) -> FloatArray:
@@ -178,7 +199,12 @@ class RunningFlows:
             acting = self.acting_from(flows, now, steps)
         state, schedule = self.states[flows, now].T, self.timing.schedule
         return integrate_switched(
-            self.experiment.systems, acting.T, state, schedule.time_step, self._stride
+            self.experiment.systems,
+            acting.T,
+            state,
+            schedule.time_step,
+            self._stride,
+            may_diverge=True,
         )
 
     def acting_from(self, flows: IntArray, now: IntArray, steps: int) -> ByteArray:
@@ -187,19 +213,18 @@ class RunningFlows:
         return np.asarray(self.acting[flows[:, np.newaxis], ahead])
 
     def _lost_under_actuation(self, flow: int) -> str:
-        """Describe how actuation took a flow out of the range of numbers; "" if it was free."""
-        time_step = self.timing.schedule.time_step
-        end = int(self.clock[flow] + self._shortest) * self._stride
+        """Describe how actuation takes flows out of the range of numbers; ``flow``: the last."""
+        schedule = self.timing.schedule
+        end = int(self.escape_step[flow]) * self._stride
         acted = np.flatnonzero(self.acting[flow, :end])
-        if not acted.size:
-            return ""
-        since, under = (steps * time_step for steps in (end - acted[0], acted.size))
+        since, under = (steps * schedule.time_step for steps in (end - acted[0], acted.size))
         return (
-            f"controlled flow {self.rows[flow]} left the range of floating-point numbers under "
-            f"actuation: at most {since:g} time units after it was first actuated, {under:g} of "
-            "them under actuation. The actuated equations need a shorter ensemble.time_step than "
-            f"{time_step:g}, or a weaker actuation: smaller changes of actuation.parameters, a "
-            "smaller actuation.force, or a smaller strength of the block of control.strategies"
+            f"all {len(self.rows)} controlled flows left the range of floating-point numbers under "
+            f"actuation, flow {self.rows[flow]} at most {since:g} time units after it was first "
+            f"actuated, {under:g} of them under actuation. Either the actuated equations have no "
+            "bounded solution: take a weaker actuation (smaller changes of actuation.parameters, a "
+            "smaller actuation.force, or a smaller strength of the block of control.strategies); "
+            f"or they need a shorter ensemble.time_step than {schedule.time_step:g}"
         )
 
     def actuation(self) -> ByteArray:
@@ -266,17 +291,23 @@ def simulate(
         states, actuation = flows.states[:, : timing.length], flows.actuation()
         acting_steps, switchings = flows.counted_actuation()
         under = states[:, counted], actuation[:, counted]
+        # a flow is very large before it is not finite
+        with np.errstate(over="ignore", invalid="ignore"):
+            of_states = {
+                "controlled": observable_of(experiment.system, states),
+                "controlled_energy": energy_means(systems, *under),
+                "cost": actuation_cost(systems, *under) if costs else None,
+            }
         parts.append(
             {
                 **part,
-                "controlled": observable_of(experiment.system, states),
+                **of_states,
                 "actuated": actuation != 0,
                 "actuated_integration_steps": acting_steps,
                 "switchings": switchings,
-                "controlled_energy": energy_means(systems, *under),
                 "controlled_states": states.copy() if keep_states else None,
                 "looks": replace(looks, flow=simulated + looks.flow, judged=judged),
-                "cost": actuation_cost(systems, *under) if costs else None,
+                "escape_step": flows.escape_step,
             }
         )
         simulated += len(rows)

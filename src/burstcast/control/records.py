@@ -3,7 +3,8 @@
 Flows are independent of each other: intervals are percentile bootstraps over flows, and a flow with
 control is resampled together with the same flow without it. Flows that laminarise, with or without
 control, are left out of both samples of the observable (as in the paper); they count in the hazard
-of laminarisation alone.
+of laminarisation alone. Flows that leave the range of floating-point numbers under control are left
+out, too, and counted as escaped.
 
 Where no event was observed, a bootstrap gives no upper bound. The rate of events is then at most
 -log(1 - c) / T with confidence c (3.0 / T at 0.95), T being the counted time of all flows. How long
@@ -19,15 +20,15 @@ import numpy as np
 import numpy.typing as npt
 
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
-from burstcast.base.events import upward_crossings
 from burstcast.base.files.described import Described
 from burstcast.base.files.units import NUMBER, POWER
-from burstcast.base.laminarisation import first_laminar_step
 from burstcast.base.poisson import rate_bound
 from burstcast.base.resampled_score import ResampledScore
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
 from burstcast.control.loop import ControlledFlows
 from burstcast.control.timing import Timing
+from burstcast.data.events import upward_crossings
+from burstcast.data.laminarisation import first_laminar_step
 
 
 def _count(meaning: str) -> Described:
@@ -64,10 +65,24 @@ class FlowRecords:
     #: decisions without a valid forecast, which the strategy's fallback made
     fallbacks: Annotated[IntArray, _count("decisions without a valid forecast")]
 
+    #: step from the first look at which the controlled flow is out of the range of floating-point
+    #: numbers; -1: it stays finite
+    escape_step: Annotated[IntArray, _count("escape step")]
+
+    @property
+    def laminarises(self) -> BoolArray:
+        """Whether each flow laminarises, with control or without it, ``(flows,)``."""
+        return (self.laminar_step_uncontrolled >= 0) | (self.laminar_step_controlled >= 0)
+
+    @property
+    def escapes(self) -> BoolArray:
+        """Whether each flow leaves the range of floating-point numbers, ``(flows,)``."""
+        return self.escape_step >= 0
+
     @property
     def kept(self) -> BoolArray:
-        """Whether each flow laminarises neither with control nor without it, ``(flows,)``."""
-        return (self.laminar_step_uncontrolled < 0) & (self.laminar_step_controlled < 0)
+        """Whether each flow neither laminarises nor escapes, ``(flows,)``."""
+        return ~self.laminarises & ~self.escapes
 
 
 def record_flows(flows: ControlledFlows, laminarisation_threshold: float | None) -> FlowRecords:
@@ -94,7 +109,8 @@ def record_flows(flows: ControlledFlows, laminarisation_threshold: float | None)
         ("fallbacks", looks.flow[looks.without_forecast]),
     ):
         counts[name] = np.bincount(looked, minlength=len(flows))
-    return FlowRecords(row=flows.rows, **counts)
+    escape = np.where(flows.escape_step < 0, -1, flows.escape_step - timing.first_look)
+    return FlowRecords(row=flows.rows, escape_step=escape, **counts)
 
 
 @dataclass(frozen=True)
@@ -182,13 +198,16 @@ FLOW_SCORES = (
     "laminarisation_hazard_uncontrolled",
     "laminarisation_hazard_controlled",
     "fallback_fraction",
+    "escaped_fraction",
 )
 """What control costs and gains, in the order of `score_flows`.
 
 Exceedances are shares of the time; ``relative_exceedance`` is the share of the uncontrolled
 exceedance that is left, 1 - reduction. ``control_fraction`` is the share of the time under
 actuation. Hazards are laminarisations per Lyapunov time of the flows that are not laminar yet.
-``fallback_fraction`` is the share of the decisions that no valid forecast stands behind.
+``fallback_fraction`` is the share of the decisions that no valid forecast stands behind,
+``escaped_fraction`` the share of the flows that leave the range of floating-point numbers under
+control.
 """
 
 
@@ -242,6 +261,9 @@ def weighted_scores(sample: FlowSample, weights: FloatArray) -> dict[str, FloatA
     scores["control_fraction"] = mean(records.actuated_integration_steps) / span.integration_steps
     scores["fallback_fraction"] = _quotient(
         (weighted * records.fallbacks).sum(axis=1), (weighted * records.decisions).sum(axis=1)
+    )
+    scores["escaped_fraction"] = _quotient(
+        (weights * records.escapes).sum(axis=1), weights.sum(axis=1)
     )
     scores["switchings_per_lyapunov_time"] = mean(records.switchings) / lyapunov_times
     return {name: scores[name] for name in (*FLOW_SCORES, *sample.costs)}

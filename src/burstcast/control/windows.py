@@ -13,7 +13,6 @@ from typing import Annotated
 import numpy as np
 
 from burstcast.base.arrays import BoolArray, ByteArray, FloatArray, IntArray
-from burstcast.base.events import upward_crossings
 from burstcast.base.files.described import Described
 from burstcast.base.files.units import NUMBER, OBSERVABLE
 from burstcast.control.loop import (
@@ -25,6 +24,7 @@ from burstcast.control.loop import (
 )
 from burstcast.control.records import FlowSample, record_flows
 from burstcast.control.timing import Timing
+from burstcast.data.events import upward_crossings
 from burstcast.forecasts.scores import ratio
 from burstcast.forecasts.windows import crosses_in_window
 from burstcast.statistics.densities import histogram
@@ -201,7 +201,7 @@ def _crosses_between_windows(flows: ControlledFlows, upward: BoolArray) -> BoolA
 
 
 def totals(sample: FlowSample, counts: WindowCounts, left_out: int) -> dict[str, float]:
-    """Counts and shares over all flows that laminarise neither with control nor without it.
+    """Counts and shares over all flows that neither laminarise nor escape.
 
     Steps and exceedances are of the steps that count. ``reduction`` is the share of the exceedance
     that control removes, ``alarm_rate`` the share of the forecasts that raise an alarm; NaN where
@@ -216,7 +216,8 @@ def totals(sample: FlowSample, counts: WindowCounts, left_out: int) -> dict[str,
         "actuated_integration_steps": int(records.actuated_integration_steps[kept].sum()),
         "flows": flows,
         "left_out": left_out,
-        "laminarised": len(kept) - flows,
+        "laminarised": int(records.laminarises.sum()),
+        "escaped": int(records.escapes.sum()),
         "laminarised_controlled": int((records.laminar_step_controlled >= 0).sum()),
         "laminarised_uncontrolled": int((records.laminar_step_uncontrolled >= 0).sum()),
         "events_controlled": sum(total[name] for name in _EVENTS),

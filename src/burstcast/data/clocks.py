@@ -21,6 +21,8 @@ _UNITS_OF_DATES = {
 }
 _UNIT_TOLERANCE = 0.01
 
+_LEAST_PERIOD = 10
+"""Steps in the period of a clock that goes round, at least."""
 _SHARED = 0.1
 """Least share of rows with the time of the row before that counts as rounding."""
 
@@ -137,7 +139,8 @@ def check_rising(name: str, time: FloatArray) -> None:
     back = f"goes back by {-steps[row]:g} from" if steps[row] else "stays at"
     raise ValueError(
         f"{name}, row {row + 2}: column 'time' {back} the time of row {row + 1}; times must "
-        f"rise. Remove rows that are there twice; if a clock was put back, write times in UTC, or "
+        f"rise. Remove rows that are there twice (pandas: table[~table.index.duplicated()], or "
+        f"drop_duplicates('time')); if a clock was put back, write times in UTC, or "
         f"with their offsets from it"
     )
 
@@ -148,6 +151,7 @@ def _period_of_clock(time: FloatArray, row: int) -> str | None:
     for bits in (16, 24, 31, 32):
         for unit, written in ((1.0, ""), (1e-3, " / 1000"), (1e-6, " / 1000000")):
             passed = time[row + 1] + 2**bits * unit - time[row]
-            if step > 0 and abs(passed - step) <= JITTER * step:
+            is_long = 2**bits * unit > _LEAST_PERIOD * step > 0
+            if is_long and abs(passed - step) <= JITTER * step:
                 return f"2**{bits}{written}"
     return None

@@ -5,7 +5,7 @@ file, or an array. Frames of other libraries become tables of pandas; a table wi
 levels, groups, dictionaries and generators are several series. Anything else is refused.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, ValuesView
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,11 @@ def unpacked(data: Any, what: str) -> Any:
 
     ``what``: Name of the data for messages: "the series".
     """
+    if isinstance(data, np.ndarray) and data.dtype.names:
+        raise TypeError(
+            f"{what} must be a table of named columns, not records: give pd.DataFrame(records), "
+            f"without columns that are no components"
+        )
     if isinstance(data, np.ndarray | str | Path):
         return [data] if isinstance(data, str | Path) else data
     if is_labelled(data):
@@ -33,8 +38,10 @@ def unpacked(data: Any, what: str) -> Any:
         return list(_parts(frame, what))
     if isinstance(data, set | frozenset):
         raise TypeError(f"{what} must be in an order, which a {type(data).__name__} has not")
-    if isinstance(data, list | tuple | Iterator):
+    if isinstance(data, list | tuple | Iterator | ValuesView):
         return _listed(list(data), what)
+    if not hasattr(data, "__array__") and not isinstance(data, Sequence):
+        raise TypeError(f"{what} must be {_TAKEN}, not a {type(data).__name__}")
     return data
 
 
@@ -55,6 +62,9 @@ def as_pandas(data: Any) -> Any | None:
 
     if isinstance(data, pd.DataFrame | pd.Series):
         return data
+    if hasattr(getattr(data, "schema", None), "pandas_metadata"):  # of pyarrow, with its index
+        made = data.to_pandas()
+        return made if isinstance(made, pd.DataFrame) else None
     name = f"{type(data).__module__.partition('.')[0]}.{type(data).__name__}"
     try:
         if hasattr(data, "compute"):
@@ -84,23 +94,57 @@ def _parts(data: Any, what: str) -> Iterator[Any]:
         yield table
         return
     outer = list(range(table.index.nlevels - 1))
+    _check_outer_levels(table.index, what)
     for _, part in table.groupby(level=outer, sort=False):
         yield part.droplevel(outer)
 
 
+def _check_outer_levels(index: Any, what: str) -> None:
+    """Check that outer levels tell runs apart, and are not the times of the rows."""
+    runs = index.droplevel(-1)
+    number, longest = runs.nunique(), int(runs.value_counts().max())
+    has_times = "time" in runs.names
+    if has_times or (number > longest and not _is_clock(index.get_level_values(-1))):
+        level = "is called time" if has_times else f"has {number} entries"
+        raise ValueError(
+            f"{what} are a table whose outer index level {level}, of {longest} rows at most: outer "
+            f"levels tell runs apart, and the last one has the times; "
+            f"table.swaplevel().sort_index() exchanges two levels, and a list of tables, one for "
+            f"each run, needs none"
+        )
+
+
+def _is_clock(level: Any) -> bool:
+    """Whether a level of an index has times, and not just numbers of rows or runs."""
+    import pandas as pd
+
+    is_date = isinstance(level, pd.DatetimeIndex | pd.TimedeltaIndex | pd.PeriodIndex)
+    is_fraction = level.dtype.kind == "f" and bool((level.to_numpy() % 1 != 0).any())
+    return level.name == "time" or is_date or is_fraction
+
+
 def _is_grouped(data: Any) -> bool:
     """Whether it is the result of ``groupby`` of pandas or polars, pairs of a key and a table."""
-    return type(data).__name__ in ("DataFrameGroupBy", "GroupBy") and hasattr(data, "__iter__")
+    names = ("DataFrameGroupBy", "SeriesGroupBy", "GroupBy")
+    return type(data).__name__ in names and hasattr(data, "__iter__")
 
 
 def _groups(data: Any, what: str) -> Iterator[Any]:
     """Tables of groups, without the columns that they were grouped by."""
     keys = getattr(data, "keys", getattr(data, "by", None))
-    named = [keys] if isinstance(keys, str) else keys if isinstance(keys, list) else []
-    for _, part in data:
+    listed = keys if isinstance(keys, list | tuple) else [keys]
+    if len(listed) == 1 and isinstance(listed[0], list | tuple):
+        listed = listed[0]
+    named = [getattr(key, "key", key) for key in listed]
+    groups = list(data)
+    if hasattr(data, "maintain_order") and not data.maintain_order:
+        # polars has groups in another order each time
+        groups.sort(key=lambda pair: [(value is None, value) for value in pair[0]])
+    for _, part in groups:
         table = as_pandas(part) if not hasattr(part, "iloc") else part
         if table is None:
             raise TypeError(f"{what} must be {_TAKEN}, not groups of {type(part).__name__}")
+        table = table.to_frame() if table.ndim == 1 else table
         columns = [name for name in named if isinstance(name, str) and name in table.columns]
         yield from _parts(table.drop(columns=columns), what)
 
@@ -108,10 +152,15 @@ def _groups(data: Any, what: str) -> Iterator[Any]:
 def _values(data: Mapping[Any, Any], what: str) -> Sequence[Any]:
     """Series of a dictionary; columns by their names are none."""
     values = list(data.values())
-    if any(np.ndim(value) < 2 for value in values if not _is_table(value)):
+    is_column = (
+        getattr(value, "ndim", 2) < 2 if _is_table(value) else np.ndim(value) < 2
+        for value in values
+    )
+    if any(is_column):
         raise TypeError(
             f"{what} are a dictionary of columns: one table of them is pd.DataFrame(...); a "
-            f"dictionary of tables, or of arrays (time, component), is several series"
+            f"dictionary of tables, or of arrays (time, component), is several series, and a list "
+            f"of columns is several series of one component"
         )
     return values
 
@@ -128,10 +177,15 @@ def _listed(data: Sequence[Any], what: str) -> list[Any]:
         entry = given[1] if is_pair else given  # list(table.groupby("run")) has pairs
         if _is_table(entry) or _is_grouped(entry):
             series += unpacked(entry, what)
-        elif isinstance(entry, Mapping | set | frozenset | Iterator):
+        elif (
+            entry is None
+            or isinstance(entry, Mapping | set | frozenset | Iterator)
+            or (isinstance(entry, list | tuple) and any(map(_is_table, entry)))
+        ):
+            several = " of tables" if isinstance(entry, list | tuple) else ""
             raise TypeError(
                 f"each of {what} must be an array (time, component), a table of pandas or what "
-                f"xarray holds, not a {type(entry).__name__}"
+                f"xarray holds, not a {type(entry).__name__}{several}"
             )
         else:
             series.append(entry)

@@ -11,8 +11,8 @@ import numpy as np
 
 from burstcast.base import random_streams
 from burstcast.base.arrays import FloatArray, IntArray
-from burstcast.base.laminarisation import first_laminar_step, is_laminar
 from burstcast.base.series_lengths import samples_of, series_lengths
+from burstcast.data.laminarisation import first_laminar_step, is_laminar
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.integration import integrate_observed
 

@@ -14,8 +14,8 @@ import numpy as np
 from burstcast.base.arrays import FloatArray, IntArray, float_array, is_known
 from burstcast.base.discovery import suggestion
 from burstcast.base.expressions import Expression
-from burstcast.base.laminarisation import first_laminar_step
 from burstcast.base.series_lengths import padded, samples_of, without_padding
+from burstcast.data.laminarisation import first_laminar_step
 from burstcast.systems.measured import MeasuredSeries
 
 

@@ -97,7 +97,10 @@ def measured_series(
     (4, 25, 1)
     """
     if cut_gaps and block is None and shortest is None:
-        raise ValueError("cut_gaps needs block, the length of the series, or shortest")
+        raise ValueError(
+            "cut_gaps needs block, the length of the series, or shortest, their least length, both "
+            "in the unit of time_step"
+        )
     if isinstance(components, str):
         raise TypeError(f"components must be a list: [{components!r}]")
     for name, length in (("block", block), ("gap", gap), ("shortest", shortest)):

@@ -13,7 +13,7 @@ from burstcast.base.arrays import BoolArray, FloatArray
 from burstcast.base.exogenous import with_inputs
 from burstcast.base.files.netcdf import Variable
 from burstcast.base.files.units import COMPONENT
-from burstcast.base.laminarisation import is_laminar
+from burstcast.data.laminarisation import is_laminar
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.parameters import Parameters, integrate_scheduled
 

@@ -95,7 +95,11 @@ def labelled_series(data: Any, what: str = "the series") -> LabelledSeries:
                 check_units(f"series {number}", labels, run.units, "series 1", units)
         step, dated = _clock(runs, what)
         return LabelledSeries(_side_by_side(states, what), labels, step, dated, units)
-    lengths = {len(series) for series in data if hasattr(series, "__len__")}
+    lengths = {
+        len(series)
+        for series in data
+        if getattr(series, "shape", None) != () and hasattr(series, "__len__")
+    }
     if len(lengths) < 2:
         return LabelledSeries(_checked(float_array(data, what), np.shape(data), what))
     return LabelledSeries(_side_by_side([float_array(series, what) for series in data], what))
@@ -267,7 +271,8 @@ def _step(times: FloatArray, dated: bool, what: str) -> float:
     raise ValueError(
         f"{what}: the rate of samples changes: up to the time {before} they are {fault.before:.6g}"
         f"{unit} apart, and {fault.after:.6g}{unit} from {after} on: give parts of one rate as "
-        f"records of their own, or resample"
+        f"records of their own, or resample; if each row follows the row before it whatever its "
+        f"time, as trading days do, leave the times out"
     )
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from burstcast.base.arrays import FloatArray, IntArray
-from burstcast.base.events import upward_crossings
+from burstcast.data.events import upward_crossings
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def starting_points(
 
 
 def crossing_points(observable: FloatArray, threshold: float) -> SeriesPoints:
-    """Starts of the extreme events of series (`burstcast.base.events.upward_crossings`).
+    """Starts of the extreme events of series (`burstcast.data.events.upward_crossings`).
 
     ``observable``: ``(series, time)``.
     """

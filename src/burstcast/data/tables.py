@@ -81,6 +81,8 @@ def with_clock(source: str, frame: pd.DataFrame) -> pd.DataFrame:
     if isinstance(index, pd.DatetimeIndex | pd.TimedeltaIndex | pd.PeriodIndex):
         return frame.rename_axis(index=TIME)
     timed = TIME in frame.columns
+    if not timed:
+        _check_dates_are_called_time(source, frame)
     if pd.api.types.is_numeric_dtype(index.dtype) and index.dtype.kind not in "bc":
         numbers = index.to_numpy(dtype=np.float64, na_value=np.nan)
         if not timed and np.isfinite(numbers).all() and (numbers % 1 != 0).any():
@@ -98,6 +100,23 @@ def with_clock(source: str, frame: pd.DataFrame) -> pd.DataFrame:
             f"nothing, leave it out (reset_index(drop=True))"
         ) from None
     return frame.rename_axis(index=TIME)
+
+
+def _check_dates_are_called_time(source: str, frame: pd.DataFrame) -> None:
+    """Check that no column has dates, in a table without a column or an index of times."""
+    for place, name in enumerate(frame.columns):
+        column = frame.iloc[:, place]
+        if pd.api.types.is_numeric_dtype(column.dtype):
+            continue
+        try:
+            dated = is_dated(column.head(1)) and len(times_in(column.head(1), "second"))
+        except TimesError:
+            continue
+        if dated:
+            raise ValueError(
+                f"{source}: column {name!r} has no numbers, but dates: if it is the clock, call it "
+                f"{TIME!r} (table.rename(columns={{{name!r}: {TIME!r}}})), or else leave it out"
+            )
 
 
 def _check_row_numbers(source: str, numbers: FloatArray) -> None:
@@ -156,8 +175,8 @@ def frame_run(
                 place = _place(error.row, first_line)
                 raise ValueError(f"{source}{place}: column {TIME!r} {error}") from None
         elif not pd.api.types.is_numeric_dtype(kind) or kind.kind in "bc":
-            dated = kind.kind == "M" and TIME not in names
-            advice = f"; if it is the clock, call it {TIME!r}" if dated else ""
+            texts = kind.kind in "OUT" or str(kind) in ("str", "string")
+            advice = "; if all are numbers, table.astype(float)" if texts else ""
             raise ValueError(f"{source}: column {name!r} has no numbers, but {kind}{advice}")
         else:
             columns[name] = column.to_numpy(dtype=np.float64, na_value=np.nan)

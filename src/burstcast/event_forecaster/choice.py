@@ -10,7 +10,7 @@ import copy
 import time
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from burstcast.data.starting_points import SeriesPoints
 from burstcast.event_forecaster.score_intervals import blocks_of
 from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasts.alarms import isotonic, logistic
+from burstcast.forecasts.probabilities import rounded
 from burstcast.forecasts.scores import Outcomes, outcomes_by_series
 
 if TYPE_CHECKING:
@@ -99,6 +100,19 @@ class Trial:
     error: float = float("nan")  #: standard error of the difference from the chosen kind
     seconds: float = 0.0  #: time of the fit
     remark: str = ""  #: why it is not to be had
+    #: options that samples are too coarse for, with the nearest values that fit; others: defaults
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def adapted(self) -> str:
+        """A sentence on options that are not the defaults; empty if all are."""
+        if not self.options:
+            return ""
+        values = (f"{name}={np.round(value, 3).tolist()}" for name, value in self.options.items())
+        return (
+            f"{self.kind} has {' and '.join(values)}, the nearest to its defaults that these "
+            f"samples resolve"
+        )
 
 
 def choose(
@@ -108,13 +122,38 @@ def choose(
 
     Raises ValueError, with what all kinds say, if none can be fitted.
     """
+    fitted, skills, trials = tried(forecaster, series, parameters, kinds)
+    if not fitted:
+        said = "; ".join(f"{trial.kind}: {trial.remark}" for trial in trials)
+        raise ValueError(f"kind is 'auto', but no kind can be fitted: {said}")
+    best = best_kind(skills)
+    listed = []
+    for trial in trials:
+        if trial.kind in skills:
+            deviation = float((skills[trial.kind] - skills[best])[1:].std())
+            trial = replace(trial, error=deviation)
+        listed.append(trial)
+    return fitted[best], listed
+
+
+def tried(
+    forecaster: "EventForecaster", series: Any, parameters: Any, kinds: Sequence[str]
+) -> "tuple[dict[str, EventForecaster], dict[str, FloatArray], list[Trial]]":
+    """All kinds: fitted forecasters and samples of their skill by kind, and a list of the trials.
+
+    The first sample is the skill, the others resample series, ``(1 + resamples,)``. Kinds that
+    cannot be fitted are only in the list.
+    """
     fitted: dict[str, EventForecaster] = {}
     skills: dict[str, FloatArray] = {}
-    trials: dict[str, Trial] = {}
+    trials: list[Trial] = []
     for kind in kinds:
         made = copy.copy(forecaster).set_params(kind=kind, options=None)
+        options: dict[str, Any] = {}
         begun = time.perf_counter()
         try:
+            options = made.resolved_options()
+            made.set_params(options=options or None)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 made.fit(series, parameters=parameters)
@@ -122,26 +161,18 @@ def choose(
                     raise ValueError("forecasts of training series do not stay finite")
                 samples = _skill_samples(made)
         except (ValueError, TypeError, FloatingPointError) as error:
-            trials[kind] = Trial(kind, seconds=time.perf_counter() - begun, remark=str(error))
+            seconds = time.perf_counter() - begun
+            trials.append(Trial(kind, seconds=seconds, remark=str(error), options=options))
             continue
         seconds = time.perf_counter() - begun
         low, high = percentile_interval(samples[1:], _CONFIDENCE)
         fitted[kind], skills[kind] = made, samples
-        trials[kind] = Trial(kind, float(samples[0]), low, high, seconds=seconds)
-    if not fitted:
-        said = "; ".join(f"{kind}: {trial.remark}" for kind, trial in trials.items())
-        raise ValueError(f"kind is 'auto', but no kind can be fitted: {said}")
-    best = _best(skills)
-    listed = []
-    for kind, trial in trials.items():
-        if kind in skills:
-            deviation = float((skills[kind] - skills[best])[1:].std())
-            trial = replace(trial, error=deviation)
-        listed.append(trial)
-    return fitted[best], listed
+        skill = float(samples[0])
+        trials.append(Trial(kind, skill, low, high, seconds=seconds, options=options))
+    return fitted, skills, trials
 
 
-def _best(skills: Mapping[str, FloatArray]) -> str:
+def best_kind(skills: Mapping[str, FloatArray]) -> str:
     """The first kind with the highest skill, but for `_NEGLIGIBLE`."""
     highest = max(samples[0] for samples in skills.values())
     return next(kind for kind, samples in skills.items() if samples[0] >= highest - _NEGLIGIBLE)
@@ -181,8 +212,10 @@ def _stays_finite(made: "EventForecaster", series: Any) -> bool:
 
 
 def findings(trials: Sequence[Trial], chosen: str, events: int) -> Iterator[str]:
-    """Sentences on what was tried, where no kind is better than the base rate."""
+    """Sentences on the choice: other options than the defaults; no kind beats the base rate."""
     best = next(trial for trial in trials if trial.kind == chosen)
+    if best.adapted:
+        yield best.adapted
     if not best.low > 0:
         yield (
             f"no kind beats the base rate: the best, {chosen}, has a Brier skill of "
@@ -206,13 +239,7 @@ def cost(kinds: Sequence[str], series: FloatArray, forecaster: "EventForecaster"
     total = sum(seconds.values())
     dearest = max(seconds, key=lambda kind: seconds[kind])
     return (
-        f"kind='auto' fits {', '.join(kinds)}, which takes some {_rounded(total)} on one core, "
-        f"{_rounded(seconds[dearest])} of them for {dearest}; fewer kinds: "
+        f"kind='auto' fits {', '.join(kinds)}, which takes some {rounded(total)} on one core, "
+        f"{rounded(seconds[dearest])} of them for {dearest}; fewer kinds: "
         f"options={{'kinds': [...]}}"
     )
-
-
-def _rounded(seconds: float) -> str:
-    if seconds < 90:
-        return f"{max(1.0, float(f'{seconds:.1g}')):g} s"
-    return f"{float(f'{seconds / 60:.1g}'):g} minutes"

@@ -42,6 +42,7 @@ SCORES = (
     "control_fraction",
     "switchings_per_lyapunov_time",
     "fallback_fraction",
+    "escaped_fraction",
     *COSTS,
 )
 """Scores of `ControlledSystem`: those of `burstcast.control.records` that every system has."""
@@ -73,11 +74,12 @@ class ControlledSystem:
     #: by name, with 95 % intervals over flows (`SCORES`): shares of the time at or above the event
     #: threshold without and with control, and their quotient; events per unit of durations; share
     #: of the time under actuation; how often it is switched on per unit of durations; share of the
-    #: decisions without a valid forecast; mean length of the force that acts as the actuation
-    #: (effort), and its mean power
+    #: decisions without a valid forecast; share of the flows that leave the range of floating-point
+    #: numbers under control, which the other scores leave out; mean length of the force that acts
+    #: as the actuation (effort), and its mean power
     scores: Mapping[str, Interval]
     #: scores of the same flows with the actuation always on ("always"), and at random with the same
-    #: share of the decisions ("random"); a reference under which a flow is lost is missing
+    #: share of the decisions ("random"); a reference under which all flows are lost is missing
     references: Mapping[str, Mapping[str, Interval]]
 
     def __repr__(self) -> str:
@@ -160,7 +162,7 @@ def control_system(
     ValueError
         If the system, the strategy or the actuation does not fit the forecaster.
     FloatingPointError
-        If a flow leaves the range of floating-point numbers.
+        If all controlled flows leave the range of floating-point numbers, or a free one does.
 
     Examples
     --------
@@ -281,6 +283,14 @@ def _findings(result: ControlledSystem) -> Iterator[str]:
         yield (
             f"{share:.1%} of the decisions have no valid forecast (fallback_fraction): the "
             "strategy's fallback made them, not the forecaster"
+        )
+    escaped = result.scores["escaped_fraction"].value
+    if escaped > 0:
+        flows = len(result.actuated)
+        yield (
+            f"{round(escaped * flows)} of {flows} flows leave the range of floating-point numbers "
+            "under actuation (states are NaN from there on); scores are of the others: take a "
+            "weaker actuation, or more integration steps in a sample (sampling_stride)"
         )
     left, time = (result.scores[name].value for name in ("relative_exceedance", "control_fraction"))
     if time > 0 and RANDOM in result.references:

@@ -11,8 +11,8 @@ import numpy as np
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.exogenous import of_series
 from burstcast.base.series_lengths import series_lengths
-from burstcast.data.dataset import network_input_offset, network_input_range
 from burstcast.forecasters._parameter_factors import factored_training
+from burstcast.forecasters._reservoirs import normalised_series
 from burstcast.forecasters.base import Forecaster, ForecastingCase
 from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.esn_aware import AwareNetworkForecaster
@@ -123,15 +123,12 @@ def training_of(
 
     ``observed``: Series with their inputs, for networks that know the parameters.
     """
-    scale = network_input_range(states, network.input_range)
-    offset = network_input_offset(states, network.input_offset)
-    if (lengths := series_lengths(observed)) is not None:
-        observed = observed[np.argsort(-lengths, kind="stable")]
+    training = normalised_series(observed, states, network.input_range, network.input_offset)
+    training = training.longest_first()
     if not isinstance(network, AwareNetworkForecaster):
-        return TrainingSeries(observed, scale, offset)
-    _, inputs = of_series(observed, states.shape[2])
-    training = TrainingSeries(observed[in_turns(inputs)], scale, offset)
-    return factored_training(training, case.required_parameters, network)
+        return training
+    _, inputs = of_series(training.observed, states.shape[2])
+    return factored_training(training.part(in_turns(inputs)), case.required_parameters, network)
 
 
 def in_turns(schedules: FloatArray) -> IntArray:

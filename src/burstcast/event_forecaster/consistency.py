@@ -1,17 +1,18 @@
-"""A test whether the observations of a washout are ones that the model can have made.
+"""A test whether the observations of a washout are like those of the training series.
 
 The first half of a washout is continued by the model, and compared with the second half. What the
-errors are like if the model is right is known from washouts that the model makes itself: free
-forecasts with white noise of the training series' level, treated alike. Two numbers sum up the
-errors, in units of their root mean square at each lead and component: their mean square, and the
-mean product of neighbours in time. A washout is inconsistent if these two lie further from their
-mean over the model's own washouts, in the metric of their covariance, than a share of its own
-washouts do: this share is the rate of false alarms (a parametric bootstrap; Hope, Journal of the
-Royal Statistical Society B 30, 1968).
+errors are like is known from training series that the model has not learnt from (hindcasts): they
+are those of its flow, its noise, and its own imperfection. Two numbers sum up the errors, in units
+of their root mean square at each lead and component: their mean square, and the mean product of
+neighbours in time. A washout is inconsistent if these two lie further from their mean over the
+hindcasts, in the metric of their covariance, than a share of the hindcasts do. This share is the
+rate of false alarms, whatever the kind is and however good (a rank test against a reference sample,
+as a conformal prediction is: Vovk, Gammerman & Shafer, Algorithmic Learning in a Random World,
+2005).
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields
 from typing import Any, Self
 
 import numpy as np
@@ -21,62 +22,42 @@ from burstcast.forecasters.base import Forecaster
 
 LEAST_WASHOUT = 6
 """Samples of a washout that has two halves to compare."""
-_LEAST_OWN = 40
-"""Washouts that the model has made itself, without which there is no test."""
+_LEAST_HINDCASTS = 40
+"""Hindcasts without which there is no test."""
 ALPHA = 0.05
 """Rate of false alarms."""
 _MANY = 0.2
-"""Share of odd washouts beyond twice that of the training series that users are warned of."""
+"""Share of odd washouts beyond twice the rate of false alarms that users are warned of."""
 
 
 @dataclass(frozen=True)
 class ConsistencyTest:
-    """The errors of a model's own washouts."""
+    """The errors of hindcasts of training series."""
 
     scale: FloatArray  #: root mean square errors, ``(leads, dimension)``
     centre: FloatArray  #: mean of the two numbers, ``(2,)``
     metric: FloatArray  #: inverse of their covariance, ``(2, 2)``
-    distances: FloatArray  #: squared distances of the model's own washouts, rising, ``(washouts,)``
-    training_share: float = 0.0  #: share of the washouts in the training series that are odd
+    distances: FloatArray  #: squared distances of the hindcasts, rising, ``(hindcasts,)``
 
     @classmethod
-    def of(
-        cls,
-        forecaster: Forecaster,
-        washouts: FloatArray,
-        noise: FloatArray,
-        generator: np.random.Generator,
-    ) -> Self | None:
-        """Test for a forecaster; None if washouts are too short, or it makes too few of its own.
+    def of(cls, errors: FloatArray) -> Self | None:
+        """Test by errors of `hindcast_errors`, ``(points, leads, dimension)``.
 
-        ``washouts``: Of the training series, ``(points, steps, dimension)``; the model goes on from
-        them. ``noise``: Standard deviation in each component.
+        They are of washouts in series that the forecaster has not learnt from. None if too few are
+        finite.
         """
-        steps = washouts.shape[1]
-        if steps < LEAST_WASHOUT:
-            return None
-        with np.errstate(over="ignore", invalid="ignore"):
-            memory = forecaster.start(np.ascontiguousarray(washouts.transpose(1, 2, 0)))
-            made = forecaster.valid(forecaster.advance(memory, steps)[0]).transpose(2, 0, 1)
-        made = made[np.isfinite(made).all(axis=(1, 2))]
-        if len(made) < _LEAST_OWN:
-            return None
-        made = made + noise * generator.standard_normal(made.shape)
-        errors = hindcast_errors(forecaster, made)
         errors = errors[np.isfinite(errors).all(axis=(1, 2))]
-        if len(errors) < _LEAST_OWN:
+        if len(errors) < _LEAST_HINDCASTS:
             return None
         scale = np.sqrt(np.square(errors).mean(axis=0))
         scale = np.where(scale > 0, scale, 1.0)
         numbers = _numbers(errors / scale)
         centre: FloatArray = numbers.mean(axis=0)
         metric = np.asarray(np.linalg.pinv(np.cov(numbers.T), hermitian=True), dtype=np.float64)
-        test = cls(scale, centre, metric, np.sort(_distances(numbers - centre, metric)))
-        odd = test.p_values(forecaster, washouts) <= ALPHA
-        return replace(test, training_share=float(odd.mean()))
+        return cls(scale, centre, metric, np.sort(_distances(numbers - centre, metric)))
 
     def p_values(self, forecaster: Forecaster, washouts: FloatArray) -> FloatArray:
-        """Share of the model's own washouts at least as odd as each one, ``(points,)``.
+        """Share of the hindcasts of training series at least as odd as each one, ``(points,)``.
 
         Above zero; 0 only where the forecast of the second half is not finite.
         """
@@ -89,11 +70,11 @@ class ConsistencyTest:
     def finding(self, p_values: FloatArray) -> Iterator[str]:
         """A sentence about washouts of which many more are odd than in the training series."""
         share = float((p_values <= ALPHA).mean()) if len(p_values) else 0.0
-        if share > 2 * max(self.training_share, ALPHA) + _MANY:
+        if share > 2 * ALPHA + _MANY:
             yield (
-                f"{share:.0%} of the washouts are not ones that the model can have made "
-                f"({self.training_share:.0%} in the training series): noise, gain or flow differ "
-                "from those of the training series (scores_by_consistency, consistent)"
+                f"{share:.0%} of the washouts are unlike those of the training series ({ALPHA:.0%} "
+                "there): the flow, its noise or the gain of a sensor differs from what the "
+                "forecaster has learnt (scores_by_consistency, consistent)"
             )
 
     def record(self) -> dict[str, Any]:
@@ -104,8 +85,8 @@ class ConsistencyTest:
     def restore(cls, record: Mapping[str, Any]) -> Self:
         """Make a test from its record."""
         arrays: dict[str, Any]
-        arrays = {name: np.array(values, dtype=np.float64) for name, values in record.items()}
-        arrays["training_share"] = arrays["training_share"].item()
+        names = [entry.name for entry in fields(cls)]
+        arrays = {name: np.array(record[name], dtype=np.float64) for name in names}
         shape = arrays["centre"].shape, arrays["metric"].shape, arrays["scale"].ndim
         if shape != ((2,), (2, 2), 2):
             raise ValueError("the test of consistency is none")

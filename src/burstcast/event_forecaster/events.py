@@ -8,7 +8,7 @@ import numpy as np
 
 from burstcast.base import durations
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
-from burstcast.base.events import upward_crossings
+from burstcast.data.events import upward_crossings
 from burstcast.event_forecaster.choice import LeftOutForecasts
 from burstcast.forecasters._event_classifier import LabelledPoints
 from burstcast.forecasters.base import Forecaster
@@ -31,6 +31,8 @@ FEW_EVENTS = 10
 LITTLE_SKILL = 0.05
 """Brier skill in series that were left out, below which probabilities are no better than the base
 rate: a tenth of the skill of most useful forecasts."""
+_FEW_QUIET = 0.5
+"""Share of starting points without an event in their washout, below which it may be too long."""
 _ROUGH = 1.1
 """Samples in a Lyapunov time over whole ones, beyond which a warning says that it is rounded."""
 _FOLDS = 10
@@ -123,7 +125,8 @@ class Events:
         """
         events = self.number(observable)
         if events < FEW_EVENTS:
-            yield f"there are {events} events in the training series, fewer than {FEW_EVENTS}"
+            number = f"is {events} event" if events == 1 else f"are {events} events"
+            yield f"there {number} in the training series, fewer than {FEW_EVENTS}"
         exact = (self.timing.lyapunov_time or 1.0) / self.timing.sampling_interval
         if self.timing.lyapunov_time is not None and exact > _ROUGH * self.timing.unit:
             yield (
@@ -140,6 +143,22 @@ class Events:
                     f"durations are in samples: a window of {window:g}, where the observable "
                     f"decorrelates within {steps} (give lyapunov_time or longer durations)"
                 )
+
+    def few_starts(self, points: ObservedPoints) -> Iterator[str]:
+        """A sentence about a washout in which events leave too few starting points to learn from.
+
+        ``points``: Starting points in training series.
+        """
+        quiet = self.quiet(points)
+        followed = min(
+            int((self.happened(points, time) & quiet).sum()) for time in self.timing.times
+        )
+        if len(quiet) and followed < FEW_EVENTS and quiet.mean() < _FEW_QUIET:
+            yield (
+                f"{int(quiet.sum())} of {len(quiet)} starting points have a washout without an "
+                f"event, and an event follows {followed} of them, fewer than {FEW_EVENTS}: shorten "
+                f"washout"
+            )
 
     def shares(self, votes: Sequence[WindowSummaries]) -> ByTime:
         """Share of the votes for an event."""
@@ -197,7 +216,8 @@ class Events:
             if not outcomes.levels.size:
                 raise ValueError(
                     f"no starting point is left to calibrate with: the observable reaches the "
-                    f"event threshold {self.threshold:.4g} in every washout"
+                    f"event threshold {self.threshold:.4g} in every washout: shorten washout, or "
+                    f"raise the threshold"
                 )
             alarms[time] = _rule(outcomes, prior)
             if text := useless_votes(outcomes):

@@ -17,7 +17,6 @@ from typing import Any, Literal, Self, cast, overload
 
 import numpy as np
 
-from burstcast.base import random_streams
 from burstcast.base.arrays import BoolArray, FloatArray, float_array
 from burstcast.base.compiled.backends import usable_backend
 from burstcast.base.exogenous import up_to_sample, with_inputs
@@ -28,11 +27,10 @@ from burstcast.data.clocks import readable, unit_of_dates
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.event_threshold import threshold_at
 from burstcast.data.no_state import no_state
-from burstcast.data.observation_noise import estimate_noise
 from burstcast.data.series_layout import LabelledSeries, labelled_series, observation_of
 from burstcast.data.starting_points import SeriesPoints, segments
 from burstcast.event_forecaster import choice, files
-from burstcast.event_forecaster.causes import causes, diagnosed, step_error
+from burstcast.event_forecaster.causes import better_window, causes, diagnosed, step_error
 from burstcast.event_forecaster.choice import (
     AUTO,
     KINDS,
@@ -45,6 +43,7 @@ from burstcast.event_forecaster.consistency import (
     ALPHA,
     LEAST_WASHOUT,
     ConsistencyTest,
+    hindcast_errors,
     rank_histogram,
     spread_and_error,
 )
@@ -76,12 +75,16 @@ from burstcast.event_forecaster.shared_rows import shared_rows
 from burstcast.event_forecaster.stream import ObservationStream
 from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasters._limits import TrainingLimits
-from burstcast.forecasters._options import in_samples
+from burstcast.forecasters._options import QuadraticOptions, in_samples, resolved_by_samples
 from burstcast.forecasters.base import Forecaster, ForecasterKind, ForecastingCase
 from burstcast.forecasters.registry import as_forecaster, class_of, kind_name, make_kind_of
 from burstcast.forecasts.alarms import UNCALIBRATED, AlarmRule
 from burstcast.forecasts.points import ObservedPoints, observed_points
-from burstcast.forecasts.probabilities import out_of_sample_forecasts, out_of_sample_probabilities
+from burstcast.forecasts.probabilities import (
+    announcement,
+    out_of_sample_forecasts,
+    out_of_sample_probabilities,
+)
 from burstcast.forecasts.scores import outcomes_by_series, probability_scores
 from burstcast.forecasts.windows import WindowSummaries, member_forecasts, window_forecasts
 from burstcast.systems.base import DynamicalSystem
@@ -115,8 +118,8 @@ PARTS = 5
 _POINTS_OF_KEPT = 128
 """Starting points in the training series from which the kept models are tried, at most."""
 
-_OWN_WASHOUTS = 400
-"""Washouts that the model makes itself for its test of consistency, at most."""
+_HINDCASTS, _HINDCAST_SERIES = 400, 4
+"""Hindcasts of the test of consistency, and series that are left out for them, where there are."""
 
 BINS = 11
 """Of the probability, for those scores that need them."""
@@ -140,7 +143,7 @@ class EventForecaster(Estimator):
     ensemble vote, or if it is a classifier), ``hyperparameters_`` what the search found for each
     network, ``event_threshold_`` the threshold in units of the observable, ``alarms_`` the
     calibrations and thresholds (`burstcast.forecasts.alarms`) by prediction time,
-    ``kind_`` and ``choices_`` what ``kind="auto"`` chose and tried,
+    ``kind_``, ``options_`` and ``choices_`` what ``kind="auto"`` chose and tried,
     ``warnings_`` signs of weakness, in sentences, and ``classes_`` the columns of `predict_proba`.
 
     Examples
@@ -268,7 +271,7 @@ class EventForecaster(Estimator):
         best, trials = choose(self, series, parameters, kinds)
         chosen = best.kind
         vars(self).update({**vars(best), "kind": self.kind, "options": self.options})
-        self.kind_, self.choices_ = str(chosen), trials
+        self.kind_, self.choices_, self.options_ = str(chosen), trials, dict(best.options or {})
         self._parameters_of_fit |= {"kind": self.kind, "options": copied(self.options)}
         events = int(sum(each.happened.sum() for each in self.left_out_.values()))
         told: list[str] = [*choice.findings(trials, self.kind_, events)]
@@ -308,6 +311,7 @@ class EventForecaster(Estimator):
             observed = observed_series(states, 0, self.noise, scales, self.random_seed, self.case)
         points = self._points(case, observed, value, self._samples("calibration_spacing"))
         findings += [*events.weaknesses(value), *self._short_series(states)]
+        findings += events.few_starts(points)
         if self.calibrate and len(states) < 2:
             raise ValueError(
                 "calibrating leaves one series out and takes two at least: give more series, or "
@@ -340,16 +344,20 @@ class EventForecaster(Estimator):
         if labelled is None:
             members = [member.within(limits) for member in members]
             kept = _votes_of_kept(members, case, training, points, timing)
-            if learnt is None and not kind.sees_truth:
-                consistency = self._consistency_test(members[0], observed, points)
             invalid += events.invalid(kept, "of the kept models in training series", members[0])
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
         left_out_forecasts: dict[float, LeftOutForecasts] = {}
+        left_out = shared.left_out() if self.calibrate else None
+        if labelled is None and learnt is None and not kind.sees_truth:
+            consistency = _consistency_test(members[0], case, training, points, left_out)
         if self.calibrate:
-            left_out = shared.left_out()
             if left_out is not None:
                 points = points.of_series(np.concatenate([each.forecast for each in left_out]))
             if labelled is None:
+                washouts = _washouts_of(training, points, timing)
+                system, windows = case.system, timing.boundaries
+                for text in announcement(members[0], system.observable, washouts, windows):
+                    warnings.warn(text, stacklevel=3)
                 votes = _left_out(members, case, training, points, timing, left_out)
                 values = events.shares(votes)
                 invalid += events.invalid(votes, "of series that were left out", members[0])
@@ -364,6 +372,8 @@ class EventForecaster(Estimator):
             prior = None if labelled else checked["prior_forecasts"]
             left_out_forecasts = events.left_out(points, values, prior)
             alarms, unskilled = events.calibrated(points, values, prior)
+            if isinstance(kind, QuadraticOptions) and learnt is None:
+                findings += better_window(kind, case, training, points.points)
         if symptoms := [*invalid, *unskilled.values()]:
             found = causes(
                 kind,
@@ -469,16 +479,17 @@ class EventForecaster(Estimator):
         return self._values(washouts)[1][time]
 
     def consistent(self, series: Any) -> BoolArray:
-        """Whether the model can have made the last washout of each series, ``(series,)``.
+        """Whether the last washout of each series is like those of the training, ``(series,)``.
 
         The first member continues the first half of the washout, and its error in the second half
-        is compared with the errors for washouts that it has made itself
-        (`burstcast.event_forecaster.consistency`). Of washouts of the model's own flow, 5 % are
-        called inconsistent. A forecast from an inconsistent washout is not to be trusted: the
-        noise, the gain of a sensor, or the flow differ from what the model has learnt.
+        is compared with its errors in training series that it has not learnt from
+        (`burstcast.event_forecaster.consistency`). Of washouts of the flow of the training series,
+        5 % are called inconsistent, whatever the kind. A forecast from an inconsistent washout is
+        not to be trusted: the noise, the gain of a sensor, or the flow differ from what the model
+        has learnt.
 
-        Raises ValueError if there is no test: for classifiers, kinds that know parameters, and
-        washouts of fewer than six samples.
+        Raises ValueError if there is no test: for classifiers, kinds that know parameters, washouts
+        of fewer than six samples, a single training series, and fewer than 40 hindcasts.
         """
         return np.asarray(self._p_values(self._washouts(series)) > ALPHA)
 
@@ -721,7 +732,7 @@ class EventForecaster(Estimator):
             if has_unit(parameters[name]):
                 parameters[name] = f"{checked_parameters(self)[name]:.9f} seconds"
         if self.kind == AUTO:  # what was chosen
-            parameters["kind"], parameters["options"] = self.kind_, None
+            parameters["kind"], parameters["options"] = self.kind_, self.options_
         elif not isinstance(self.kind, str):  # by its name, and its options
             kind = self._kind
             parameters |= {"kind": kind_name(type(kind)), "options": kind.options}
@@ -806,7 +817,7 @@ class EventForecaster(Estimator):
         """The unfitted forecaster with its options."""
         kind = self._model
         if self.kind == AUTO:
-            kind = make_kind_of(class_of(kind), {})
+            kind = make_kind_of(class_of(kind), self.options_)
         elif not isinstance(kind, ForecasterKind):
             kind = make_kind_of(class_of(kind), self.options or {})
         elif self.options:
@@ -843,6 +854,10 @@ class EventForecaster(Estimator):
         if getattr(self, name) is None:
             duration = max(duration, 1 / timing.unit)
         return timing.samples(name, duration)
+
+    def resolved_options(self) -> dict[str, Any]:
+        """Options of the kind that the samples are too coarse for, with the nearest that fit."""
+        return resolved_by_samples(self._kind, self._timing.unit, self._samples("washout"))
 
     @property
     def _components(self) -> Components:
@@ -1057,21 +1072,12 @@ class EventForecaster(Estimator):
         events = Events(self._timing, self.event_threshold_)
         return events, points, *self._values(points.washouts)
 
-    def _consistency_test(
-        self, member: Forecaster, observed: FloatArray, points: ObservedPoints
-    ) -> ConsistencyTest | None:
-        """Test of consistency, by washouts that the first member makes itself."""
-        if observed.shape[1] <= LEAST_WASHOUT + 2 or not len(points.washouts):
-            return None
-        some = points.washouts[:: -(-len(points.washouts) // _OWN_WASHOUTS)]
-        generator = random_streams.stream(self.random_seed, "consistency", self.case)
-        return ConsistencyTest.of(member, some, estimate_noise(observed), generator)
-
     def _p_values(self, washouts: FloatArray) -> FloatArray:
         if self.consistency_ is None:
             raise ValueError(
                 "there is no test of consistency: it takes trajectories of a kind without "
-                f"parameters, and a washout of {LEAST_WASHOUT} samples at least"
+                f"parameters, a washout of {LEAST_WASHOUT} samples at least, and two training "
+                "series, with some 40 valid hindcasts"
             )
         return self.consistency_.p_values(self.members_[0], washouts)
 
@@ -1155,6 +1161,35 @@ def _step_error(
     if not len(of_points.series):
         return []
     return list(step_error(member, case, training, of_points, washout, names))
+
+
+def _consistency_test(
+    member: Forecaster,
+    case: ForecastingCase,
+    training: FloatArray,
+    points: ObservedPoints,
+    left_out: Sequence[LeftOut] | None,
+) -> ConsistencyTest | None:
+    """Test of consistency, by hindcasts of training series that a refitted member has not seen."""
+    washout, rows = points.washouts.shape[1], points.points.series
+    if washout < LEAST_WASHOUT or len(training) < 2:
+        return None
+    if left_out is None:
+        forecast = [np.array([row]) for row in range(len(training))]
+        refits = member.leave_one_out(training, case, washout)
+    else:
+        forecast = [each.forecast for each in left_out]
+        refits = member.leave_one_out(training, case, washout, left_out)
+    errors, known = [], 0
+    for number, (own, refitted) in enumerate(zip(forecast, refits, strict=False)):
+        if number >= _HINDCAST_SERIES and known >= _HINDCASTS:
+            break
+        here = np.isin(rows, own)
+        if here.any():
+            limited = refitted.within(member.limits)
+            errors.append(hindcast_errors(limited, points.washouts[here]))
+            known += int(here.sum())
+    return ConsistencyTest.of(np.concatenate(errors)) if errors else None
 
 
 def _left_out(

@@ -28,7 +28,7 @@ def draw(
     states: FloatArray = read("source/ensemble.nc:state"),
     source: Mapping[str, Any] = at("case.source_system"),
     forecaster: str = at("shown.decoded_forecaster.name.kind"),
-    threshold: float = at("case.event_threshold"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
     symbol: str = at("case.space.observable_symbol"),
     observable_name: str = at("case.space.observable_name"),
 ) -> Figure:

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.base.arrays import FloatArray
-from burstcast.base.declared import at, made_by, read
+from burstcast.base.declared import at, read
 from burstcast.figures.parts import frame, looks, planes, style
 from burstcast.figures.registry import figure
 from burstcast.systems.registry import make_system
@@ -24,11 +24,11 @@ def draw(
     *,
     states: FloatArray = read("case/ensemble.nc:state"),
     observable: FloatArray = read("case/ensemble.nc:observable"),
-    unit: int = made_by(frame.samples_per_lyapunov_time),
+    unit: int = read("case/time_unit.json:steps_per_lyapunov_time"),
     system: str = at("case.system"),
     parameters: Mapping[str, float] = at("case.parameters"),
     training_series: int = at("case.training.series"),
-    threshold: float = at("case.event_threshold"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
     symbol: str = at("case.space.observable_symbol"),
     observable_name: str = at("case.space.observable_name"),
 ) -> Figure:

@@ -17,7 +17,7 @@ from burstcast.figures.parts.published import published_beside
 from burstcast.figures.registry import figure
 
 
-@figure(section="horizon", position=40, cases="several_reynolds")
+@figure(section="horizon", position=40, cases="several_reynolds", needs_networks=True)
 def draw(
     *,
     horizons: Sequence[pd.DataFrame] = read("reynolds_cases/tables/horizon_percentiles.csv"),

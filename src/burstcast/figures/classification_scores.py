@@ -16,7 +16,7 @@ _METRICS = ("precision", "recall", "f_score")
 _TIME = "prediction_time_lt"
 
 
-@figure(section="forecasts", position=30, cases="networks")
+@figure(section="forecasts", position=30, cases="networks", needs_networks=True)
 def draw(
     *,
     percentiles: pd.DataFrame = read("case/tables/classification_percentiles.csv"),

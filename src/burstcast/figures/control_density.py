@@ -21,14 +21,15 @@ def draw(
     *,
     densities: Sequence[pd.DataFrame] = read("controlled_cases/tables/control_density.csv"),
     panels: Sequence[Mapping[str, Any]] = at("shown.panels"),
+    thresholds: Sequence[float] = read("controlled_cases/event_threshold.json:event_threshold"),
     prediction_times_lt: Sequence[float] = at("control.prediction_times_lt"),
     symbol: str = at("case.space.observable_symbol"),
     observable_name: str = at("case.space.observable_name"),
 ) -> Figure:
     """Draw a panel for each case, two beside each other, on logarithmic scale.
 
-    ``panels``: Each case that is shown, its event threshold, and ``neurons`` and ``validation`` of
-    the networks that are shown.
+    ``panels``: Each case that is shown, and ``neurons`` and ``validation`` of the networks that are
+    shown. ``thresholds``: Event threshold of each case.
     """
     table = pd.concat(densities, ignore_index=True)
     table = table[
@@ -86,7 +87,7 @@ def draw(
                 linewidth=1.2,
                 label=f"control, PT = {time:g} LT",
             )
-        frame.density_axes(axes[index], panel["event_threshold"], symbol, observable_name)
+        frame.density_axes(axes[index], thresholds[index], symbol, observable_name)
         letter = f"({chr(ord('a') + index)}) " if len(panels) > 1 else ""
         title = f"Re = {rows['reynolds'].iloc[0]:g}" if "reynolds" in rows else panel["case"]
         axes[index].set_title(f"{letter}{title}", loc="left")

@@ -18,7 +18,7 @@ from burstcast.figures.registry import figure
 def draw(
     *,
     event: Mapping[str, Any] = read("suppressed_event"),
-    threshold: float = at("case.event_threshold"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
     prediction_time_lt: float = at("shown.example_run.prediction_time_lt"),
     window_lt: float = at("control.window_lt"),
     parameters: Mapping[str, float] = at("case.actuation.parameters"),

@@ -27,7 +27,7 @@ def draw(
     truth: FloatArray = read("case/evaluation_set.nc:first"),
     forecasts: Sequence[Mapping[str, Any]] = gathered("networks/forecast.nc", "first"),
     summary: Mapping[str, Any] = read("case/dataset.json"),
-    threshold: float = at("case.event_threshold"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
     tolerance: float = at("horizon.tolerance"),
     resolution_lt: float = at("classification.resolution_lt"),
     validation: str = at("shown.example.name.validation"),

@@ -17,7 +17,7 @@ from burstcast.figures.registry import figure
 from burstcast.forecasters._labels import forecaster_label
 
 
-@figure(section="horizon", position=30, cases="several_sizes")
+@figure(section="horizon", position=30, cases="several_sizes", needs_networks=True)
 def draw(
     *,
     percentiles: pd.DataFrame = read("case/tables/horizon_percentiles.csv"),

@@ -12,11 +12,11 @@ from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
 
 
-@figure(section="horizon", position=20)
+@figure(section="horizon", position=20, needs_networks=True)
 def draw(
     *,
     examples: Mapping[str, Any] = read("example/examples.nc"),
-    threshold: float = at("case.event_threshold"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
     washout_lt: float = at("washout_lt"),
     symbol: str = at("case.space.observable_symbol"),
 ) -> Figure:

@@ -22,7 +22,7 @@ _MARKERS = {"grid": "s", "bayesian": "o"}
 _SHADES = 24
 
 
-@figure(section="networks", position=30)
+@figure(section="networks", position=30, needs_networks=True)
 def draw(*, trace: pd.DataFrame = read("example/search.csv")) -> Figure:
     """Draw the points of a search, and the objective between them."""
     points = trace.sort_values("objective", kind="stable").drop_duplicates(_AXES)

@@ -26,7 +26,7 @@ def draw(
     training: Mapping[str, Any] = read("case/statistics_training.nc"),
     long_term: Sequence[Mapping[str, Any]] = read("long_term_networks/long_term.nc"),
     percentiles: pd.DataFrame = read("case/tables/statistics_percentiles.csv"),
-    threshold: float = at("case.event_threshold"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
     symbol: str = at("case.space.observable_symbol"),
     observable_name: str = at("case.space.observable_name"),
     published: pd.DataFrame | None = None,

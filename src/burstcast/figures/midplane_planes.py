@@ -19,14 +19,14 @@ from burstcast.systems.flow_grid import make_flow_grid
 from burstcast.systems.registry import make_system
 
 
-@figure(section="forecasts", position=50, only_flows=True)
+@figure(section="forecasts", position=50, only_flows=True, needs_networks=True)
 def draw(
     *,
     event: Mapping[str, Any] = read("example/flow_event.nc"),
     system: str = at("case.system"),
     parameters: Mapping[str, float] = at("case.parameters"),
     flow_points: Sequence[int] = at("figures.flow_points"),
-    threshold: float = at("case.event_threshold"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
 ) -> Figure:
     """Draw the observable over the event, and below it the planes at the times marked."""
     if not event["mark"].size:

@@ -15,7 +15,7 @@ from burstcast.figures.parts import board, style
 from burstcast.figures.registry import figure
 
 
-@figure(section="networks", position=10)
+@figure(section="networks", position=10, needs_networks=True)
 def draw(
     *,
     inputs: int = at("case.space.dimension"),

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from burstcast.base.arrays import FloatArray
-from burstcast.base.declared import at, made_by, read
+from burstcast.base.declared import at, read
 from burstcast.base.series_lengths import numbers_of
 from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
@@ -20,8 +20,8 @@ from burstcast.statistics.densities import bin_edges, edges_over, histogram
 def draw(
     *,
     observable: FloatArray = read("case/ensemble.nc:observable"),
-    unit: int = made_by(frame.samples_per_lyapunov_time),
-    threshold: float = at("case.event_threshold"),
+    unit: int = read("case/time_unit.json:steps_per_lyapunov_time"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
     density: Mapping[str, Any] = at("case.density"),
     symbol: str = at("case.space.observable_symbol"),
     observable_name: str = at("case.space.observable_name"),

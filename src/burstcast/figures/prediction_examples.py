@@ -15,11 +15,11 @@ from burstcast.figures.registry import figure
 from burstcast.forecasts.examples import OUTCOMES
 
 
-@figure(section="forecasts", position=20)
+@figure(section="forecasts", position=20, needs_networks=True)
 def draw(
     *,
     examples: Mapping[str, Any] = read("example/examples.nc"),
-    threshold: float = at("case.event_threshold"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
     prediction_time_lt: float = at("shown.example_prediction_time_lt"),
     window_lt: float = at("classification.window_lt"),
     symbol: str = at("case.space.observable_symbol"),

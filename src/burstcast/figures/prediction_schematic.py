@@ -13,11 +13,11 @@ from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
 
 
-@figure(section="forecasts", position=10)
+@figure(section="forecasts", position=10, needs_networks=True)
 def draw(
     *,
     examples: Mapping[str, Any] = read("example/examples.nc"),
-    threshold: float = at("case.event_threshold"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
     prediction_time_lt: float = at("shown.example_prediction_time_lt"),
     washout_lt: float = at("washout_lt"),
     window_lt: float = at("classification.window_lt"),

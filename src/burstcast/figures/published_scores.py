@@ -21,7 +21,7 @@ _SCORES = ("precision", "recall", "f_score")
 _TIME, _HORIZON = "prediction_time_lt", "mean_horizon_lt"
 
 
-@figure(section="forecasts", position=25, cases="networks", only_flows=True)
+@figure(section="forecasts", position=25, cases="networks", only_flows=True, needs_networks=True)
 def draw(
     *,
     scores: pd.DataFrame = read("case/tables/classification_percentiles.csv"),

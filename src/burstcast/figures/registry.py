@@ -31,6 +31,7 @@ class Drawn:
     #: of the others end in ``_<case>``.
     cases: str
     only_flows: bool  #: whether only cases with a velocity field have the figure
+    needs_networks: bool  #: whether there is nothing to draw in a campaign without networks
     draw: Callable[..., Figure]
 
     def __call__(self, **arguments: Any) -> Figure:
@@ -63,10 +64,17 @@ class Drawn:
 
 
 def figure(
-    *, section: str, position: int, cases: str = "example_case", only_flows: bool = False
+    *,
+    section: str,
+    position: int,
+    cases: str = "example_case",
+    only_flows: bool = False,
+    needs_networks: bool = False,
 ) -> Callable[[Callable[..., Figure]], Drawn]:
     """Declare that a function draws a figure (`Drawn`)."""
-    return lambda draw: Drawn(section, position, cases, only_flows, declaring(styled(draw)))
+    return lambda draw: Drawn(
+        section, position, cases, only_flows, needs_networks, declaring(styled(draw))
+    )
 
 
 def available_figures() -> list[str]:

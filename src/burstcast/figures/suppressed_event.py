@@ -25,7 +25,7 @@ def draw(
     system: str = at("case.system"),
     parameters: Mapping[str, float] = at("case.parameters"),
     flow_points: Sequence[int] = at("figures.flow_points"),
-    threshold: float = at("case.event_threshold"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
 ) -> Figure:
     """Draw the observable with and without control, and the midplane at the times marked."""
     if not event["mark"].size:

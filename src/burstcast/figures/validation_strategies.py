@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from burstcast.base.arrays import FloatArray
-from burstcast.base.declared import at, made_by, read
+from burstcast.base.declared import at, read
 from burstcast.base.durations import steps
 from burstcast.figures.parts import frame, looks, style
 from burstcast.figures.registry import figure
@@ -18,12 +18,12 @@ from burstcast.networks.validation_strategies.base import ValidationPlan, use_of
 from burstcast.networks.validation_strategies.registry import make_strategy
 
 
-@figure(section="networks", position=20)
+@figure(section="networks", position=20, needs_networks=True)
 def draw(
     *,
     observable: FloatArray = read("case/ensemble.nc:observable"),
-    unit: int = made_by(frame.samples_per_lyapunov_time),
-    threshold: float = at("case.event_threshold"),
+    unit: int = read("case/time_unit.json:steps_per_lyapunov_time"),
+    threshold: float = read("case/event_threshold.json:event_threshold"),
     strategies: Sequence[str] = at("shown.strategies"),
     recycle: Mapping[str, Any] = at("case.recycle_validation"),
     training_series: int = at("case.training.series"),

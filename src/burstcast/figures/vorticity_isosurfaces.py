@@ -35,7 +35,7 @@ _LEVEL = 0.5  # of the isosurfaces, as a share of the largest vorticity
 _SHOWN = {2: "before", 3: "after"}
 
 
-@figure(section="forecasts", position=60, only_flows=True)
+@figure(section="forecasts", position=60, only_flows=True, needs_networks=True)
 def draw(
     *,
     event: Mapping[str, Any] = read("example/flow_event.nc"),

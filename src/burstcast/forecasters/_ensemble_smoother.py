@@ -21,7 +21,7 @@ from burstcast.forecasters._square_root_filter import combinations
 
 _FIRST_ERROR = 0.2
 """Error of the model, in units of the noise, from which its estimate starts."""
-_LEAST_ERROR = 0.01
+LEAST_ERROR = 0.01
 """Least estimated error of the model, in units of the noise."""
 _ADAPTATION = 0.02
 """Share of an innovation by which the variance of the model's error follows it."""
@@ -151,7 +151,7 @@ def follow(
                 counts[1] += 1
             if adaptive:
                 error = error + _ADAPTATION * (innovation - expected)
-                error = np.maximum(error, _LEAST_ERROR**2 * variance)
+                error = np.maximum(error, LEAST_ERROR**2 * variance)
                 if 2 * step >= steps:
                     errors += error
                     counts[2] += 1

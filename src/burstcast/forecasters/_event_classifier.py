@@ -46,8 +46,8 @@ class LabelledPoints:
                 raise ValueError(
                     f"an event follows {events} of the {count} training points without an event "
                     f"under way, in the window that begins {time:g} Lyapunov times later: a "
-                    "classifier needs both kinds of points; change event_threshold, or raise "
-                    "training.series or the length of the series"
+                    "classifier needs both kinds of points; change event_threshold, or give more "
+                    "or longer training series (in a campaign: training.series)"
                 )
 
 

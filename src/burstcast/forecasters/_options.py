@@ -7,6 +7,8 @@ defaults. A kind has the options of the sections that it inherits from.
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
+from burstcast.base import durations
+
 
 @dataclass(frozen=True, kw_only=True)
 class NetworkOptions:
@@ -45,7 +47,9 @@ class FilterOptions:
     section: ClassVar[str] = "filter"
 
     members: int = 40  #: size of the ensemble: even, and at least twice the dimension
-    inflation: float = 1.0  #: see `burstcast.forecasters._square_root_filter.assimilate`
+    #: factor of the ensemble's deviations before each observation, which makes up for errors of the
+    #: model; None: chosen by the innovations in the training series
+    inflation: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +58,7 @@ class FilteredNetworkOptions:
 
     section: ClassVar[str] = "esn_filtered"
 
-    denoising_rounds: int = 2  #: how often the training series are smoothed and learnt from again
+    denoising_rounds: int = 4  #: how often the training series are smoothed and learnt from again
     #: noise of the inputs of a training on smoothed series, in units of the observation noise
     jitter: float = 0.05
     members: int = 30  #: size of the ensemble: even
@@ -80,10 +84,15 @@ class HiddenQuadraticOptions:
 
     section: ClassVar[str] = "quadratic_hidden"
 
-    hidden: int = 2  #: number of hidden variables, which nothing but prior knowledge tells
+    #: number of hidden variables, which nothing but prior knowledge tells; 0: there are none, and
+    #: equations are learnt again from smoothed series
+    hidden: int = 2
     #: whether the observable is a component that follows from the others and the hidden variables
     observable_follows: bool = False
-    rounds: int = 8  #: how often the training series are smoothed and the equations learnt again
+    #: whether quadratic terms conserve the observable that follows, as those of an incompressible
+    #: flow conserve its kinetic energy
+    conserved: bool = False
+    rounds: int = 12  #: how often the training series are smoothed and the equations learnt again
     #: rates of moving averages that the first hidden variables may be, per Lyapunov time
     rates_per_lt: tuple[float, ...] = (0.18, 0.4, 0.73, 1.5, 3.0, 5.5)
     smoothing_lag_lt: float = 0.65  #: time by which later observations correct smoothed series
@@ -188,3 +197,23 @@ def in_samples(kind: Any) -> Any:
         if isinstance(kind, section) and getattr(kind, name) == getattr(section(), name)
     }
     return replace(kind, **changes) if changes else kind
+
+
+def resolved_by_samples(kind: Any, samples_per_lt: int, washout: int) -> dict[str, Any]:
+    """Options of a forecaster that its samples are too coarse for, with the nearest that fit.
+
+    Durations have one sample at least, and lags are different samples of a washout of ``washout``
+    samples. ``samples_per_lt``: Samples in a Lyapunov time, or 1 where durations are in samples.
+    """
+    changes: dict[str, Any] = {}
+    for section, name in ((QuadraticOptions, "window_lt"), (ClassifierOptions, "start_spacing_lt")):
+        if isinstance(kind, section) and not durations.steps(getattr(kind, name), samples_per_lt):
+            changes[name] = 1 / samples_per_lt
+    if isinstance(kind, PrecursorOptions):
+        lags = [durations.steps(lag, samples_per_lt) for lag in kind.lags_lt]
+        if len({*lags}) < len(lags) or not all(0 < lag < washout for lag in lags):
+            nearest = {max(1, round(lag * samples_per_lt)) for lag in kind.lags_lt}
+            changes["lags_lt"] = tuple(
+                lag / samples_per_lt for lag in sorted(nearest) if lag < washout
+            )
+    return changes

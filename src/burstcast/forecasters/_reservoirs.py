@@ -1,13 +1,26 @@
-"""Reservoirs in the records of forecasters: what they are made from, without large matrices."""
+"""Reservoirs of forecasters: their training series, and their records, without large matrices."""
 
 from collections.abc import Mapping
 from typing import Any, Literal
 
 from burstcast.base.arrays import FloatArray
+from burstcast.data.dataset import network_input_offset, network_input_range
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.reservoir import ReservoirSeed
+from burstcast.networks.training import TrainingSeries
 
 _AS_IN_THE_PAPER = {"leak_rate": 1.0, "readout": "linear"}
+
+
+def normalised_series(
+    observed: FloatArray,
+    states: FloatArray,
+    input_range: Literal["all", "first"],
+    input_offset: Literal["mean", "none"],
+) -> TrainingSeries:
+    """Observed series as networks are trained on them, normalised by the true ``states``."""
+    scale = network_input_range(states, input_range)
+    return TrainingSeries(observed, scale, network_input_offset(states, input_offset))
 
 
 def recorded_scales(

@@ -28,14 +28,19 @@ from burstcast.base.series_lengths import (
     without_padding,
 )
 from burstcast.data.observation_noise import observation_noise
-from burstcast.forecasters._ensemble_smoother import Followed, follow, opposite_pairs
+from burstcast.forecasters._ensemble_smoother import (
+    LEAST_ERROR,
+    Followed,
+    follow,
+    opposite_pairs,
+)
 from burstcast.forecasters._integrated import IntegratedForecaster
 from burstcast.forecasters._options import HiddenQuadraticOptions, ObservationOptions
 from burstcast.forecasters._square_root_filter import mean
 from burstcast.forecasters.base import ForecasterRecord, ForecastingCase, fitted
 from burstcast.systems.integration import integrate
 from burstcast.systems.polynomials.basis import denoised, monomials
-from burstcast.systems.polynomials.hidden import hidden_series
+from burstcast.systems.polynomials.hidden import HiddenSeries, hidden_series
 from burstcast.systems.polynomials.regression import factored_coefficients
 from burstcast.systems.polynomials.system import PolynomialSystem
 
@@ -55,6 +60,10 @@ _FORECAST_LT, _MOST_STARTS = 2, 1000
 _LOST = 100.0
 """Square error, in variances of a component, that counts for a forecast beyond it."""
 _CONSISTENT = (0.8, 1.25)
+_STILL_IMPROVING = 0.05
+"""Gain of the last round, in the mean log10 square error of forecasts, that suggests another."""
+_TRUSTED = 1.1
+"""Error of the equations, in units of the least, up to which it counts as the least."""
 _LITTLE_EXPLAINED = 0.8
 """Share of the residual of equations without hidden variables from which none are seen."""
 
@@ -103,12 +112,14 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
     consistency: FloatArray = fitted()  #: mean square innovation over the expected one
 
     def __post_init__(self) -> None:
-        if self.hidden < 1:
-            raise ValueError(f"hidden must be 1 at least, not {self.hidden}")
+        if self.hidden < 0:
+            raise ValueError(f"hidden must be 0 at least, not {self.hidden}")
         if self.rounds < 0:
             raise ValueError(f"rounds must be 0 at least, not {self.rounds}")
         if self.members < 4 or self.members % 2:
             raise ValueError(f"members must be even, and 4 at least, not {self.members}")
+        if self.conserved and not self.observable_follows:
+            raise ValueError("conserved takes an observable that follows (observable_follows)")
         if not self.rates_per_lt or min(self.rates_per_lt) <= 0:
             raise ValueError(f"rates_per_lt must be above 0, not {self.rates_per_lt}")
 
@@ -125,33 +136,32 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
         observed, followed_by = _parted(training, place)
         errors = observation_noise(observed, self.noise)
         window = max(2, durations.steps(_FIRST_WINDOW_LT, unit))
-        rates = [rate / unit for rate in self.rates_per_lt]
-        series = without_padding(observed)
-        found = hidden_series(series, errors, self.hidden, rates, max(2, 2 * window // 3))
-        states = padded(
-            [
-                np.concatenate([part[found.first :], hidden], axis=1)
-                for part, hidden in zip(
-                    [series[row] for row in found.rows], found.series, strict=True
-                )
-            ]
-        )
-        follows = None if followed_by is None else followed_by[found.rows]
+        found = self._found(observed, errors, max(2, 2 * window // 3), unit)
+        states, follows, first = observed, followed_by, 0
+        if found is not None:
+            first, rows = found.first, found.rows
+            parts = [part[first:] for part in without_padding(observed[rows])]
+            states = padded(
+                [np.concatenate(pair, axis=1) for pair in zip(parts, found.series, strict=True)]
+            )
+            follows = None if followed_by is None else followed_by[rows]
         common = {
             "errors": errors,
             "place": place,
             "random_seed": case.random_seed,
-            "rates": np.array(found.rates) * unit,
-            "explained": found.explained,
+            "rates": np.array(() if found is None else found.rates) * unit,
+            "explained": float("nan") if found is None else found.explained,
             "time_step": case.time_step,
             "sampling_stride": case.sampling_stride,
         }
-        noise, first = np.concatenate([errors, np.zeros(self.hidden)]), found.first
+        noise = np.concatenate([errors, np.zeros(self.hidden)])
         points = _starts(observed, _FORECAST_LT * unit, unit)
         candidates: list[Self] = []
         judged: list[float] = []
         for number in range(self.rounds + 1):
-            learnt = _learnt(states, noise, interval, window, follows, first, len(errors))
+            learnt = _learnt(
+                states, noise, interval, window, follows, first, len(errors), self.conserved
+            )
             current = self._with(learnt, case, **common)
             followed = current._follow(observed, unit, points[0])
             current = current.with_fitted(
@@ -166,6 +176,15 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
                 follows = followed_by
         best = int(np.argmin(judged)) if judged else self.rounds
         return candidates[best].with_fitted(round_errors=np.array(judged, dtype=np.float64))
+
+    def _found(
+        self, observed: FloatArray, errors: FloatArray, window: int, unit: int
+    ) -> HiddenSeries | None:
+        """First estimate of hidden variables; None: there are none."""
+        if not self.hidden:
+            return None
+        rates = [rate / unit for rate in self.rates_per_lt]
+        return hidden_series(without_padding(observed), errors, self.hidden, rates, window)
 
     def _place(self, training: FloatArray, case: ForecastingCase) -> int:
         """Component that is the observable and follows from the others; -1 for none."""
@@ -229,7 +248,14 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
             others = np.delete(np.arange(len(training)), rows)
             follows = None if followed_by is None else followed_by[others]
             learnt = _learnt(
-                states[others], noise, interval, window, follows, first, len(self.errors)
+                states[others],
+                noise,
+                interval,
+                window,
+                follows,
+                first,
+                len(self.errors),
+                self.conserved,
             )
             # in the units of the variables that the prior is about
             yield self._with(learnt, case)
@@ -237,7 +263,7 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
     def weaknesses(self) -> list[str]:
         """Sentences about hidden variables that are not seen, and a filter that misjudges."""
         found, (low, high) = [], _CONSISTENT
-        if self.explained > _LITTLE_EXPLAINED:
+        if self.hidden and self.explained > _LITTLE_EXPLAINED:
             found.append(
                 f"hidden variables explain little: equations with them leave {self.explained:.2g} "
                 "times what equations without them leave (hidden, rates_per_lt)"
@@ -245,7 +271,11 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
         edges = min(self.rates_per_lt), max(self.rates_per_lt)
         on_edge = np.isclose(self.rates[:, np.newaxis], edges).any(axis=1)
         # two averages are taken at once; one hidden variable needs one
-        if len(self.rates_per_lt) > 2 and (~on_edge).sum() < min(self.hidden, len(self.rates)):
+        if (
+            self.hidden
+            and len(self.rates_per_lt) > 2
+            and (~on_edge).sum() < min(self.hidden, len(self.rates))
+        ):
             found.append(
                 f"a rate of the moving averages is on the edge of its search, "
                 f"{self.rates[on_edge][0]:.3g} per Lyapunov time: search beyond it (rates_per_lt)"
@@ -258,6 +288,19 @@ class HiddenQuadraticModel(HiddenQuadraticOptions, ObservationOptions, Integrate
             )
         if self.rounds and self.round_errors.size and int(np.argmin(self.round_errors)) == 0:
             found.append("no round of smoothing improved forecasts (quadratic_hidden.rounds)")
+        if self.rounds and self.round_errors.size:
+            gain = float(self.round_errors[-2] - self.round_errors[-1])
+            if gain > _STILL_IMPROVING:
+                found.append(
+                    f"the last round of smoothing lowered the log10 square error of forecasts by "
+                    f"{gain:.2g}: more may help (quadratic_hidden.rounds)"
+                )
+        there = self.errors > 0
+        if (self.model_error[there] <= _TRUSTED * LEAST_ERROR * self.errors[there]).any():
+            found.append(
+                "the smoother follows its own equations: their estimated error in a step is as "
+                "small as it may be in some component (quadratic_hidden.rounds, observation.noise)"
+            )
         return found
 
     def record(self) -> ForecasterRecord:
@@ -403,16 +446,18 @@ def _learnt(
     follows: FloatArray | None,
     first: int,
     observed: int,
+    conserved: bool,
 ) -> _Learnt:
-    """Learn equations from series of observed and hidden variables, from sample ``first`` on."""
-    coefficients = factored_coefficients(
-        np.ascontiguousarray(states), noise, interval, _DEGREE, window, _SIGNIFICANCE
-    )[0]
+    """Learn equations from series of observed and hidden variables, from sample ``first`` on.
+
+    ``conserved``: Whether quadratic terms leave the observable that follows as it is.
+    """
     samples = samples_of(states)
     known = np.column_stack([np.ones(len(samples)), samples[:, :observed]])
     hidden = samples[:, observed:]
     prior = np.linalg.lstsq(known, hidden, rcond=None)[0]
-    covariance = np.cov((hidden - known @ prior).T).reshape(hidden.shape[1], -1)
+    left = hidden - known @ prior
+    covariance = left.T @ left / max(1, len(left) - 1)
     scale = hidden.std(axis=0)
     root = np.linalg.cholesky(covariance + 1e-12 * np.diag(np.square(scale) + 1e-300))
     weights: FloatArray | None = None
@@ -420,8 +465,26 @@ def _learnt(
         there = ~np.isnan(states[..., 0])
         targets = follows[:, first : first + states.shape[1]][there]
         weights = np.asarray(np.linalg.lstsq(_values(samples).T, targets, rcond=None)[0])
+    coefficients = factored_coefficients(
+        np.ascontiguousarray(states),
+        noise,
+        interval,
+        _DEGREE,
+        window,
+        _SIGNIFICANCE,
+        conserved=_form(weights, states.shape[2]) if conserved else None,
+    )[0]
     reach = _REACH * np.abs(samples).max(axis=0)
     return _Learnt(coefficients, np.asarray(prior), np.asarray(root), scale, reach, weights)
+
+
+def _form(weights: FloatArray | None, dimension: int) -> FloatArray:
+    """Matrix of the quadratic terms of a function with these weights of the monomials."""
+    form = np.zeros((dimension, dimension))
+    if weights is not None:
+        rows, columns = np.triu_indices(dimension)
+        form[rows, columns] = weights[1 + dimension :]
+    return np.asarray(form + form.T) / 2
 
 
 def _settled(smoothed: FloatArray, observed: FloatArray, unit: int) -> tuple[FloatArray, int]:

@@ -13,9 +13,9 @@ import numpy as np
 
 from burstcast.base import durations
 from burstcast.base.arrays import FloatArray, IntArray
-from burstcast.base.events import upward_crossings
 from burstcast.base.files.described import Described
 from burstcast.base.files.units import COMPONENT, LYAPUNOV_TIMES, NUMBER, OBSERVABLE
+from burstcast.data.events import upward_crossings
 from burstcast.data.starting_points import SeriesPoints, segments
 from burstcast.forecasters.base import Forecaster
 from burstcast.forecasts.horizon import HorizonSearch, accurate_steps
@@ -364,14 +364,14 @@ def evaluate_lead_times(
             observable,
             np.ascontiguousarray(washout.transpose(1, 2, 0)),
             np.ascontiguousarray(truth[start + 1 : event + 1, np.newaxis]),
-            search.tolerance,
+            search.largest_error,
         )[0]
         # a Lyapunov time is cut to whole steps: a success is worth all of tau_e
         reached = accurate == event - start
         horizon[number] = lead_time_lt if reached else accurate / steps
     time = (np.arange(len(truth)) - event) / steps
     lead_times = np.array(lead_times_lt, dtype=np.float64)
-    return Evaluations(time, truth, forecast, lead_times, horizon, search.tolerance)
+    return Evaluations(time, truth, forecast, lead_times, horizon, search.largest_error)
 
 
 def evaluate_event(

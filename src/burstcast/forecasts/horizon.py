@@ -30,14 +30,15 @@ class HorizonSearch:
     lead_time_step_lt: float  #: decrease of tau_e after each forecast that fails
     #: errors of an accurate forecast are below this, in the observable's units: 0.2 (k_e - mean k)
     #: in the paper
-    tolerance: float
+    largest_error: float
     washout: int  #: inputs of the washout; the last one is the starting point itself
     steps_per_lyapunov_time: int  #: steps of a forecast in a Lyapunov time
 
     def __post_init__(self) -> None:
-        if not self.tolerance > 0:
+        if not self.largest_error > 0:
             raise ValueError(
-                f"the tolerance of the prediction horizon must be positive, not {self.tolerance}: "
+                f"the tolerance of the prediction horizon must be positive, not "
+                f"{self.largest_error}: "
                 f"the event threshold must exceed the mean of the observable"
             )
         if not 0 < self.lead_time_step_lt <= self.longest_lead_time_lt:
@@ -149,7 +150,7 @@ def prediction_horizons(
                 observable,
                 np.ascontiguousarray(washouts.transpose(1, 2, 0)),
                 np.ascontiguousarray(truth[rows, start + 1 :].T),
-                search.tolerance,
+                search.largest_error,
             )
         horizons[undecided] = accurate / search.steps_per_lyapunov_time
         predicted = accurate == event - start

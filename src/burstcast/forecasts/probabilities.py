@@ -3,7 +3,8 @@
 Each training series is forecast by a forecaster that was fitted without it.
 """
 
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -86,6 +87,45 @@ def out_of_sample_forecasts(
     order = np.argsort(np.concatenate(rows))
     forecasts = joined(parts)
     return WindowForecasts(**{name: values[order] for name, values in vars(forecasts).items()})
+
+
+_WORTH_A_WORD = 5.0
+"""Seconds of a calibration below which nothing announces it."""
+_SAMPLE = 16
+"""Points whose forecasts tell how long all of them take, at most."""
+
+
+def announcement(
+    forecaster: Forecaster,
+    observable: Callable[[FloatArray], FloatArray],
+    washouts: FloatArray,
+    boundaries: tuple[int, ...],
+) -> Iterator[str]:
+    """A sentence on how long forecasts by an ensemble take, before they begin, if it is long.
+
+    Nothing for less than five seconds of processor time, nor for single forecasts. Arguments: as of
+    `window_forecasts`.
+    """
+    some = washouts[:: max(1, -(-len(washouts) // _SAMPLE))]
+    if not forecaster.provides_ensemble or not len(some):
+        return
+    # the first call compiles
+    members = window_forecasts(forecaster, observable, some[:1], boundaries).member_first.shape[1]
+    start = time.process_time()
+    window_forecasts(forecaster, observable, some, boundaries)
+    seconds = (time.process_time() - start) * len(washouts) / len(some)
+    if seconds >= _WORTH_A_WORD:
+        yield (
+            f"calibration begins: {len(washouts)} starting points, each forecast by an ensemble of "
+            f"{members} members, take some {rounded(seconds)} of processor time or less"
+        )
+
+
+def rounded(seconds: float) -> str:
+    """A duration in words, with one digit."""
+    if seconds < 90:
+        return f"{max(1.0, float(f'{seconds:.1g}')):g} s"
+    return f"{float(f'{seconds / 60:.1g}'):g} minutes"
 
 
 def out_of_sample_probabilities(

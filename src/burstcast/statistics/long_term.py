@@ -15,7 +15,7 @@ import numpy as np
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.base.files.netcdf import Variable, variables_of
 from burstcast.base.files.units import NUMBER
-from burstcast.base.laminarisation import first_laminar_step
+from burstcast.data.laminarisation import first_laminar_step
 from burstcast.data.starting_points import SeriesPoints, starting_points
 from burstcast.forecasters.base import Forecaster
 from burstcast.statistics.reductions import LongTermStatistics, SeriesAccumulator, SeriesReductions

@@ -47,8 +47,9 @@ ones. One component of a flow of many dimensions is not enough: the kinetic ener
 alone yields 3.5 times the exponent.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -162,20 +163,64 @@ def neighbour_divergence(
     >>> bool(abs(found.exponent - 0.906) < 0.2)
     True
     """
-    series = labelled_series(series).states
-    unequal = series_lengths(series) is not None
-    spread = samples_of(series).std(axis=0) if unequal else series.std(axis=(0, 1))
-    if not (spread > 0).all():
-        raise ValueError("no component of the series may be constant")
     if not 0 < sampling_interval < np.inf:
         raise ValueError(f"the sampling interval must be positive, not {sampling_interval}")
     if resamples < 1:
         raise ValueError(f"resamples must be 1 at least, not {resamples}")
     if not 0 < confidence < 1:
         raise ValueError(f"confidence must lie between 0 and 1, not be {confidence}")
-    scaled = series / spread
+    scaled = _scaled(labelled_series(series).states)
     window = correlation_steps(scaled)
     states = _embedded(scaled, DELAYS.get(scaled.shape[2], 1), window)
+    curves = _curves(states, window, generator)
+    mean = curves.log_distance.mean(axis=0)
+    fits = [
+        _growth(mean[: max(end, _LEAST_STEPS) + 1], curves.saturated, power)
+        for end in curves.ends
+        for power in POWERS
+    ]
+    rates = _resampled_rates(
+        curves, mean, fits, bootstrap_weights(len(states), resamples, generator)
+    )
+    error = 1.0 + METHOD_ERROR * generator.standard_normal((len(fits), resamples))
+    low, high = percentile_interval(np.ravel(rates * error) / sampling_interval, confidence)
+    exponent = float(np.mean([rate for rate, _ in fits])) / sampling_interval
+    if not low > 0:
+        raise NoExponentError(
+            f"the exponent of these series, {exponent:.3g} ({low:.3g} to {high:.3g}), cannot be "
+            "told from 0"
+        )
+    last = max(curves.ends)
+    departure = _departure_from_noise(scaled, mean[: last + 1], window, generator)
+    if not departure > LEAST_DEPARTURE:
+        raise NoExponentError(
+            "no exponent can be seen in these series: neighbouring states part as fast as those of "
+            "noise with the same spectra"
+        )
+    return NeighbourDivergence(exponent, low, high, mean, (1, last), window)
+
+
+def _scaled(states: FloatArray) -> FloatArray:
+    """Series divided by the standard deviation of each component."""
+    unequal = series_lengths(states) is not None
+    spread = samples_of(states).std(axis=0) if unequal else states.std(axis=(0, 1))
+    if not (spread > 0).all():
+        raise ValueError("no component of the series may be constant")
+    scaled: FloatArray = states / spread
+    return scaled
+
+
+class _Curves(NamedTuple):
+    """How pairs of neighbours part."""
+
+    series_of: IntArray  #: the series of each pair, ``(pairs,)``
+    log_distance: FloatArray  #: logarithm of the distance, ``(pairs, steps)``
+    saturated: float  #: of states that have nothing to do with each other
+    ends: list[int]  #: steps at which the mean has grown by each share of `FITTED`
+
+
+def _curves(states: FloatArray, window: int, generator: np.random.Generator) -> _Curves:
+    """Follow neighbours until they have parted by the largest share, or a third of a series."""
     directions = _directions(states)
     saturated = _saturation(states, directions, generator)
     steps, least = _FIRST_STEPS, states.shape[1] // 3
@@ -194,35 +239,29 @@ def neighbour_divergence(
             "no exponent can be seen in these series: neighbouring states do not part within "
             f"{least} steps, a third of a series"
         )
-    fits = [
-        _growth(mean[: max(end, _LEAST_STEPS) + 1], saturated, power)
-        for end in ends
-        for power in POWERS
-    ]
-    weights = bootstrap_weights(len(states), resamples, generator)
-    number = weights @ np.bincount(series_of, minlength=len(states))
-    samples = []
+    return _Curves(series_of, log_distance, saturated, ends)
+
+
+def _resampled_rates(
+    curves: _Curves,
+    mean: FloatArray,
+    fits: Sequence[tuple[float, FloatArray]],
+    weights: IntArray,
+) -> FloatArray:
+    """Rates of growth in a bootstrap over series, ``(fits, resamples)``.
+
+    To first order, the rate of a fit is linear in the curve, so that contributions of pairs add up.
+    ``weights``: How often each series is drawn, ``(resamples, series)``.
+    """
+    count = weights.shape[1]
+    number = weights @ np.bincount(curves.series_of, minlength=count)
+    rates = []
     for rate, sensitivity in fits:
-        # to first order, what a fit makes of a curve is linear in the curve: the bootstrap adds up
-        departures = (log_distance - mean)[:, : sensitivity.size] @ sensitivity
-        by_series = np.bincount(series_of, weights=departures, minlength=len(states))
+        departures = (curves.log_distance - mean)[:, : sensitivity.size] @ sensitivity
+        by_series = np.bincount(curves.series_of, weights=departures, minlength=count)
         with np.errstate(invalid="ignore", divide="ignore"):
-            samples.append(rate + (weights @ by_series) / number)
-    error = 1.0 + METHOD_ERROR * generator.standard_normal((len(fits), resamples))
-    low, high = percentile_interval(np.ravel(samples * error) / sampling_interval, confidence)
-    exponent = float(np.mean([rate for rate, _ in fits])) / sampling_interval
-    if not low > 0:
-        raise NoExponentError(
-            f"the exponent of these series, {exponent:.3g} ({low:.3g} to {high:.3g}), cannot be "
-            "told from 0"
-        )
-    departure = _departure_from_noise(scaled, mean[: max(ends) + 1], window, generator)
-    if not departure > LEAST_DEPARTURE:
-        raise NoExponentError(
-            "no exponent can be seen in these series: neighbouring states part as fast as those of "
-            "noise with the same spectra"
-        )
-    return NeighbourDivergence(exponent, low, high, mean, (1, max(ends)), window)
+            rates.append(rate + (weights @ by_series) / number)
+    return np.array(rates)
 
 
 def _growth(curve: FloatArray, saturated: float, power: int) -> tuple[float, FloatArray]:

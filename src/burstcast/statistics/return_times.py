@@ -1,6 +1,6 @@
 """Return times of events: mean times from one event to the next, with exact intervals.
 
-An event of a level is an upward crossing of it (`burstcast.base.events`). The number of independent
+An event of a level is an upward crossing of it (`burstcast.data.events`). The number of independent
 events in a given time is Poisson distributed, which gives the exact interval of their rate; the
 return time is its reciprocal. Whether events are independent shows in the dispersion of their
 numbers in blocks of time, variance over mean, which is 1 for a Poisson process. Where it is larger,
@@ -16,8 +16,8 @@ import numpy.typing as npt
 import scipy
 
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
-from burstcast.base.events import upward_crossings
 from burstcast.base.poisson import poisson_interval, rate_bound
+from burstcast.data.events import upward_crossings
 
 
 @dataclass(frozen=True)

@@ -147,6 +147,17 @@ def fallback_decisions(shares: Sequence[float]) -> Iterator[str]:
         )
 
 
+def escaped_flows(shares: Sequence[float]) -> Iterator[str]:
+    """Shares of the flows of runs of control that leave the range of floating-point numbers."""
+    some = np.asarray(shares)
+    there = some > 0
+    if there.any():
+        yield (
+            f"in {there.sum()} of {there.size} runs of control, up to {some[there].max():.2g} of "
+            "the flows leave the range of floating-point numbers under actuation, and do not count"
+        )
+
+
 def lost_long_runs(lost: Sequence[float], diverged: Sequence[float]) -> Iterator[str]:
     """Shares of each network's long runs that leave the chaotic phase, or diverge."""
     for shares, limit, what in (

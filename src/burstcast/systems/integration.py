@@ -113,6 +113,8 @@ def integrate_switched(
     state: FloatArray,
     time_step: float,
     stride: int = 1,
+    *,
+    may_diverge: bool = False,
 ) -> FloatArray:
     """Integrate like `integrate`, each step of a trajectory under one of several systems.
 
@@ -120,7 +122,7 @@ def integrate_switched(
     that each step obeys, ``(steps, batch)``.
     """
     for system in systems:
-        check_batch(system, state, time_step)
+        check_batch(system, state, time_step, may_diverge=may_diverge)
     if choice.ndim != 2 or choice.shape[1] != state.shape[1]:
         raise ValueError(
             f"the choice must have the shape (steps, {state.shape[1]}), not {choice.shape}"
@@ -136,7 +138,8 @@ def integrate_switched(
         compiled.run(states, stride, choice=np.ascontiguousarray(choice, dtype=np.uint8))
     else:
         _fill_switched(systems, choice, states, time_step, stride)
-    _check_finite(states[-1], time_step)
+    if not may_diverge:
+        _check_finite(states[-1], time_step)
     return states
 
 

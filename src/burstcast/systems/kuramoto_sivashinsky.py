@@ -2,7 +2,8 @@
 
 Source: Y. Kuramoto, T. Tsuzuki, Prog. Theor. Phys. 55 (1976) 356; G. I. Sivashinsky, Acta
 Astronautica 4 (1977) 1177. On a length of 22, its leading Lyapunov exponent is 0.048 (P.
-Cvitanovic, R. L. Davidchack, E. Siminos, SIAM J. Appl. Dyn. Syst. 9 (2010) 1).
+Cvitanovic, R. L. Davidchack, E. Siminos, SIAM J. Appl. Dyn. Syst. 9 (2010) 1), or 0.043 (R. A.
+Edson, J. E. Bunder, T. W. Mattner, A. J. Roberts, ANZIAM J. 61 (2019) 270).
 """
 
 import math

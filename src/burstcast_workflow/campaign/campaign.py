@@ -77,9 +77,9 @@ class Campaign:
     @cached_property
     def searched_networks(self) -> tuple[CaseForecaster, ...]:
         """Networks that have a search of their own."""
-        return tuple(network for network in self.networks if self.searched(network) == network)
+        return tuple(network for network in self.networks if self.search_source(network) == network)
 
-    def searched(self, member: CaseForecaster) -> CaseForecaster:
+    def search_source(self, member: CaseForecaster) -> CaseForecaster:
         """Network whose search finds the hyperparameters of a network: itself, or a shared one.
 
         Networks that know the parameters and are trained on the same series share the search of the
@@ -298,12 +298,6 @@ class Campaign:
             sections = {**sections, "aware": {**sections["aware"], **of_columns}}
         return sections
 
-    def prediction_time(self, wanted: float) -> float:
-        """The classified prediction time nearest to a wanted one."""
-        time = nearest(self.config.classification.prediction_times_lt, wanted)
-        assert time is not None
-        return time
-
     @property
     def unused_columns(self) -> set[str]:
         """Columns of tables that the campaign has no value of: of control, and leak rates."""
@@ -329,7 +323,7 @@ class Campaign:
     @cached_property
     def plain_cases(self) -> dict[str, dict[str, Any]]:
         """Settings of each case as its jobs are given them."""
-        return {name: case.given() for name, case in self.cases.items()}
+        return {name: case.of_jobs() for name, case in self.cases.items()}
 
     def options(self, kind: str, case: str = "", label: str | None = None) -> dict[str, Any]:
         """Options of a kind, from all its sections in a case; of a user's class, from its block."""

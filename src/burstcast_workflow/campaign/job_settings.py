@@ -1,18 +1,23 @@
 """Settings of a job by their paths: their values, and which do not concern it."""
 
+import inspect
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache, cached_property
+from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_origin
 
+from burstcast.base.discovery import suggestion
 from burstcast.base.names import ForecasterName
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters.registry import kind_class
 from burstcast_workflow.campaign.campaign import Campaign, name_of
 from burstcast_workflow.campaign.shown import Shown
-from burstcast_workflow.config.case import Case
+from burstcast_workflow.config.case import Case, Measured, Simulated
 from burstcast_workflow.config.control_plans import ControlPlan
+from burstcast_workflow.config.kinds import Section
+from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.harness.canonical import canonical
 from burstcast_workflow.harness.settings import JobSettings
 from burstcast_workflow.tracking.results import digest
@@ -23,7 +28,7 @@ LEFT_OUT = object()
 _computed: dict[str, Callable[["Job"], Any]] = {}
 
 
-def computed(path: str) -> Callable[[Callable[["Job"], Any]], property]:
+def value_of_setting(path: str) -> Callable[[Callable[["Job"], Any]], property]:
     """Declare a property of jobs as the value of a setting that is not the config's as it is."""
 
     def property_of(value: Callable[["Job"], Any]) -> property:
@@ -44,6 +49,9 @@ class NameWithoutSize(ForecasterName):
             )
         return super().__getattribute__(attribute)
 
+    def __repr__(self) -> str:
+        return f"networks of {self.kind}, of any size and seed"
+
 
 class Job:
     """A job by its wildcards: its case, its forecaster or controller, its plan of control."""
@@ -54,7 +62,7 @@ class Job:
 
     @property
     def case(self) -> Case:
-        """The case."""
+        """Case that the job is of."""
         return self.campaign.cases[self.case_name]
 
     @property
@@ -87,16 +95,18 @@ class Job:
         kind = kind_class(self.name.kind) if self.name.asks_forecasters else None
         return kind is not None and kind.sees_truth and not kind.has_search
 
-    def value(self, path: str) -> Any:
+    def setting(self, path: str) -> Any:
         """Value of a setting; `LEFT_OUT` if it does not concern the job.
 
         A path has keys of the config, or of the job's case, and then names of properties: of the
         case (``case.space.dimension``), the job (``job.noise_of_data``), what is shown
         (``shown.panels``).
         """
-        if path in _computed:
-            return _computed[path](self)
         section, *rest = path.split(".")
+        for count in range(len(rest) + 1):
+            if (start := ".".join([section, *rest[:count]])) in _computed:
+                whole = _computed[start](self)
+                return whole if whole is LEFT_OUT else _below(whole, rest[count:])
         try:
             if section == "case":
                 value: Any = self.plain_case if rest[0] in self.plain_case else self.case
@@ -106,11 +116,9 @@ class Job:
                 value = Shown(self.campaign, self.case_name)
             else:
                 value = self if section == "job" else self.campaign.plain[section]
-            for key in rest:
-                value = value[key] if isinstance(value, dict) else getattr(value, key)
+            return _below(value, rest)
         except (KeyError, AttributeError) as error:
             raise LookupError(f"there is no setting {path}") from error
-        return value
 
     # -- settings that are not the config's as they are --------------------------------------------
 
@@ -119,7 +127,7 @@ class Job:
         """Settings of the forecaster's kind."""
         return self.campaign.options(self.name.kind, self.case_name, self.name.label)
 
-    @computed("forecaster.options")
+    @value_of_setting("forecaster.options")
     def options(self) -> Any:
         """Settings of the forecaster's kind, but for the bound of divergence, if there is one."""
         if "controller" in self.wildcards and not self.name.asks_forecasters:
@@ -127,7 +135,7 @@ class Job:
         options = self.all_options.items()
         return {name: value for name, value in options if name != "divergence_bound"}
 
-    @computed("forecaster.divergence_bound")
+    @value_of_setting("forecaster.divergence_bound")
     def divergence_bound(self) -> float | None:
         """Bound beyond which a network's forecast is invalid; None for other kinds."""
         if "controller" in self.wildcards and not self.name.asks_forecasters:
@@ -135,7 +143,7 @@ class Job:
         bound: float | None = self.all_options.get("divergence_bound")
         return bound
 
-    @computed("forecaster.source")
+    @value_of_setting("forecaster.source")
     def forecaster_source(self) -> Any:
         """Source of the case, if the forecaster goes on with equations from decoded states."""
         solves = self.name.asks_forecasters and kind_class(self.name.kind).needs_equations
@@ -143,7 +151,7 @@ class Job:
         decodes = solves and seen is not None and seen.is_encoded
         return self.case.source_system if decodes else LEFT_OUT
 
-    @computed("forecasters.aware")
+    @value_of_setting("forecasters.aware")
     def aware(self) -> Any:
         """What forecasters learn of parameters, with the case's values, if they are given any."""
         if not self.name.asks_forecasters:
@@ -155,24 +163,24 @@ class Job:
         aware = self.campaign.sections(self.case_name)["aware"]
         return {**aware, "own": self.campaign.own_values(self.case_name)}
 
-    @computed("case.training.noise")
+    @value_of_setting("case.training.noise")
     def noise(self) -> Any:
         """Noise of the training series, if the forecaster sees it."""
         return LEFT_OUT if self.sees_truth else self.plain_case["training"]["noise"]
 
-    @computed("case.controlled_density")
+    @value_of_setting("case.controlled_density")
     def controlled_density(self) -> Any:
         """Bins of the densities under control, which are made of the paper's control alone."""
         papers = self.plan is None or self.plan.is_of_the_paper
         return self.plain_case["controlled_density"] if papers else LEFT_OUT
 
-    @computed("statistics.duration")
+    @value_of_setting("statistics.duration")
     def duration(self) -> float | None:
         """Duration of long runs; without one, that of the case's series."""
         duration = self.campaign.config.statistics.duration
         return self.plain_case["ensemble"]["duration"] if duration is None else duration
 
-    @computed("control.run")
+    @value_of_setting("control.run")
     def run(self) -> dict[str, Any]:
         """Plan of control; the noise is the case's if it has none, and unused for seen truth."""
         assert self.plan is not None
@@ -183,12 +191,12 @@ class Job:
                 run["noise"] = self.case.training.noise
         return run
 
-    @computed("control.cost")
+    @value_of_setting("control.cost")
     def cost(self) -> Any:
         """Whether the cost of actuation is counted."""
         return self.campaign.config.control.cost or LEFT_OUT
 
-    @computed("control.sensor")
+    @value_of_setting("control.sensor")
     def sensor(self) -> Any:
         """Sensor of the observed part."""
         return self.campaign.cases[self.observed].sensor if self.observed else LEFT_OUT
@@ -235,10 +243,73 @@ class Job:
         }
 
 
+def _below(value: Any, keys: Iterable[str]) -> Any:
+    """What stands at some keys in a value, or is a property of it."""
+    for key in keys:
+        value = value[key] if isinstance(value, dict) else getattr(value, key)
+    return value
+
+
 @cache
 def _digest(file: str) -> str:
     """Digest of a data file, once while a run is planned; empty if it is not there."""
     return digest(file) if os.path.exists(file) else ""
+
+
+def check_paths(paths: Iterable[str]) -> None:
+    """Check that there are settings at these paths, for some job (a LookupError with similar ones).
+
+    Of what is no plain setting but a property, of a case, a job, or what is shown, only the name is
+    checked.
+    """
+    for path in paths:
+        parts = path.split(".")
+        starts = {".".join(parts[: count + 1]) for count in range(len(parts))}
+        if path not in _settings() and not starts & _properties():
+            similar = suggestion(path, _settings() | _properties())
+            raise LookupError(f"there is no setting {path}{similar}")
+
+
+@cache
+def _settings() -> frozenset[str]:
+    """Paths of all sections and settings of configurations, and of cases of any kind."""
+    of_cases = (_paths_of(kind, "case.") for kind in (Simulated, Measured))
+    return frozenset(chain(_paths_of(Configuration, ""), *of_cases))
+
+
+def _paths_of(model: type[Section], start: str) -> Iterator[str]:
+    for name, field in model.model_fields.items():
+        yield f"{start}{name}"
+        for kind in _kinds_in(field.annotation):
+            yield from _paths_of(kind, f"{start}{name}.")
+
+
+def _kinds_in(annotation: Any) -> Iterator[type[Section]]:
+    """Sections among the types of a setting: itself, or in a union; none of what lists have."""
+    if isinstance(annotation, type):
+        if issubclass(annotation, Section):
+            yield annotation
+    elif get_origin(annotation) is not list:
+        for part in get_args(annotation):
+            yield from _kinds_in(part)
+
+
+@cache
+def _properties() -> frozenset[str]:
+    """Paths whose values are computed: properties of cases, of jobs, of what is shown."""
+    owners = [("case", Simulated), ("case", Measured), ("job", Job), ("shown", Shown)]
+    names = {f"{section}.{name}" for section, owner in owners for name in names_of(owner)}
+    return frozenset(names | {*_computed})
+
+
+def names_of(owner: type) -> list[str]:
+    """Names of the properties of a class, by which settings, places and cases are addressed."""
+    members = ((name, inspect.getattr_static(owner, name)) for name in dir(owner))
+    return [
+        name
+        for name, member in members
+        if isinstance(member, property | cached_property) and not name.startswith("_")
+    ]
 
 
 def settings_of_job(
@@ -253,7 +324,7 @@ def settings_of_job(
     given as they are, beside them.
     """
     job = Job(campaign, wildcards)
-    asked = {path: job.value(path) for path in paths}
+    asked = {path: job.setting(path) for path in paths}
     concerning = {path: value for path, value in asked.items() if value is not LEFT_OUT}
     result: dict[str, Any] = canonical({**concerning, **(values or {})})
     return result

@@ -42,7 +42,7 @@ def _misfits(campaign: Campaign, case: Case) -> list[str]:
     asked = Job(campaign, wildcards).asked_of_series
     if steps is not None:
         lengths = Lengths(settings_of_job(campaign, Lengths.paths(), wildcards), wildcards)
-        problems += lengths.misfits(steps, case.samples, **asked)
+        problems += lengths.misfits(steps, case.ensemble.sampling_interval, case.samples, **asked)
         if not isinstance(case, Simulated):
             advice = "data.blocks.duration" if case.data and case.data.blocks else "data.delays"
             problems = [text.replace("ensemble.duration", advice) for text in problems]

@@ -19,7 +19,7 @@ from burstcast_workflow.config.checks import contradictions
 from burstcast_workflow.config.derived import completed
 from burstcast_workflow.config.model import Configuration
 from burstcast_workflow.config.problems import problems_of
-from burstcast_workflow.config.sound_part import sound_part
+from burstcast_workflow.config.valid_part import valid_part
 from burstcast_workflow.project import project_root
 from snakemake_logger_plugin_burstcast.config_files import unwieldy
 
@@ -83,7 +83,7 @@ def load(
     except ValidationError as error:
         problems += problems_of(error, Configuration)
         shipped = (project_root() / "config.yaml").read_text(encoding="utf-8")
-        sound, aside = sound_part(config, yaml.load(shipped, _LOADER))
+        sound, aside = valid_part(config, yaml.load(shipped, _LOADER))
     if sound is not None:
         sound = completed(sound)
         relations = [*contradictions(sound), *misfits(sound)]

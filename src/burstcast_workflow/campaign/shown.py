@@ -172,11 +172,6 @@ class Shown(Choices):
     # -- places of files: a directory, or several, below the results directory ---------------------
 
     @property
-    def time_unit(self) -> str | list[str]:
-        """The file of the computed exponents, if they are the unit of time."""
-        return self.campaign.cases[self.case].time_unit
-
-    @property
     def source(self) -> str:
         """The case that another is a part of."""
         return self.campaign.cases[self.case].source.name
@@ -223,7 +218,7 @@ class Shown(Choices):
 
     @property
     def decoded_forecaster(self) -> CaseForecaster:
-        """The first of them."""
+        """The first forecaster whose channels of a plane flow can be decoded."""
         return next(iter([*self.decoded, self.example]))
 
     @property
@@ -270,16 +265,22 @@ class Shown(Choices):
     @property
     def example_prediction_time_lt(self) -> float:
         """Prediction time of examples."""
-        return self.campaign.prediction_time(2)
+        return self._prediction_time(2)
 
     @property
     def fixed_prediction_time_lt(self) -> float:
         """Prediction time of what is drawn against something else."""
-        return self.campaign.prediction_time(3)
+        return self._prediction_time(3)
+
+    def _prediction_time(self, wanted: float) -> float:
+        """The classified prediction time nearest to a wanted one."""
+        time = nearest(self.campaign.config.classification.prediction_times_lt, wanted)
+        assert time is not None
+        return time
 
     @property
     def prediction_times_lt(self) -> list[float]:
-        """Both."""
+        """Prediction times of examples, and of what is drawn against something else."""
         return sorted({self.example_prediction_time_lt, self.fixed_prediction_time_lt})
 
     @property
@@ -301,13 +302,9 @@ class Shown(Choices):
 
     @property
     def panels(self) -> list[dict[str, Any]]:
-        """Event threshold of each controlled case, and the kind of networks that are shown."""
+        """Each controlled case, with the kind of networks that are shown."""
         return [
-            {
-                "case": case,
-                "event_threshold": self.campaign.plain_cases[case]["event_threshold"],
-                **Shown(self.campaign, case).control_networks,
-            }
+            {"case": case, **Shown(self.campaign, case).control_networks}
             for case in self.controlled_cases
         ]
 

@@ -21,23 +21,27 @@ from burstcast.base.arrays import FloatArray
 from burstcast.event_forecaster.choice import KINDS, Trial
 from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.systems.base import DynamicalSystem
-from burstcast_workflow.harness.settings import at
-from burstcast_workflow.jobs.cases import System, Washed
+from burstcast_workflow.harness.settings import JobSettings, at
+from burstcast_workflow.jobs.cases import Clock, Sampling, System
 from burstcast_workflow.opened import OpenedCampaign
 
 
-class Choosing(Washed, System):
+class Choosing(JobSettings):
     """What the choice reads of a config."""
 
+    system: System
+    sampling: Sampling
+    clock: Clock
     random_seed: int = at("random_seed")
     training_series: int = at("case.training.series")
+    washout_lt: float = at("washout_lt")
     event_threshold: Any = at("case.event_threshold")
     prediction_times_lt: list[float] = at("classification.prediction_times_lt")
     window_lt: float = at("classification.window_lt")
 
     def unfitted(self, kinds: Sequence[str]) -> EventForecaster:
         """Unfitted forecaster of the case, whose durations are in Lyapunov times."""
-        space = self.space
+        space = self.system.space
 
         def observable(states: FloatArray) -> FloatArray:
             return np.asarray(space.observable(np.moveaxis(states, -1, 0)))
@@ -50,9 +54,9 @@ class Choosing(Washed, System):
             prediction_times=tuple(self.prediction_times_lt),
             window=self.window_lt,
             washout=self.washout_lt,
-            lyapunov_time=self.lyapunov_time * self.sampling_interval,
-            sampling_interval=self.sampling_interval,
-            sampling_stride=self.sampling_stride,
+            lyapunov_time=self.clock.lyapunov_time * self.sampling.interval,
+            sampling_interval=self.sampling.interval,
+            sampling_stride=self.sampling.stride,
             random_seed=self.random_seed,
         )
 
@@ -88,3 +92,4 @@ def table(trials: Sequence[Trial], chosen: str) -> Iterator[str]:
             f"{trial.kind:{width}}  {trial.brier_skill:11.3f}  {interval:>15}  "
             f"{trial.seconds:8.1f}{mark}"
         )
+    yield from (trial.adapted for trial in trials if trial.adapted)

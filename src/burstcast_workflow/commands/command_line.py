@@ -47,6 +47,9 @@ def _parser() -> argparse.ArgumentParser:
     choose.add_argument("results", type=Path, help="directory of the campaign's results")
     choose.add_argument("case", help="a case whose series are made (ensemble.nc)")
     choose.add_argument("--kinds", help="names with commas between them; all if left out")
+    does = "what rules make, from what, with which settings and code"
+    names = "names of rules may follow, and options of snakemake, such as --configfile"
+    command("explain", "commands.explain", does, names)
     does = "tables, figures, report, config, versions and reasons in one zip"
     archive = command("archive", "commands.archive", does, _OF_SNAKEMAKE)
     archive.add_argument("--output", type=Path, help="the zip; <results>.zip if left out")

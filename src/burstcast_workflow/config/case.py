@@ -32,7 +32,6 @@ from burstcast_workflow.config.kinds import (
     Number,
     ParameterName,
     Positive,
-    Quantile,
     Range,
     Section,
     SystemName,
@@ -417,7 +416,7 @@ class Case(Section):
         return None not in (self.steps_per_lyapunov_time, self.samples) and not shorter
 
     @property
-    def time_unit(self) -> str | list[str]:
+    def computed_exponents(self) -> str | list[str]:
         """File of the computed Lyapunov exponents, where they set the unit of time."""
         is_computed = self.steps_per_lyapunov_time is None
         return f"{self.source.name}/lyapunov.json" if is_computed else []
@@ -426,12 +425,6 @@ class Case(Section):
     def estimates_time_unit(self) -> bool:
         """Whether a Lyapunov time is known only from how neighbouring states of the series part."""
         return self.steps_per_lyapunov_time is None and not self.source.has_equations
-
-    @property
-    def event_quantile(self) -> float | None:
-        """Quantile that the event threshold is given as; None where it is a number."""
-        threshold = self.event_threshold
-        return threshold.quantile if isinstance(threshold, Quantile) else None
 
     @property
     def imported_noise(self) -> float:
@@ -462,7 +455,7 @@ class Case(Section):
     @property
     def sensor(self) -> dict[str, Any]:
         """Observations of the source, for forecasters that control it by this part of it."""
-        plain = self.given()
+        plain = self.of_jobs()
         if self.is_encoded:
             return {name: plain[name] for name in ("parameters", "sensors", "encoder")}
         components, observable = plain["data"]["components"], plain["parameters"]["observable_of"]
@@ -472,13 +465,11 @@ class Case(Section):
         """Values of parameters in force at a share of the actuation; none of records."""
         return []
 
-    def given(self) -> dict[str, Any]:
+    def of_jobs(self) -> dict[str, Any]:
         """Settings as jobs are given them."""
         plain = self.dump()
         if self.imported_noise:
             plain["training"]["noise"] = 0  # what is imported has it already
-        if self.event_quantile is not None:  # whose value another job determines
-            plain["event_threshold"]["case"] = self.name
         return plain
 
 

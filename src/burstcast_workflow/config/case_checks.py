@@ -17,7 +17,7 @@ from burstcast.systems.base import has_own
 from burstcast.systems.registry import make_system, system_class
 from burstcast_workflow.config.bounds import out_of_bounds
 from burstcast_workflow.config.case import Case, Data, Measured, Simulated
-from burstcast_workflow.config.cases import case_record, kind_of, reynolds_in, sound_case
+from burstcast_workflow.config.cases import case_record, kind_of, reynolds_in, valid_case
 from burstcast_workflow.config.measured_cases import (
     ONLY_ENCODED,
     problems_of_data,
@@ -192,7 +192,7 @@ def _measured(config: Configuration, name: str, case: Measured) -> Iterator[str]
         return
     yield from problems_of_data(case)
     if case.is_encoded:
-        yield from problems_of_encoding(case, sound_case(config, str(case.data.case)))
+        yield from problems_of_encoding(case, valid_case(config, str(case.data.case)))
     kinds = ", ".join(_kinds(config, name, "needs_equations"))
     if kinds and not case.is_encoded:
         yield f"there are no equations of measured series to forecast with ({kinds})"

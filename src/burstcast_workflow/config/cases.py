@@ -27,7 +27,7 @@ def reynolds_in(name: str) -> float | None:
 
 def cases_of(config: Configuration, *, skip_invalid: bool = False) -> dict[str, Case]:
     """Each case that the campaign uses, in the order of their first use (see `case_of`)."""
-    make = sound_case if skip_invalid else case_of
+    make = valid_case if skip_invalid else case_of
     cases = {name: case for name in config.case_names if (case := make(config, name))}
     for name, case in cases.items():
         case.in_campaign(name, cases.get(case.data.case or "") if case.data else None)
@@ -54,7 +54,7 @@ def kind_of(config: Configuration, name: str) -> type[Case]:
     return Simulated if config.data_of(name) is None else Measured
 
 
-def sound_case(config: Configuration, name: str) -> Case | None:
+def valid_case(config: Configuration, name: str) -> Case | None:
     """A case (`case_of`); None if it is invalid, which is reported with the case."""
     try:
         return case_of(config, name)

@@ -19,7 +19,7 @@ from burstcast.systems.registry import system_class
 from burstcast_workflow.config.bounds import out_of_bounds
 from burstcast_workflow.config.case import CaseEntry, Simulated
 from burstcast_workflow.config.case_checks import problems_of_case
-from burstcast_workflow.config.cases import class_defaults, sound_case
+from burstcast_workflow.config.cases import class_defaults, valid_case
 from burstcast_workflow.config.control_plans import block_plans
 from burstcast_workflow.config.forecasters import NetworkChoice
 from burstcast_workflow.config.kinds import Quantile
@@ -146,7 +146,7 @@ def _same_names(config: Configuration) -> Iterator[str]:
 
 def _realisations(config: Configuration, place: str, block: Block, name: str) -> Iterator[str]:
     """Whether an ensemble may have as many choices of training series as are wanted."""
-    case, shares = sound_case(config, name), block.event_shares
+    case, shares = valid_case(config, name), block.event_shares
     if shares and block.realisations > 1:
         yield f"{place} has realisations and event_shares; take one of them"
     if shares and name not in config.case_names:
@@ -238,7 +238,7 @@ def _observed(config: Configuration, block: StrategyBlock, place: str) -> Iterat
         delays, source = parts[part].delays, str(parts[part].case)
         if delays and not is_encoded(config.entry_of(part)):
             yield f"{place}.observed: {part} has past values (data.delays), which control has not"
-        whole = sound_case(config, source)
+        whole = valid_case(config, source)
         if whole and (not whole.actuation or source not in (block.cases or [source])):
             yield (
                 f"{place}.observed: {part} is a part of {source}, which this block does not "
@@ -294,7 +294,7 @@ def _figures(config: Configuration) -> Iterator[str]:
             f"figures.example_case is {name}, which is not part of the campaign, or has no "
             "network of the size figures.fixed_neurons"
         )
-    case, peak = sound_case(config, name), figures.flow_event.peak
+    case, peak = valid_case(config, name), figures.flow_event.peak
     if isinstance(case, Simulated) and isinstance(threshold := case.event_threshold, float):
         laminar = case.laminarisation_threshold or math.inf
         if peak <= threshold < laminar and case.is_flow:

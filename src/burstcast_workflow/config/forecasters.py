@@ -286,7 +286,11 @@ class Filter(Section):
     members: Annotated[Whole, Field(multiple_of=2)] = setting(
         "size of the ensemble: at least twice the components of a wholly observed state", ge=2
     )
-    inflation: Number = setting("factor of the ensemble's scatter before each observation", ge=1)
+    inflation: Number | None = setting(
+        "factor of the ensemble's scatter before each observation; null: chosen by the innovations "
+        "in the training series, 1 for a model without error",
+        ge=1,
+    )
 
 
 @with_defaults(vars(SECTIONS["quadratic"]()))
@@ -301,10 +305,16 @@ class Quadratic(Section):
 class HiddenQuadratic(Section):
     """Learnt quadratic equations with hidden variables, `quadratic_hidden`."""
 
-    hidden: Count = setting("number of hidden variables, which must be known beforehand")
+    hidden: Whole = setting(
+        "number of hidden variables, which must be known beforehand; 0: smoothing alone", ge=0
+    )
     observable_follows: bool = setting(
         "whether the observable is a component that follows from the others and the hidden "
         "variables, and has no equation of its own"
+    )
+    conserved: bool = setting(
+        "whether quadratic terms conserve this observable, as those of an incompressible flow "
+        "conserve its kinetic energy; takes observable_follows"
     )
     rounds: Whole = setting(
         "how often the training series are smoothed by the equations, which are learnt again", ge=0

@@ -62,54 +62,81 @@ def measured_record(defaults: Simulated, entry: Config, source: Mapping[str, Any
     whose state the series are seen of; None for series in files.
     """
     section, data = Data.model_validate(entry["data"]), canonical(entry["data"])
+    data["components"] = section.components or _components(section)
+    names = [Quantity(text).name for text in data["components"]]
     record: Config = defaults.model_dump(include=_WITHOUT_UNITS)
     record["training"]["noise"] = 0.0
     record["recycle_validation"]["intervals_per_series"] = None  # as many as fit
-    steps: Config = {"duration": section.blocks and section.blocks.duration}
-    observable_name, observable_symbol = "", ""
-    if section.observable and "=" in section.observable:
-        observable_name = Quantity(section.observable).name
-    if section.time_step is not None:
-        # a power of two: their product is the given step, to the last bit
-        step, _ = time_step_of(section.time_step)
-        steps |= {"time_step": step / SUBSTEPS, "sampling_stride": SUBSTEPS}
-    in_advance = {Quantity(text).source for text in section.known}
-    data["components"] = section.components or [
-        name for name in _columns(section) if name not in in_advance
-    ]
-    names = [Quantity(text).name for text in data["components"]]
-    if source is not None:
-        steps = {key: source["ensemble"].get(key) for key in _STEPS}
+    if source is None:
+        steps, observable = _own_steps(section), _own_observable(section)
+    else:
         data.setdefault("observable", OBSERVABLE)
-        if (space := space_of(source)) is not None:
+        space = space_of(source)
+        if space is not None:
             data["columns"] = [*component_names(space)]
-        keys: tuple[str, ...] = _OF_SOURCE
-        if data["observable"] == OBSERVABLE:
-            keys += _OF_OBSERVABLE
-            if space is not None:
-                observable_name, observable_symbol = space.observable_name, space.observable_symbol
-        record |= {key: source[key] for key in keys if key in source}
-        lyapunov = source["lyapunov"]
-        record["lyapunov"] = {key: lyapunov[key] for key in _OF_TIME if key in lyapunov}
+        is_same = data["observable"] == OBSERVABLE
+        steps = {key: source["ensemble"].get(key) for key in _STEPS}
+        observable = _named(space) if is_same and space is not None else _own_observable(section)
+        record |= _of_source(source, is_same)
         if is_encoded(entry):
             with suppress(ValueError, TypeError):  # reported by `problems_of_encoding`
                 names = [*channel_names(*_encoding_of(entry, source))]
-    past = [delayed_name(name, delay) for delay in section.delays for name in names]
     if steps["duration"] is not None and "time_step" in steps:
         lost = max(section.delays, default=0) * steps["time_step"] * steps["sampling_stride"]
         steps["duration"] -= lost
-    observable = data.get("observable")
+    past = [delayed_name(name, delay) for delay in section.delays for name in names]
+    of = data.get("observable")
     return {
         **record,
         "data": data,
         "system": MEASURED,
         "parameters": {
             "components": [*names, *past],
-            "observable_of": observable and Quantity(observable).source,
-            "observable_name": observable_name,
-            "observable_symbol": observable_symbol,
+            "observable_of": of and Quantity(of).source,
+            **observable,
         },
         "ensemble": steps,
+    }
+
+
+def _components(section: Data) -> list[str]:
+    """All columns of the first file but the times, and what is known in advance."""
+    in_advance = {Quantity(text).source for text in section.known}
+    return [name for name in _columns(section) if name not in in_advance]
+
+
+def _own_steps(section: Data) -> Config:
+    """Steps of series in files, as far as the config knows them."""
+    steps: Config = {"duration": section.blocks and section.blocks.duration}
+    if section.time_step is not None:
+        # a power of two: their product is the given step, to the last bit
+        step, _ = time_step_of(section.time_step)
+        steps |= {"time_step": step / SUBSTEPS, "sampling_stride": SUBSTEPS}
+    return steps
+
+
+def _own_observable(section: Data) -> Config:
+    """Name of an observable that the config gives one."""
+    is_named = section.observable and "=" in section.observable
+    name = Quantity(section.observable).name if section.observable and is_named else ""
+    return {"observable_name": name, "observable_symbol": ""}
+
+
+def _named(space: StateSpace) -> Config:
+    """Names of the observable of a state."""
+    return {
+        "observable_name": space.observable_name,
+        "observable_symbol": space.observable_symbol,
+    }
+
+
+def _of_source(source: Mapping[str, Any], same_observable: bool) -> Config:
+    """Settings of another case that series of its state have, too."""
+    keys = (*_OF_SOURCE, *(_OF_OBSERVABLE if same_observable else ()))
+    lyapunov = source["lyapunov"]
+    return {
+        **{key: source[key] for key in keys if key in source},
+        "lyapunov": {key: lyapunov[key] for key in _OF_TIME if key in lyapunov},
     }
 
 
@@ -252,8 +279,11 @@ def _no_state(
     _, unit = time_step_of(time_step)
     runs = [run for path in paths for run in content_of(path).read(columns, unit)]
     series = [np.stack([run.columns[name] for name in columns], axis=1) for run in runs]
-    constant, counting = columns_of_no_state(columns, series)
-    return [(name, "constant in each run, as the number of a run is") for name in constant] + [
-        (name, "rising or falling in equal steps, as a time or a row number is")
-        for name in counting
+    found = columns_of_no_state(columns, series)
+    return [
+        *((name, "constant in each run, as the number of a run is") for name in found.constant),
+        *(
+            (name, "rising or falling in equal steps, as a time or a row number is")
+            for name in found.counting
+        ),
     ]

@@ -7,7 +7,6 @@ from snakemake.io import local
 from burstcast.figures.registry import caption
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.figures.registry import FIGURES, figure_case, files_of, settings_of
-from burstcast_workflow.harness.settings import THRESHOLDS
 from burstcast_workflow.stages.stages import Stages
 from burstcast_workflow.tables.declarations import SECTIONS
 from burstcast_workflow.tables.registry import table_names, table_of
@@ -31,8 +30,6 @@ class FigureJobs:
         inputs: dict[str, Any] = {
             name: self._stages.in_results(path) for name, path in paths.items()
         }
-        if self._stages.has_quantiles:
-            inputs[THRESHOLDS] = self._stages.thresholds_of(self.settings(wildcards))
         overlay = figure.published and self._campaign.config.figures.published_overlay
         if overlay or figure.always_published:
             inputs["published"] = local(self._published)
@@ -42,17 +39,10 @@ class FigureJobs:
         """Settings of a figure."""
         return settings_of(self._campaign, FIGURES[wildcards.figure], self.case(wildcards))
 
-    def _modules(self, wildcards: Any) -> dict[str, list[str]]:
-        modules = self._campaign.modules({"case": self.case(wildcards)})
-        return {**modules, "burstcast.figures": [wildcards.figure]}
-
-    def parameters(self) -> list[Any]:
-        """Parameters of the rule: settings, the script of all figures, the figure's own module."""
-        everything = {**self._campaign.all_modules(), "burstcast.figures": [*FIGURES]}
-        paths = sorted({path for figure in FIGURES.values() for path in figure.paths})
-        return self._stages.parameters(
-            "figures/figure.py", paths, self.settings, self._modules, everything
-        )
+    def code(self, wildcards: Any) -> dict[str, str]:
+        """Code of a figure: the script of all figures, the figure's own module."""
+        by_name = {"burstcast.figures": [wildcards.figure]}
+        return self._stages.code_of("figures/figure.py", {"case": self.case(wildcards)}, by_name)
 
     def category(self, wildcards: Any) -> str:
         """Section of the report that a figure stands in."""

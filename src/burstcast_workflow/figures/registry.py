@@ -10,7 +10,7 @@ from typing import Any
 from burstcast.base.discovery import suggestion
 from burstcast.figures.registry import Drawn, available_figures, figure_of
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.campaign.job_settings import settings_of_job
+from burstcast_workflow.campaign.job_settings import check_paths, names_of, settings_of_job
 from burstcast_workflow.campaign.shown import Choices, Shown
 from burstcast_workflow.tables.declarations import SECTIONS
 
@@ -18,13 +18,22 @@ from burstcast_workflow.tables.declarations import SECTIONS
 def _declared() -> dict[str, Drawn]:
     figures = {name: figure_of(name) for name in available_figures()}
     for name, figure in figures.items():
-        for what, value, allowed in (
-            ("section", figure.section, SECTIONS),
-            ("choice of cases", figure.cases, vars(Choices)),
+        places = [file.path.partition("/")[0] for file in figure.files.values() if not file.of_each]
+        gathered = [file.path.partition("/")[0] for file in figure.files.values() if file.of_each]
+        for noun, values, allowed in (
+            ("section", [figure.section], [*SECTIONS]),
+            ("choice of cases", [figure.cases], names_of(Choices)),
+            ("place", places, [*names_of(Shown), "case"]),
+            ("place", gathered, names_of(Campaign)),
         ):
-            if value not in allowed:
-                similar = suggestion(value, allowed)
-                raise ValueError(f"the figure {name} declares the {what} {value!r}{similar}")
+            for value in values:
+                if value not in allowed:
+                    similar = suggestion(value, allowed)
+                    raise ValueError(f"the figure {name} declares the {noun} {value!r}{similar}")
+        try:
+            check_paths(figure.paths)
+        except LookupError as error:
+            raise ValueError(f"the figure {name}: {error.args[0]}") from None
 
     def place(name: str) -> tuple[str, int]:
         return SECTIONS[figures[name].section], figures[name].position
@@ -38,20 +47,10 @@ FIGURES: Mapping[str, Drawn] = _declared()
 
 def cases_of(campaign: Campaign, figure: Drawn) -> list[str]:
     """Cases that a figure is made for."""
-    if not campaign.networks and _shows_networks(figure):
+    if figure.needs_networks and not campaign.networks:
         return []
     cases = getattr(Choices(campaign), figure.cases)
     return [case for case in cases if not figure.only_flows or campaign.cases[case].is_flow]
-
-
-def _shows_networks(figure: Drawn) -> bool:
-    """Whether there is nothing to draw without networks."""
-    if figure.cases == "several_sizes" or "shown.strategies" in figure.paths:
-        return True
-    places = [*[file.path for file in figure.files.values()], *figure.paths]
-    return any(
-        place.startswith("example") or "/classification_percentiles" in place for place in places
-    )
 
 
 def files_of(campaign: Campaign, figure: Drawn, case: str) -> dict[str, str | list[str]]:
@@ -72,10 +71,15 @@ def figure_case(campaign: Campaign, name: str, suffix: str) -> str:
     return next(iter(cases_of(campaign, FIGURES[name])), campaign.example.case)
 
 
+def figures_by_name(campaign: Campaign) -> dict[str, str]:
+    """All figures of a campaign: the name of each file, and the figure that it shows."""
+    return {
+        figure if index == 0 else f"{figure}_{case}": figure
+        for figure, drawn in FIGURES.items()
+        for index, case in enumerate(dict.fromkeys(cases_of(campaign, drawn)))
+    }
+
+
 def figure_names(campaign: Campaign) -> list[str]:
     """Names of all figures of a campaign."""
-    return [
-        name if index == 0 else f"{name}_{case}"
-        for name, figure in FIGURES.items()
-        for index, case in enumerate(dict.fromkeys(cases_of(campaign, figure)))
-    ]
+    return [*figures_by_name(campaign)]

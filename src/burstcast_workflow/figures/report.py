@@ -8,7 +8,7 @@ from typing import Any
 from burstcast.figures.registry import caption
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
-from burstcast_workflow.figures.registry import FIGURES, figure_names
+from burstcast_workflow.figures.registry import FIGURES, figures_by_name
 from burstcast_workflow.harness.settings import leaves
 from burstcast_workflow.project import project_root
 from burstcast_workflow.tables.declarations import SECTIONS
@@ -73,8 +73,7 @@ def _without_nulls(value: Any) -> Any:
 
 def _section(campaign: Campaign, section: str) -> dict[str, Any]:
     figures = []
-    for name in figure_names(campaign):
-        figure = max(filter(name.startswith, FIGURES), key=len)
+    for name, figure in figures_by_name(campaign).items():
         if FIGURES[figure].section == section:
             figures.append({"name": name, "title": _title(name), "caption": caption(figure)})
     tables = [

@@ -6,8 +6,8 @@ A script is one function with explicit arguments, at its end::
     def scan(*, ensemble: str, scan: str, settings: Scan) -> None: ...
 
 The arguments are the rule's inputs and outputs by their names, and ``settings``, whose class
-declares them (`burstcast_workflow.harness.settings`). Settings that other jobs determine, event
-thresholds and the unit of time, have their values already.
+declares them (`burstcast_workflow.harness.settings`). Inputs of which that class has fields, such
+as the unit of time, are no arguments.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ from pathlib import Path
 from burstcast.base.discovery import imported_file
 from burstcast_workflow.harness.call import Call
 from burstcast_workflow.harness.running import run_job, tell
-from burstcast_workflow.harness.settings import JobSettings, at, concerning
+from burstcast_workflow.harness.settings import JobSettings, at, computed, concerning
 from burstcast_workflow.harness.storage import (
     atomic,
     read_json,
@@ -31,6 +31,7 @@ __all__ = [
     "JobSettings",
     "at",
     "atomic",
+    "computed",
     "concerning",
     "job",
     "read_json",

@@ -23,7 +23,7 @@ from burstcast_workflow.harness.canonical import canonical_json
 from burstcast_workflow.harness.logs import FROM_CACHE
 from burstcast_workflow.project import packages_of, project_root
 from burstcast_workflow.tracking.cache import Entry
-from burstcast_workflow.tracking.code import Sources, make_importable
+from burstcast_workflow.tracking.code import Sources, make_importable, of_files
 from burstcast_workflow.tracking.environment import environment
 from burstcast_workflow.tracking.results import (
     Making,
@@ -91,7 +91,7 @@ class UnlikeCodeError(RuntimeError):
 def _run(snakemake: Any, call: Call, label: str) -> None:
     """Compute a job's outputs, or take them from the cache."""
     start = time.monotonic()
-    logger.info("%s starts with settings %s", label, canonical_json(call.declared))
+    logger.info("%s starts with settings %s", label, canonical_json(call.settings))
     planned = plan(snakemake.config.get("results", ""))
     make_importable(planned["directories"])
     sources = _checked_code(snakemake, call, planned)
@@ -99,12 +99,12 @@ def _run(snakemake: Any, call: Call, label: str) -> None:
     entry = Entry(
         snakemake.output,
         identity=call.identity,
-        settings=call.declared,
+        settings=call.settings,
         code=call.code,
         inputs=inputs,
         names={name: [*map(_name, _listed(files))] for name, files in snakemake.output.items()},
         environment=environment(),
-        libraries=sources.libraries(entry.rpartition(" @")[0] for entry in call.code),
+        libraries=sources.libraries(call.code),
     )
     for path in snakemake.output:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
@@ -139,12 +139,10 @@ def _checked_code(snakemake: Any, call: Call, planned: Mapping[str, Any]) -> Sou
         # of a module from a repository, there is only the copy that Snakemake runs
         return path if path.is_file() else call.file
 
-    names = [entry.rpartition(" @")[0] for entry in call.code]
-    sources = Sources(script, packages_of(project_root()), dict.fromkeys(names, ()))
-    whole = {entry.rpartition(" @")[0]: entry for entry in planned["code"]}
-    files = [entry for entry in call.code if entry.startswith("file:")]
-    missing = [name for name in names if name not in whole]
-    if changed := missing or sources.changed([*(whole[name] for name in names), *files]):
+    sources = Sources(script, packages_of(project_root()), dict.fromkeys(call.code, ()))
+    whole, code = planned["code"], of_files(call.code)
+    missing = [name for name in code if name not in whole]
+    if changed := missing or sources.changed({name: whole[name] for name in code}):
         raise UnlikeCodeError(
             f"{', '.join(changed)} changed after the workflow was planned: nothing is kept of this "
             f"job; run the workflow again when the edit is done"

@@ -21,9 +21,10 @@ from burstcast.data.observation.part import ObservedPart
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import MEASURED
-from burstcast_workflow.harness.settings import at
+from burstcast_workflow.harness.canonical import canonical_json
+from burstcast_workflow.harness.settings import JobSettings, at, computed
 from burstcast_workflow.harness.storage import read_json
-from burstcast_workflow.jobs.cases import Washed
+from burstcast_workflow.jobs.cases import Washout
 from burstcast_workflow.jobs.forecasters import Forecasting, read_kind
 from burstcast_workflow.jobs.series import Training
 
@@ -37,23 +38,32 @@ def alarm_rate(flows: str) -> float:
     return int(counts.alarms[kept].sum()) / forecasts if forecasts else 0.0
 
 
-class Controlled(Forecasting, Washed, Training):
+class Controlled(JobSettings):
     """Runs of control: how flows are controlled, and by whom."""
 
+    forecasting: Forecasting
+    washout: Washout
+    training: Training
     random_seed: int = at("random_seed")
-    event_threshold: float = at("case.event_threshold")
+    event_threshold: float = computed("event_threshold.event_threshold")
     laminarisation_threshold: float | None = at("case.laminarisation_threshold")
     actuation: dict[str, Any] = at("case.actuation")
     flows: int = at("control.flows")
-    kind_of_strategy: str = at("control.run", "strategy")
-    strategy_settings: dict[str, Any] = at("control.run", "settings")
-    starts: str = at("control.run", "starts")
-    quiet_lt: float = at("control.run", "quiet_lt")
-    span_lt: float = at("control.run", "span_lt")
-    delay_lt: float = at("control.run", "delay_lt")
-    strength: float = at("control.run", "strength")
-    noise: float = at("control.run", "noise")
-    observed: str | None = at("control.run", "observed", otherwise=None)
+    plan: dict[str, Any] = at("control.run")
+    kind_of_strategy: str = at("control.run.strategy")
+    strategy_settings: dict[str, Any] = at("control.run.settings")
+    starts: str = at("control.run.starts")
+    quiet_lt: float = at("control.run.quiet_lt")
+    span_lt: float = at("control.run.span_lt")
+    delay_lt: float = at("control.run.delay_lt")
+    strength: float = at("control.run.strength")
+    noise: float = at("control.run.noise")
+    observed: str | None = at("control.run.observed", otherwise=None)
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Plan of control, for the tables that are made of its records."""
+        return {"plan": canonical_json(self.plan)}
 
     def setup(
         self,
@@ -101,9 +111,9 @@ class Controlled(Forecasting, Washed, Training):
             experiment = replace(experiment, values=values)
         asked: list[Any] = []
         if forecasters:  # the options of none concern no job
-            case = self.forecasting_case(aware=aware, actuation=self.actuation)
+            case = self.forecasting.forecasting_case(aware=aware, actuation=self.actuation)
             case = replace(case, system=experiment.observed_space)
-            unfitted = self.unfitted()
+            unfitted = self.forecasting.unfitted()
             asked = [read_kind(unfitted, path, case) for path in forecasters]
         return strategy, experiment, asked
 
@@ -113,7 +123,7 @@ class Controlled(Forecasting, Washed, Training):
         """Scales of the observation noise; None for forecasters that see the truth."""
         if any(forecaster.sees_truth for forecaster in asked):
             return None
-        seen = read_rows(ensemble, "state", 0, self.training_series)
+        seen = read_rows(ensemble, "state", 0, self.training.series)
         if sensor is not None:
             seen = np.moveaxis(sensor(np.moveaxis(seen, -1, 0)), 0, -1)
         return component_scales(seen)
@@ -124,11 +134,12 @@ class Controlled(Forecasting, Washed, Training):
         Quiet flows begin with the first states of the kept series, unselected ones with the last:
         what follows them has had no say in what is kept.
         """
-        system, washout, of_strategy = self.equations, self.washout, self.strategy_settings
+        system, of_strategy = self.forecasting.system.equations, self.strategy_settings
+        washout, sampling = self.washout.steps, self.forecasting.sampling
         force, strength = self.actuation["force"], self.strength
         reverses = bool(of_strategy.get("push") or of_strategy.get("reversible"))
         kept = read_json(summary)["series_kept"]
-        series = controlled_series(kept, self.training_series, self.flows)
+        series = controlled_series(kept, self.training.series, self.flows)
         states = read_rows(ensemble, "state", series.start, series.stop)
         quiet = self.starts == "quiet"
         return ControlExperiment(
@@ -150,9 +161,9 @@ class Controlled(Forecasting, Washed, Training):
                 delay_lt=self.delay_lt,
                 actuation_start_lt=self.actuation["start_lt"],
                 actuation_duration_lt=self.actuation["duration_lt"],
-                steps_per_lyapunov_time=self.lyapunov_time,
-                sampling_stride=self.sampling_stride,
-                time_step=self.time_step,
+                steps_per_lyapunov_time=self.washout.clock.lyapunov_time,
+                sampling_stride=sampling.stride,
+                time_step=sampling.time_step,
             ),
             root_seed=self.random_seed,
             case=self.case,

@@ -14,7 +14,7 @@ from burstcast.forecasters.registry import as_forecaster, kind_class, make_kind
 from burstcast.systems.registry import make_system
 from burstcast_workflow.harness.settings import JobSettings, at
 from burstcast_workflow.harness.storage import write_netcdf
-from burstcast_workflow.jobs.cases import Clock, System
+from burstcast_workflow.jobs.cases import Clock, Sampling, System
 from burstcast_workflow.jobs.series import Observed
 
 
@@ -45,9 +45,12 @@ def write_forecaster(
     write_netcdf(path, coefficients({**record.arrays, **ranges}), attributes)
 
 
-class Forecasting(System, Clock):
+class Forecasting(JobSettings):
     """What forecasters of a kind know beside the data."""
 
+    system: System
+    sampling: Sampling
+    clock: Clock
     options: dict[str, Any] = at("forecaster.options")
     divergence_bound: float | None = at("forecaster.divergence_bound")
     source: dict[str, Any] | None = at("forecaster.source", otherwise=None)
@@ -74,12 +77,12 @@ class Forecasting(System, Clock):
         """
         source, names = self.source, (aware or self.options).get("parameters")
         return ForecastingCase(
-            system=self.space,
-            time_step=self.time_step,
-            sampling_stride=self.sampling_stride,
-            steps_per_lyapunov_time=self.lyapunov_time,
+            system=self.system.space,
+            time_step=self.sampling.time_step,
+            sampling_stride=self.sampling.stride,
+            steps_per_lyapunov_time=self.clock.lyapunov_time,
             random_seed=self.random_seed,
-            parameters=self.forecaster_parameters(names, actuation) if names else None,
+            parameters=self.system.forecaster_parameters(names, actuation) if names else None,
             source=make_system(source["system"], source["parameters"]) if source else None,
             maps=read_record(ensemble, StateMaps) if source and ensemble else None,
         )
@@ -104,27 +107,30 @@ def read_kind(unfitted: Kind, path: str, case: ForecastingCase) -> Kind:
     return restored.within(TrainingLimits(low, high))
 
 
-class Observing(Forecasting, Observed):
+class Observing(JobSettings):
     """What forecasters of a kind know, and what they learn from."""
+
+    forecasting: Forecasting
+    observed: Observed
 
     def learnt_rows(self, forecaster: Forecaster, ensemble: str) -> FloatArray:
         """Series that a forecaster learns from: with noise, or true ones for the exact equations.
 
         Networks with true washouts learn from noisy series: they differ in their inputs alone.
         """
-        states = self.training_states(ensemble)
+        states = self.observed.training.states(ensemble)
         if forecaster.sees_truth and not forecaster.has_search:
             return states
-        return self.observed_rows(ensemble, 0, states)
+        return self.observed.rows(ensemble, 0, states)
 
 
 def seen_rows(
-    forecaster: Forecaster, settings: Observed, ensemble: str, first: int, states: FloatArray
+    forecaster: Forecaster, observed: Observed, ensemble: str, first: int, states: FloatArray
 ) -> FloatArray:
     """Inputs of a forecaster from kept series: as they were observed, or the true states."""
     if forecaster.sees_truth:
         return states
-    return settings.observed_rows(ensemble, first, states)
+    return observed.rows(ensemble, first, states)
 
 
 def seen(

@@ -21,17 +21,18 @@ from burstcast.statistics.long_term import (
     long_term_starting_points,
 )
 from burstcast_workflow.harness.job import tell
-from burstcast_workflow.harness.settings import JobSettings, at, concerning
+from burstcast_workflow.harness.settings import JobSettings, at, computed, concerning
 from burstcast_workflow.harness.storage import read_json, write_netcdf
-from burstcast_workflow.jobs.cases import Clock, Density, System, Washed
+from burstcast_workflow.jobs.cases import Clock, Density, System, Washout
 from burstcast_workflow.jobs.forecasters import seen_rows
 from burstcast_workflow.jobs.origins import origins
 from burstcast_workflow.jobs.series import Observed, Tested, known_rows
 
 
-class Windows(Clock):
+class Windows(JobSettings):
     """How forecasts are cut into windows."""
 
+    clock: Clock
     resolution_lt: float = at("classification.resolution_lt")
     window_lt: float = at("classification.window_lt")
     longest_prediction_time_lt: float = at("classification.longest_prediction_time_lt")
@@ -41,41 +42,50 @@ class Windows(Clock):
         """Boundaries of the windows of a forecast, in steps."""
         reach = self.longest_prediction_time_lt + self.window_lt
         count = round(reach / self.resolution_lt) - 1
-        return window_boundaries(self.resolution_lt, count, self.lyapunov_time)
+        return window_boundaries(self.resolution_lt, count, self.clock.lyapunov_time)
 
 
-class Horizons(Washed):
+class Horizons(JobSettings):
     """How prediction horizons are measured."""
 
+    washout: Washout
     longest_lead_time_lt: float = at("horizon.longest_lead_time_lt")
     lead_time_step_lt: float = at("horizon.lead_time_step_lt")
     tolerance: float = at("horizon.tolerance")
-    event_threshold: float = at("case.event_threshold")
+    event_threshold: float = computed("event_threshold.event_threshold")
 
-    def horizon_search(self, summary: str) -> HorizonSearch:
-        """Search for prediction horizons, with the mean of all data from their summary."""
+    def search(self, summary: str) -> HorizonSearch:
+        """Search for prediction horizons, with the mean of all data from their summary.
+
+        The tolerance is a share of the distance from that mean to the event threshold.
+        """
         mean = read_json(summary)["mean_observable"]
         return HorizonSearch(
             longest_lead_time_lt=self.longest_lead_time_lt,
             lead_time_step_lt=self.lead_time_step_lt,
-            tolerance=self.tolerance * (self.event_threshold - mean),
-            washout=self.washout,
-            steps_per_lyapunov_time=self.lyapunov_time,
+            largest_error=self.tolerance * (self.event_threshold - mean),
+            washout=self.washout.steps,
+            steps_per_lyapunov_time=self.washout.clock.lyapunov_time,
         )
 
 
-class Points(System, Washed, Windows, Observed):
+class Points(JobSettings):
     """Starting points of forecasts."""
 
-    def write_point_set(self, path: str, ensemble: str, rows: range, spacing: int) -> None:
-        """Write starting points in kept series of an ensemble (see `write_points`)."""
+    system: System
+    washout: Washout
+    windows: Windows
+    observed: Observed
+
+    def write_set(self, path: str, ensemble: str, rows: range, spacing: int) -> None:
+        """Write starting points in kept series of an ensemble (see `write`)."""
         states = read_rows(ensemble, "state", rows.start, rows.stop)
-        observed = self.observed_rows(ensemble, rows.start, states)
+        observed = self.observed.rows(ensemble, rows.start, states)
         observable = read_rows(ensemble, "observable", rows.start, rows.stop)
         schedules = known_rows(ensemble, rows.start, rows.stop)
-        self.write_points(path, (states, observed, observable), spacing, schedules)
+        self.write(path, (states, observed, observable), spacing, schedules)
 
-    def write_points(
+    def write(
         self,
         path: str,
         series: tuple[FloatArray, FloatArray, FloatArray],
@@ -90,14 +100,14 @@ class Points(System, Washed, Windows, Observed):
         of the case.
         """
         states, observed, observable = series
-        space, boundaries = self.space, self.boundaries
-        with concerning(Windows.longest_prediction_time_lt, Windows.window_lt, Washed.washout_lt):
+        space, boundaries = self.system.space, self.windows.boundaries
+        with concerning(Windows.longest_prediction_time_lt, Windows.window_lt, Washout.lt):
             points = observed_points(
                 observed,
                 observable,
                 space.observable,
                 spacing=spacing,
-                washout=self.washout,
+                washout=self.washout.steps,
                 boundaries=boundaries,
             )
         without = len(states) - len(np.unique(points.points.series))
@@ -112,26 +122,29 @@ class Points(System, Washed, Windows, Observed):
         write_netcdf(path, variables, self.provenance)
 
 
-class EvaluationPoints(Points, Tested):
+class EvaluationPoints(JobSettings):
     """Starting points in the test series."""
 
+    points: Points
+    tested: Tested
     start_spacing_lt: float = at("classification.start_spacing_lt")
 
     @property
     def spacing(self) -> int:
         """Steps between two of them."""
-        return self.positive_steps(EvaluationPoints.start_spacing_lt)
+        clock = self.points.washout.clock
+        return clock.positive_steps(self.start_spacing_lt, EvaluationPoints.start_spacing_lt)
 
 
-class Alarms(JobSettings):
-    """Events that are forecast with a probability."""
+class ScoredForecasts(JobSettings):
+    """Forecasts of events, which are scored at some prediction times."""
 
-    event_threshold: float = at("case.event_threshold")
+    event_threshold: float = computed("event_threshold.event_threshold")
     prediction_times_lt: list[float] = at("classification.prediction_times_lt")
     window_lt: float = at("classification.window_lt")
     resolution_lt: float = at("classification.resolution_lt")
 
-    def forecast_points(self, point_set: str, forecasts: Sequence[str] = ()) -> ForecastPoints:
+    def points(self, point_set: str, forecasts: Sequence[str] = ()) -> ForecastPoints:
         """Read the starting points of a case, and the forecasts from them."""
         return ForecastPoints(
             read_netcdf(point_set),
@@ -144,53 +157,58 @@ class Alarms(JobSettings):
         )
 
 
-class LongRuns(System, Washed, Observed):
+class LongRuns(JobSettings):
     """Where long runs start, and how long they are."""
 
+    washout: Washout
+    observed: Observed
     starting_points: int = at("statistics.starting_points")
     start_spacing_lt: float = at("statistics.start_spacing_lt")
     duration: float | None = at("statistics.duration")
 
     def washouts(self, ensemble: str, forecaster: Forecaster) -> FloatArray:
         """Washouts of a forecaster before each of its long runs, ``(points, steps, dimension)``."""
-        states = seen_rows(forecaster, self, ensemble, 0, self.training_states(ensemble))
+        clock, training = self.washout.clock, self.observed.training.states(ensemble)
+        states = seen_rows(forecaster, self.observed, ensemble, 0, training)
         points = long_term_starting_points(
             len(states),
             states.shape[1],
-            self.steps(self.start_spacing_lt),
-            self.washout,
+            clock.positive_steps(self.start_spacing_lt, LongRuns.start_spacing_lt),
+            self.washout.steps,
             self.starting_points,
             series_lengths(states),
         )
-        return segments(states, points, self.washout - 1, 0)
+        return segments(states, points, self.washout.steps - 1, 0)
 
     def run_steps(self, ensemble: str) -> int:
         """Steps of each run; without a duration, as many as the longest series has."""
         if self.duration is None:
             return len(read_netcdf(ensemble, "time")["time"]) - 1
-        return round(self.duration / self.sampling_interval)
+        return round(self.duration / self.washout.clock.sampling_interval)
 
 
-class LongTerm(LongRuns, Density):
+class LongTerm(JobSettings):
     """Long runs, and when they are discarded."""
 
+    runs: LongRuns
+    density: Density
     laminarisation_threshold: float | None = at("case.laminarisation_threshold")
     fixed_point: dict[str, Any] | None = at("case.fixed_point")
     fixed_point_interval_lt: float = at("statistics.fixed_point_interval_lt")
 
-    def long_term(self, ensemble: str) -> LongTermSettings:
+    def settings(self, ensemble: str) -> LongTermSettings:
         """Settings of long runs.
 
         A run has settled where it varies less than a hundredth of the bins' range, unless the
         config says otherwise.
         """
-        edges = self.edges(ensemble)
+        edges = self.density.edges(ensemble)
         settled = SETTLED * (edges[-1] - edges[0])
         fixed_point = self.fixed_point or {"variation": settled, "above": edges[0]}
-        interval = self.steps(self.fixed_point_interval_lt)
+        interval = self.runs.washout.clock.steps(self.fixed_point_interval_lt)
         with concerning(LongRuns.duration, LongTerm.fixed_point_interval_lt):
             return LongTermSettings(
-                steps=self.run_steps(ensemble),
+                steps=self.runs.run_steps(ensemble),
                 edges=edges,
                 laminarisation_threshold=self.laminarisation_threshold,
                 fixed_point=FixedPointCriterion(

@@ -18,6 +18,8 @@ def content_of(path: str | list[str], file: File) -> Any:
         return [content_of(each, file) for each in path]
     if file.part == "path":
         return path
+    if file.part and path.endswith(".json"):
+        return read_json(path)[file.part]
     if file.part:
         return read_netcdf(path, file.part)[file.part]
     return content(path, file.variables)

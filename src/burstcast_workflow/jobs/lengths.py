@@ -16,8 +16,7 @@ from burstcast.forecasters.registry import sections_of_kind
 from burstcast.networks.validation_strategies.base import ValidationPlan
 from burstcast.networks.validation_strategies.registry import VALIDATED_TOGETHER, make_strategy
 from burstcast.statistics.long_term import FixedPointCriterion, LongTermSettings
-from burstcast_workflow.harness.settings import at, names
-from burstcast_workflow.jobs.cases import Washed
+from burstcast_workflow.harness.settings import JobSettings, at, names
 
 
 @contextmanager
@@ -29,9 +28,10 @@ def listing(problems: list[str], settings: str = "") -> Iterator[None]:
         problems.append(f"{settings}: {error}".removeprefix(": "))
 
 
-class Lengths(Washed):
+class Lengths(JobSettings):
     """What forecasts of a case need of its series."""
 
+    washout_lt: float = at("washout_lt")
     interval_lt: float = at("search.interval_lt")
     single_shot_lead_steps: int = at("search.single_shot_lead_steps")
     start_spacing_lt: float = at("classification.start_spacing_lt")
@@ -39,11 +39,12 @@ class Lengths(Washed):
     window_lt: float = at("classification.window_lt")
     longest_prediction_time_lt: float = at("classification.longest_prediction_time_lt")
     calibration_spacing_lt: float = at("probability.start_spacing_lt")
+    long_run_spacing_lt: float = at("statistics.start_spacing_lt")
     longest_lead_time_lt: float = at("horizon.longest_lead_time_lt")
     lead_time_step_lt: float = at("horizon.lead_time_step_lt")
     training_series: int = at("case.training.series")
-    validated_series: int = at("case.recycle_validation", "series")
-    intervals: int | None = at("case.recycle_validation", "intervals_per_series")
+    validated_series: int = at("case.recycle_validation.series")
+    intervals: int | None = at("case.recycle_validation.intervals_per_series")
     fixed_point_interval_lt: float = at("statistics.fixed_point_interval_lt")
     duration: float | None = at("statistics.duration")
     quadratic_window_lt: float = at("forecasters.quadratic.window_lt")
@@ -51,6 +52,7 @@ class Lengths(Washed):
     def misfits(
         self,
         steps: int,
+        sampling_interval: float,
         samples: int | None,
         kinds: Collection[str],
         validations: Collection[str],
@@ -59,19 +61,20 @@ class Lengths(Washed):
     ) -> list[str]:
         """Durations that do not fit into series of so many samples, with their settings.
 
-        ``steps``: Of a Lyapunov time. ``samples``: None if unknown; durations are then compared
-        with a step alone. The case has forecasters of these ``kinds``, and networks of
-        these ``validations``. ``training_lengths``: Samples of training series of unequal lengths,
-        the longest first.
+        ``steps``: Of a Lyapunov time. ``sampling_interval``: In time units. ``samples``: None if
+        unknown; durations are then compared with a step alone. The case has forecasters of these
+        ``kinds``, and networks of these ``validations``. ``training_lengths``: Samples of training
+        series of unequal lengths, the longest first.
         """
         problems: list[str] = []
         counts: dict[Any, int] = {}
         fields: list[Any] = [Lengths.washout_lt, Lengths.interval_lt, Lengths.start_spacing_lt]
         fields += [Lengths.resolution_lt, Lengths.calibration_spacing_lt]
+        fields += [Lengths.long_run_spacing_lt] if long_runs else []
         fields += [Lengths.longest_lead_time_lt, Lengths.lead_time_step_lt]
         for field in fields:
             with listing(problems):
-                duration = field.__get__(self, Lengths)
+                duration = field.value(self.value_of)
                 counts[field] = durations.positive_steps(duration, steps, str(field))
         if samples is None:
             return problems
@@ -92,7 +95,7 @@ class Lengths(Washed):
             with listing(problems, f"{HORIZONS} or ensemble.duration"):
                 steps_before_events(samples, counts[Lengths.longest_lead_time_lt], washout)
             judged, run = durations.steps(self.fixed_point_interval_lt, steps), self.duration
-            closed_loop = samples - 1 if run is None else round(run / self.sampling_interval)
+            closed_loop = samples - 1 if run is None else round(run / sampling_interval)
             as_series = closed_loop == samples - 1
             advice = f"{LONG_RUNS} or ensemble.duration" if as_series else LONG_RUNS
             with listing(problems, advice):

@@ -17,13 +17,14 @@ from burstcast.data.measured_data import (
 )
 from burstcast.data.records import RecordedSeries, recorded_series
 from burstcast.systems.measured import MeasuredSeries
-from burstcast_workflow.harness.settings import at
-from burstcast_workflow.jobs.series import Tested
+from burstcast_workflow.harness.settings import JobSettings, at
+from burstcast_workflow.jobs.series import Tested, Training
 
 
-class MeasuredData(Tested):
+class MeasuredData(JobSettings):
     """Series in files, or another case's, of which this one's are a part."""
 
+    tested: Tested
     data: dict[str, Any] = at("case.data")
     parameters: dict[str, Any] = at("case.parameters")
     noise_of_data: dict[str, Any] | None = at("job.noise_of_data")
@@ -51,7 +52,7 @@ class MeasuredData(Tested):
         if not delays:
             return states
         if noise is not None:
-            scales = component_scales(states[: self.training_series])
+            scales = component_scales(states[: self.tested.training.series])
             states = observed_series(
                 states, 0, noise["level"], scales, noise["random_seed"], self.case
             )
@@ -69,14 +70,14 @@ class MeasuredData(Tested):
             runs = runs_of_states(sources[0], read["state"], read["observable"], data["columns"])
             quantities = [Quantity(text) for text in data["components"]]
             series = RecordedSeries(series_of_runs(runs, space, quantities, None))
-        count, training = len(series.states), self.training_series
-        test = self.test_series(count)
+        count, training = len(series.states), self.tested.training.series
+        test = self.tested.series(count)
         if training + test > count:
             raise ValueError(
                 f"training.series is {training} and test_series {test}, but the data have {count} "
                 f"series in all, of {series.states.shape[1]} samples each: ask for fewer, or cut "
                 f"shorter blocks (data.blocks)"
             )
-        name = f"the training series ({Tested.training_series})"
+        name = f"the training series ({Training.series})"
         check_varying(series.states[:training], space.component_names, name)
         return series

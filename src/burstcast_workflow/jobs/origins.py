@@ -1,4 +1,4 @@
-"""Origins of files: the jobs that wrote them, and the settings of these."""
+"""Origins of files: the jobs that wrote them."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -17,7 +17,6 @@ class Origin:
 
     path: str
     identity: Mapping[str, Any]  #: rule and wildcards of the job
-    settings: Mapping[str, Any]  #: settings of the job by their paths in the config
 
     @property
     def name(self) -> ForecasterName:
@@ -38,6 +37,5 @@ def origins(paths: Iterable[str | Path]) -> list[Origin]:
             raise ValueError(
                 f"{path} and {by_identity[identity].path} are both of the job {identity}"
             )
-        of_job = json.loads(identity), json.loads(str(provenance["settings"]))
-        by_identity[identity] = Origin(path, *of_job)
+        by_identity[identity] = Origin(path, json.loads(identity))
     return list(by_identity.values())

@@ -3,19 +3,17 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from burstcast.base import random_streams
 from burstcast.base.arrays import FloatArray
-from burstcast.base.durations import positive_steps
 from burstcast.base.files.netcdf import read_attributes, read_netcdf, read_rows, variable_names
-from burstcast.control.actuation import ActuationValues, actuated_system
+from burstcast.control.actuated_series import RandomlyActuated
+from burstcast.control.actuation import actuated_system
 from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.ensemble_files import SCHEDULE
-from burstcast.data.scheduled_series import RandomActuation, TrainingSet, simulated_series
+from burstcast.data.scheduled_series import RandomActuation, TrainingSet
 from burstcast.systems.parameters import SHARE, Parameters, SystemParameters
 from burstcast_workflow.harness.settings import JobSettings, at
-from burstcast_workflow.jobs.cases import Clock, System
+from burstcast_workflow.jobs.cases import Clock, Sampling, System
 from burstcast_workflow.jobs.origins import origins
 
 OBSERVED = "observed"
@@ -47,47 +45,47 @@ def known_rows(ensemble: str, first: int, last: int) -> FloatArray | None:
 class Training(JobSettings):
     """The first of the kept series, which forecasters are trained on."""
 
-    training_series: int = at("case.training.series")
+    series: int = at("case.training.series")
 
     def check_series(self, kept: int, **needs: int) -> None:
         """Check that as many series were kept as the training, and other uses, need."""
-        check_kept_series(kept, {str(Training.training_series): self.training_series, **needs})
+        check_kept_series(kept, {str(Training.series): self.series, **needs})
 
-    def training_states(self, ensemble: str) -> FloatArray:
+    def states(self, ensemble: str) -> FloatArray:
         """True states of the training series, ``(series, time, dimension)``."""
         self.check_series(kept_series(ensemble))
-        return read_rows(ensemble, "state", 0, self.training_series)
+        return read_rows(ensemble, "state", 0, self.series)
 
 
-class Tested(Training):
+class Tested(JobSettings):
     """The series after them, which forecasters are tested on."""
 
-    wanted_test_series: int | None = at("case.test_series")
+    training: Training
+    wanted: int | None = at("case.test_series")
 
-    def test_series(self, kept: int) -> int:
+    def series(self, kept: int) -> int:
         """Number of test series: as many as wanted, or all kept series after the training series.
 
         Where none is left, one is asked for, so that the check says how many there are.
         """
-        return int(self.wanted_test_series or max(1, kept - self.training_series))
+        return int(self.wanted or max(1, kept - self.training.series))
 
-    def test_rows(self, ensemble: str) -> range:
+    def rows(self, ensemble: str) -> range:
         """Rows of the test series in the ensemble."""
-        kept, first = kept_series(ensemble), self.training_series
-        series = self.test_series(kept)
-        self.check_series(kept, test_series=series)
+        kept, first = kept_series(ensemble), self.training.series
+        series = self.series(kept)
+        self.training.check_series(kept, test_series=series)
         return range(first, first + series)
 
 
-class Observed(Training):
+class Observed(JobSettings):
     """Observations of the series."""
 
+    training: Training
     random_seed: int = at("random_seed")
     noise: float = at("case.training.noise")
 
-    def observed_rows(
-        self, ensemble: str, first: int, states: FloatArray, kind: str = ""
-    ) -> FloatArray:
+    def rows(self, ensemble: str, first: int, states: FloatArray, kind: str = "") -> FloatArray:
         """Observations of kept series: states with noise, or the channels of encoded series.
 
         ``first`` is the row of the first series in the ensemble, ``states`` are ``(series, time,
@@ -96,7 +94,7 @@ class Observed(Training):
         """
         if not kind and OBSERVED in variable_names(ensemble):
             return read_rows(ensemble, OBSERVED, first, first + len(states))
-        training = read_rows(ensemble, "state", 0, self.training_series)
+        training = read_rows(ensemble, "state", 0, self.training.series)
         return observed_series(
             states,
             first,
@@ -118,13 +116,14 @@ def read_scheduled(paths: Sequence[str], case: str) -> TrainingSet:
     return TrainingSet.of_parts(parts, free[0] if free else None)
 
 
-CANDIDATES = 8
-"""Series that are drawn for each one that is wanted, for some may laminarise."""
-
-
-class Switched(System, Clock, Observed):
+class Switched(JobSettings):
     """An actuator that switches at random, and what forecasters know about it."""
 
+    system: System
+    sampling: Sampling
+    clock: Clock
+    observed: Observed
+    random_seed: int = at("random_seed")
     switching: dict[str, Any] | None = at("case.training.actuation")
     actuation: dict[str, Any] | None = at("case.actuation")
     laminarisation_threshold: float | None = at("case.laminarisation_threshold")
@@ -133,45 +132,41 @@ class Switched(System, Clock, Observed):
     @property
     def known_parameters(self) -> Parameters:
         """Parameters that forecasters are given, with the case's own values."""
-        return self.forecaster_parameters(self.names, self.actuation)
+        return self.system.forecaster_parameters(self.names, self.actuation)
 
-    def switched_series(
+    def series(
         self, ensemble: str, rows: range, purpose: str
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """States of series under an actuator that switches at random; observations; schedules.
 
         ``purpose``: "training" or "test": the random streams are called after it.
         """
-        given, actuation, steps = self.switching, self.actuation, self.lyapunov_time
-        assert given is not None
+        switching, actuation = self.switching, self.actuation
+        assert switching is not None
         assert actuation is not None
-        system, parameters = self.equations, self.known_parameters
-        on: tuple[float, ...] = (given["strength"],)
+        system, parameters = self.system.equations, self.known_parameters
+        on: tuple[float, ...] = (switching["strength"],)
         if self.names != [SHARE]:
             actuated = actuated_system(
-                system, actuation["parameters"], actuation["force"], given["strength"]
+                system, actuation["parameters"], actuation["force"], switching["strength"]
             )
             on = SystemParameters.of(actuated, self.names).defaults
-        switching = RandomActuation(
-            positive_steps(given["interval_lt"], steps, f"{Switched.switching}.interval_lt"),
-            given["mean_on_lt"] / given["interval_lt"],
-            given["mean_off_lt"] / given["interval_lt"],
-        )
-        free = read_rows(ensemble, "state", rows.start, rows.stop)
-        acting = switching.draw(
-            CANDIDATES * len(rows),
-            free.shape[1] - 1,
-            random_streams.stream(self.random_seed, f"{purpose} actuation", self.case),
-        )
-        states, schedules = simulated_series(
-            parameters,
+        interval_lt = switching["interval_lt"]
+        interval = self.clock.positive_steps(interval_lt, f"{Switched.switching}.interval_lt")
+        flow = RandomlyActuated(
             system,
-            np.ascontiguousarray(np.tile(free[:, -1].T, CANDIDATES)),
-            ActuationValues(parameters.defaults, on).schedule(acting.T).transpose(2, 0, 1),
-            len(rows),
-            time_step=self.time_step,
-            sampling_stride=self.sampling_stride,
+            parameters,
+            on,
+            RandomActuation(
+                interval,
+                switching["mean_on_lt"] / interval_lt,
+                switching["mean_off_lt"] / interval_lt,
+            ),
+            time_step=self.sampling.time_step,
+            sampling_stride=self.sampling.stride,
             laminarisation_threshold=self.laminarisation_threshold,
         )
-        observed = self.observed_rows(ensemble, rows.start, states, "actuated")
+        stream = random_streams.stream(self.random_seed, f"{purpose} actuation", self.case)
+        states, schedules = flow.series(read_rows(ensemble, "state", rows.start, rows.stop), stream)
+        observed = self.observed.rows(ensemble, rows.start, states, "actuated")
         return states, observed, schedules

@@ -1,5 +1,6 @@
 """Tables: what they are made of, their columns as declared, and percentiles over networks."""
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -56,9 +57,10 @@ class TablesOfCase(Tables):
             if file.identity["case"] != self.case:
                 other = file.identity["case"]
                 raise ValueError(f"{file.path} is of the case {other}, which is another")
+        contents = [content(file.path, variables) for file in files]
         return [
-            Gathered(file.name, content(file.path, variables), file.settings.get("control.run", {}))
-            for file in files
+            Gathered(file.name, each, json.loads(each.get("plan", "{}")))
+            for file, each in zip(files, contents, strict=True)
         ]
 
     def with_keys(self, rows: Mapping[str, Rows]) -> dict[str, Rows]:

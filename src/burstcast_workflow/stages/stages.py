@@ -1,10 +1,8 @@
 """Inputs and parameters of stages: functions of a job's wildcards, which Snakemake calls."""
 
-import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -13,25 +11,28 @@ from snakemake.io import local
 from snakemake.iocontainers import Wildcards
 
 from burstcast.base.declared import File, files_of, paths_of
+from burstcast.base.discovery import suggestion
 from burstcast.base.names import parsed
 from burstcast.data.training_realisations import realisation_of
 from burstcast.forecasters.registry import kind_class
 from burstcast.tables.makers.registry import maker as maker_of
 from burstcast_workflow.campaign.campaign import Campaign
-from burstcast_workflow.campaign.job_settings import settings_of_job
+from burstcast_workflow.campaign.job_settings import check_paths, settings_of_job
 from burstcast_workflow.campaign.members import CaseForecaster, ControlRun
 from burstcast_workflow.campaign.shown import Shown
 from burstcast_workflow.harness.call import settings_taken
 from burstcast_workflow.harness.job import function_of
-from burstcast_workflow.harness.settings import THRESHOLDS, TIME_UNIT, cases_of_thresholds
-from burstcast_workflow.snakemake_internals import of_wildcards
-from burstcast_workflow.tables.registry import cases_of, made_by, written
-from burstcast_workflow.tracking.code import Sources
+from burstcast_workflow.harness.settings import covers, undeclared
+from burstcast_workflow.snakemake_internals import of_wildcards, rules_of
+from burstcast_workflow.tables.registry import cases_of, tables_of_maker, written
+from burstcast_workflow.tracking.code import ByName, Sources
 
 Paths: TypeAlias = str | list[str]
 OfJob: TypeAlias = Callable[..., Any]
 """A function of a job's wildcards."""
 
+ENVIRONMENT = "../envs/burstcast.yaml"
+"""Environment of all jobs for ``--sdm conda``, from the files of rules."""
 
 _FORECASTERS = ("forecaster", "controller", "reservoir")
 """Wildcards that name a forecaster, or the network that a reservoir is for."""
@@ -68,11 +69,6 @@ def _without_size(identifier: str) -> str:
     return replace(parsed(identifier), neurons=None, seed=None).identifier
 
 
-def _one(texts: OfJob, key: str) -> OfJob:
-    """One of a job's parameters; empty where it does not concern the job."""
-    return of_wildcards(lambda wildcards: texts(wildcards).get(key, ""))
-
-
 def any_of_regex(names: Iterable[str]) -> str:
     """Regular expression of a wildcard that is one of these names."""
     return "|".join(map(re.escape, names)) or "(?!)"
@@ -84,7 +80,6 @@ class Stages:
     def __init__(self, campaign: Campaign, sources: Sources) -> None:
         self.campaign, self._sources = campaign, sources
         self.results: str = campaign.config.results
-        self._settings: dict[str, OfJob] = {}  # of each stage
 
     # -- files -------------------------------------------------------------------------------------
 
@@ -139,7 +134,7 @@ class Stages:
     def hyperparameters(self, wildcards: Any) -> Paths:
         """Result of the search that a network's hyperparameters come from."""
         network = CaseForecaster(wildcards.case, parsed(wildcards.forecaster))
-        directory = self.campaign.searched(network).directory
+        directory = self.campaign.search_source(network).directory
         return self.in_results(f"{directory}/hyperparameters.json")
 
     def scheduled(self, wildcards: Any) -> Paths:
@@ -184,111 +179,95 @@ class Stages:
         encoded = part in self.campaign.where(is_encoded=True)
         return self.in_results(f"{part}/encoder.nc" if encoded else [])
 
-    # -- what settings leave to other jobs ---------------------------------------------------------
+    def computed_exponents(self, wildcards: Any) -> Paths:
+        """Computed exponents that set a case's unit of time; nothing where it is given."""
+        return self.in_results(self.campaign.cases[wildcards.case].computed_exponents)
 
-    @cached_property
-    def has_quantiles(self) -> bool:
-        """Whether a threshold is a quantile; only then are the settings of all jobs searched."""
-        return any(case.event_quantile is not None for case in self.campaign.cases.values())
+    # -- settings and code -------------------------------------------------------------------------
 
-    def thresholds_of(self, settings: Any) -> Paths:
-        """Files of the event thresholds that a job's settings have as quantiles."""
-        return self.case_files("event_threshold.json", cases_of_thresholds(settings))
+    def settings(self, *paths: str, **values: Any) -> "RuleSettings":
+        """Settings of a rule's jobs by their paths in the config, where they concern the job.
 
-    def computed_settings_files(self, stage: str) -> dict[str, OfJob]:
-        """Inputs of a stage: files of thresholds and units of time that other jobs determine.
-
-        These are functions of each job, which take time: they are left out if no case needs them.
+        A path of a section stands for all settings in it. ``values``: Given as they are.
         """
+        try:
+            check_paths(paths)
+        except LookupError as error:
+            raise WorkflowError(error.args[0]) from None
+        return RuleSettings(self.campaign, paths, values)
 
-        @of_wildcards
-        def thresholds(wildcards: Any) -> Paths:
-            return self.thresholds_of(self._settings[stage](wildcards))
+    def settings_of_table(self, maker: str) -> "RuleSettings":
+        """Settings of a maker of tables: as it declares them, and the columns of its tables."""
+        tables = written(tables_of_maker(maker), self.campaign.unused_columns)
+        paths = [path for path in paths_of(maker_of(maker)) if path != "case"]  # a wildcard
+        return self.settings("case.parameters", *paths, tables=tables)
 
-        @of_wildcards
-        def time_unit(wildcards: Any) -> Paths:
-            measures_time = "case.lyapunov.time_unit" in self._settings[stage](wildcards)
-            if not measures_time:
-                return []
-            return self.in_results(self.campaign.cases[wildcards.case].time_unit)
+    def code(self, script: str, by_name: ByName) -> OfJob:
+        """Hashes of a script, and of what it uses of each module, for the jobs of a rule.
 
-        files = {THRESHOLDS: thresholds} if self.has_quantiles else {}
-        if any(case.time_unit for case in self.campaign.cases.values()):
-            files[TIME_UNIT] = time_unit
-        return files
-
-    # -- settings and code ------------------------------------------------------------------------
-
-    def of_script(
-        self, script: str, stage: str = "", *, maker: str = "", **values: Any
-    ) -> list[Any]:
-        """Parameters of a script's jobs: each setting, and each module of the code that runs.
-
-        Each is a text, ``path = value`` or ``module @hash``: the reasons name the ones that
-        have changed. Settings are those of the class that the script's function takes.
-
-        ``stage``: Name of the rule, if it is not the script's. ``maker``: Module of
-        `burstcast.tables.makers`, whose function declares further settings, and whose tables are
-        declared with their columns. ``values``: Given as they are.
+        ``by_name``: Modules that all jobs of the rule reach by a name, by the package of their
+        registry, beside what follows from the wildcards.
         """
-        declared = settings_taken(function_of(self._sources.script(script))).paths()
-        by_name: dict[str, list[str]] = {}
-        if maker:
-            by_name = {"burstcast.tables.makers": [maker]}
-            of_maker = paths_of(maker_of(maker))
-            declared += [path for path in of_maker if path != "case"]  # a wildcard
-            values["tables"] = written(made_by(maker), self.campaign.unused_columns)
+        # read while rules are: of a large campaign, jobs need not find out for themselves
+        self._sources.code(script, {**self.campaign.all_modules(), **by_name})
+        return _once(lambda wildcards: self.code_of(script, wildcards, by_name))
 
-        def settings(wildcards: Any) -> Any:
-            asked = [path for path in declared if path not in values]
-            # Snakemake's wildcards are a list: only of a mapping can one ask whether it has a name
-            return settings_of_job(self.campaign, asked, dict(wildcards.items()), values)
+    def code_of(self, script: str, wildcards: Any, by_name: ByName) -> dict[str, str]:
+        """Hashes of the code of one job (`code`)."""
+        return self._sources.code(script, {**self.campaign.modules(wildcards), **by_name})
 
-        def modules(wildcards: Any) -> Mapping[str, Sequence[str]]:
-            return {**self.campaign.modules(wildcards), **by_name}
+    def complete(self, workflow: Any) -> None:
+        """Give rules what all share, the code of their scripts and the environment of jobs.
 
-        everything = {**self.campaign.all_modules(), **by_name}
-        stage = stage or Path(script).stem
-        self._settings[stage] = _once(settings)
-        return self.parameters(
-            script, [*declared, *values], self._settings[stage], modules, everything
-        )
+        A rule that names other settings than its script reads is refused.
+        """
+        for rule in rules_of(workflow):
+            if not rule.script:
+                continue
+            script = str(rule.script).removeprefix("../scripts/")
+            if "code" not in dict(rule.params.items()):
+                maker = rule.params.get("maker")
+                by_name = {"burstcast.tables.makers": [maker]} if maker else {}
+                rule.set_params(code=self.code(script, by_name))
+            rule.conda_env = ENVIRONMENT
+            self._check(rule, function_of(self._sources.script(script)))
 
-    def parameters(
-        self,
-        script: str,
-        paths: Iterable[str],
-        settings: OfJob,
-        modules: OfJob,
-        everything: Mapping[str, Sequence[str]],
-    ) -> list[Any]:
-        """Parameters of jobs, by functions of their settings and of modules found by name."""
-        code = self._sources.entries
-        least, most = code(script, {}), code(script, everything)
-        # the same for all jobs of the script: the more modules a job reaches, the more definitions
-        same = [entry for entry in most if entry in least]
-        others = sorted({_name(entry) for entry in most if entry not in least})
-        texts = _once(
-            lambda wildcards: {
-                path: f"{path} = {json.dumps(value, ensure_ascii=False)}"
-                for path, value in settings(wildcards).items()
-            }
-        )
-
-        @_once
-        def reached(wildcards: Any) -> dict[str, str]:
-            entries = {*code(script, modules(wildcards))} - {*same}
-            by_entry = {_name(entry): entry for entry in entries}
-            assert by_entry.keys() <= {*others}, f"{script} reaches more for {wildcards}"
-            return by_entry
-
-        return [
-            *(_one(texts, path) for path in dict.fromkeys(paths)),
-            *same,
-            *(_one(reached, name) for name in others),
+    def _check(self, rule: Any, function: Callable[..., None]) -> None:
+        """Compare the settings that a rule names with what its script reads."""
+        named, kind = rule.params.settings, settings_taken(function)
+        if not isinstance(named, RuleSettings):
+            return  # of figures, which declare their own
+        maker = rule.params.get("maker")
+        read = [*kind.paths(), *(paths_of(maker_of(maker)) if maker else [])]
+        read = [path for path in read if path not in rule.wildcard_names]
+        problems = [
+            f"its script reads {path}, which the rule does not name{suggestion(path, named.names)}"
+            for path in undeclared(named.names, read)
         ]
+        problems += [
+            f"no script reads {name}, which it names{suggestion(name, read)}"
+            for name in named.names
+            if not any(covers(name, path) for path in read)
+        ]
+        inputs = dict(rule.input.items())
+        lacking = [name for name in kind.files() if name not in inputs]
+        problems += [f"its script reads {name}, which is none of its inputs" for name in lacking]
+        if problems:
+            raise WorkflowError(f"rule {rule.name}: {'; '.join(problems)}")
 
 
-def _name(entry: str) -> str:
-    """Name of a module, script, file or library in an entry of code."""
-    return re.split(r" @| ==", entry)[0]
+class RuleSettings:
+    """Settings of a rule, a function of a job's wildcards: values by path."""
+
+    def __init__(self, campaign: Campaign, paths: Sequence[str], values: Mapping[str, Any]) -> None:
+        self.names = [*dict.fromkeys([*paths, *values])]
+        self._of_job = _once(
+            # Snakemake's wildcards are a list: only of a mapping can one ask whether it has a name
+            lambda wildcards: settings_of_job(campaign, paths, dict(wildcards.items()), values)
+        )
+        of_wildcards(self)
+
+    def __call__(self, wildcards: Any) -> dict[str, Any]:
+        """Values that concern a job, by their paths."""
+        values: dict[str, Any] = self._of_job(wildcards)
+        return values

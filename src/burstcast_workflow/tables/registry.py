@@ -111,14 +111,14 @@ MAKERS = [*dict.fromkeys(table.script for table in TABLES.values() if table.of_c
 """Modules that make tables of cases, in the order of the report."""
 
 
-def made_by(script: str) -> list[str]:
+def tables_of_maker(script: str) -> list[str]:
     """Names of the tables that a script writes."""
     return [name for name, table in TABLES.items() if table.script == script]
 
 
 def files_by(script: str) -> list[str]:
     """Names of the files that a script writes: its tables, with their percentiles."""
-    return with_percentiles(made_by(script))
+    return with_percentiles(tables_of_maker(script))
 
 
 def kinds_of(campaign: Campaign) -> list[str]:

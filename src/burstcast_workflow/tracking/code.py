@@ -25,7 +25,7 @@ from burstcast_workflow.tracking.environment import library_version
 
 _MEMORY = Path(".snakemake") / "burstcast_code.json"
 _LIBRARIES = {"site-packages", "dist-packages"}
-_FILE = "file:"
+_FILE, LIBRARY = "file:", "library:"
 _DISTRIBUTIONS = {"PIL": "pillow", "skimage": "scikit-image", "sklearn": "scikit-learn"} | {
     "skopt": "scikit-optimize",
     "yaml": "PyYAML",
@@ -83,7 +83,7 @@ class Sources:
 
     ``script``: File of a script, by its name. ``packages``: Directory of the project's packages.
     ``own_modules``: Files that each of a user's own modules reads, by the name of the module.
-    ``with_libraries``: Whether the versions of libraries are entries, too.
+    ``with_libraries``: Whether the versions of libraries count, too.
     """
 
     def __init__(
@@ -105,19 +105,21 @@ class Sources:
         self._parsed: dict[Path, Parsed] = {}
         self._places: dict[str, list[Place]] = {}
         self._reached: dict[tuple[str, str], list[tuple[Place, str]]] = {}
-        self._closures: dict[object, list[str]] = {}
+        self._closures: dict[object, dict[str, str]] = {}
         self._file = cache(self._find)
 
-    def entries(self, script: str, by_name: ByName) -> list[str]:
-        """Code of a job: ``name @hash`` for the script, each module, each file that these read."""
+    def code(self, script: str, by_name: ByName) -> dict[str, str]:
+        """Code of a job: hashes of its script, of each module, of each file that these read.
+
+        Names are ``evaluation/horizon.py``, ``burstcast.forecasts.horizon``,
+        ``file:module:its_data.csv``; and ``library:numpy``, whose value is a version.
+        """
         key = script, *((package, *names) for package, names in by_name.items())
         if key not in self._closures:
             code = self._closure(script, by_name)
-            entries = [f"{name} @{value}" for name, value in sorted(code.items())]
-            if self._with_libraries:
-                versions = self.libraries(code).items()
-                entries += [f"{library} =={version}" for library, version in versions]
-            self._closures[key] = entries
+            libraries = self.libraries(code) if self._with_libraries else {}
+            versions = {f"{LIBRARY}{name}": version for name, version in libraries.items()}
+            self._closures[key] = dict(sorted(code.items())) | versions
         return self._closures[key]
 
     def _closure(self, script: str, by_name: ByName) -> dict[str, str]:
@@ -210,7 +212,7 @@ class Sources:
             yield place, first
             return
         imports = definitions[_AT_IMPORT].imports if _AT_IMPORT in definitions else []
-        if found := [each for each in imports if each[0] == first]:
+        if first != _ALL and (found := [each for each in imports if each[0] == first]):
             for _, other, imported in found:  # a name that the module itself has imported
                 further = [*filter(None, [imported]), *names[1:]]
                 yield from self._use(_absolute(other, *place), further)
@@ -265,7 +267,8 @@ class Sources:
             for place in places
             if is_own or not _LIBRARIES & {*place.parts}
         )
-        return next(filter(None, files), module_file(name) if is_own else None)
+        found = next(filter(None, files), None)
+        return found or (module_file(name) if is_own else None)
 
     def _parse(self, path: Path) -> Parsed:
         if path not in self._parsed:
@@ -277,12 +280,12 @@ class Sources:
             self._parsed[path] = self._memory[key]
         return self._parsed[path]
 
-    def _file_of_entry(self, name: str) -> Path | None:
+    def _file_of(self, name: str) -> Path | None:
         return self.script(name) if name.endswith(".py") else self._file(name)
 
     def libraries(self, names: Iterable[str]) -> dict[str, str]:
-        """Versions of the libraries that scripts and modules import, by the names of entries."""
-        paths = {name: self._file_of_entry(name) for name in names if not name.startswith(_FILE)}
+        """Versions of the libraries that scripts and modules import, by the names of code."""
+        paths = {name: self._file_of(name) for name in names if not _is_read(name)}
         imported = {
             module.partition(".")[0]
             for path in paths.values()
@@ -296,24 +299,17 @@ class Sources:
         }
         return {name: _version(name) for name in sorted(others)}
 
-    def whole_entries(self) -> list[str]:
-        """All code that jobs were asked for: ``name @hash`` of each script, module, file, whole."""
-        entries = {entry for entries in self._closures.values() for entry in entries}
-        names = {entry.rpartition(" @")[0] for entry in entries if " @" in entry}
-        files = {entry for entry in entries if entry.startswith(_FILE)}
-        paths = {name: self._file_of_entry(name) for name in names if not name.startswith(_FILE)}
-        return sorted(
-            {f"{name} @{self._parse(path).hash}" for name, path in paths.items() if path} | files
-        )
+    def whole(self) -> dict[str, str]:
+        """All code that jobs were asked for: hashes of scripts, modules and files as a whole."""
+        code = {name: value for of_job in self._closures.values() for name, value in of_job.items()}
+        paths = {name: self._file_of(name) for name in code if not _is_read(name)}
+        whole = {name: self._parse(path).hash for name, path in paths.items() if path}
+        files = {name: value for name, value in code.items() if name.startswith(_FILE)}
+        return dict(sorted({**whole, **files}.items()))
 
     def hidden(self) -> dict[str, list[str]]:
         """Calls in a user's own modules that reach code which is not followed, by the module."""
-        names = {
-            entry.rpartition(" @")[0]
-            for entries in self._closures.values()
-            for entry in entries
-            if " @" in entry and not entry.startswith(_FILE)
-        }
+        names = {name for code in self._closures.values() for name in code if not _is_read(name)}
         return {
             name: calls
             for name in sorted(filter(self._is_own, names))
@@ -340,21 +336,30 @@ class Sources:
                 if path.stat().st_ctime_ns > bytecode.stat().st_mtime_ns:
                     bytecode.unlink()
 
-    def changed(self, entries: Iterable[str]) -> list[str]:
-        """Names of the scripts, modules and files whose code is not that of whole entries."""
+    def changed(self, whole: Mapping[str, str]) -> list[str]:
+        """Names of the scripts, modules and files that have other hashes as a whole (`whole`)."""
         changed = []
-        for entry in entries:
-            name, _, value = entry.rpartition(" @")
+        for name, value in whole.items():
             if name.startswith(_FILE):
                 module, _, file = name.removeprefix(_FILE).partition(":")
                 place = self._file(module)
                 path = place.parent / file if place else None
                 now = _hash(path.read_bytes()) if path and path.is_file() else None
             else:
-                path = self._file_of_entry(name)
+                path = self._file_of(name)
                 now = self._parse(path).hash if path and path.is_file() else None
             changed += [name] if now != value else []
         return changed
+
+
+def of_files(code: Mapping[str, str]) -> dict[str, str]:
+    """Hashes of scripts, modules and files, without versions of libraries."""
+    return {name: value for name, value in code.items() if not name.startswith(LIBRARY)}
+
+
+def _is_read(name: str) -> bool:
+    """Whether a name of code is a file's that a module reads, or a library's."""
+    return name.startswith((_FILE, LIBRARY))
 
 
 # -- reading a source ------------------------------------------------------------------------------

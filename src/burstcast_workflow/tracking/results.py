@@ -13,7 +13,7 @@ import secrets
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self, TypeAlias
 
 _SUFFIX = ".sha256"
 
@@ -108,6 +108,10 @@ def _fault(path: str | Path, written: Note) -> str:
     return ""
 
 
+Recorded: TypeAlias = tuple[Iterable[str], Mapping[str, str]]
+"""What Snakemake has recorded of a result: representations of parameters, digests of inputs."""
+
+
 class Notes:
     """Notes of results, by the paths of these, as they were when they were read."""
 
@@ -135,21 +139,21 @@ class Notes:
                     _write(path, written._replace(stamp=stamp))
 
     def is_up_to_date(
-        self, path: str, recorded: list[str] | None, parameters: Callable[[], Iterable[Any]]
+        self, path: str, recorded: Recorded, parameters: Callable[[], Iterable[Any]]
     ) -> bool:
         """Whether an existing result is one of its job's parameters and of the inputs there are.
 
-        Or whether Snakemake sees by itself that it is not: by the parameters that it has
-        ``recorded`` (their representations), and by inputs that are newer than the result.
+        Or whether Snakemake sees by itself that it is not: by the parameters that it has recorded,
+        and by inputs that are newer than the result and have other contents than it has recorded.
         ``parameters``: Those of the job as it is now.
         """
         written = self._notes.get(Path(path))
         if written is None:
             return False
-        of_note, of_record = written.making.parameters, _hash_of_representations(recorded or [])
+        of_note, of_record = written.making.parameters, _hash_of_representations(recorded[0])
         if of_note != of_record and of_note != parameters_hash(parameters()):
             return False
-        return not any(self._is_older(place, path) for place in self._others(written))
+        return all(self._is_seen(place, path, recorded[1]) for place in self._others(written))
 
     def _others(self, written: Note) -> Iterator[str]:
         """Inputs that have another content than those a result was made from."""
@@ -158,8 +162,12 @@ class Notes:
             if now is not None and now.content != content:
                 yield place
 
-    def _is_older(self, place: str, path: str) -> bool:
-        return os.stat(self.results / place).st_mtime_ns <= os.stat(path).st_mtime_ns
+    def _is_seen(self, place: str, path: str, recorded: Mapping[str, str]) -> bool:
+        """Whether Snakemake sees that an input is another: it is newer, with another content."""
+        source = self.results / place
+        if os.stat(source).st_mtime_ns <= os.stat(path).st_mtime_ns:
+            return False
+        return recorded.get(str(source), "").removeprefix("sha256:") != self._notes[source].content
 
 
 def _hash_of_representations(texts: Iterable[str]) -> str:

@@ -28,14 +28,14 @@ class OvertakenError(RuntimeError):
 def begin(
     results: str,
     config: Mapping[str, Any],
-    code: Sequence[str],
+    code: Mapping[str, str],
     directories: Sequence[str],
     revision: str,
 ) -> None:
     """Make this process's run the one that the results directory belongs to.
 
-    ``code``: Entries of all code that jobs run, whole. ``directories``: Of a user's own modules.
-    ``revision``: Of the sources.
+    ``code``: Hashes of all code that jobs run, whole, by name. ``directories``: Of a user's own
+    modules. ``revision``: Of the sources.
     """
     token = secrets.token_hex(8)
     claim = {

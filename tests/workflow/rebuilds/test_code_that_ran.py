@@ -12,6 +12,7 @@ from helpers_rebuilds import RESULTS, TINY, Project
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.registry import figure_case
+from burstcast_workflow.harness.call import is_script
 from burstcast_workflow.project import UNTRACKED
 from burstcast_workflow.tracking.code import Sources
 
@@ -44,7 +45,7 @@ def write():
     sys.setprofile(None)
     snakemake = sys.modules["__main__"].snakemake
     record = {"rule": snakemake.rule, "wildcards": dict(snakemake.wildcards.items()),
-              "maker": snakemake.params.get("maker"), "params": list(snakemake.params),
+              "maker": snakemake.params.get("maker"), "code": snakemake.params.code,
               "called": sorted(called, key=str)}
     with open(os.path.join(os.environ["RECORDS"], f"{os.getpid()}.json"), "w") as file:
         json.dump(record, file)
@@ -95,10 +96,9 @@ def unplanned(directory: Path, records: Path) -> dict[str, list[str]]:
     missing: dict[str, set[str]] = {}
     for path in records.glob("*.json"):
         record = json.loads(path.read_text())
-        entries = [text for text in record["params"] if " @" in text and " = " not in text]
-        (script,) = [text.partition(" @")[0] for text in entries if ".py @" in text]
+        (script,) = filter(is_script, record["code"])
         # the definitions are those of the job
-        assert sorted(entries) == sources.entries(script, by_name(campaign, record))
+        assert record["code"] == sources.code(script, by_name(campaign, record))
         used = sources.definitions(script, by_name(campaign, record))
         for (file, line, name), importing in record["called"]:
             # what makes a constant that the job does not use is no code of it

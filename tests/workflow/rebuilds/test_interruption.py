@@ -69,7 +69,10 @@ def orphan_of(project: Project, overlay: dict | None = None) -> int:
     while not list((project.results / "logs").glob("simulate*/*.log")):
         assert time.monotonic() < end, "it never began"
         time.sleep(0.02)
-    (orphan,) = jobs_of(workflow)
+    while len(jobs := jobs_of(workflow)) != 1:  # one that writes the unit of time has begun, too
+        assert time.monotonic() < end, "others do not end"
+        time.sleep(0.02)
+    (orphan,) = jobs
     workflow.kill()
     workflow.wait()
     return orphan

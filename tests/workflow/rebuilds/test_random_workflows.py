@@ -24,7 +24,6 @@ OPTIONS = (
     *("--rerun-triggers", "mtime", "params", "input", "software-env"),
 )
 SNAKEFILE = """
-import json
 from pathlib import Path
 from burstcast_workflow.snakemake_internals import all_files
 from burstcast_workflow.start import checked_notes, follow
@@ -34,18 +33,17 @@ from burstcast_workflow.tracking.results import digest
 from burstcast_workflow.tracking.run import begin
 
 ROOT = Path(str(workflow.current_basedir))
-campaign = None  # as the project's rules have one
+campaign = stages = None  # as the project's rules have one
 notes = checked_notes("results") if workflow.is_main_process else None
 sources = Sources(lambda name: ROOT / "scripts" / name, ROOT / "none", {"own": ()})
 
-def of_script(script, **values):
-    settings = [f"{name} = {json.dumps(value)}" for name, value in values.items()]
-    return [*settings, *sources.entries(script, {})]
+def of_script(script, **settings):
+    return {"settings": settings, "code": sources.code(script, {})}
 
 
 def begin_run():
     notes.stamp()
-    begin("results", {}, sources.whole_entries(), [], "")
+    begin("results", {}, sources.whole(), [], "")
 """
 SCRIPT = """
 import hashlib
@@ -126,7 +124,7 @@ class Workflow:
                 f"    output: made='results/{{case}}/r{place}.txt',\n"
                 f"        too='results/{{case}}/t{place}.txt'\n"
                 f"    log: 'results/logs/{{case}}{place}.log'\n"
-                f"    params: *of_script('s{place}.py', {settings})\n"
+                f"    params: **of_script('s{place}.py', {settings})\n"
                 f"    script: 'scripts/s{place}.py'\n"
             )
             everything += [f"results/{case}/r{place}.txt" for case in self.cases]

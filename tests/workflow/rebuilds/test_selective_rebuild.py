@@ -76,9 +76,11 @@ def test_a_deleted_file_runs_its_chain_only(project, tmp_path):
     network = "esn-N40-RV-seed0"
     (work.results / f"Re400/networks/{network}/forecaster.nc").unlink()
     planned = work.planned()
-    assert planned >= {f"train/Re400/{network}", f"forecast/Re400/networks/{network}"}
-    others = "control/*/esn-N40-RV-committee/* examples/* flow_event/* ALL_OF_NETWORKS figure/*"
-    assert beyond(planned, f"*{network}* {others}") == set()
+    chain = f"*{network}* -search/* control/*/esn-N40-RV-committee/* ALL_OF_NETWORKS"
+    chain += " -hyperparameters_table/* -joined_networks"  # of the search
+    figures = "control_schematic suppressed_event prediction_* horizon_evaluations midplane_planes"
+    shown = [f"figure/{name}" for name in [*figures.split(), "vorticity_isosurfaces"]]
+    assert planned == jobs_of(work, " ".join([chain, *shown]))
 
 
 def test_a_second_campaign_takes_what_it_shares(project, tmp_path):
@@ -280,7 +282,7 @@ def _otherwise(value):
     return float(value) if type(value) is int else value
 
 
-# -- what an edit must not set off: the jobs that may run at all, written by hand ------------------
+# -- what an edit sets off: the jobs that run, and no others, written by hand ----------------------
 
 # What has rows of every forecaster, of those that control, and of networks.
 GROUPS = {
@@ -312,11 +314,11 @@ class Edit(NamedTuple):
     path: str
     old: str
     new: str
-    allowed: str = ""  # patterns of the jobs that may run, and groups of them
+    sets_off: str = ""  # patterns of the jobs that run, and groups of them
 
 
 def edits_of(table):
-    """Edits from lines: what, file, old text, new text, and jobs that may run."""
+    """Edits from lines: what, file, old text, new text, and jobs that run."""
     for line in table.strip().replace("\n  ", " ").splitlines():
         what, path, *rest = (part.strip(" ") for part in line.split(" | "))
         path = path.replace("LIBRARY", "src/burstcast").replace(
@@ -338,12 +340,16 @@ def edited(project: Project, *edits: Edit) -> Iterator[None]:
         yield
 
 
-def beyond(planned: set[str], allowed: str) -> set[str]:
-    """Jobs that no pattern allows."""
-    patterns = ["report_page"]
-    for word in allowed.split():
-        patterns += GROUPS.get(word, word).split()
-    return {job for job in planned if not any(fnmatchcase(job, pattern) for pattern in patterns)}
+def jobs_of(project: Project, expected: str) -> set[str]:
+    """Jobs of the campaign that patterns name, without those of patterns after a minus sign."""
+    every = {name.removesuffix(".log") for name in project.logs()}
+    jobs: set[str] = set()
+    for word in f"report_page {expected}".split():
+        for pattern in GROUPS.get(word, word).split():
+            named = {job for job in every if fnmatchcase(job, pattern.removeprefix("-"))}
+            assert named, pattern
+            jobs = jobs - named if pattern.startswith("-") else jobs | named
+    return jobs
 
 
 # -- nothing runs ----------------------------------------------------------------------------------
@@ -395,11 +401,11 @@ format of a column | workflow/tables.yaml | empty without events, format: .3f |
 order of the columns of a table | workflow/tables.yaml | [series, survived_fraction, escapes, |
   [series, escapes, survived_fraction, | survival_table/* joined_long_term figure/own_flow
 a colour of one figure | LIBRARY/figures/control_tradeoff.py |
-  panel.axhline(0, color=style.GREY | panel.axhline(0, color=style.PURPLE | figure/control_tradeoff
+  .axvline(0, color=style.GREY | .axvline(0, color=style.PURPLE | figure/control_tradeoff
 the equations as a forecaster | LIBRARY/forecasters/equations_noisy.py |
   return self.with_fitted(system=case.system, in_force=case.parameters, **steps) |
   return self.with_fitted(in_force=case.parameters, system=case.system, **steps) |
-  */equations */equations/* */equations_noisy GATHERED OF_CONTROL
+  */equations */equations/* */equations_noisy GATHERED OF_CONTROL -figure/error_growth
 networks as a forecaster, neither data nor their search | LIBRARY/forecasters/esn.py |
   return self.network.forecast(memory, steps) |
   return self.network.forecast(memory.copy(), steps) |
@@ -414,8 +420,7 @@ the readouts of networks | LIBRARY/networks/readout.py |
 the velocity profiles | LIBRARY/statistics/profiles.py |
   np.linspace(-1.0, 1.0, points) | np.linspace(-1, 1, points) |
   reference_statistics/* statistics_table/* joined_long_term warnings_table/*
-  joined_warnings figure/long_term_density figure/profile_errors figure/midplane_*
-  figure/suppressed_event figure/vorticity_isosurfaces
+  joined_warnings figure/long_term_density figure/profile_errors figure/midplane_mean_square
 """)
 ]
 
@@ -424,14 +429,21 @@ the velocity profiles | LIBRARY/statistics/profiles.py |
 def test_edits_that_run_little(project, edit):
     with edited(project, edit):
         planned = project.planned()
-    assert planned
-    assert beyond(planned, edit.allowed) == set()
+    assert planned == jobs_of(project, edit.sets_off)
 
 
 def test_one_more_seed_in_a_block_of_its_own(project):
     networks = {"neurons": [40], "validation": ["RV"], "seeds": 2}
     block = {"reynolds": [400], "forecasters": {"esn": networks}}
     planned = project.planned(overlay={"campaign": [*tiny_with()["campaign"], block]})
-    assert "Re400/networks/esn-N40-RV-seed1/forecaster.nc" in planned
-    new = "Re400/*esn-N40-RV-seed1* Re400/scan/esn-N40-seed1/* control/*/esn-N40-RV-committee/*"
-    assert beyond(planned, f"{new} ALL_OF_NETWORKS") == set()
+    files = "forecaster.nc forecast.nc calibration_forecast.nc horizon.nc long_term.nc search.csv"
+    files += " hyperparameters.json lyapunov_spectrum.nc"
+    new = {f"Re400/networks/esn-N40-RV-seed1/{name}" for name in files.split()}
+    new |= {f"Re400/scan/esn-N40-seed1/RV+SSV.{suffix}" for suffix in ("csv", "nc")}
+    paper, other = "prediction_triggered-prediction_time1-window1", "receding_horizon-"
+    other += "decision_interval0.5-horizon1"
+    for controller in (f"esn-N40-RV-seed1/{paper}", f"esn-N40-RV-seed1/{other}"):
+        new.add(f"Re400/control/{controller}/flows.nc")
+    new.add(f"Re400/control/esn-N40-RV-seed1-random/{paper}/flows.nc")
+    others = jobs_of(project, "control/*/esn-N40-RV-committee/* ALL_OF_NETWORKS")
+    assert planned == new | others

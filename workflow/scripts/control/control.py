@@ -10,13 +10,14 @@ from burstcast.control.controllers import controlling_policy
 from burstcast.control.records import Span, record_flows
 from burstcast.control.windows import observable_histograms
 from burstcast.statistics.densities import bin_edges
-from burstcast_workflow.harness.job import at, job, write_netcdf
+from burstcast_workflow.harness.job import JobSettings, at, job, write_netcdf
 from burstcast_workflow.jobs.control import Controlled, alarm_rate, sensor_of
 
 
-class Control(Controlled):
+class Control(JobSettings):
     """Control by any controller, for tables and figures."""
 
+    run: Controlled
     aware: dict[str, Any] | None = at("forecasters.aware", otherwise=None)
     sensor: dict[str, Any] | None = at("control.sensor", otherwise=None)
     costs: bool = at("control.cost", otherwise=False)
@@ -35,8 +36,9 @@ def control(
     settings: Control,
 ) -> None:
     """Write records of each flow; random alarms are as frequent as those of `matched` flows."""
-    sensor = sensor_of(settings.sensor, settings.equations, encoder)
-    strategy, experiment, asked, noise = settings.setup(
+    run = settings.run
+    sensor = sensor_of(settings.sensor, run.forecasting.system.equations, encoder)
+    strategy, experiment, asked, noise = run.setup(
         ensemble, summary, forecasters, sensor, settings.aware
     )
     controller = parsed(settings.controller)
@@ -49,7 +51,7 @@ def control(
         seed=controller.seed or 0,
     )
     simulation = strategy.simulate(experiment, policy, noise=noise, costs=settings.costs)
-    records = record_flows(simulation, settings.laminarisation_threshold)
+    records = record_flows(simulation, run.laminarisation_threshold)
     parts = [records, strategy.categories(simulation), simulation.cost]
     if settings.density:
         low, high = settings.density["range"]
@@ -60,5 +62,5 @@ def control(
     for part in filter(None, parts):
         variables |= variables_of(part)
     span = dataclasses.asdict(Span.of(simulation.timing))
-    attributes = {**settings.provenance, **span, "left_out": simulation.left_out}
+    attributes = {**settings.provenance, **span, "left_out": simulation.left_out, **run.attributes}
     write_netcdf(flows, variables, attributes)

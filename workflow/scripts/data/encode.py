@@ -10,13 +10,15 @@ from burstcast.data.dataset import component_scales, observed_series
 from burstcast.data.encoders.channels import IDENTITY, StateChannels, encoding_case
 from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.systems.registry import make_space
-from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
+from burstcast_workflow.harness.job import JobSettings, at, job, write_json, write_netcdf
 from burstcast_workflow.jobs.cases import Sampling, System
 
 
-class Encoding(System, Sampling):
+class Encoding(JobSettings):
     """What is observed of another case, and how it is encoded."""
 
+    system: System
+    sampling: Sampling
     random_seed: int = at("random_seed")
     training_series: int = at("case.training.series")
     sensors: dict[str, Any] | None = at("case.sensors")
@@ -50,10 +52,10 @@ def encode(*, source: str, ensemble: str, summary: str, encoder: str, settings: 
     variables, of_all = ensemble_variables(
         np.concatenate([np.concatenate(true), observable], axis=2),
         data["observable"],
-        settings.space.observable_name,
+        settings.system.space.observable_name,
         data["series"],
         data["lifetime"],
-        settings.sampling_interval,
+        settings.sampling.interval,
     )
     variables["observed"] = replace(
         variables["state"],

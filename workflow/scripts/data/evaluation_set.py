@@ -9,5 +9,5 @@ def evaluation_set_of_case(
     *, ensemble: str, evaluation_set: str, settings: EvaluationPoints
 ) -> None:
     """Write points in the test series."""
-    rows = settings.test_rows(ensemble)
-    settings.write_point_set(evaluation_set, ensemble, rows, settings.spacing)
+    rows = settings.tested.rows(ensemble)
+    settings.points.write_set(evaluation_set, ensemble, rows, settings.spacing)

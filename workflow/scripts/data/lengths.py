@@ -6,30 +6,43 @@ Nothing waits for it, but it runs before what would fail for the same reason, jo
 import numpy as np
 
 from burstcast.base.files.netcdf import read_netcdf, variable_names
-from burstcast_workflow.harness.job import at, job, write_json
+from burstcast_workflow.harness.job import JobSettings, at, job, write_json
+from burstcast_workflow.jobs.cases import Clock
 from burstcast_workflow.jobs.lengths import Lengths
 
 
-class LengthsOfCase(Lengths):
+class LengthsOfCase(JobSettings):
     """What the forecasters of the case need of its series."""
 
-    kinds: list[str] = at("job.asked_of_series", "kinds")
-    validations: list[str] = at("job.asked_of_series", "validations")
-    long_runs: bool = at("job.asked_of_series", "long_runs")
+    lengths: Lengths
+    clock: Clock
+    kinds: list[str] = at("job.asked_of_series.kinds")
+    validations: list[str] = at("job.asked_of_series.validations")
+    long_runs: bool = at("job.asked_of_series.long_runs")
 
 
 @job
 def lengths_of_case(*, ensemble: str, lengths: str, settings: LengthsOfCase) -> None:
     """Write the steps of a Lyapunov time and of a series, or raise with all that does not fit."""
-    steps, samples = settings.lyapunov_time, len(read_netcdf(ensemble, "time")["time"])
+    needs, steps, samples = (
+        settings.lengths,
+        settings.clock.lyapunov_time,
+        len(read_netcdf(ensemble, "time")["time"]),
+    )
     training: list[int] = []
     if "length" in variable_names(ensemble):
         lengths_of_series = read_netcdf(ensemble, "length")["length"]
-        trained, tested = np.split(lengths_of_series, [settings.training_series])
+        trained, tested = np.split(lengths_of_series, [needs.training_series])
         training = sorted(trained.tolist(), reverse=True)
         samples = int(min(trained.max(), tested.max()))  # the longest series of either set
-    problems = settings.misfits(
-        steps, samples, settings.kinds, settings.validations, settings.long_runs, training
+    problems = needs.misfits(
+        steps,
+        settings.clock.sampling_interval,
+        samples,
+        settings.kinds,
+        settings.validations,
+        settings.long_runs,
+        training,
     )
     if problems:
         raise ValueError(

@@ -14,17 +14,17 @@ from burstcast.systems.lyapunov import (
     mean_with_interval,
     perturbation_growth,
 )
-from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
-from burstcast_workflow.jobs.cases import System
+from burstcast_workflow.harness.job import JobSettings, at, job, write_json, write_netcdf
+from burstcast_workflow.jobs.cases import Sampling, System
 from burstcast_workflow.jobs.series import check_kept_series, kept_series
 
 
-class Exponents(System):
+class Exponents(JobSettings):
     """Lyapunov exponents of the case."""
 
+    system: System
+    sampling: Sampling
     random_seed: int = at("random_seed")
-    time_step: float = at("case.ensemble.time_step")
-    sampling_stride: int = at("case.ensemble.sampling_stride")
     series: int = at("case.lyapunov.series")
     exponents: int = at("case.lyapunov.exponents")
     perturbation: float = at("case.lyapunov.perturbation")
@@ -35,14 +35,15 @@ class Exponents(System):
 @job
 def lyapunov(*, ensemble: str, exponents: str, spectrum: str, settings: Exponents) -> None:
     """Write the exponents with their 95 % confidence intervals, also of each series."""
-    system, time_step, series = settings.equations, settings.time_step, settings.series
+    system, series = settings.system.equations, settings.series
+    time_step, stride = settings.sampling.time_step, settings.sampling.stride
     check_kept_series(kept_series(ensemble), {str(Exponents.series): series})
     states = read_rows(ensemble, "state", 0, series)
     start = np.ascontiguousarray(states[:, 0].T)
     if has_own(system, "jacobian") and not has_own(system, "flow_map"):
         checked_jacobian(system, start)
     # along the kept series, which are known not to laminarise
-    steps = (states.shape[1] - 1) * settings.sampling_stride
+    steps = (states.shape[1] - 1) * stride
     interval = round(settings.orthonormalisation_interval / time_step)
     alignment = alignment_of(steps, interval)
     by_series = lyapunov_spectrum(

@@ -3,24 +3,26 @@
 from burstcast.base import random_streams
 from burstcast.base.series_lengths import array_or_list
 from burstcast.statistics.neighbour_divergence import NoExponentError, neighbour_divergence
-from burstcast_workflow.harness.job import at, job, tell, write_json
+from burstcast_workflow.harness.job import JobSettings, at, job, tell, write_json
 from burstcast_workflow.jobs.cases import Sampling
 from burstcast_workflow.jobs.series import Training
 
 
-class Divergence(Training, Sampling):
+class Divergence(JobSettings):
     """How fast neighbours part."""
 
+    training: Training
+    sampling: Sampling
     random_seed: int = at("random_seed")
-    resamples: int = at("bootstrap", "resamples")
-    confidence: float = at("bootstrap", "confidence")
+    resamples: int = at("bootstrap.resamples")
+    confidence: float = at("bootstrap.confidence")
     sets_time_unit: bool = at("case.estimates_time_unit")
 
 
 @job
 def estimated_exponent(*, ensemble: str, exponents: str, settings: Divergence) -> None:
     """Write the exponent of the training series with its interval, or that they show none."""
-    series, interval = settings.training_states(ensemble), settings.sampling_interval
+    series, interval = settings.training.states(ensemble), settings.sampling.interval
     stream = random_streams.stream(settings.random_seed, "neighbour divergence", settings.case)
     try:
         record = neighbour_divergence(

@@ -10,13 +10,13 @@ from burstcast_workflow.jobs.series import Switched, known_rows
 @job
 def schedule_series(*, ensemble: str, scheduled_series: str, settings: Switched) -> None:
     """Write the series, what is observed of them, and the parameters in force."""
-    states = settings.training_states(ensemble)
+    states = settings.observed.training.states(ensemble)
     actuated = settings.switching is not None
     if actuated:
         rows = range(len(states))
-        states, observed, schedules = settings.switched_series(ensemble, rows, "training")
+        states, observed, schedules = settings.series(ensemble, rows, "training")
     else:
-        observed = settings.observed_rows(ensemble, 0, states)
+        observed = settings.observed.rows(ensemble, 0, states)
         columns = known_rows(ensemble, 0, len(states))
         if columns is None:
             series, time, _ = states.shape

@@ -8,13 +8,14 @@ from burstcast.base import random_streams
 from burstcast.data.dataset import generate_ensemble, initial_states
 from burstcast.data.ensemble_files import ensemble_variables
 from burstcast.systems.sampling import sampled_initial_states
-from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
+from burstcast_workflow.harness.job import JobSettings, at, job, write_json, write_netcdf
 from burstcast_workflow.jobs.cases import System
 
 
-class Simulation(System):
+class Simulation(JobSettings):
     """The ensemble of a case."""
 
+    system: System
     random_seed: int = at("random_seed")
     ensemble: dict[str, Any] = at("case.ensemble")
     laminarisation_threshold: float | None = at("case.laminarisation_threshold")
@@ -23,7 +24,7 @@ class Simulation(System):
 @job
 def simulate(*, ensemble: str, summary: str, settings: Simulation) -> None:
     """Write the kept series, their observable, and a summary."""
-    system, given = settings.equations, settings.ensemble
+    system, given = settings.system.equations, settings.ensemble
     generator = random_streams.stream(settings.random_seed, "ensemble", settings.case)
     if given["initial_state"] is None:
         start = sampled_initial_states(system, given["series"], generator)

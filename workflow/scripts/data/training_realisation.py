@@ -12,14 +12,17 @@ from burstcast.data.training_realisations import (
     rows_of_drawn_series,
     rows_of_realisation,
 )
-from burstcast_workflow.harness.job import at, job, write_json, write_netcdf
+from burstcast_workflow.harness.job import JobSettings, at, job, write_json, write_netcdf
 from burstcast_workflow.jobs.cases import Sampling, System
 from burstcast_workflow.jobs.series import Tested, check_kept_series, known_rows
 
 
-class Realisation(System, Sampling, Tested):
+class Realisation(JobSettings):
     """A choice of the training series."""
 
+    system: System
+    sampling: Sampling
+    tested: Tested
     random_seed: int = at("random_seed")
     calibration_series: int = at("probability.calibration_series")
     realisation: int = at("case.realisation")
@@ -31,11 +34,11 @@ def choose_training_series(
     *, source: str, ensemble: str, summary: str, settings: Realisation
 ) -> None:
     """Write the same series; the first are others, the test series are equal."""
-    training, realisation = settings.training_series, settings.realisation
+    training, realisation = settings.tested.training.series, settings.realisation
     data = read_netcdf(source, "series", "lifetime", "state", "observable")
     kept = len(data["series"])
     held = {
-        "test_series": settings.test_series(kept),
+        "test_series": settings.tested.series(kept),
         str(Realisation.calibration_series): settings.calibration_series,
     }
     needs = {"training.series x realisations": training * (realisation + 1), **held}
@@ -58,10 +61,10 @@ def choose_training_series(
     variables, of_all = ensemble_variables(
         data["state"][rows],
         data["observable"][rows],
-        settings.space.observable_name,
+        settings.system.space.observable_name,
         data["series"][rows],
         data["lifetime"],
-        settings.sampling_interval,
+        settings.sampling.interval,
     )
     if (schedules := known_rows(source, 0, len(rows))) is not None:
         variables |= schedule_variable(schedules[rows])

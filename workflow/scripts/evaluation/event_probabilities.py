@@ -5,14 +5,16 @@ import numpy as np
 from burstcast.base.files.netcdf import variables_of
 from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.forecasts.probabilities import EventProbabilities, out_of_sample_probabilities
-from burstcast_workflow.harness.job import at, concerning, job, write_netcdf
+from burstcast_workflow.harness.job import JobSettings, at, concerning, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import Forecasting, write_forecaster
-from burstcast_workflow.jobs.forecasts import Alarms
+from burstcast_workflow.jobs.forecasts import ScoredForecasts
 
 
-class Classifying(Forecasting, Alarms):
+class Classifying(JobSettings):
     """A classifier of events."""
 
+    forecasting: Forecasting
+    scored: ScoredForecasts
     calibration_series: int = at("probability.calibration_series")
 
 
@@ -28,17 +30,18 @@ def event_probabilities(
     settings: Classifying,
 ) -> None:
     """Learn from the training set; what was learnt from is forecast out of sample."""
-    times, threshold = settings.prediction_times_lt, settings.event_threshold
-    classifier, case = settings.unfitted(), settings.forecasting_case()
+    forecasting, scored = settings.forecasting, settings.scored
+    times, threshold = scored.prediction_times_lt, scored.event_threshold
+    classifier, case = forecasting.unfitted(), forecasting.forecasting_case()
     assert isinstance(classifier, EventClassifier)
-    steps, points = settings.lyapunov_time, settings.forecast_points(training_set)
+    steps, points = forecasting.clock.lyapunov_time, scored.points(training_set)
     schedules = points.exogenous_features(times, steps)
     learnt = points.labelled(times, threshold, schedules)
     with concerning(f"case {settings.case}"):
         learnt.check(times)
     fitted = classifier.fit(learnt, case)
-    test = settings.forecast_points(evaluation_set)
-    kept = settings.forecast_points(calibration_set)
+    test = scored.points(evaluation_set)
+    kept = scored.points(calibration_set)
     # an actuation of the test series alone is not known to what has learnt without one
     test_schedules = None if schedules is None else test.exogenous_features(times, steps)
     kept_schedules = None if schedules is None else kept.exogenous_features(times, steps)

@@ -10,7 +10,7 @@ from burstcast.forecasts.examples import (
     outcome_examples,
 )
 from burstcast.forecasts.windows import WindowSummaries
-from burstcast_workflow.harness.job import at, job, write_netcdf
+from burstcast_workflow.harness.job import JobSettings, at, job, write_netcdf
 from burstcast_workflow.jobs.forecasters import Forecasting, seen
 from burstcast_workflow.jobs.forecasts import Horizons, Windows
 from burstcast_workflow.jobs.series import Training
@@ -20,9 +20,13 @@ AFTER_EVENT_LT = 0.5
 """What is shown before the washout of a forecast, and after an event."""
 
 
-class Examples(Forecasting, Windows, Horizons, Training):
+class Examples(JobSettings):
     """Which forecasts are shown."""
 
+    forecasting: Forecasting
+    windows: Windows
+    horizons: Horizons
+    training: Training
     prediction_time_lt: float = at("shown.example_prediction_time_lt")
     wanted_lt: float = at("figures.example_horizon_lt")
 
@@ -35,30 +39,30 @@ def _outcomes(
     forecaster: Forecaster,
 ) -> OutcomeExamples:
     """One forecast of the test set for each outcome."""
-    steps, resolution = settings.lyapunov_time, settings.resolution_lt
-    window_lt, prediction_time_lt = settings.window_lt, settings.prediction_time_lt
+    windows, washout = settings.windows, settings.horizons.washout
+    window_lt, prediction_time_lt = windows.window_lt, settings.prediction_time_lt
     points = read_netcdf(evaluation_set)
     chosen = outcome_examples(
         WindowSummaries(**read_netcdf(forecast_file, "first", "largest")),
         WindowSummaries(points["first"], points["largest"]),
         points["washout_maximum"],
-        first_window=round(prediction_time_lt / resolution) - 1,
-        windows=round(window_lt / resolution),
-        threshold=settings.event_threshold,
+        first_window=round(prediction_time_lt / windows.resolution_lt) - 1,
+        windows=round(window_lt / windows.resolution_lt),
+        threshold=settings.horizons.event_threshold,
     )
     # as far as the evaluation set surely reaches
-    reach_lt = min(prediction_time_lt + 1, settings.longest_prediction_time_lt) + window_lt
-    first, rows = settings.training_series, list(chosen.values())
+    reach_lt = min(prediction_time_lt + 1, windows.longest_prediction_time_lt) + window_lt
+    first, rows = settings.training.series, list(chosen.values())
     return forecast_outcomes(
         forecaster,
-        settings.space.observable,
+        settings.forecasting.system.space.observable,
         seen(forecaster, points["washout"][rows], points["true_washout"][rows]),
         read_rows(ensemble, "observable", first, first + int(points["series"].max()) + 1),
         SeriesPoints(points["series"][rows], points["step"][rows]),
         list(chosen),
-        before=settings.steps(settings.washout_lt + BEFORE_WASHOUT_LT),
-        reach=settings.steps(reach_lt),
-        steps_per_lyapunov_time=steps,
+        before=washout.clock.steps(washout.lt + BEFORE_WASHOUT_LT),
+        reach=washout.clock.steps(reach_lt),
+        steps_per_lyapunov_time=washout.clock.lyapunov_time,
     )
 
 
@@ -76,17 +80,17 @@ def examples_of_forecaster(
     settings: Examples,
 ) -> None:
     """Write true and forecast observables of the examples."""
-    model = settings.read_forecaster(forecaster)
+    model = settings.forecasting.read_forecaster(forecaster)
     outcomes = _outcomes(ensemble, evaluation_set, forecast, settings, model)
     before = read_netcdf(events)
     evaluations = evaluate_event(
         model,
-        settings.space.observable,
+        settings.forecasting.system.space.observable,
         seen(model, before["observed"], before["true_state"]),
         SeriesPoints(before["series"], before["step"]),
         lambda series: read_rows(ensemble, "observable", series, series + 1)[0],
         read_netcdf(horizon)["prediction_horizon_lt"],
-        settings.horizon_search(summary),
+        settings.horizons.search(summary),
         wanted_lt=settings.wanted_lt,
         after_lt=AFTER_EVENT_LT,
     )

@@ -10,7 +10,8 @@ from burstcast_workflow.jobs.series import read_scheduled
 @job
 def fit(*, ensemble: str, scheduled: list[str], forecaster: str, settings: Observing) -> None:
     """Write what it has learnt."""
-    unfitted, case = as_forecaster(settings.unfitted()), settings.forecasting_case(ensemble)
+    unfitted = as_forecaster(settings.forecasting.unfitted())
+    case = settings.forecasting.forecasting_case(ensemble)
     if scheduled:
         training = read_scheduled(scheduled, settings.case).observed
     else:

@@ -12,13 +12,14 @@ from burstcast.networks.hyperparameters import SurrogateSettings
 from burstcast.networks.scan_files import read_evaluations
 from burstcast.networks.uncertainty import objective_uncertainty
 from burstcast.networks.validation_strategies.registry import make_strategy
-from burstcast_workflow.harness.job import at, job, write_json, write_table
+from burstcast_workflow.harness.job import JobSettings, at, job, write_json, write_table
 from burstcast_workflow.jobs.networks import Search
 
 
-class BayesianSearch(Search):
+class BayesianSearch(JobSettings):
     """The search, beyond the grid."""
 
+    search: Search
     points: int = at("search.bayesian_points")
     surrogate: dict[str, Any] = at("search.surrogate")
 
@@ -42,12 +43,12 @@ def search(
 ) -> None:
     """Write the whole trace of the search and its best point."""
     identifier = settings.forecaster
-    validator = settings.point_validator(identifier, ensemble, scheduled)
+    validator = settings.search.point_validator(identifier, ensemble, scheduled)
     strategy = make_strategy(str(parsed(identifier).validation))
-    reservoir = settings.reservoir_seed(identifier)
+    reservoir = settings.search.networks.reservoir_seed(identifier)
     evaluations = network_search.search(
         validator,
-        settings.search_space,
+        settings.search.space,
         strategy,
         read_evaluations(read_table(scan).to_dict("records"), scan_errors),
         settings.points,

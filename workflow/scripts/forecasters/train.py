@@ -8,14 +8,15 @@ from burstcast.forecasters.esn import NetworkForecaster
 from burstcast.forecasters.registry import make_kind
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.scan import leak_rate_of
-from burstcast_workflow.harness.job import at, job, read_json, tell
+from burstcast_workflow.harness.job import JobSettings, at, job, read_json, tell
 from burstcast_workflow.jobs.forecasters import write_forecaster
 from burstcast_workflow.jobs.networks import Networks
 
 
-class Training(Networks):
+class Training(JobSettings):
     """A network that is trained."""
 
+    networks: Networks
     options: dict[str, Any] = at("forecaster.options")
 
     @property
@@ -37,9 +38,9 @@ def train(
     settings: Training,
 ) -> None:
     """Write the trained network."""
-    chosen, seed = read_json(hyperparameters), settings.reservoir_seed(settings.forecaster)
-    series = settings.learnt(ensemble, scheduled)
-    unfitted = settings.unfitted
+    chosen, seed = read_json(hyperparameters), settings.networks.reservoir_seed(settings.forecaster)
+    series = settings.networks.learnt(ensemble, scheduled)
+    unfitted, washout = settings.unfitted, settings.networks.washout
     dynamics = Dynamics(
         seed.reservoir(series.dimension),
         chosen["spectral_radius"],
@@ -52,9 +53,9 @@ def train(
         dynamics,
         seed,
         series,
-        washout=settings.washout,
+        washout=washout.steps,
         tikhonov=chosen["tikhonov"],
-        steps_per_lyapunov_time=settings.lyapunov_time,
+        steps_per_lyapunov_time=washout.clock.lyapunov_time,
     )
     for text in network.weaknesses():
         tell(text)

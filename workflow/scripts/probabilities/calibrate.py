@@ -1,14 +1,16 @@
 """Calibrate the probabilities of all sources of alarms in a case, and choose their thresholds."""
 
 from burstcast.forecasts.alarms import calibrated_alarms
-from burstcast_workflow.harness.job import at, job, write_json
+from burstcast_workflow.harness.job import JobSettings, at, job, write_json
 from burstcast_workflow.jobs.cases import Clock
-from burstcast_workflow.jobs.forecasts import Alarms
+from burstcast_workflow.jobs.forecasts import ScoredForecasts
 
 
-class Calibration(Alarms, Clock):
+class Calibration(JobSettings):
     """Thresholds of alarms."""
 
+    scored: ScoredForecasts
+    clock: Clock
     prior_forecasts: float = at("probability.prior_forecasts")
 
 
@@ -22,10 +24,10 @@ def calibrate(
 ) -> None:
     """Write calibrations and thresholds by alarm and prediction time."""
     alarms = calibrated_alarms(
-        settings.forecast_points(calibration_set, calibration_forecasts),
-        settings.prediction_times_lt,
-        settings.event_threshold,
+        settings.scored.points(calibration_set, calibration_forecasts),
+        settings.scored.prediction_times_lt,
+        settings.scored.event_threshold,
         settings.prior_forecasts,
     )
-    record = {"steps_per_lyapunov_time": settings.lyapunov_time, "alarms": alarms}
+    record = {"steps_per_lyapunov_time": settings.clock.lyapunov_time, "alarms": alarms}
     write_json(calibration, record, settings.provenance)

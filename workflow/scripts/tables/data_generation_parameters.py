@@ -19,21 +19,31 @@ class DataParameters(JobSettings):
 
 @job
 def data_generation_parameters(
-    *, summaries: list[str], table: str, latex: str, settings: DataParameters
+    *,
+    summaries: list[str],
+    event_thresholds: list[str],
+    table: str,
+    latex: str,
+    settings: DataParameters,
 ) -> None:
     """Write one column of values for each case."""
+    thresholds = {
+        origin.identity["case"]: read_json(origin.path)["event_threshold"]
+        for origin in origins(event_thresholds)
+    }
     tables = {}
     for origin in origins(summaries):
-        case = CaseData(settings.cases[origin.identity["case"]], origin.identity)
-        system = case.equations
-        tables[origin.identity["case"]] = data_parameters(
-            system=described_parameters(case.system, parameters_of(system)),
+        name = origin.identity["case"]
+        case = CaseData(settings.cases[name], origin.identity)
+        system = case.system.equations
+        tables[name] = data_parameters(
+            system=described_parameters(case.system.name, parameters_of(system)),
             symbol=system.observable_symbol,
             time_step=case.time_step,
             series_duration=case.duration,
             training_series=case.training_series,
             laminarisation_threshold=case.laminarisation_threshold,
-            event_threshold=case.event_threshold,
+            event_threshold=thresholds[name],
             series_kept=read_json(origin.path)["series_kept"],
         )
     columns = side_by_side(tables).fillna("")  # where only other cases have a parameter

@@ -5,13 +5,14 @@ from typing import Any
 
 from burstcast.base.files.tables import read_table
 from burstcast.tables.realisations import scatter_of_families
-from burstcast_workflow.harness.job import at, job
+from burstcast_workflow.harness.job import JobSettings, at, job
 from burstcast_workflow.jobs.tables import Tables
 
 
-class Scatter(Tables):
+class Scatter(JobSettings):
     """Tables of scores, and the kinds of forecasters in them."""
 
+    written: Tables
     scattered: dict[str, dict[str, Any]] = at("scattered")
     kinds: list[str] = at("kinds")
 
@@ -22,7 +23,6 @@ def separate_scatter(*, scores: list[str], tables: list[str], settings: Scatter)
     rows: list[dict[str, Any]] = []
     for path in scores:
         scattered = settings.scattered[Path(path).stem]
-        rows += scatter_of_families(
-            read_table(path), settings.kinds, scattered["by"][2:], scattered["percentiles"]
-        )
-    settings.write(tables, training_realisations=rows)
+        by = [key for key in scattered["by"] if key not in ("case", "reynolds")]
+        rows += scatter_of_families(read_table(path), settings.kinds, by, scattered["percentiles"])
+    settings.written.write(tables, training_realisations=rows)

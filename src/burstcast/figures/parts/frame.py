@@ -1,7 +1,6 @@
 """Axes of an observable and of time: limits, labels, the event threshold, spans of time."""
 
 import re
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,8 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
 from burstcast.base.arrays import BoolArray, FloatArray
-from burstcast.base.declared import at, read
-from burstcast.base.durations import steps_per_lyapunov_time
 from burstcast.figures.parts import looks, style
 
 HATCHED: dict[str, Any] = {"facecolor": "none", "edgecolor": style.LIGHT_GREY, "hatch": "//////"}
@@ -36,22 +33,6 @@ def axis_limits(threshold: float, *curves: FloatArray) -> tuple[float, float]:
     high = max(float(np.nanmax(curve)) for curve in curves)
     top = max(high + _MARGIN * (high - floor), threshold + _NAME * (max(high, threshold) - floor))
     return floor, top
-
-
-def samples_per_lyapunov_time(
-    *,
-    exponents: Mapping[str, Any] | None = read("time_unit"),
-    time_step: float = at("case.ensemble.time_step"),
-    sampling_stride: int = at("case.ensemble.sampling_stride"),
-    given_exponent: float = at("case.lyapunov.given_exponent"),
-) -> int:
-    """Samples of a series in one Lyapunov time, of which figures declare that they are made by it.
-
-    ``exponents``: Computed Lyapunov exponents, if they are the unit of time; None: the published
-    one is, in inverse time units.
-    """
-    exponent = exponents["leading"]["mean"] if exponents else given_exponent
-    return steps_per_lyapunov_time(exponent, time_step * sampling_stride)
 
 
 def true_runs(condition: BoolArray) -> list[tuple[int, int]]:

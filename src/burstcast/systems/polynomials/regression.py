@@ -61,6 +61,7 @@ def factored_coefficients(
     window: int,
     significance: float,
     factors: FloatArray | None = None,
+    conserved: FloatArray | None = None,
 ) -> FloatArray:
     """Coefficients that are linear in factors, ``(1 + factors, monomials, dimension)``.
 
@@ -68,8 +69,12 @@ def factored_coefficients(
     dx/dt = sum_m (c[0, m] + sum_f factor_f c[f, m]) monomial_m(x). ``noise``: Standard deviation of
     the noise in each component. ``significance``: Standard errors that the coefficient of a term
     must be away from zero; 0 keeps all terms. ``factors``: In force from each sample to the next,
-    ``(series, time - 1, factors)``; None: there are none.
+    ``(series, time - 1, factors)``; None: there are none. ``conserved``: Symmetric matrix of a
+    quadratic form that the quadratic terms leave as it is, such as the kinetic energy in flows,
+    ``(dimension, dimension)``; without factors alone. None: nothing is conserved.
     """
+    if conserved is not None and (factors is not None or degree != 2):
+        raise ValueError("a conserved quadratic form takes equations of degree 2 without factors")
     if factors is None:
         factors = np.empty((series.shape[0], max(0, series.shape[1] - 1), 0))
     if factors.shape[:2] != (series.shape[0], max(0, series.shape[1] - 1)):
@@ -110,6 +115,9 @@ def factored_coefficients(
         for component in range(series.shape[2])
     ]
     scaled = np.stack(columns, axis=1)
+    if conserved is not None:
+        form = conserved * np.outer(scale, scale)
+        scaled = _conserving(scaled, gram, cross, form)
     units = np.array(
         [math.prod(scale[list(factors)]) for factors in monomials(series.shape[2], degree)]
     )
@@ -262,6 +270,54 @@ def _significant(gram: FloatArray, cross: FloatArray, significance: float) -> Fl
         kept[np.argmin(strength)] = False
 
 
+def _conserving(
+    coefficients: FloatArray, gram: FloatArray, cross: FloatArray, form: FloatArray
+) -> FloatArray:
+    """Coefficients ``(monomials, dimension)`` of least squares that conserve a quadratic form.
+
+    Equations are weighted by their standard errors. Constant and linear terms that are zero stay
+    so; quadratic terms are all there, since conservation adds up terms of several equations.
+    ``gram``, ``cross``: Sums over the windows of each stretch.
+    """
+    constraints = _changes_of_form(form)
+    quadratic: BoolArray = np.asarray(constraints.any(axis=(0, 2)))
+    kept = (coefficients != 0) | quadratic[:, np.newaxis]
+    total = gram.sum(axis=0)
+    free, moved, blocks = np.zeros_like(coefficients), [], []
+    for component in range(coefficients.shape[1]):
+        here = kept[:, component]
+        values, errors = _least_squares(gram, cross[:, :, component], here)
+        inverse = _inverse(total[np.ix_(here, here)])
+        covariance = np.mean(np.square(errors[here]) / np.diag(inverse)) * inverse
+        free[:, component] = values
+        acting = constraints[:, here, component]
+        blocks.append((here, covariance @ acting.T))
+        moved.append(acting @ blocks[-1][1])
+    change = np.tensordot(constraints, free, axes=2)
+    multipliers = np.linalg.lstsq(sum(moved), change, rcond=1e-12)[0]
+    for component, (here, spread) in enumerate(blocks):
+        free[here, component] -= spread @ multipliers
+    return free
+
+
+def _changes_of_form(form: FloatArray) -> FloatArray:
+    """Change of a quadratic form by quadratic terms, ``(cubics, monomials, dimension)``.
+
+    Each row, times the coefficients, is the coefficient of one cubic monomial in the time
+    derivative of half the form.
+    """
+    dimension = len(form)
+    basis = monomials(dimension, 2)
+    cubics = monomials(dimension, 3)[len(basis) :]
+    place: dict[Monomial, int] = {factors: row for row, factors in enumerate(cubics)}
+    changes = np.zeros((len(cubics), len(basis), dimension))
+    for row, factors in enumerate(basis):
+        if len(factors) == 2:
+            for component in range(dimension):
+                changes[place[tuple(sorted((*factors, component)))], row] += form[component]
+    return changes
+
+
 def _least_squares(
     gram: FloatArray, cross: FloatArray, kept: BoolArray
 ) -> tuple[FloatArray, FloatArray]:
@@ -275,10 +331,15 @@ def _least_squares(
     if rows.size == 0:
         return coefficients, errors
     part = gram[:, rows[:, np.newaxis], rows]
-    total = part.sum(axis=0)
-    size = np.sqrt(np.diag(total))
-    inverse = np.linalg.pinv(total / np.outer(size, size), hermitian=True) / np.outer(size, size)
+    inverse = _inverse(part.sum(axis=0))
     coefficients[rows] = inverse @ cross[:, rows].sum(axis=0)
     scores = cross[:, rows] - part @ coefficients[rows]
     errors[rows] = np.sqrt(np.square(scores @ inverse).sum(axis=0))
     return coefficients, errors
+
+
+def _inverse(gram: FloatArray) -> FloatArray:
+    """Pseudo-inverse of a matrix of moments, with its rows and columns in units of their size."""
+    size = np.sqrt(np.diag(gram))
+    units = np.outer(size, size)
+    return np.asarray(np.linalg.pinv(gram / units, hermitian=True) / units)

@@ -87,7 +87,7 @@ def case_probabilities(
     calibration: Mapping[str, Any] = read("case/calibration.json"),
     case: str = at("case"),
     root_seed: int = at("random_seed"),
-    event_threshold: float = at("case.event_threshold"),
+    event_threshold: float = read("case/event_threshold.json:event_threshold"),
     times: Sequence[float] = at("classification.prediction_times_lt"),
     window_lt: float = at("classification.window_lt"),
     resolution_lt: float = at("classification.resolution_lt"),

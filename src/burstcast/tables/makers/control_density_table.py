@@ -5,6 +5,8 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
+
 from burstcast.base import random_streams
 from burstcast.base.declared import at, declaring, gathered
 from burstcast.base.names import ForecasterName
@@ -21,7 +23,7 @@ def make(
     flows: Sequence[Gathered] = gathered(
         "control_runs/flows.nc",
         "edge histogram_uncontrolled histogram_controlled histogram_free row "
-        "laminar_step_uncontrolled laminar_step_controlled",
+        "laminar_step_uncontrolled laminar_step_controlled escape_step",
     ),
     case: str = at("case"),
     root_seed: int = at("random_seed"),
@@ -71,7 +73,8 @@ def make(
 
 
 def _counted(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Rows and histograms of the flows that laminarise neither with control nor without it."""
-    kept = (content["laminar_step_uncontrolled"] < 0) & (content["laminar_step_controlled"] < 0)
+    """Rows and histograms of the flows that neither laminarise nor escape."""
+    steps = "laminar_step_uncontrolled", "laminar_step_controlled", "escape_step"
+    kept = np.all([content[name] < 0 for name in steps], axis=0)
     histograms = {sample: content[f"histogram_{sample}"][kept] for sample in SAMPLES}
     return {"edge": content["edge"], "row": content["row"][kept], **histograms}

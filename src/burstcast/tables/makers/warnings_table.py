@@ -47,6 +47,8 @@ ADVICE = {
     "series, or take another kind; an invalid forecast predicts no event",
     "fallback_decisions": "another forecaster, or a strategy without forecasts; "
     "its scores are in part those of the fallback",
+    "escaped_flows": "a weaker actuation, or a shorter ensemble.time_step; scores are of the other "
+    "flows alone",
     "unresolved_flow": "raise parameters.largest_wavenumber, or lower the Reynolds number",
     "slow_trend": "train on later series, or remove the trend from the file; a cycle longer than "
     "the record looks like a trend, too",
@@ -74,7 +76,7 @@ def make(
     statistics: pd.DataFrame | None = read("case/tables/statistics.csv"),
     control: pd.DataFrame | None = read("controlled_case/tables/control_strategies.csv"),
     lyapunov_spectrum: pd.DataFrame | None = read("contradicted_case/tables/lyapunov_spectrum.csv"),
-    event_threshold: float = at("case.event_threshold"),
+    event_threshold: float = read("case/event_threshold.json:event_threshold"),
     training_series: int = at("case.training.series"),
     noise: float = at("case.training.noise"),
     wanted_events: int = at("horizon.events"),
@@ -119,9 +121,12 @@ def make(
     for keys, members in _ensembles(statistics):
         findings += [(keys, finding) for finding in _of_long_runs(members)]
     for keys, members in _ensembles(control):
-        shares = members.loc[members["metric"] == "fallback_fraction", "value"]
-        fallbacks = _findings(signs.fallback_decisions, shares.dropna().tolist())
-        findings += [(keys, finding) for finding in fallbacks]
+        for sign, metric in (
+            (signs.fallback_decisions, "fallback_fraction"),
+            (signs.escaped_flows, "escaped_fraction"),
+        ):
+            shares = members.loc[members["metric"] == metric, "value"].dropna().tolist()
+            findings += [(keys, finding) for finding in _findings(sign, shares)]
     # where the unit of time is an estimate
     for keys, members in _ensembles(lyapunov_spectrum):
         exponents = members.loc[members["number"] == 1, "lyapunov_exponent"].tolist()

@@ -2,7 +2,7 @@
 
 Source: the paper discards "the time series whose maximum kinetic energy is larger than the
 laminarization threshold", k > k_l. A value equal to the threshold is therefore not laminar, whereas
-it belongs to an extreme event (`burstcast.base.events`).
+it belongs to an extreme event (`burstcast.data.events`).
 """
 
 import numpy as np

@@ -20,7 +20,7 @@ _ROUNDS = 10
 Path = tuple[str | int, ...]
 
 
-def sound_part(
+def valid_part(
     config: Mapping[str, Any], shipped: Mapping[str, Any]
 ) -> tuple[Configuration | None, list[str]]:
     """A configuration without its mistakes, and the names of what has been set aside.

@@ -1,0 +1,228 @@
+"""Tables of programs in benchmarks/, by training set: their means, and their figures."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from comparisons import Mean, _margin, mean_of, paired
+from kept_tables import Part, Tables
+from matplotlib.figure import Figure
+
+from burstcast.figures.parts import looks, style
+
+TIMES = (1, 2, 3, 5)
+F_SCORES = {f"F, {time} LT": f"f_{time}" for time in TIMES}
+VARIANTS = {
+    "plain": "as it is",
+    "smoothing": "smoothing",
+    "filter": "filter",
+    "both": "smoothing and filter",
+}
+FORECASTERS = {"esn": "network", "quadratic": "learnt equations", "nvar": "NVAR"}
+FORECASTERS |= {"equations": "true equations"}
+HIDDEN_KINDS = {
+    "conserved": "two hidden variables, energy conserved",
+    "free": "two hidden variables",
+    "none": "no hidden variables",
+    "equations": "true equations, all nine modes seen",
+}
+
+
+def of_sets(tables: Tables, table: str, metric: str, **where: Any) -> pd.DataFrame:
+    """A metric of some rows, as `comparisons.paired` takes it: a row for each training set."""
+    return tables.rows(table, **where).set_index("set")[[metric]]
+
+
+def mean_score(tables: Tables, table: str, metric: str, **where: Any) -> Mean:
+    """Mean over training sets, with Student's interval over these."""
+    return mean_of(of_sets(tables, table, metric, **where)[metric].tolist())
+
+
+def with_range(tables: Tables, table: str, metric: str, **where: Any) -> str:
+    """Mean over training sets, and in parentheses the least and the largest; one value alone."""
+    values = of_sets(tables, table, metric, **where)[metric]
+    if len(values) < 2:
+        return f"{values.mean():.3f}"
+    return f"{values.mean():.3f} ({values.min():.3f}–{values.max():.3f})"
+
+
+def over_sets_and_series(tables: Tables, table: str, **where: Any) -> str:
+    """Interval of the mean F at 3 LT, for other training sets and other test series; "" of one."""
+    rows = tables.rows(table, **where)
+    if len(rows) < 2:
+        return ""
+    of_test = np.square((rows["f_3_high"] - rows["f_3_low"]) / (2 * 1.96)).mean()
+    count = len(rows)
+    of_sets = rows["f_3"].var(ddof=1) / count
+    # the true equations are the same for all sets
+    half = _margin(of_sets, of_test, count) if of_sets > 0 else 1.96 * np.sqrt(of_test)
+    return f"{rows['f_3'].mean() - half:.3f}–{min(1.0, rows['f_3'].mean() + half):.3f}"
+
+
+def kinds_of(tables: Tables, table: str, columns: list[str]) -> list[dict[str, Any]]:
+    """Different values of some columns, as conditions of rows; None where there is none."""
+    kinds = tables.rows(table)[columns].drop_duplicates().astype(object)
+    rows = kinds.where(kinds.notna(), None).to_dict("records")
+    return [{str(name): value for name, value in row.items()} for row in rows]
+
+
+def smoothing_name(kind: dict[str, Any]) -> str:
+    """A forecaster in words."""
+    size = f", {kind['neurons']:g} neurons" if kind["neurons"] is not None else ""
+    return FORECASTERS[kind["kind"]] + size
+
+
+def smoothing_scores(tables: Tables) -> Part:
+    """F-scores and Brier skill of each variant, and what it takes."""
+    cells: Part = []
+    kinds = kinds_of(tables, "smoothing", ["kind", "neurons", "variant"])
+    kinds.sort(key=lambda kind: [*VARIANTS].index(kind["variant"]))
+    kinds.sort(key=lambda kind: ([*FORECASTERS].index(kind["kind"]), kind["neurons"] or 0))
+    for kind in kinds:
+        label = f"{smoothing_name(kind)}: {VARIANTS[kind['variant']]}"
+        cells.append((label, "sets", f"{len(tables.rows('smoothing', **kind))}"))
+        for head, metric in {**F_SCORES, "Brier skill, 3 LT": "brier_3"}.items():
+            cells.append((label, head, with_range(tables, "smoothing", metric, **kind)))
+            if metric == "f_3":
+                ends = over_sets_and_series(tables, "smoothing", **kind)
+                cells.append((label, "its 95 % interval", ends))
+        milliseconds = mean_score(tables, "smoothing", "forecast_ms", **kind).mean
+        cells.append((label, "forecast [ms]", f"{milliseconds:.1f}"))
+    return cells
+
+
+def gain(tables: Tables, metric: str, variant: str, over: str = "plain", **kind: Any) -> Mean:
+    """Difference of two variants on the same training sets."""
+    first, second = (
+        of_sets(tables, "smoothing", metric, variant=one, **kind) for one in (variant, over)
+    )
+    return paired(first, second)
+
+
+def gain_text(difference: Mean) -> str:
+    """A difference and its margin, if there is one."""
+    return difference.text(3) if difference.count > 1 else f"{difference.mean:+.3f}"
+
+
+def smoothing_gains(tables: Tables) -> Part:
+    """Gains of F at 3 LT and of Brier skill over the forecaster as it is."""
+    cells: Part = []
+    for kind in kinds_of(tables, "smoothing", ["kind", "neurons"]):
+        if kind["kind"] == "equations":
+            continue
+        for variant in ("smoothing", "filter", "both"):
+            for metric, name in {"f_3": "F, 3 LT", "brier_3": "Brier skill, 3 LT"}.items():
+                difference = gain(tables, metric, variant, **kind)
+                head = f"{name}: {VARIANTS[variant]}"
+                cells.append((smoothing_name(kind), head, gain_text(difference)))
+    return cells
+
+
+def reach_scores(tables: Tables) -> Part:
+    """Prediction horizons of the variants at Re = 400, and F-scores at Re = 1000."""
+    cells: Part = []
+    for row in tables.rows("smoothing_reach").to_dict("records"):
+        label, reynolds = VARIANTS[row["variant"]], f"Re = {row['reynolds']:g}"
+        if pd.notna(row["horizon_lt"]):
+            ends = f"({row['horizon_low']:.1f}–{row['horizon_high']:.1f})"
+            cells.append((label, f"PH_ee, {reynolds} [LT]", f"{row['horizon_lt']:.2f} {ends}"))
+        if pd.notna(row["f_3"]):
+            ends = f"({row['f_3_low']:.2f}–{row['f_3_high']:.2f})"
+            cells.append((label, f"F, 3 LT, {reynolds}", f"{row['f_3']:.3f} {ends}"))
+    return cells
+
+
+def lorenz96_scores(tables: Tables) -> Part:
+    """F-scores and Brier skill for Lorenz 96 at 1, 2 and 3 LT, means over seeds."""
+    cells: Part = []
+    for variant, label in VARIANTS.items():
+        rows = tables.rows("smoothing_lorenz96", variant=variant)
+        for head, metric in {"F": "f", "Brier skill": "brier"}.items():
+            values = [f"{rows[f'{metric}_{time}'].mean():.2f}" for time in (1, 2, 3)]
+            cells.append((label, f"Lorenz 96: {head}, 1, 2, 3 LT", " ".join(values)))
+    return cells
+
+
+def hidden_scores(tables: Tables) -> Part:
+    """F-scores of equations where two modes are hidden."""
+    cells: Part = []
+    for kind in kinds_of(tables, "hidden_modes", ["kind", "hidden"]):
+        label = HIDDEN_KINDS[kind["kind"]]
+        if kind["hidden"] not in ("none", None):
+            label += f"; {kind['hidden'].replace('a', 'a_')} hidden"
+        sets = len(tables.rows("hidden_modes", **kind))
+        cells.append((label, "sets", f"{sets}"))
+        for head, metric in {**F_SCORES, "Brier skill, 3 LT": "brier_3"}.items():
+            cells.append((label, head, with_range(tables, "hidden_modes", metric, **kind)))
+            if metric == "f_3":
+                ends = over_sets_and_series(tables, "hidden_modes", **kind)
+                cells.append((label, "its 95 % interval", ends))
+    return cells
+
+
+NETWORKS = {
+    "esn": "squares",
+    "leak": "squares, leak searched",
+    "delays": "squares, past values",
+    "esn_filtered": "squares, smoothing and filter",
+}
+
+
+def washout_scores(tables: Tables) -> Part:
+    """F-scores of networks at 1 and 3 LT, by the length of their washout."""
+    cells: Part = []
+    for kind in kinds_of(tables, "hidden_washouts", ["kind", "neurons"]):
+        rows = tables.rows("hidden_washouts", **kind)
+        for row in rows.to_dict("records"):
+            label = f"{NETWORKS[row['kind']]}, {row['neurons']:g} neurons"
+            head = f"washout {row['washout_lt']:g} LT"
+            cells.append((label, head, f"{row['f_1']:.3f}, {row['f_3']:.3f}"))
+    return cells
+
+
+def _curves(axes: Any, curves: dict[str, pd.DataFrame]) -> None:
+    """Means over training sets against the lead time, with all sets as thin marks."""
+    for (name, rows), look in zip(curves.items(), looks.categories(len(curves)), strict=True):
+        values = rows[[*F_SCORES.values()]].to_numpy(dtype=np.float64)
+        axes.plot(TIMES, values.mean(axis=0), label=name, **look)
+        for of_set in values:
+            axes.plot(TIMES, of_set, color=look["color"], alpha=0.35, lw=0.5)
+    axes.set_xlabel("lead time [LT]")
+    axes.set_ylabel("F-score")
+    axes.set_xticks(TIMES)
+    axes.set_ylim(0, 1.02)
+
+
+@style.styled
+def draw_smoothing(tables: Tables) -> Figure:
+    """Draw F-scores of networks against the lead time, a curve for each variant."""
+    figure = style.new_figure(style.DOUBLE_COLUMN, 2.4)
+    sizes = (500.0, 1000.0)
+    panels = figure.subplots(1, len(sizes), sharey=True)
+    for axes, size in zip(panels, sizes, strict=True):
+        rows = {
+            name: tables.rows("smoothing", kind="esn", neurons=size, variant=variant)
+            for variant, name in VARIANTS.items()
+        }
+        _curves(axes, rows)
+        axes.set_title(f"{size:g} neurons", loc="center")
+    panels[0].legend(loc="lower left")
+    style.letter_panels(panels)
+    return figure
+
+
+@style.styled
+def draw_hidden_modes(tables: Tables) -> Figure:
+    """Draw F-scores of equations against the lead time where two modes are hidden."""
+    figure = style.new_figure(style.DOUBLE_COLUMN, 2.4)
+    axes = figure.subplots()
+    rows = {}
+    for kind, name in HIDDEN_KINDS.items():
+        found = tables.rows("hidden_modes", kind=kind, hidden="a8, a9")
+        if kind == "equations":
+            found = tables.rows("smoothing", kind=kind)
+        if len(found):
+            rows[name] = found
+    _curves(axes, rows)
+    axes.legend(loc="center left")
+    return figure
