@@ -320,7 +320,10 @@ def test_what_ships_is_sound_and_has_the_figures_of_the_method(path):
     assert first == f"# yaml-language-server: $schema={place}schemas/config.schema.json"
     loaded = load(paper_with(read(path)))
     assert loaded["results"] == f"results/{'paper' if paper else path.stem}"
-    assert set(figure_names(Campaign(loaded))) >= OF_THE_METHOD
+    campaign = Campaign(loaded)
+    # hidden_modes has no networks, whose method the figures show
+    assert set(figure_names(campaign)) >= (OF_THE_METHOD if campaign.networks else set())
+    assert campaign.networks or path.stem == "hidden_modes"
 
 
 def test_aliases_of_aliases_are_read_once(tmp_path):

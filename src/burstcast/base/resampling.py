@@ -4,8 +4,6 @@ What shares a series, an event or a run is drawn together; what is compared is d
 """
 
 import numpy as np
-from scipy.stats import gamma, norm
-from scipy.stats import t as student
 
 from burstcast.base.arrays import FloatArray, IntArray
 
@@ -44,6 +42,9 @@ def loss_interval(
     >>> low, round(high, 4)  # -log(0.025) further errors where none was seen
     (0.0, 0.0369)
     """
+    from scipy.stats import gamma, norm  # jobs that have no interval start without them
+    from scipy.stats import t as student
+
     units = len(left_out)
     if units < 2 or not np.isfinite([loss, one_more, *left_out]).all():
         return float("nan"), float("nan")

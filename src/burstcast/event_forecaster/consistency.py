@@ -139,8 +139,9 @@ def _numbers(errors: FloatArray) -> FloatArray:
     """Mean square, and mean product of neighbours in time, of scaled errors, ``(points, 2)``."""
     square = np.square(errors).mean(axis=(1, 2))
     neighbours = (errors[:, 1:] * errors[:, :-1]).mean(axis=(1, 2))
-    # logarithms of squares are closer to normal
-    return np.stack([np.log(square + np.finfo(float).tiny), neighbours / square], axis=1)
+    # logarithms of squares are closer to normal; of errors that are zero, neighbours are alike
+    least = np.finfo(float).tiny
+    return np.stack([np.log(square + least), neighbours / np.maximum(square, least)], axis=1)
 
 
 def _distances(numbers: FloatArray, metric: FloatArray) -> FloatArray:

@@ -188,7 +188,8 @@ def follow(
 def combined(rows: FloatArray, weights: FloatArray) -> FloatArray:
     """Members ``(rows, batch, members)`` after the update by `combinations`."""
     after = np.empty_like(rows)
-    np.matmul(rows.transpose(1, 0, 2), weights, out=after.transpose(1, 0, 2))
+    with np.errstate(invalid="ignore", over="ignore"):  # of members that diverge
+        np.matmul(rows.transpose(1, 0, 2), weights, out=after.transpose(1, 0, 2))
     return after
 
 

@@ -401,7 +401,7 @@ format of a column | workflow/tables.yaml | empty without events, format: .3f |
 order of the columns of a table | workflow/tables.yaml | [series, survived_fraction, escapes, |
   [series, escapes, survived_fraction, | survival_table/* joined_long_term figure/own_flow
 a colour of one figure | LIBRARY/figures/control_tradeoff.py |
-  .axvline(0, color=style.GREY | .axvline(0, color=style.PURPLE | figure/control_tradeoff
+  axvline(0, color=style.GREY | axvline(0, color=style.PURPLE | figure/control_tradeoff
 the equations as a forecaster | LIBRARY/forecasters/equations_noisy.py |
   return self.with_fitted(system=case.system, in_force=case.parameters, **steps) |
   return self.with_fitted(in_force=case.parameters, system=case.system, **steps) |
