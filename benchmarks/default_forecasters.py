@@ -174,7 +174,7 @@ def scored(record: Record, kind: str) -> dict[str, Any]:
     scores = [forecaster.scores(record.series[record.training :], at) for at in TIMES]
     names = ("alarm_f_score", "brier_skill", "permanent_f_score")
     return {
-        "record": record.title.partition(",")[0],
+        "record": record.title[:1].upper() + record.title.partition(",")[0][1:],
         "forecaster": kind,
         "events": scores[0]["events"],
         **{

@@ -2,11 +2,11 @@
 
 ::
 
-    python benchmarks/ensemble_spread.py [RECORD ...] > docs/results/ensemble_spread/spread.csv
+    python benchmarks/ensemble_spread.py [RECORD ...] > benchmarks/ensemble_spread.csv
 
 Records are the simulated ones of benchmarks/default_forecasters.py, by default shear_flow, with its
-training series and twenty test series. Ensembles are the networks of a committee, the members of a
-filter around learnt equations, and nearest analogues. Spread and error are root mean squares of the
+training series and twenty test series. Ensembles are the networks of a committee, and the members
+of a filter around learnt equations. Spread and error are root mean squares of the
 observable over starting points, in standard deviations of the observable in the test series; a
 reliable ensemble has equal ones.
 """
@@ -21,7 +21,7 @@ from threadpoolctl import threadpool_limits
 from burstcast import EventForecaster
 
 TIMES = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
-KINDS = ("esn", "quadratic_filtered", "analogues")
+KINDS = ("esn", "quadratic_filtered")
 TESTS = 20
 HEAD = "record,forecaster,members,prediction_time_lt,spread,error"
 

@@ -190,3 +190,30 @@ def draw_learning_curves(tables: Tables) -> Figure:
     style.letter_panels(panels)
     style.label_ends(figure, panels[1:])
     return figure
+
+
+@style.styled
+def draw_spread_and_error(tables: Tables) -> Figure:
+    """Draw the spread of ensembles against the error of their means, along the prediction time."""
+    rows = tables.rows("ensemble_spread")
+    names = {
+        "esn": "networks",
+        "quadratic_filtered": "filter's members,\nlearnt equations",
+    }
+    figure = style.new_figure(style.SINGLE_COLUMN + 1.0, 2.7)
+    axes = figure.subplots()
+    for (kind, name), look in zip(names.items(), looks.categories(len(names)), strict=True):
+        curve = rows[rows["forecaster"] == kind].sort_values("prediction_time_lt")
+        axes.plot(curve["error"], curve["spread"], label=name, **look)
+        for time, error, spread in curve[["prediction_time_lt", "error", "spread"]].to_numpy():
+            if time in (2, 3, 4, 5):
+                place: Any = {"textcoords": "offset points", "color": look["color"]}
+                axes.annotate(f"{time:g}", (error, spread), (3, -8), fontsize=6.5, **place)
+    longest = 1.08 * float(rows[["error", "spread"]].to_numpy().max())
+    axes.plot([0, longest], [0, longest], **looks.THRESHOLD)
+    axes.set_xlim(0, longest)
+    axes.set_ylim(0, longest)
+    axes.set_xlabel("Error of the ensemble mean [std of $k$]")
+    axes.set_ylabel("Spread of the ensemble [std of $k$]")
+    style.label_ends(figure, [axes])
+    return figure

@@ -40,6 +40,13 @@ def test_scores_of_default_forecasters():
     assert ours == sorted(ours, reverse=True)
 
 
+def test_the_table_of_default_forecasters_is_of_the_kept_rows():
+    document = (ROOT / "benchmarks" / "measured.md").read_text(encoding="utf-8")
+    lines = said("default_forecasters.py", "table").splitlines()
+    assert len(lines) > 10
+    assert [line for line in lines if line.strip() not in document] == []
+
+
 def test_the_choice_of_a_kind():
     """The score of a kind is that of the other table of scores; its choice loses nothing."""
     nvar = printed("default_forecasters.py", "lorenz63", "--kinds", "nvar")["nvar"]

@@ -1,8 +1,8 @@
 """Precision against recall of alarms, at each threshold of the calibrated probability that bins of
 the reliability diagram have: the higher the threshold, the smaller the recall. Steps, as the
 average precision counts them, begin at the highest threshold. Shown are the six forecasters with
-the largest average precision, without those that are always right. The grey line is the base rate,
-the precision of an alarm that is always on.
+the largest average precision, without the equations from the true state, which are always right.
+The grey line is the base rate, the precision of an alarm that is always on.
 """
 
 from collections.abc import Sequence
