@@ -41,6 +41,7 @@ TEN_MINUTES = pd.date_range("2020-01-01", periods=SERIES.shape[1], freq="10min")
         (pd.Timedelta("10min"), pd.Timedelta("9h")),
         ("10 minutes", "9 hours"),
         (np.timedelta64(600, "s"), "0.375 days"),
+        (TEN_MINUTES.freq, "9h"),
     ],
 )
 def test_dates_are_compared_with_the_sampling_interval(interval, lyapunov_time, tmp_path):
@@ -70,7 +71,12 @@ def test_dates_are_compared_with_the_sampling_interval(interval, lyapunov_time, 
             "are 600 seconds apart, but sampling_interval is 3600 seconds",
         ),
         ({"sampling_interval": "10 minutes"}, "give both with a unit, or both as numbers of one"),
-        ({"sampling_interval": "10 months"}, "'10 months' is no time step"),
+        *(
+            ({"sampling_interval": text}, f"sampling_interval is {text}, which is no duration")
+            for text in ("10 months", "600", "-10min", "0 minutes", "NaT", "ten", "1 minute 30")
+        ),
+        ({"lyapunov_time": "nan"}, "lyapunov_time is nan, which is no duration"),
+        ({"sampling_interval": pd.offsets.MonthEnd()}, "MonthEnd>, which is no duration"),
     ],
 )
 def test_other_units_are_refused(changes, message):
