@@ -8,6 +8,7 @@ from burstcast.event_forecaster.choice import LeftOutForecasts, Trial, findings
 from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.forecasters._options import resolved_by_samples
 from burstcast.forecasters.registry import make_kind
+from burstcast_workflow.commands.choose import table
 
 pytestmark = pytest.mark.filterwarnings("ignore")
 SERIES = lorenz(8, 700, 1)
@@ -126,6 +127,19 @@ def test_coarse_samples_exclude_no_kind(samples, tmp_path):
     made.save(tmp_path / "f.nc")
     loaded = EventForecaster.load(tmp_path / "f.nc")
     np.testing.assert_array_equal(loaded.predict_proba(coarse[6:]), expected)
+
+
+def test_the_table_of_a_campaign_has_other_options_below_it():
+    trials = [
+        Trial("analogues", 0.25, 0.125, 0.5, seconds=2),
+        Trial("precursor", 0.5, 0.25, 0.75, seconds=3, options={"lags_lt": (1 / 3, 2 / 3)}),
+        Trial("esn", remark="the series are too short"),
+    ]
+    _, *rows, note = table(trials, "precursor")
+    assert rows[0].split() == ["analogues", "0.250", "0.125", "to", "0.500", "2.0"]
+    assert rows[1].split()[-1] == "chosen"
+    assert rows[2].endswith("not fitted: the series are too short")
+    assert note.startswith("precursor has lags_lt=[0.333, 0.667], the nearest to its defaults")
 
 
 def test_lags_are_different_samples_of_the_washout():

@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_info
 from burstcast.base.threads import single_threaded
 from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.event_forecaster.shared_rows import MOST_REFITS, shared_rows
+from burstcast.systems.lorenz63 import Lorenz63
 
 SERIES = lorenz(8, 700, 1)
 SECONDS = 0.02 * np.arange(SERIES.shape[1])
@@ -41,6 +42,7 @@ TEN_MINUTES = pd.date_range("2020-01-01", periods=SERIES.shape[1], freq="10min")
         (pd.Timedelta("10min"), pd.Timedelta("9h")),
         ("10 minutes", "9 hours"),
         (np.timedelta64(600, "s"), "0.375 days"),
+        (TEN_MINUTES.freq, "9h"),
     ],
 )
 def test_dates_are_compared_with_the_sampling_interval(interval, lyapunov_time, tmp_path):
@@ -70,7 +72,12 @@ def test_dates_are_compared_with_the_sampling_interval(interval, lyapunov_time, 
             "are 600 seconds apart, but sampling_interval is 3600 seconds",
         ),
         ({"sampling_interval": "10 minutes"}, "give both with a unit, or both as numbers of one"),
-        ({"sampling_interval": "10 months"}, "'10 months' is no time step"),
+        *(
+            ({"sampling_interval": text}, f"sampling_interval is {text}, which is no duration")
+            for text in ("10 months", "600", "-10min", "0 minutes", "NaT", "ten", "1 minute 30")
+        ),
+        ({"lyapunov_time": "nan"}, "lyapunov_time is nan, which is no duration"),
+        ({"sampling_interval": pd.offsets.MonthEnd()}, "MonthEnd>, which is no duration"),
     ],
 )
 def test_other_units_are_refused(changes, message):
@@ -275,6 +282,27 @@ def test_columns_that_are_no_state_are_told_by_name():
         forecaster(observable="z").fit(as_told[:6]).predict_proba(as_told[6:]),
         plain.predict_proba(frames()[6:]),
     )
+
+
+def test_labels_of_a_system_are_in_its_order():
+    def made(columns):
+        given = [table[[*columns]] for table in frames()]
+        return forecaster(observable=Lorenz63(), event_threshold=20.0).fit(given[:6])
+
+    np.testing.assert_array_equal(
+        made("xyz").predict_proba(SERIES[6:]), made("xyz").predict_proba(frames()[6:])
+    )
+    with pytest.raises(ValueError, match=r"components z, y, x, but .* the order x, y, z: bring"):
+        made("zyx")
+    plain = forecaster(observable=Lorenz63(), event_threshold=20.0).fit(SERIES[:6])
+    with pytest.raises(ValueError, match=r"components z, y, x, but .* the order x, y, z: bring"):
+        plain.predict_proba([table[[*"zyx"]] for table in frames()[6:]])
+
+
+def test_labels_that_training_had_not_are_warned_of():
+    made = forecaster(observable=2).fit(SERIES[:6])
+    with pytest.warns(UserWarning, match="have the labels z, y, x, and the training series had no"):
+        made.predict_proba([table[[*"zyx"]] for table in frames()[6:]])
 
 
 def test_quantiles_on_tied_values_name_the_tie():

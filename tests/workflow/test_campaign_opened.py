@@ -13,6 +13,7 @@ import burstcast_workflow
 from burstcast.base.files.netcdf import read_netcdf
 from burstcast.forecasts.windows import window_boundaries, window_forecasts
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
+from burstcast_workflow.commands import choose
 from burstcast_workflow.summary import (
     MOST_ROWS,
     MOST_WARNINGS,
@@ -232,3 +233,15 @@ def test_the_end_names_only_what_there_is(tmp_path):
     assert "look first" not in where_results_lie(tmp_path)
     (tmp_path / "figures" / "forecast_skill.png").write_text("")
     assert where_results_lie(tmp_path).endswith("; look first at forecast_skill.")
+
+
+def test_kinds_are_tried_on_the_series_of_a_case(opened, capsys):
+    assert choose.main(opened.results, "Re400", "linear_inverse,quadratic") == 0
+    head, *rows = capsys.readouterr().out.splitlines()
+    assert head.split() == ["kind", "Brier", "skill", "95", "%", "interval", "seconds"]
+    assert [row.split()[0] for row in rows] == ["linear_inverse", "quadratic"]
+    (chosen,) = [row for row in rows if row.endswith("chosen")]
+    skills = {row.split()[0]: float(row.split()[1]) for row in rows}
+    assert skills[chosen.split()[0]] == max(skills.values())
+    assert choose.main(opened.results, "Re400", "no_kind") == 1
+    assert "no_kind" in capsys.readouterr().err

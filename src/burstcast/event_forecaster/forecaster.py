@@ -55,7 +55,7 @@ from burstcast.event_forecaster.events import (
     invalid_share,
     permanent_f_score,
 )
-from burstcast.event_forecaster.observed_states import Observable, state_space
+from burstcast.event_forecaster.observed_states import Observable, check_order, state_space
 from burstcast.event_forecaster.parameters import (
     Duration,
     checked_parameters,
@@ -287,6 +287,7 @@ class EventForecaster(Estimator):
         components = Components(
             given.states.shape[2], given.labels, isinstance(self.observable, DynamicalSystem)
         )
+        check_order(self.observable, given.labels)
         self._check_clock(given, None)
         states = components.arranged(given.states, given.labels)
         shared = shared_rows(without_padding(states))
@@ -983,6 +984,14 @@ class EventForecaster(Estimator):
         given = labelled_series(series)
         self._check_clock(given, self.clock_)
         components = self._components
+        if self.labels_ is None:
+            check_order(self.observable, given.labels)
+            if given.labels is not None:
+                warnings.warn(
+                    f"the series have the labels {', '.join(given.labels)}, and the training "
+                    f"series had none: the order of components is taken for the same",
+                    stacklevel=4,
+                )
         states = components.arranged(given.states, given.labels)
         given.check_units(components.units_for(given.labels, self.units_))
         return states

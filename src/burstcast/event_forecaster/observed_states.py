@@ -1,6 +1,6 @@
 """States of series without equations, with an observable given by the user."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -58,3 +58,16 @@ def state_space(observable: Observable, components: Components) -> StateSpace:
             f"have {observable.dimension}"
         )
     return observable
+
+
+def check_order(observable: Observable, labels: Sequence[str] | None) -> None:
+    """Check that labels are not those of the states of a system in another order."""
+    names = getattr(observable, "component_names", None)
+    if not isinstance(observable, DynamicalSystem) or labels is None or names is None:
+        return
+    if tuple(labels) != tuple(names) and sorted(labels) == sorted(names):
+        raise ValueError(
+            f"the series have the components {', '.join(labels)}, but the states of the "
+            f"observable's system have the order {', '.join(names)}: bring them into it "
+            f"(table[{list(names)}])"
+        )

@@ -6,6 +6,7 @@ import datetime
 import math
 import numbers
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -40,7 +41,7 @@ def checked_parameters(estimator: Any) -> dict[str, Any]:
         elif (expected := expected.removesuffix(" | None")) in ("int", "float"):
             value = _number(name, value, whole=expected == "int")
         elif expected == "Duration":
-            value = _seconds(value) if has_unit(value) else _number(name, value)
+            value = _seconds(name, value) if has_unit(value) else _number(name, value)
         elif expected == "tuple[float, float]":
             if not _is_several(value) or len(value) != 2:
                 raise TypeError(f"{name} must be two numbers, (low, high), not {value!r}")
@@ -61,17 +62,30 @@ def checked_parameters(estimator: Any) -> dict[str, Any]:
     return checked
 
 
-def _seconds(value: Any) -> float:
-    """Seconds of a duration with a unit: "10 minutes", or a Timedelta."""
-    from burstcast.data.times import time_step_of  # loads pandas
+def _seconds(name: str, value: Any) -> float:
+    """Seconds of a duration with a unit: "10 minutes", "10min", a Timedelta, or an offset."""
+    import pandas as pd
 
-    number, unit = time_step_of(value)
-    return number * SECONDS[unit or "second"]
+    from burstcast.data.times import is_number, time_step_of
+
+    if not isinstance(value, str) or not is_number(value):
+        with suppress(ValueError, TypeError):
+            number, unit = time_step_of(value)
+            return number * SECONDS[unit or "second"]
+        with suppress(ValueError, TypeError):
+            seconds = pd.Timedelta(value).total_seconds()
+            if seconds > 0:
+                return seconds
+    raise ValueError(
+        f"{name} is {value}, which is no duration: write a number, or a positive one with second, "
+        f"minute, hour or day, such as '5 minutes', or a Timedelta"
+    )
 
 
 def has_unit(duration: Any) -> bool:
     """Whether a duration is in seconds, since it was given with a unit."""
-    return isinstance(duration, str | datetime.timedelta | np.timedelta64)
+    is_offset = hasattr(duration, "freqstr")  # of pandas
+    return is_offset or isinstance(duration, str | datetime.timedelta | np.timedelta64)
 
 
 def described(value: Any) -> str:
