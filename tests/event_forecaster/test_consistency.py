@@ -111,6 +111,7 @@ def test_lost_hindcasts_are_inconsistent_and_short_washouts_have_no_test(test_of
     assert p_values[0] > 0
     assert p_values[1] == 0.0
     assert ConsistencyTest.of(hindcast_errors(Rotation(), circles(20, 12))) is None
+    assert ConsistencyTest.of(np.zeros((90, 6, 2))) is None  # an exact model without noise
     again = ConsistencyTest.restore(test_of_circles.record())
     np.testing.assert_array_equal(again.p_values(Rotation(), washouts), p_values)
     with pytest.raises(ValueError, match="none"):

@@ -44,10 +44,10 @@ class ConsistencyTest:
         """Test by errors of `hindcast_errors`, ``(points, leads, dimension)``.
 
         They are of washouts in series that the forecaster has not learnt from. None if too few are
-        finite.
+        finite, or all are zero.
         """
         errors = errors[np.isfinite(errors).all(axis=(1, 2))]
-        if len(errors) < _LEAST_HINDCASTS:
+        if len(errors) < _LEAST_HINDCASTS or not errors.any():
             return None
         scale = np.sqrt(np.square(errors).mean(axis=0))
         scale = np.where(scale > 0, scale, 1.0)
@@ -139,9 +139,9 @@ def _numbers(errors: FloatArray) -> FloatArray:
     """Mean square, and mean product of neighbours in time, of scaled errors, ``(points, 2)``."""
     square = np.square(errors).mean(axis=(1, 2))
     neighbours = (errors[:, 1:] * errors[:, :-1]).mean(axis=(1, 2))
-    # logarithms of squares are closer to normal; of errors that are zero, neighbours are alike
-    least = np.finfo(float).tiny
-    return np.stack([np.log(square + least), neighbours / np.maximum(square, least)], axis=1)
+    square = np.maximum(square, np.finfo(float).tiny)
+    # logarithms of squares are closer to normal
+    return np.stack([np.log(square), neighbours / square], axis=1)
 
 
 def _distances(numbers: FloatArray, metric: FloatArray) -> FloatArray:
