@@ -1,6 +1,7 @@
 """Declarations of tables: the page, what jobs are told, and that tables keep to them."""
 
 import ast
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from burstcast.tables.joined import joined
 from burstcast.tables.makers.warnings_table import ADVICE, OF_NETWORKS
 from burstcast.tables.wide import typeset as typeset_tables
 from burstcast.tables.wide import wide_tables
-from burstcast_workflow.tables import page, registry
+from burstcast_workflow.tables import declarations, page, registry
 from burstcast_workflow.tables.declarations import COLUMNS, SECTIONS, TABLES
 from burstcast_workflow.tables.registry import plain, table_of, typeset, with_percentiles
 
@@ -35,6 +36,19 @@ def columns_of(name, optional=True):
 def test_the_page_is_up_to_date():
     """Made by: make pages."""
     assert (ROOT / "docs" / "tables.md").read_text() == page.text()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"section": "dat"}, r"the section 'dat', which is declared nowhere \(did you mean 'data'"),
+        ({"columns": ["peak"]}, "the column 'peak', which is declared nowhere"),
+        ({"percentiles": ["peak"]}, "the metric 'peak', which is declared nowhere"),
+    ],
+)
+def test_words_of_a_table_that_are_declared_nowhere_are_told(change, message):
+    with pytest.raises(ValueError, match=rf"tables\.yaml: the table mine has {message}"):
+        declarations._check("mine", replace(TABLES["dataset"], **change))
 
 
 def test_every_column_has_its_meaning_and_no_other():

@@ -7,6 +7,7 @@ import yaml
 from pydantic import BeforeValidator, ConfigDict, TypeAdapter
 from pydantic.dataclasses import dataclass
 
+from burstcast.base.discovery import suggestion
 from burstcast.base.names import KEYS
 from burstcast_workflow.project import project_root
 
@@ -83,3 +84,23 @@ SECTIONS = {
 COLUMNS = TypeAdapter(dict[str, Column]).validate_python(_read["columns"])
 TABLES = TypeAdapter(dict[str, Table]).validate_python(_read["tables"])
 """Columns and metrics, and tables, by name; tables in the order of the report."""
+
+
+def _check(name: str, table: Table) -> None:
+    """Check the words of a table that name something else."""
+    columns = [column.removesuffix(OPTIONAL) for column in (*table.keys, *table.columns)]
+    for noun, values, allowed in (
+        ("section", [table.section], SECTIONS),
+        ("column", columns, {**COLUMNS, **table.redefined}),
+        ("metric", [*table.metrics, *table.percentiles], {**COLUMNS, **table.redefined}),
+    ):
+        for value in values:
+            if value not in allowed:
+                raise ValueError(
+                    f"workflow/tables.yaml: the table {name} has the {noun} {value!r}, which is "
+                    f"declared nowhere{suggestion(value, allowed)}"
+                )
+
+
+for _name, _table in TABLES.items():
+    _check(_name, _table)
