@@ -277,5 +277,6 @@ def test_with_a_compiler_nothing_is_said():
 def test_without_a_compiler_scipy_takes_over(code, output):
     code = f"{WITHOUT}\n{code}"
     said = said_by([sys.executable, "-c", code], ROOT, PYTHONPATH=str(ROOT / "src"))
-    assert output in said
+    for line in output.splitlines():  # warnings are between them
+        assert line in said
     assert "reservoirs are computed by scipy, which is several times slower" in said
