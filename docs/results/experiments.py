@@ -56,7 +56,8 @@ def over_sets_and_series(tables: Tables, table: str, **where: Any) -> str:
     of_sets = rows["f_3"].var(ddof=1) / count
     # the true equations are the same for all sets
     half = _margin(of_sets, of_test, count) if of_sets > 0 else 1.96 * np.sqrt(of_test)
-    return f"{rows['f_3'].mean() - half:.3f}–{min(1.0, rows['f_3'].mean() + half):.3f}"
+    low, high = np.clip(rows["f_3"].mean() + np.array([-half, half]), 0.0, 1.0)
+    return f"{low:.3f}–{high:.3f}"
 
 
 def kinds_of(tables: Tables, table: str, columns: list[str]) -> list[dict[str, Any]]:
