@@ -13,10 +13,10 @@ from kept_tables import PUBLISHED, Part, Tables, part, published_rows, published
 from scipy.stats import t as student
 
 from burstcast.base.files.tables import read_table
+from burstcast.base.resampling import mean_with_interval
 from burstcast.data.training_realisations import realisation_of
 from burstcast.figures.parts.published import compare
 from burstcast.figures.parts.ranked import SAME_EVERYWHERE, shown_once
-from burstcast.systems.lyapunov import mean_with_interval
 
 CASE = "Re400"
 CONFIDENCE = 0.95

@@ -8,6 +8,7 @@ import pytest
 import scipy.stats
 
 from burstcast.base.arrays import FloatArray
+from burstcast.base.resampling import mean_with_interval
 from burstcast.systems.base import DynamicalSystem
 from burstcast.systems.compiled import compiled_steps
 from burstcast.systems.integration import integrate, integrate_observed
@@ -16,7 +17,6 @@ from burstcast.systems.lyapunov import (
     alignment_of,
     attractor_size,
     lyapunov_spectrum,
-    mean_with_interval,
     perturbation_growth,
     tangent_flow,
     tangent_growth,

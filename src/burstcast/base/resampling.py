@@ -1,7 +1,9 @@
-"""Bootstrap and jackknife over independent units: test series, events, long runs, trajectories.
+"""Bootstrap, jackknife and intervals over independent units: test series, events, trajectories.
 
 What shares a series, an event or a run is drawn together; what is compared is drawn alike.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -56,3 +58,28 @@ def loss_interval(
     more, beyond = loss + largest, variance + largest**2
     high = gamma.ppf(level, more**2 / beyond, scale=beyond / more) if beyond > 0 else loss
     return float(low), float(high)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A mean over independent trajectories with its confidence interval."""
+
+    #: mean, low, high: arrays of the shape of the averaged values, without the axis of trajectories
+    mean: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+
+def mean_with_interval(per_series: FloatArray, confidence: float = 0.95) -> Estimate:
+    """Mean over the first axis, of trajectories, and its confidence interval (Student's t)."""
+    from scipy.special import stdtrit  # jobs that have no interval start without it
+
+    count = len(per_series)
+    if count < 2:
+        raise ValueError(f"a confidence interval needs at least two trajectories, not {count}")
+    if not 0.0 < confidence < 1.0:
+        raise ValueError(f"the confidence must be between 0 and 1, not {confidence}")
+    mean = np.asarray(per_series.mean(axis=0))
+    error = np.asarray(per_series.std(axis=0, ddof=1) / np.sqrt(count))
+    margin = stdtrit(count - 1, 0.5 + 0.5 * confidence) * error
+    return Estimate(mean, low=np.asarray(mean - margin), high=np.asarray(mean + margin))

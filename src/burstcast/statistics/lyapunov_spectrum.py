@@ -6,14 +6,17 @@ The trajectories must not leave the chaotic phase, to which the exponents belong
 import numpy as np
 
 from burstcast.base.arrays import FloatArray
-from burstcast.base.resampling import bootstrap_weights, percentile_interval
+from burstcast.base.resampling import (
+    Estimate,
+    bootstrap_weights,
+    mean_with_interval,
+    percentile_interval,
+)
 from burstcast.forecasters.base import Forecaster
 from burstcast.systems.lyapunov import (
-    Estimate,
     LyapunovSpectrum,
     alignment_of,
     kaplan_yorke_dimension,
-    mean_with_interval,
     tangent_growth,
 )
 

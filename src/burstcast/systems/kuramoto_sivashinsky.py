@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from burstcast.base.arrays import FloatArray
+from burstcast.base.arrays import FloatArray, sum_of_rows
 from burstcast.systems.base import EnergyBudget, Symmetry
 from burstcast.systems.exponential_scheme import SemilinearSystem
 
@@ -111,7 +111,7 @@ class KuramotoSivashinsky(SemilinearSystem):
 
     def observable(self, state: FloatArray) -> FloatArray:
         """Mean of u^2 / 2 over the interval, of shape ``(...)``."""
-        return _sum_of_rows(state * state) / 4
+        return sum_of_rows(state * state) / 4
 
     def sample_initial_states(self, series: int, generator: np.random.Generator) -> FloatArray:
         """Random long waves, ``(dimension, series)``."""
@@ -122,7 +122,7 @@ class KuramotoSivashinsky(SemilinearSystem):
         """Growth and damping: d/dt (1/2) sum a_i^2 = sum k^2 a_i^2 - sum k^4 a_i^2."""
         k = np.tile(self._k(), 2).reshape((-1,) + (1,) * (state.ndim - 1))
         growing, damped = k**2 * state * state, k**4 * state * state
-        return EnergyBudget(input=_sum_of_rows(growing), dissipation=_sum_of_rows(damped))
+        return EnergyBudget(input=sum_of_rows(growing), dissipation=sum_of_rows(damped))
 
     def symmetries(self) -> tuple[Symmetry, ...]:
         """Reflection, u(x) to -u(-x), and the shift by half of the interval."""
@@ -133,11 +133,3 @@ class KuramotoSivashinsky(SemilinearSystem):
             return Symmetry(lambda u: factors.reshape((-1,) + (1,) * (u.ndim - 1)) * u, 2)
 
         return by(signs), by(halves)
-
-
-def _sum_of_rows(rows: FloatArray) -> FloatArray:
-    """Sum over the first axis, row by row: the same bits in each layout of the memory."""
-    total: FloatArray = rows[0]
-    for row in rows[1:]:
-        total = total + row
-    return total

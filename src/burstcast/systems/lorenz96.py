@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from burstcast.base.arrays import FloatArray
+from burstcast.base.arrays import FloatArray, sum_of_rows
 from burstcast.systems.base import DynamicalSystem, EnergyBudget, Symmetry
 
 
@@ -98,7 +98,7 @@ class Lorenz96(DynamicalSystem):
 
     def observable(self, state: FloatArray) -> FloatArray:
         """Energy, mean over the variables, of shape ``(...)``."""
-        return _sum_of_rows(state * state) / (2 * self.variables)
+        return sum_of_rows(state * state) / (2 * self.variables)
 
     def sample_initial_states(self, series: int, generator: np.random.Generator) -> FloatArray:
         """States near the unstable fixed point x_i = F, ``(variables, series)``."""
@@ -107,17 +107,9 @@ class Lorenz96(DynamicalSystem):
     def energy_budget(self, state: FloatArray) -> EnergyBudget:
         """Work of the force and damping: d/dt (1/2) sum x_i^2 = F sum x_i - sum x_i^2."""
         return EnergyBudget(
-            input=self.forcing * _sum_of_rows(state), dissipation=_sum_of_rows(state * state)
+            input=self.forcing * sum_of_rows(state), dissipation=sum_of_rows(state * state)
         )
 
     def symmetries(self) -> tuple[Symmetry, ...]:
         """Shifts along the circle."""
         return (Symmetry(lambda state: np.roll(state, 1, axis=0), self.variables),)
-
-
-def _sum_of_rows(rows: FloatArray) -> FloatArray:
-    """Sum over the first axis, row by row: the same bits in each layout of the memory."""
-    total: FloatArray = rows[0]
-    for row in rows[1:]:
-        total = total + row
-    return total

@@ -13,11 +13,11 @@ from functools import partial
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-import scipy
 
 from burstcast.base.arrays import FloatArray
 from burstcast.base.files.described import Described
 from burstcast.base.files.units import RATE, TIME
+from burstcast.base.resampling import Estimate
 from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.differentiation import Method, derivative, derivative_method, jacobian
 from burstcast.systems.integration import check_batch, integrate
@@ -41,29 +41,6 @@ class LyapunovSpectrum:
         FloatArray, Described("run exponent", RATE, "Lyapunov exponents of each run")
     ]
     duration: Annotated[float, Described("", TIME, "time that they are averaged over")]
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A mean over independent trajectories with its confidence interval."""
-
-    #: mean, low, high: arrays of the shape of the averaged values, without the axis of trajectories
-    mean: FloatArray
-    low: FloatArray
-    high: FloatArray
-
-
-def mean_with_interval(per_series: FloatArray, confidence: float = 0.95) -> Estimate:
-    """Mean over the first axis, of trajectories, and its confidence interval (Student's t)."""
-    count = len(per_series)
-    if count < 2:
-        raise ValueError(f"a confidence interval needs at least two trajectories, not {count}")
-    if not 0.0 < confidence < 1.0:
-        raise ValueError(f"the confidence must be between 0 and 1, not {confidence}")
-    mean = np.asarray(per_series.mean(axis=0))
-    error = np.asarray(per_series.std(axis=0, ddof=1) / np.sqrt(count))
-    margin = scipy.special.stdtrit(count - 1, 0.5 + 0.5 * confidence) * error
-    return Estimate(mean, low=np.asarray(mean - margin), high=np.asarray(mean + margin))
 
 
 def exponents_record(spectrum: Estimate, growth: Estimate) -> dict[str, Any]:

@@ -4,6 +4,7 @@ import numpy as np
 
 from burstcast.base import random_streams
 from burstcast.base.files.netcdf import read_rows, variables_of
+from burstcast.base.resampling import mean_with_interval
 from burstcast.systems.base import has_own
 from burstcast.systems.lyapunov import (
     alignment_of,
@@ -11,7 +12,6 @@ from burstcast.systems.lyapunov import (
     checked_jacobian,
     exponents_record,
     lyapunov_spectrum,
-    mean_with_interval,
     perturbation_growth,
 )
 from burstcast_workflow.harness.job import JobSettings, at, job, write_json, write_netcdf
