@@ -4,8 +4,6 @@ from typing import Any
 
 from burstcast.base.declared import File, called
 from burstcast.base.files.tables import read_table
-from burstcast.figures.parts.style import render
-from burstcast.figures.registry import figure_of
 from burstcast_workflow.harness.job import JobSettings, atomic, job
 from burstcast_workflow.jobs.inputs import content_of
 
@@ -13,6 +11,9 @@ from burstcast_workflow.jobs.inputs import content_of
 @job
 def figure(*, pdf: str, png: str, settings: JobSettings, **files: str | list[str]) -> None:
     """Read what the figure declares, draw it, and write it as PDF and PNG."""
+    # a figure from the cache needs no Matplotlib, which takes half of its time to load
+    from burstcast.figures.parts.style import render
+    from burstcast.figures.registry import figure_of
 
     def of_file(name: str, file: File) -> Any:
         return content_of(files[name], file)
