@@ -324,6 +324,12 @@ def own_is_best(tables: Tables, score: Score, network: dict[str, Any]) -> bool:
     return str(means.idxmax()) == CASE
 
 
+def own_is_worst(tables: Tables, score: Score, network: dict[str, Any]) -> bool:
+    """Whether the campaign's own training set has the worst mean over seeds of all sets."""
+    means = score.networks(tables, False, **network).mean(axis=1)
+    return str(means.idxmin()) == CASE
+
+
 # -- readouts --------------------------------------------------------------------------------------
 
 READOUTS = {
