@@ -62,10 +62,10 @@ NAVIGATION = {
             "results/readout",
         ),
         *("results/authors", "results/noise_sweep", "results/aware", "results/learnt_precursor"),
-        "results/kolmogorov",
+        *("results/kolmogorov", "results/smoothing", "results/hidden_modes"),
     ],
     "How it is built": [
-        *("architecture", "extending", "selective_rebuilds", "decisions"),
+        *("architecture", "rules", "extending", "selective_rebuilds", "decisions"),
         "repository/CONTRIBUTING",
     ],
 }
