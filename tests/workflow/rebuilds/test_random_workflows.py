@@ -5,6 +5,7 @@ settings, wildcards, values of modules. ``BURSTCAST_SEED`` and ``BURSTCAST_WORKF
 workflows, and how many.
 """
 
+import logging
 import os
 import random
 import shutil
@@ -221,7 +222,8 @@ def execute_script(self, fname, edit=False):
     if child == 0:
         # a thread of Snakemake's may hold the locks of its streams, which are left as they are
         _streams = sys.stdout, sys.stderr
-        sys.stdout, sys.stderr = (os.fdopen(os.dup(number), "w") for number in (1, 2))
+        sys.stdout, sys.stderr = (os.fdopen(os.dup(number), "w", buffering=1) for number in (1, 2))
+        logging.root.handlers.clear()  # of other tests, whose streams may be closed
         try:
             sys.argv = [fname]
             sys.dont_write_bytecode = True
