@@ -34,9 +34,8 @@ def read(place: str, variables: str = "") -> Any:
     ``place``: The directory and the name of the file there: ``case`` is the directory of the case,
     ``example`` of the example network, others are properties of
     `burstcast_workflow.campaign.shown.Shown`. ``<file>.nc:<variable>`` is one variable,
-    ``<file>.json:<key>`` one value, ``<file>.nc:path`` the path of the file.
-    ``variables``: Those of a NetCDF file that are read, by
-    default all; a name with an asterisk is optional.
+    ``<file>.json:<key>`` one value, ``<file>.nc:path`` the path of the file. ``variables``: Names
+    of variables of a NetCDF file that are read, by default all; one with an asterisk is optional.
     """
     return File(place, variables)
 

@@ -124,7 +124,6 @@ def training_of(
     ``observed``: Series with their inputs, for networks that know the parameters.
     """
     training = normalised_series(observed, states, network.input_range, network.input_offset)
-    training = training.longest_first()
     if not isinstance(network, AwareNetworkForecaster):
         return training
     _, inputs = of_series(training.observed, states.shape[2])

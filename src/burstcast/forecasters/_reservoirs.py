@@ -18,9 +18,10 @@ def normalised_series(
     input_range: Literal["all", "first"],
     input_offset: Literal["mean", "none"],
 ) -> TrainingSeries:
-    """Observed series as networks are trained on them, normalised by the true ``states``."""
+    """Observed series, the longest first, normalised by the true ``states``, as networks learn."""
     scale = network_input_range(states, input_range)
-    return TrainingSeries(observed, scale, network_input_offset(states, input_offset))
+    offset = network_input_offset(states, input_offset)
+    return TrainingSeries(observed, scale, offset).longest_first()
 
 
 def recorded_scales(

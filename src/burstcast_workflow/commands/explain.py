@@ -175,9 +175,8 @@ def meanings(rules: Iterable[Explained]) -> list[str]:
     """A section about settings that do not stand in the config as they are; none without any."""
     paths = sorted({path for rule in rules for path in rule.settings})
     lines = [f"* `{path}`: {meaning}" for path in paths if (meaning := meaning_of(path))]
-    return [
-        "\n".join(["## Settings that follow from others\n", *map(_wrapped, lines)]) + "\n"
-    ] * bool(lines)
+    head = "## Settings that follow from others\n"
+    return ["\n".join([head, *map(_wrapped, lines), ""])] if lines else []
 
 
 def _wrapped(line: str) -> str:

@@ -58,8 +58,7 @@ class Networks(JobSettings):
 
     def _training(self, observed: FloatArray, states: FloatArray) -> TrainingSeries:
         """Observed series, normalised by their true states."""
-        made = normalised_series(observed, states, self.input_range, self.input_offset)
-        return made.longest_first()
+        return normalised_series(observed, states, self.input_range, self.input_offset)
 
 
 class Search(JobSettings):

@@ -230,7 +230,8 @@ class Stages:
                 by_name = {"burstcast.tables.makers": [maker]} if maker else {}
                 rule.set_params(code=self.code(script, by_name))
             rule.conda_env = ENVIRONMENT
-            self._check(rule, function_of(self._sources.script(script)))
+            if workflow.is_main_process:  # jobs of a cluster read the rules that it has checked
+                self._check(rule, function_of(self._sources.script(script)))
 
     def _check(self, rule: Any, function: Callable[..., None]) -> None:
         """Compare the settings that a rule names with what its script reads."""
