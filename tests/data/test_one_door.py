@@ -548,3 +548,32 @@ def test_observations_carry_their_times():
 
 def test_the_package_takes_no_time_to_load():
     assert burstcast.EventForecaster
+
+
+def test_fields_of_a_data_set_are_named_and_not_left_out_in_silence(tmp_path):
+    """Variables with times and other dimensions; bounds of cells and what has no times are none."""
+    grid = {"latitude": [10.0, 20.5], "longitude": [0, 1]}
+    wind = np.random.default_rng(3).normal(size=(len(SECONDS), 2, 2))
+    data = xarray.Dataset(
+        {
+            "index": ("time", np.sin(SECONDS)),
+            "wind": (("time", *grid), wind),
+            "height": (tuple(grid), np.ones((2, 2))),
+            "time_bnds": (("time", "bnds"), np.stack([SECONDS, SECONDS + 1], axis=1)),
+        },
+        {"time": SECONDS, **grid},
+    )
+    step = float(SECONDS[1] - SECONDS[0])
+    path = tmp_path / "wind.nc"
+    data.to_netcdf(path)
+    told = r"has wind \(time, latitude, longitude\) beside index: rename the other dimension"
+    for read in (labelled_series, lambda given: measured_series(given, step)):
+        with pytest.raises(ValueError, match=told):
+            read(data)
+    with pytest.raises(ValueError, match=told):
+        measured_series(str(path), step)
+    assert measured_series(data, step, ["index"]).shape == (1, len(SECONDS), 1)
+    assert labelled_series(data.drop_vars("wind")).labels == ("index",)
+    stacked = labelled_series(data.stack(component=[*grid]))
+    assert stacked.labels == ("index", "c10_0", "c10_1", "c20.5_0", "c20.5_1")
+    np.testing.assert_array_equal(stacked.states[0, :, 1:], wind.reshape(len(SECONDS), 4))

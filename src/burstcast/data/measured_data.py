@@ -47,6 +47,17 @@ class Content:
     names: list[str]  #: of its columns without ``time``
     #: runs, by the names of columns, with the unit of dates; None where times are numbers
     read: Callable[[Sequence[str], str | None], list[Run]]
+    #: variables with times and with other dimensions, which are no columns: "wind (time, latitude)"
+    fields: tuple[str, ...] = ()
+
+    def check_all_taken(self) -> None:
+        """Check that all that has times is a column, where none are named."""
+        if self.fields:
+            raise ValueError(
+                f"{self.source} has {', '.join(self.fields)} beside {', '.join(self.names)}: "
+                f"rename the other dimension to component (.rename of xarray; .stack makes one "
+                f"dimension of several), or leave these variables out (.drop_vars)"
+            )
 
     def columns_of(self, quantities: "Sequence[Quantity]") -> list[str]:
         """Columns from which quantities are computed, each once."""

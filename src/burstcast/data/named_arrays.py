@@ -29,9 +29,15 @@ class NamedArrays:
         _check_coordinates(source, data)
         #: for each component, its variable, and its place along the dimension of components
         self.columns: dict[str, tuple[str, int]] = {}
+        #: variables with times that no component can be: "wind (time, latitude)"
+        self.fields: list[str] = []
         for name, variable in self.variables.items():
             axes = set(variable.dims)
-            if name in AXES or name in data.coords or not {TIME} <= axes <= set(AXES):
+            if name in AXES or name in data.coords or TIME not in axes:
+                continue
+            if not axes <= set(AXES):
+                if not _has_bounds(name):
+                    self.fields.append(f"{name} ({', '.join(map(str, variable.dims))})")
                 continue
             labels = self._labels(variable.sizes["component"]) if "component" in axes else [name]
             for number, label in enumerate(labels):
@@ -90,6 +96,7 @@ class NamedArrays:
 
     def labelled_runs(self) -> list[LabelledRun]:
         """All components of each series, with their labels and times where there are any."""
+        self.content().check_all_taken()
         states, names, times, dated = self.states(list(self.columns)), None, None, False
         units = self._units()
         if self.has_labels:
@@ -135,7 +142,12 @@ class NamedArrays:
 
     def content(self) -> Content:
         """What there is to read."""
-        return Content(self.source, list(self.columns), self.runs)
+        return Content(self.source, list(self.columns), self.runs, tuple(self.fields))
+
+
+def _has_bounds(name: Any) -> bool:
+    """Whether a variable has the bounds of the cells of a coordinate, by the names that CF has."""
+    return str(name).endswith(("_bnds", "_bounds"))
 
 
 def _without_zone(time: Any) -> Any:

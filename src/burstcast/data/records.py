@@ -118,7 +118,11 @@ def measured_series(
             f"series come from a file, a table of pandas, what xarray holds, or a list of these, "
             f"not from {type(sources).__name__}"
         )
-    declared = components or content_of(listed[0]).names
+    declared = components
+    if not declared:
+        content = content_of(listed[0])
+        content.check_all_taken()
+        declared = content.names
     data = {
         "time_step": time_step,
         "components": declared,

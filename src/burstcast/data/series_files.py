@@ -9,6 +9,7 @@ import re
 import unicodedata
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -61,8 +62,8 @@ def content_of(source: Any, number: int | None = None) -> Content:
         content = _named(source, lambda: frame_content(source, pd.read_parquet(source)))
     else:
         content = _named(source, lambda: _array_content(source))
-    return Content(
-        source, content.names, lambda names, unit: _named(source, lambda: content.read(names, unit))
+    return replace(
+        content, read=lambda names, unit: _named(source, lambda: content.read(names, unit))
     )
 
 
@@ -111,13 +112,13 @@ def _named(path: str, read: Callable[[], T]) -> T:
 
 def _array_content(path: str) -> Content:
     with _opened(path) as arrays:
-        names = list(arrays.columns)
+        found = arrays.content()
 
     def read(wanted: Sequence[str], unit: str | None) -> list[Run]:
         with _opened(path) as arrays:
             return arrays.runs(wanted, unit)
 
-    return Content(path, names, read)
+    return replace(found, read=read)
 
 
 @contextmanager

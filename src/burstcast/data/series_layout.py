@@ -17,6 +17,7 @@ their names. A coordinate, a column or an index of times has neither gaps nor an
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from numbers import Real
 from pathlib import Path
 from typing import Any, NamedTuple
 from unicodedata import normalize
@@ -152,16 +153,27 @@ def observation_of(data: Any) -> Observation:
 
 
 def labels_of(entries: Any) -> tuple[str, ...]:
-    """Labels of components from the entries of a coordinate.
+    """Labels of components from the entries of a coordinate; those of stacked dimensions are pairs.
 
     Examples
     --------
     >>> labels_of(np.array([1.0, 2.5])), labels_of(np.array(["u", "v"]))
     (('c1', 'c2.5'), ('u', 'v'))
+    >>> import pandas as pd
+    >>> labels_of(pd.MultiIndex.from_product([["u"], [10.0, 20.0]]).values)
+    ('u_10', 'u_20')
     """
     if entries.dtype.kind in "iuf":
         return tuple(f"c{entry:g}" for entry in entries)
+    if entries.dtype.kind == "O" and all(isinstance(entry, tuple) for entry in entries):
+        return tuple(map(_label_of_parts, entries))
     return tuple(map(str, entries.astype(str)))
+
+
+def _label_of_parts(parts: tuple[Any, ...]) -> str:
+    """Label of a component with an entry of each stacked dimension."""
+    texts = [f"{part:g}" if isinstance(part, Real) else str(part) for part in parts]
+    return ("c" if isinstance(parts[0], Real) else "") + "_".join(texts)
 
 
 def _runs(data: Any, what: str) -> Iterator[LabelledRun]:
