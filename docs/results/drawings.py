@@ -3,7 +3,7 @@
 from typing import Any
 
 import numpy as np
-from comparisons import HORIZON, f_score, over_sets
+from comparisons import HORIZON, f_score, hierarchical
 from kept_tables import PUBLISHED as PUBLISHED_PERCENTILES
 from kept_tables import Tables, published_rows
 from matplotlib.figure import Figure
@@ -42,7 +42,7 @@ def draw_readouts(tables: Tables) -> Figure:
     figure = style.new_figure(style.DOUBLE_COLUMN, 2.4)
     panels = figure.subplots(1, 2)
     for axes, score in zip(panels, (f_score(3.0), HORIZON), strict=True):
-        means = over_sets(tables, score)
+        means = hierarchical(tables, score)
         means = means[means["forecaster"].isin(["esn", "esn_bias", "esn_quadratic"])]
         curves = means.groupby("readout", sort=False)
         for (name, curve), look in zip(curves, looks.categories(curves.ngroups), strict=True):

@@ -25,13 +25,19 @@ PUBLISHED = KEPT.parents[1] / "resources" / "published_percentiles.csv"
 """Published values of the paper."""
 
 RESULTS = ("metric", "value", "low", "high")
+ROW = ("case", "forecaster", "neurons", "validation", "seed", "prediction_time_lt", "metric")
+"""Columns that tell rows about networks apart."""
 
 
 class Tables:
-    """The tables of one campaign, by name; empty where there is none."""
+    """The tables of one campaign, by name; empty where there is none.
 
-    def __init__(self, directory: Path) -> None:
-        self.directory = directory
+    ``more``: Of campaigns with further networks of the same cases; a network that the first one has
+    counts once, with the numbers that it has there.
+    """
+
+    def __init__(self, directory: Path, *more: Path) -> None:
+        self.directory, self.more = directory, more
         self._read = cache(self._from_file)
         self._having = cache(self._among)
 
@@ -45,8 +51,11 @@ class Tables:
             if strategies.empty or control.empty:
                 return pd.DataFrame()
             return intervals_of_control(strategies, control)
-        path = self.directory / f"{name}.csv"
-        table = read_table(path) if path.exists() and path.stat().st_size else pd.DataFrame()
+        paths = [directory / f"{name}.csv" for directory in (self.directory, *self.more)]
+        tables = [read_table(path) for path in paths if path.exists() and path.stat().st_size]
+        table = pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
+        if self.more:
+            table = table.drop_duplicates([key for key in ROW if key in table], ignore_index=True)
         if "forecaster" in table:
             table["name"] = [name_of(row) for row in table.to_dict("records")]
         return table

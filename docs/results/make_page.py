@@ -124,7 +124,7 @@ def pages() -> dict[Path, str]:
         **vars(kept_tables),
         **vars(comparisons),
         **vars(experiments),
-        "kept": cache(lambda name: Tables(KEPT / name)),
+        "kept": cache(lambda *names: Tables(*(KEPT / name for name in names))),
         "measured": Tables(BENCHMARKS),
         "supported": supported,
         "trio": trio,
@@ -159,7 +159,7 @@ if __name__ == "__main__":
         path.write_text(page, encoding="utf-8")
     PUBLISHED_VALUES.write_text(published_values(), encoding="utf-8")
     for name, figure in (
-        ("readout", drawings.draw_readouts(Tables(KEPT / "readout"))),
+        ("readout", drawings.draw_readouts(Tables(KEPT / "readout", KEPT / "readout_2000"))),
         ("smoothing", experiments.draw_smoothing(Tables(BENCHMARKS))),
         ("hidden_modes", experiments.draw_hidden_modes(Tables(BENCHMARKS))),
         ("late_actuator", drawings.draw_late_actuator(Tables(KEPT / "aware"))),

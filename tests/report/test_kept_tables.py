@@ -123,3 +123,15 @@ def test_mistakes_in_templates_and_conditions_are_told(tmp_path):
     (tmp_path / "scores_percentiles.csv").write_text("case,metric,p50\nA,f,0.5\n")
     with pytest.raises(LookupError, match=r"scores: 0 rows of f with \{'case': 'B'\}, not one"):
         Tables(tmp_path).row("scores", "f", case="B")
+
+
+def test_further_networks_of_another_campaign_count_once(tmp_path):
+    head = "case,forecaster,neurons,validation,seed,f_score\n"
+    for name, rows in {
+        "first": "A,esn,100,RV,0,0.25\nA,esn,200,RV,0,0.5\n",
+        "more": "A,esn,100,RV,0,0.75\nA,esn,400,RV,0,1.0\n",
+    }.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "classification.csv").write_text(head + rows)
+    rows = Tables(tmp_path / "first", tmp_path / "more").rows("classification")
+    assert dict(zip(rows["neurons"], rows["f_score"], strict=True)) == {100: 0.25, 200: 0.5, 400: 1}
