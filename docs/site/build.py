@@ -32,7 +32,7 @@ from sphinx.cmd.build import main as sphinx
 from burstcast.base.declared import called
 from burstcast.base.files.tables import read_table
 from burstcast.figures.parts.style import render
-from burstcast.figures.registry import Drawn, caption
+from burstcast.figures.registry import figure_of
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.registry import FIGURES, cases_of, files_of, settings_of
@@ -224,13 +224,13 @@ def pictures(wanted: Collection[str] = FIGURES) -> dict[str, tuple[str, bytes]]:
             if not inputs or any(content is None for content in inputs.values()):
                 continue
             values = settings_of(campaign, figure, cases[0])
-            images[name] = preset, render(_drawn(figure, values, inputs), "png")
+            images[name] = preset, render(_drawn(name, values, inputs), "png")
     return images
 
 
-def _drawn(figure: Drawn, values: Mapping[str, Any], inputs: Mapping[str, Any]) -> Figure:
+def _drawn(name: str, values: Mapping[str, Any], inputs: Mapping[str, Any]) -> Figure:
     """Draw a figure of values of its settings by path, and of its inputs by name."""
-    published = {}
+    figure, published = figure_of(name), {}
     if figure.published:
         published["published"] = read_table(ROOT / "resources" / "published_percentiles.csv")
     return called(figure.draw, values.__getitem__, lambda name, _: inputs[name], **published)
@@ -267,7 +267,7 @@ def gallery(drawn: Mapping[str, str]) -> str:
     for name in FIGURES:
         if section != (section := FIGURES[name].section):
             lines.append(f"### {SECTIONS[section].partition(' ')[2]}\n")
-        lines += [f"#### {name}\n", f"{caption(name).replace('``', '`')}\n"]
+        lines += [f"#### {name}\n", f"{FIGURES[name].caption.replace('``', '`')}\n"]
         if name in drawn or _is_kept(name):
             lines.append(f"![{name}](images/{name}.png)\n")
         makers = [

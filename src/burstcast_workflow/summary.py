@@ -2,13 +2,15 @@
 
 from collections.abc import Hashable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from burstcast.base.names import described
 from burstcast.base.natural_order import natural_order
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 PREDICTION_TIME_LT = 2.0
 """Of the F-score that is shown, or the nearest that the campaign has."""
@@ -47,13 +49,15 @@ def tables_in(directory: Path) -> dict[str, Path]:
     return {path.stem: path for path in directory.glob("*.csv")}
 
 
-def summary_table(tables: Mapping[str, Path]) -> pd.DataFrame | None:
+def summary_table(tables: Mapping[str, Path]) -> "pd.DataFrame | None":
     """Medians over the networks of each ensemble: F-score, prediction horizon, control.
 
     ``tables``: Files of existing tables, by name. Returns a row for each ensemble, the best of each
     case first: case, ``forecaster``, and a column for each available score, by its name for people.
     None without any score.
     """
+    import pandas as pd  # planning needs no tables
+
     columns = {}
     scores = _medians(tables, "classification_percentiles", "f_score")
     if scores is not None:
@@ -143,12 +147,14 @@ def found_warnings(tables: Mapping[str, Path]) -> list[dict[str, str]]:
     ]
 
 
-def _read(tables: Mapping[str, Path], name: str) -> pd.DataFrame | None:
+def _read(tables: Mapping[str, Path], name: str) -> "pd.DataFrame | None":
     """Read a table that may be missing, or of no byte: a finished campaign does not fail for it."""
+    import pandas as pd
+
     return pd.read_csv(tables[name]) if name in tables and tables[name].stat().st_size else None
 
 
-def _medians(tables: Mapping[str, Path], name: str, metric: str) -> pd.DataFrame | None:
+def _medians(tables: Mapping[str, Path], name: str, metric: str) -> "pd.DataFrame | None":
     table = _read(tables, name)
     if table is None:
         return None

@@ -1,6 +1,7 @@
 """Readouts and their training against states that are all kept, and plain sums."""
 
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from burstcast.base.left_out import LeftOut
 from burstcast.networks.dynamics import Dynamics
 from burstcast.networks.readout import Moments, MomentsAccumulator, solve_ridge
 from burstcast.networks.reservoir import make_reservoir
@@ -285,3 +287,38 @@ def test_leaving_one_out_is_training_on_the_others():
     single = TrainingSeries(OBSERVED[:1], RANGE)
     with pytest.raises(ValueError, match="two training series"):
         next(train_leaving_one_out(DYNAMICS, single, washout=WASHOUT, tikhonov=1e-4))
+
+
+@pytest.mark.parametrize("offset", [None, np.array([0.3, -0.2, 0.1])], ids=["plain", "offset"])
+@pytest.mark.parametrize("kind", ["linear", "quadratic"])
+def test_series_driven_side_by_side_have_the_bits_of_each_alone(kind, offset):
+    """More series than are driven at a time, of unequal lengths, over several panels."""
+    generator = np.random.default_rng(5)
+    observed = np.cumsum(generator.normal(size=(19, 2300, 3)), axis=1) / 10
+    observed[3, 1200:], observed[17, 40:] = np.nan, np.nan
+    series = TrainingSeries(observed, np.array([1.0, 2.0, 3.0]), offset)
+    given = observed.copy()
+    reservoir = make_reservoir(20, 3, 4, 0.1, np.random.default_rng(0))
+    dynamics = Dynamics(reservoir, 0.5, 0.3, leak_rate=0.7, readout=kind)
+    alone = [
+        collect(dynamics, series.part(slice(row, row + 1)), washout=30).moments
+        for row in range(series.series)
+    ]
+    left_out = [[2], [0], [1, 2], [18, 4], [7]]  # in no order
+    rows = [LeftOut(np.array(each), np.array(each)) for each in left_out]
+    readouts = train_leaving_one_out(dynamics, series, washout=30, tikhonov=1e-6, left_out=rows)
+    for without, readout in zip(left_out, readouts, strict=True):
+        others = [moments for row, moments in enumerate(alone) if row not in without]
+        expected = solve_ridge(reduce(Moments.merge, others), 1e-6)
+        np.testing.assert_array_equal(readout.weights, expected.weights)
+    np.testing.assert_array_equal(observed, given)
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_sums_overwrite_states_only_where_they_may(overwrite):
+    states, targets = map(np.ascontiguousarray, rows(WASHOUT, LENGTH))
+    expected, given = accumulate(states, targets), states.copy()
+    accumulator = MomentsAccumulator(len(states), len(targets))
+    accumulator.add(given, targets, overwrite=overwrite)
+    np.testing.assert_array_equal(accumulator.moments().gram, expected.gram)
+    assert np.array_equal(given, states) != overwrite

@@ -99,6 +99,9 @@ def test_each_strategy_alone_is_what_it_is_in_the_shared_loop():
     assert [(result.strategy, result.tikhonov) for result in shared] == [*product(ALL, beta)]
     assert validations(beta, ["SSV"]) == shared[:2]
     assert validations(beta, ["RV", "SSV"]) == shared[2:] + shared[:2]
+    one, other = make_strategy("RV"), make_strategy("SSV")
+    beside = validate(DYNAMICS, TRAINING, observable, PLAN, beta, [one], [other])
+    assert beside == shared[2:]
     # without the snapshot the panels are others, and so is the rounding
     for alone, together in zip(validations(beta, ["RV"]), shared[2:], strict=True):
         assert alone.objective == pytest.approx(together.objective, abs=1e-6)

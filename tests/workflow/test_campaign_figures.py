@@ -1,6 +1,7 @@
 """Figures of a campaign: which there are, what they show, and the script that draws them."""
 
 import inspect
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from matplotlib.figure import Figure
 from burstcast.base.declared import File, at
 from burstcast.base.declared import read as read_file
 from burstcast.base.files.netcdf import Variable, write_netcdf
+from burstcast.figures import registry as drawn_figures
 from burstcast.figures.registry import caption, figure, figure_of
 from burstcast.statistics.densities import Histogram
 from burstcast.statistics.measures import best_network
@@ -19,7 +21,7 @@ from burstcast.statistics.reductions import LongTermStatistics, StateMoments
 from burstcast.systems.registry import make_system, parameters_of
 from burstcast.tables.parameters import described_parameters
 from burstcast_workflow.campaign.shown import Choices, Shown
-from burstcast_workflow.figures import registry
+from burstcast_workflow.figures import declarations, registry
 from burstcast_workflow.figures.registry import (
     FIGURES,
     figure_case,
@@ -117,12 +119,13 @@ def drawing(*, section="control", cases="example_case", **defaults):
 def test_unknown_names_in_a_declaration_are_told(monkeypatch):
     with pytest.raises(TypeError, match=r"registry.py has no function draw with the decorator"):
         figure_of("registry")
-    monkeypatch.setattr(registry, "available_figures", lambda: ["new"])
+    monkeypatch.setattr(drawn_figures, "available_figures", lambda: ["new"])
+    monkeypatch.setattr(drawn_figures, "caption", str)
     for given, message in (
         ({"section": "contrl"}, r"figure new .*the section 'contrl' .did you mean 'control'"),
         ({"cases": "evry"}, r"figure new .*the choice of cases 'evry' .did you mean 'every'"),
     ):
-        monkeypatch.setattr(registry, "figure_of", lambda _, given=given: drawing(**given))
+        monkeypatch.setattr(drawn_figures, "figure_of", lambda _, given=given: drawing(**given))
         with pytest.raises(ValueError, match=message):
             registry._declared()
     with pytest.raises(AttributeError, match="no attribute 'exampel'"):
@@ -130,6 +133,47 @@ def test_unknown_names_in_a_declaration_are_told(monkeypatch):
     for path in ("shown.symbols", "case.space.dimensions", "case.lyapunov.x", "figurs.x", "job.x"):
         with pytest.raises(LookupError, match=f"there is no setting {path}"):
             settings_of(PAPER, drawing(x=at(path)), "Re400")
+
+
+EDITS = {
+    "a caption": ("src/burstcast/figures/reliability.py", lambda text: f"{text}# an edit\n"),
+    "a part": ("src/burstcast/figures/parts/looks.py", lambda text: f"{text}\nOTHER = 1\n"),
+    "a module below": ("src/burstcast/base/names.py", lambda text: f"{text}\nOTHER = 1\n"),
+    "the check": ("src/burstcast_workflow/campaign/shown.py", lambda text: f"{text}\n"),
+    "sections": ("workflow/tables.yaml", lambda text: f"{text}\n# an edit\n"),
+    "a new figure": ("src/burstcast/figures/other.py", lambda _: '"""A figure."""\n'),
+}
+
+
+def test_what_figures_declare_is_remembered_until_any_of_the_code_changes(tmp_path, monkeypatch):
+    project = tmp_path / "project"
+    shutil.copytree(ROOT / "src", project / "src", ignore=shutil.ignore_patterns("*.pyc"))
+    (project / "workflow").mkdir()
+    shutil.copy(ROOT / "workflow" / "tables.yaml", project / "workflow")
+    monkeypatch.setattr(declarations, "project_root", lambda: project)
+    monkeypatch.chdir(tmp_path)
+    read_now = registry._declared()
+    before = declarations.remembered()
+    assert not before.figures
+    declarations.keep(before.code, read_now)
+    known = declarations.remembered()
+    assert list(known.figures.items()) == list(read_now.items())
+    assert known.code == before.code
+    for edited, edit in EDITS.values():
+        path = project / edited
+        content = path.read_text() if path.exists() else None
+        path.write_text(edit(content))
+        assert not declarations.remembered().figures
+        declarations.keep(known.code, {})  # declarations of neither state
+        if content is None:
+            path.unlink()
+        else:
+            path.write_text(content)
+        assert declarations.remembered() == known
+    (project / "src/burstcast/figures/own_flow.py").rename(project / "src/burstcast/figures/x.py")
+    assert not declarations.remembered().figures
+    Path(".snakemake/burstcast_figures.json").write_text("[]")
+    assert not declarations.remembered().figures
 
 
 # -- of long-term statistics, flow and control -----------------------------------------------------

@@ -272,6 +272,52 @@ print(len(jobs), *sys.modules)
     assert not {"skimage.measure", "sklearn", "skopt", *scipy} & {*names}
 
 
+HEAVY = {"llvmlite", "matplotlib", "netCDF4", "pandas", "skimage", "sklearn", "skopt", "xarray"}
+HEAVY |= {f"scipy.{part}" for part in ("linalg", "optimize", "sparse", "spatial", "special")}
+
+
+def test_planning_loads_no_library_that_computes_or_draws(tmp_path):
+    """But for the first plan in a directory; jobs of a cluster plan, too."""
+    code = """
+import pkgutil, sys
+found = pkgutil.iter_modules
+# Snakemake's plugin for Slurm loads pandas
+pkgutil.iter_modules = lambda *places: (
+    each for each in found(*places) if not each.name.startswith("snakemake_executor_plugin_slurm")
+)
+from snakemake.cli import main
+try:
+    main(sys.argv[1:])
+finally:
+    print("loaded:", *sys.modules)
+"""
+    plan = [sys.executable, "-c", code, "-n", "-s", ROOT / "Snakefile", "--cores", "1"]
+    plan += ["--configfile", ROOT / "config.yaml", ROOT / "workflow" / "presets" / "tiny.yaml"]
+    first, again = ({*said_by(plan, tmp_path).split("loaded:")[1].split()} for _ in range(2))
+    assert "matplotlib" in first
+    # that llvmlite is installed is found out by loading it
+    assert not HEAVY - {"llvmlite"} & again
+
+
+def test_jobs_from_the_cache_load_no_library_that_computes_or_draws():
+    """Scripts, and what finds their results in the cache."""
+    code = f"""
+import os, runpy, sys
+import snakemake.script
+from burstcast_workflow.harness import job
+from burstcast_workflow.tracking.environment import environment
+environment()
+for script in sys.argv[1:]:
+    if os.fork() == 0:
+        runpy.run_path(script, run_name="not a job")
+        print(script, *{HEAVY} & {{*sys.modules}}, flush=True)
+        os._exit(0)
+    os.wait()
+"""
+    said = said_by([sys.executable, "-c", code, *SCRIPTS], ROOT).splitlines()
+    assert said == [*map(str, SCRIPTS)]
+
+
 def test_the_job_with_most_instances_starts_without_what_it_does_not_compute_with():
     script = STAGES / "evaluation" / "forecast.py"
     body = ast.parse(script.read_text(encoding="utf-8")).body

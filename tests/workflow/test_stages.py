@@ -16,6 +16,7 @@ from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 
 from burstcast.base.declared import files_of, paths_of
+from burstcast.figures.registry import figure_of
 from burstcast.forecasters.registry import all_kinds, available_kinds, kind_class
 from burstcast.tables.makers.registry import maker
 from burstcast_workflow.campaign.campaign import Campaign
@@ -152,7 +153,7 @@ def test_a_script_takes_the_files_of_its_rule_and_its_settings(rule):
 
 
 DECLARING = {name: maker(name) for name in MAKERS}
-DECLARING |= {name: figure.draw for name, figure in FIGURES.items()}
+DECLARING |= {name: figure_of(name).draw for name in FIGURES}
 
 
 @pytest.mark.parametrize("name", DECLARING)

@@ -1,7 +1,7 @@
 """Figures: one rule for all of them; each module of `burstcast.figures` says what it is made of."""
 
 from burstcast_workflow.figures.jobs import FigureJobs
-from burstcast_workflow.figures.registry import FIGURES, figure_names
+from burstcast_workflow.figures.registry import FIGURES, figure_names, keep_figures
 
 drawn = FigureJobs(stages, started.beside("../../resources/published_percentiles.csv"))
 

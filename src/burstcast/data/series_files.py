@@ -11,16 +11,17 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-import netCDF4
-import pandas as pd
 import scipy
 
 from burstcast.base.arrays import AXES
 from burstcast.data.measured_data import Content, Run
 from burstcast.data.named_arrays import NamedArrays
 from burstcast.data.tables import RECIPES, csv_content, frame_content
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 T = TypeVar("T")
 _ADDRESS = re.compile(r"[a-z][a-z0-9+.-]+://", re.IGNORECASE)
@@ -35,11 +36,13 @@ def content_of(source: Any, number: int | None = None) -> Content:
     ``number``: Place among several sources, for messages; None: there is no other.
     """
     place = "" if number is None else f" {number}"
-    if isinstance(source, pd.DataFrame):
-        return frame_content(f"the table{place}", source)
-    if hasattr(source, "dims"):
-        return NamedArrays(f"the array{place}", source).content()
     if not isinstance(source, str | Path):
+        import pandas as pd  # planning reads headers of files alone
+
+        if isinstance(source, pd.DataFrame):
+            return frame_content(f"the table{place}", source)
+        if hasattr(source, "dims"):
+            return NamedArrays(f"the array{place}", source).content()
         raise TypeError(
             f"series come from a file, a DataFrame or what xarray holds, not from "
             f"{type(source).__name__}"
@@ -59,12 +62,18 @@ def content_of(source: Any, number: int | None = None) -> Content:
     if suffix == ".csv":
         content = _named(source, lambda: csv_content(source))
     elif suffix == ".parquet":
-        content = _named(source, lambda: frame_content(source, pd.read_parquet(source)))
+        content = _named(source, lambda: frame_content(source, _parquet(source)))
     else:
         content = _named(source, lambda: _array_content(source))
     return replace(
         content, read=lambda names, unit: _named(source, lambda: content.read(names, unit))
     )
+
+
+def _parquet(path: str) -> "pd.DataFrame":
+    import pandas as pd
+
+    return pd.read_parquet(path)
 
 
 def _check_file(path: str) -> None:
@@ -142,6 +151,8 @@ def _opened(path: str) -> Iterator[NamedArrays]:
 
 def _options_of_netcdf(path: str) -> dict[str, Any]:
     """How xarray reads a file that netCDF4 would make nothing of, or die of."""
+    import netCDF4
+
     with open(path, "rb") as file:
         is_classic = file.read(3) == b"CDF"
     if not is_classic:

@@ -9,15 +9,17 @@ import csv
 import io
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from burstcast.base.arrays import FloatArray
 from burstcast.data.measured_data import Content, Run
 from burstcast.data.series_layout import LabelledRun
 from burstcast.data.times import TIME, TimesError, is_dated, is_number, times_in
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 RECIPES = "docs/data_recipes.md has recipes"
 
@@ -26,7 +28,7 @@ _GAPS = frozenset({"", "nan", "NaN", "NA", "N/A", "n/a", "<NA>", "null", "NULL",
 _TRUTHS = (b"rue", b"RUE", b"alse", b"ALSE")
 
 
-def frame_content(source: str, frame: pd.DataFrame) -> Content:
+def frame_content(source: str, frame: "pd.DataFrame") -> Content:
     """What a table of pandas has."""
     frame = with_clock(source, frame)
     names = _with_time(source, column_names(source, frame))
@@ -53,7 +55,7 @@ def csv_content(path: str) -> Content:
     return Content(path, _with_time(path, names), read)
 
 
-def column_names(source: str, frame: pd.DataFrame) -> list[str]:
+def column_names(source: str, frame: "pd.DataFrame") -> list[str]:
     """Names of columns, and of an index that is called ``time``."""
     if frame.columns.nlevels > 1:
         raise ValueError(
@@ -65,11 +67,13 @@ def column_names(source: str, frame: pd.DataFrame) -> list[str]:
     return _distinct(source, [TIME, *names] if frame.index.name == TIME else names)
 
 
-def with_clock(source: str, frame: pd.DataFrame) -> pd.DataFrame:
+def with_clock(source: str, frame: "pd.DataFrame") -> "pd.DataFrame":
     """A table whose index is called ``time`` if it has times, or counts rows if it has none.
 
     Raises ValueError for an index that is neither, such as one with holes.
     """
+    import pandas as pd  # planning reads no tables
+
     index = frame.index
     if index.name == TIME or not len(frame):
         return frame
@@ -102,8 +106,10 @@ def with_clock(source: str, frame: pd.DataFrame) -> pd.DataFrame:
     return frame.rename_axis(index=TIME)
 
 
-def _check_dates_are_called_time(source: str, frame: pd.DataFrame) -> None:
+def _check_dates_are_called_time(source: str, frame: "pd.DataFrame") -> None:
     """Check that no column has dates, in a table without a column or an index of times."""
+    import pandas as pd
+
     for place, name in enumerate(frame.columns):
         column = frame.iloc[:, place]
         if pd.api.types.is_numeric_dtype(column.dtype):
@@ -151,7 +157,7 @@ def _check_row_numbers(source: str, numbers: FloatArray) -> None:
 
 def frame_run(
     source: str,
-    frame: pd.DataFrame,
+    frame: "pd.DataFrame",
     wanted: Sequence[str],
     unit: str | None,
     first_line: int | None = None,
@@ -161,6 +167,8 @@ def frame_run(
     ``unit``: Unit of dates; None where times are numbers. ``first_line``: Line of a file that the
     first row stands in; without it, messages count rows from 1.
     """
+    import pandas as pd
+
     if not len(frame):
         raise ValueError(f"{source} has no rows")
     names = column_names(source, frame)
@@ -183,7 +191,7 @@ def frame_run(
     return Run(source, columns)
 
 
-def labelled_run(source: str, frame: pd.DataFrame) -> LabelledRun:
+def labelled_run(source: str, frame: "pd.DataFrame") -> LabelledRun:
     """Rows of a table with the names of its columns; its times are a column or an index."""
     table = with_clock(source, frame)
     names = column_names(source, table)
@@ -249,7 +257,7 @@ def _header(path: str, line: str, number: int) -> list[str]:
     return _distinct(path, names)
 
 
-def _csv_frame(path: str, names: list[str], header: int, columns: list[str]) -> pd.DataFrame:
+def _csv_frame(path: str, names: list[str], header: int, columns: list[str]) -> "pd.DataFrame":
     """Columns of a table: numbers, and times as numbers or text.
 
     pandas reads numbers exactly, but fills rows that are too short: fields are counted here.
@@ -278,7 +286,9 @@ def _csv_frame(path: str, names: list[str], header: int, columns: list[str]) -> 
             f"write times and numbers without"
         )
 
-    def table(**kinds: Any) -> pd.DataFrame:
+    import pandas as pd
+
+    def table(**kinds: Any) -> "pd.DataFrame":
         read: pd.DataFrame = pd.read_csv(
             io.BytesIO(body),
             usecols=columns,

@@ -4,13 +4,15 @@ import datetime
 import math
 import re
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from burstcast.base.arrays import FloatArray
 from burstcast.data.clocks import SECONDS
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 TIME = "time"
 """Name of the column, the variable or the axis of times."""
@@ -47,10 +49,13 @@ def time_step_of(given: float | str | datetime.timedelta) -> tuple[float, str | 
 
     Examples
     --------
+    >>> import pandas as pd
     >>> time_step_of("5 minutes"), time_step_of(0.02), time_step_of(pd.Timedelta("1 min"))
     ((5.0, 'minute'), (0.02, None), (60.0, 'second'))
     """
     if isinstance(given, datetime.timedelta | np.timedelta64):
+        import pandas as pd  # planning reads numbers and text alone
+
         seconds = pd.Timedelta(given).total_seconds()
         if not 0 < seconds < math.inf:
             raise ValueError(f"the time step must be above 0, not {given!r}")
@@ -74,6 +79,8 @@ def times_in(values: Any, unit: str | None) -> FloatArray:
     Dates without an offset from UTC count as UTC; durations are in the unit. ``unit``: None where
     the time step has none: times must be numbers then.
     """
+    import pandas as pd
+
     column = pd.Series(values)
     kind = column.dtype
     if pd.api.types.is_numeric_dtype(kind) and kind.kind not in "bc":
@@ -97,6 +104,8 @@ def times_in(values: Any, unit: str | None) -> FloatArray:
 
 def is_dated(values: Any) -> bool:
     """Whether times are dates or durations, and not numbers, as numbers or text."""
+    import pandas as pd
+
     column = pd.Series(values)
     if pd.api.types.is_numeric_dtype(column.dtype):
         return False
@@ -115,6 +124,8 @@ def _given(unit: str | None, what: str = "dates", row: int | None = None) -> str
 
 def _times_of(texts: Sequence[str], unit: str | None) -> FloatArray:
     """Times of a column of text: all are numbers, or dates, or dates with an offset from UTC."""
+    import pandas as pd
+
     kinds = list(map(_kind, texts))
     row = next((row for row, kind in enumerate(kinds) if not kind or kind != kinds[0]), None)
     if row is not None:
@@ -145,7 +156,7 @@ def _kind(text: str) -> str | None:
     return date and ("date with an offset" if date[1] else "date")
 
 
-def _moments_in(moments: pd.DatetimeIndex, unit: str) -> FloatArray:
+def _moments_in(moments: "pd.DatetimeIndex", unit: str) -> FloatArray:
     """Moments in units of time since 1970-01-01 UTC; without a zone, they count as UTC."""
     if moments.tz is not None:
         moments = moments.tz_convert("UTC")

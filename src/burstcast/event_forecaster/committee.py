@@ -52,7 +52,8 @@ def trained_committee(
     if settings["members"] < 1:
         raise ValueError(f"members must be 1 at least, not {settings['members']}")
     strategy = make_strategy(settings["validation"])
-    together = [make_strategy(name) for name in scanned_with(strategy.name)]
+    alongside = [make_strategy(name) for name in scanned_with(strategy.name)]
+    alongside = [other for other in alongside if other.name != strategy.name]
     dimension = training.dimension
     plan = _plan(training, settings, washout, interval)
     ranges = settings["spectral_radius"], settings["input_scaling"], network.leak_rate
@@ -74,7 +75,7 @@ def trained_committee(
             readout=network.readout,
         )
         if number < settings["searches"]:
-            scanned = scan(validator, space, together, settings["grid"])
+            scanned = scan(validator, space, [strategy], settings["grid"], alongside)
             optimiser = optimiser_seed(seed, settings["case"], strategy.name)
             points = search(
                 validator, space, strategy, scanned, settings["bayesian_points"], optimiser

@@ -1,8 +1,7 @@
 """Logistic regression of several events on one set of features, with a penalty on squares."""
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
-from scipy.special import expit
+import scipy
 
 from burstcast.base.arrays import BoolArray, FloatArray
 
@@ -75,14 +74,14 @@ def _newton(features: FloatArray, wanted: FloatArray, ridge: FloatArray) -> Floa
     weights[-1] = np.log(share / (1 - share))
     odds, loss = features @ weights, np.inf
     for _ in range(_STEPS):
-        probability = expit(odds)
+        probability = scipy.special.expit(odds)
         gradient = features.T @ (wanted - probability) - ridge * weights
         root = np.sqrt(probability * (1 - probability) + _LEAST_CURVATURE)
         curvature = np.diag(ridge)
         for rows in range(0, len(features), _ROWS):
             weighted = features[rows : rows + _ROWS] * root[rows : rows + _ROWS, np.newaxis]
             curvature += weighted.T @ weighted
-        step = cho_solve(cho_factor(curvature), gradient)
+        step = scipy.linalg.cho_solve(scipy.linalg.cho_factor(curvature), gradient)
         along, factor = features @ step, 1.0
         bound = loss + _FLAT * len(wanted)
         while (new := _loss(odds + factor * along, wanted, ridge, weights + factor * step)) > bound:
@@ -106,4 +105,4 @@ def event_probability(weights: FloatArray, features: FloatArray) -> FloatArray:
     """
     rows = np.ascontiguousarray(features)
     sums = [(rows * each).sum(axis=1) for each in np.ascontiguousarray(weights[:-1].T)]
-    return np.asarray(expit(np.stack(sums, axis=1) + weights[-1]))
+    return np.asarray(scipy.special.expit(np.stack(sums, axis=1) + weights[-1]))

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import ClassVar, Self
 
 import numpy as np
-from scipy.spatial import KDTree
+import scipy
 
 from burstcast.base.arrays import BoolArray, FloatArray, IntArray
 from burstcast.base.series_lengths import samples_of, series_lengths
@@ -93,9 +93,9 @@ class Analogues(AnalogueOptions, Forecaster):
         return np.where(scale > 0, scale, 1.0)  # a constant component tells no states apart
 
     @cached_property
-    def _tree(self) -> KDTree:
+    def _tree(self) -> "scipy.spatial.KDTree":
         # nothing follows the last state of a series
-        return KDTree(self._states[~self._last] / self._scale)
+        return scipy.spatial.KDTree(self._states[~self._last] / self._scale)
 
     def ensemble(self, washout: FloatArray) -> FloatArray:
         """Memories of one analogue each, ``(1, neighbours, batch)`` (see `Forecaster.ensemble`)."""

@@ -3,7 +3,7 @@
 import abc
 from dataclasses import dataclass
 
-import scipy.sparse
+import scipy
 
 from burstcast.base.arrays import FloatArray, Int32Array
 from burstcast.networks.readout import ReadoutKind
@@ -16,7 +16,7 @@ class Backend(abc.ABC):
     Arguments are those of `burstcast.networks.dynamics.Dynamics`, which checks them.
     """
 
-    recurrent: scipy.sparse.csr_array  #: recurrent weights times the spectral radius
+    recurrent: "scipy.sparse.csr_array"  #: recurrent weights times the spectral radius
     input_column: Int32Array  #: input that feeds each neuron, the last one being the bias
     input_weight: FloatArray  #: weights of these inputs times the input scaling, ``(neurons,)``
     input_bias: float

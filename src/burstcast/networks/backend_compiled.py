@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from functools import cache, cached_property, partial
 
 import numpy as np
-import scipy.sparse
+import scipy
 
 from burstcast.base.arrays import FloatArray, Int32Array
 from burstcast.base.compiled.machine_code import ALIGNMENT, Lanes, compiled
@@ -287,7 +287,7 @@ class CompiledBackend(Backend):
         )
 
 
-def _even_rows(matrix: scipy.sparse.csr_array) -> tuple[Int32Array, Int32Array, FloatArray]:
+def _even_rows(matrix: "scipy.sparse.csr_array") -> tuple[Int32Array, Int32Array, FloatArray]:
     """Row starts, columns and values, with a zero more on the diagonal in rows of odd length."""
     neurons = matrix.shape[0]
     length = np.diff(matrix.indptr)

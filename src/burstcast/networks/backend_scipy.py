@@ -5,7 +5,7 @@ matrix with a batch, summed in the order of the row's entries, unlike products o
 """
 
 import numpy as np
-import scipy.sparse
+import scipy
 
 from burstcast.base.arrays import FloatArray
 from burstcast.networks.backend import Backend

@@ -21,6 +21,9 @@ from burstcast.networks.backend_scipy import ScipyBackend
 from burstcast.networks.readout import ReadoutKind, readout_features
 from burstcast.networks.reservoir import Reservoir
 
+COLUMNS_PER_PANEL = 1000
+"""Most columns of a panel of states, steps times batch, by default."""
+
 
 @dataclass(frozen=True)
 class StatePanel:
@@ -88,9 +91,9 @@ class Dynamics:
         if self.readout not in get_args(ReadoutKind):
             raise ValueError(f"the readout is 'linear' or 'quadratic', not {self.readout!r}")
 
-    def features(self, states: FloatArray) -> FloatArray:
+    def features(self, states: FloatArray, *, overwrite: bool = False) -> FloatArray:
         """States ``(neurons, ...)`` as the output weights multiply them, ``(neurons, ...)``."""
-        return readout_features(states, self.readout)
+        return readout_features(states, self.readout, overwrite=overwrite)
 
     def open_loop(self, inputs: FloatArray, states: FloatArray | None = None) -> FloatArray:
         """States ``(neurons, batch)`` after a sequence of inputs, from zero or given states.
@@ -106,7 +109,7 @@ class Dynamics:
         states: FloatArray | None = None,
         *,
         breakpoints: Sequence[int] = (),
-        columns_per_panel: int = 1000,
+        columns_per_panel: int = COLUMNS_PER_PANEL,
     ) -> Iterator[StatePanel]:
         """Stream the states that a sequence of inputs drives (see `open_loop`), panel by panel.
 

@@ -103,7 +103,7 @@ class FactoredSeries(TrainingSeries):
         layout = FactoredStates.of(dynamics.reservoir, self.factors.shape[2])
         # a state at step j predicts step j: what counts is in force from step j - 1 on
         in_force = self.factors[:, first - 1 : stop - 1].transpose(2, 1, 0)
-        columns = dynamics.features(states)
+        columns = dynamics.features(states, overwrite=True)
         return layout.features(columns, in_force.reshape(layout.factors, columns.shape[1]))
 
     def closed_loop(

@@ -24,8 +24,12 @@ ReadoutKind = Literal["linear", "quadratic"]
 """What the output weights multiply: the states, or the states with every second one squared."""
 
 
-def readout_features(states: FloatArray, readout: ReadoutKind) -> FloatArray:
+def readout_features(
+    states: FloatArray, readout: ReadoutKind, *, overwrite: bool = False
+) -> FloatArray:
     """States ``(neurons, ...)`` as the output weights multiply them, ``(neurons, ...)``.
+
+    ``overwrite``: Whether the states may be overwritten.
 
     A quadratic readout sees the squares of the neurons 1, 3, 5, ..., which breaks the symmetry of
     the hyperbolic tangent: Lu et al., Chaos 27 (2017) 041102; Pathak et al., Physical Review
@@ -33,8 +37,8 @@ def readout_features(states: FloatArray, readout: ReadoutKind) -> FloatArray:
     """
     if readout == "linear":
         return states
-    features = states.copy()
-    features[1::2] *= states[1::2]
+    features = states if overwrite else states.copy()
+    features[1::2] *= features[1::2]
     return features
 
 
@@ -89,8 +93,11 @@ class MomentsAccumulator:
         self._gram = np.zeros((neurons, neurons), order="F")
         self._cross = np.zeros((neurons, dimension))
 
-    def add(self, states: FloatArray, targets: FloatArray) -> None:
-        """Add a panel: states ``(neurons, columns)``, targets ``(dimension, columns)``."""
+    def add(self, states: FloatArray, targets: FloatArray, *, overwrite: bool = False) -> None:
+        """Add a panel: states ``(neurons, columns)``, targets ``(dimension, columns)``.
+
+        ``overwrite``: Whether the states may be overwritten.
+        """
         neurons, dimension = self._cross.shape
         columns = states.shape[1]
         if states.shape != (neurons, columns) or targets.shape != (dimension, columns):
@@ -106,7 +113,8 @@ class MomentsAccumulator:
             raise ValueError("the states or targets of the training are not finite")
         if self._count == 0:
             self._state_shift, self._target_shift = state_mean, target_mean
-        shifted_states = states - self._state_shift[:, np.newaxis]
+        shift, into = self._state_shift[:, np.newaxis], states if overwrite else None
+        shifted_states = np.subtract(states, shift, out=into)
         shifted_targets = targets - self._target_shift[:, np.newaxis]
         self._count += columns
         self._state_sum += columns * (state_mean - self._state_shift)

@@ -8,9 +8,7 @@ of the paper.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse
-import scipy.sparse.linalg
+import scipy
 
 from burstcast.base import random_streams
 from burstcast.base.arrays import FloatArray, Int32Array, IntArray
@@ -32,7 +30,7 @@ class Reservoir:
     input_column: Int32Array
     input_weight: FloatArray  #: its weight, uniform in [-1, 1], shape ``(neurons,)``
     #: recurrent weights W, shape ``(neurons, neurons)``, of spectral radius one
-    recurrent: scipy.sparse.csr_array
+    recurrent: "scipy.sparse.csr_array"
     dimension: int  #: number of components of the input, N_u
     input_bias: float  #: the constant b_in that is appended to every input
 
@@ -128,7 +126,7 @@ def make_reservoir(
     return Reservoir(input_column, input_weight, recurrent, dimension, float(input_bias))
 
 
-def spectral_radius(matrix: scipy.sparse.csr_array) -> float:
+def spectral_radius(matrix: "scipy.sparse.csr_array") -> float:
     """Largest absolute eigenvalue of a square sparse matrix.
 
     Of large matrices by Arnoldi iterations for the six largest eigenvalues, which agrees with dense
@@ -153,7 +151,7 @@ def spectral_radius(matrix: scipy.sparse.csr_array) -> float:
     return float(np.abs(eigenvalues).max())
 
 
-def _dense_spectral_radius(matrix: scipy.sparse.csr_array) -> float:
+def _dense_spectral_radius(matrix: "scipy.sparse.csr_array") -> float:
     return float(np.abs(scipy.linalg.eigvals(matrix.toarray())).max())
 
 

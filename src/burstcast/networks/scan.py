@@ -67,10 +67,14 @@ def scan(
     space: SearchSpace,
     strategies: Sequence[ValidationStrategy],
     grid: int,
+    alongside: Sequence[ValidationStrategy] = (),
 ) -> list[Evaluation]:
-    """Evaluate all points of a grid; ``strategies`` are validated in one go (`scanned_with`)."""
+    """Evaluate all points of a grid; ``strategies`` are validated in one go (`scanned_with`).
+
+    ``alongside``: See `burstcast.networks.validation.validate`.
+    """
     return [
         Evaluation(number, "grid", point, validation)
         for number, point in enumerate(space.grid(grid))
-        for validation in validator(point, strategies)
+        for validation in validator(point, strategies, alongside)
     ]

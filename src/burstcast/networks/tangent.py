@@ -17,7 +17,7 @@ Source: Margazoglou & Magri, "Stability analysis of chaotic systems from data", 
 """
 
 import numpy as np
-import scipy.sparse
+import scipy
 
 from burstcast.base.arrays import FloatArray
 from burstcast.networks.network import EchoStateNetwork

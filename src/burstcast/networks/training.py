@@ -14,9 +14,12 @@ import numpy as np
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.left_out import LeftOut, rows_left_out
 from burstcast.base.series_lengths import series_lengths
-from burstcast.networks.dynamics import Dynamics
+from burstcast.networks.dynamics import COLUMNS_PER_PANEL, Dynamics
 from burstcast.networks.network import EchoStateNetwork
 from burstcast.networks.readout import Moments, MomentsAccumulator, Readout, solve_ridge
+
+_AT_A_TIME = 8
+"""Series that are driven side by side: a vector of the processor, whose panels take little room."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +63,11 @@ class TrainingSeries:
         return dynamics.reservoir.neurons
 
     def features(self, dynamics: Dynamics, states: FloatArray, first: int, stop: int) -> FloatArray:
-        """Features of states ``(neurons, steps * series)`` from step ``first`` up to ``stop``."""
-        return dynamics.features(states)
+        """Features of states ``(neurons, steps * series)`` from step ``first`` up to ``stop``.
+
+        The states are overwritten.
+        """
+        return dynamics.features(states, overwrite=True)
 
     def closed_loop(
         self,
@@ -130,16 +136,8 @@ def collect(
     if not inside or not washout < end <= training.length - 1:
         raise ValueError("the steps asked for lie outside of the training series")
     # inputs 0 .. end - 1 lead to the states at steps 1 .. end
-    # a copy always: for a single series the transpose is contiguous as it is
-    driving = training.observed if training.inputs is None else training.inputs
-    inputs = np.array(driving[:, :end].transpose(1, 2, 0), order="C")
+    inputs, lengths = _inputs(training, end)
     offset = training.input_offset
-    if offset is not None:
-        inputs -= offset[:, np.newaxis]
-    inputs /= training.input_range[:, np.newaxis]
-    lengths = series_lengths(training.observed)
-    if lengths is not None:
-        inputs[np.isnan(inputs)] = 0.0  # series that have ended are driven on, and do not count
     features = training.feature_count(dynamics)
     accumulator = MomentsAccumulator(features, training.dimension)
     taken: dict[int, Moments] = {}
@@ -162,7 +160,7 @@ def collect(
         if lengths is not None:
             there = (np.arange(first, stop)[:, np.newaxis] < lengths).reshape(-1)
             columns, targets = np.ascontiguousarray(columns[:, there]), targets[:, there]
-        accumulator.add(columns, targets)
+        accumulator.add(columns, targets, overwrite=True)
     return Collected(moments=accumulator.moments(), snapshots=taken, states=states)
 
 
@@ -197,14 +195,61 @@ def train_leaving_one_out(
     Moments are sums over the series: one open loop serves all readouts.
     """
     left_out_rows = rows_left_out(training.series, left_out)
-    moments = [
-        collect(
-            dynamics,
-            training.part(slice(row, row + 1)),
-            washout=washout,
-        ).moments
-        for row in range(training.series)
-    ]
+    moments = [*_moments_of_each(dynamics, training, washout)]
+    before: list[Moments] = []  # the sum of the first ``summed`` series
+    summed = 0
     for rows in left_out_rows:
-        others = [each for row, each in enumerate(moments) if row not in rows]
-        yield solve_ridge(reduce(Moments.merge, others), tikhonov)
+        first = min(rows)
+        if summed > first:
+            before, summed = [], 0
+        if summed < first:
+            before = [reduce(Moments.merge, [*before, *moments[summed:first]])]
+            summed = first
+        after = [each for row, each in enumerate(moments) if row > first and row not in rows]
+        yield solve_ridge(reduce(Moments.merge, [*before, *after]), tikhonov)
+
+
+def _moments_of_each(
+    dynamics: Dynamics, training: TrainingSeries, washout: int
+) -> Iterator[Moments]:
+    """Moments of each series alone, bit for bit those of `collect`; some are driven at a time."""
+    inputs, lengths = _inputs(training, training.length - 1)
+    size = training.feature_count(dynamics), training.dimension
+    for start in range(0, training.series, _AT_A_TIME):
+        rows = range(start, min(start + _AT_A_TIME, training.series))
+        sums = [MomentsAccumulator(*size) for _ in rows]
+        panels = dynamics.state_panels(
+            inputs[..., rows.start : rows.stop],
+            breakpoints=[washout - 1],
+            columns_per_panel=COLUMNS_PER_PANEL * len(rows),  # as many of each as in `collect`
+        )
+        for panel in panels:
+            first, stop = panel.start + 1, panel.stop + 1
+            if first < washout:
+                continue
+            for place, row in enumerate(rows):
+                part = training.part(slice(row, row + 1))
+                columns = np.ascontiguousarray(panel.states[:, :, place])
+                columns = part.features(dynamics, columns, first, stop)
+                targets = part.observed[0, first:stop].T
+                if training.input_offset is not None:
+                    targets = targets - training.input_offset[:, np.newaxis]
+                if lengths is not None and lengths[row] < training.length:
+                    there = np.arange(first, stop) < lengths[row]
+                    columns, targets = np.ascontiguousarray(columns[:, there]), targets[:, there]
+                sums[place].add(columns, targets, overwrite=True)
+        yield from (each.moments() for each in sums)
+
+
+def _inputs(training: TrainingSeries, end: int) -> tuple[FloatArray, IntArray | None]:
+    """Inputs ``(steps, dimension, series)`` before the step ``end``; lengths, where they differ."""
+    driving = training.observed if training.inputs is None else training.inputs
+    # a copy always: for a single series the transpose is contiguous as it is
+    inputs = np.array(driving[:, :end].transpose(1, 2, 0), order="C")
+    if training.input_offset is not None:
+        inputs -= training.input_offset[:, np.newaxis]
+    inputs /= training.input_range[:, np.newaxis]
+    lengths = series_lengths(training.observed)
+    if lengths is not None:
+        inputs[np.isnan(inputs)] = 0.0  # series that have ended are driven on, and do not count
+    return inputs, lengths

@@ -57,9 +57,17 @@ def validate(
     plan: ValidationPlan,
     tikhonov: Sequence[float],
     strategies: Sequence[ValidationStrategy],
+    alongside: Sequence[ValidationStrategy] = (),
 ) -> list[Validation]:
-    """Train one network and validate it by each strategy with each Tikhonov parameter."""
-    folds = [strategy.folds(plan, training.series, training.length) for strategy in strategies]
+    """Train one network and validate it by each strategy with each Tikhonov parameter.
+
+    ``alongside``: Strategies whose sums are taken as well, so that those of the others are bit for
+    bit what they are in a scan for all.
+    """
+    folds = [
+        strategy.folds(plan, training.series, training.length)
+        for strategy in (*strategies, *alongside)
+    ]
     loops = _open_loops(dynamics, training, plan.washout, [fold for some in folds for fold in some])
     unit = 1.0
     if training.input_offset is not None:
@@ -67,7 +75,7 @@ def validate(
         samples = samples_of(states).T if unequal else states.transpose(2, 0, 1)
         unit = float(np.var(observable(samples)))
     results = []
-    for strategy, of_strategy in zip(strategies, folds, strict=True):
+    for strategy, of_strategy in zip(strategies, folds[: len(strategies)], strict=True):
         readouts: list[list[Readout]] = [[] for _ in tikhonov]
         errors: list[list[FloatArray]] = [[] for _ in tikhonov]
         for fold in of_strategy:
@@ -112,7 +120,10 @@ class PointValidator:
     readout: ReadoutKind = "linear"  #: what the output weights multiply
 
     def __call__(
-        self, point: HyperparameterPoint, strategies: Sequence[ValidationStrategy]
+        self,
+        point: HyperparameterPoint,
+        strategies: Sequence[ValidationStrategy],
+        alongside: Sequence[ValidationStrategy] = (),
     ) -> list[Validation]:
         """Validate a point by each strategy with each Tikhonov parameter (see `validate`)."""
         return validate(
@@ -122,6 +133,7 @@ class PointValidator:
             self.plan,
             self.tikhonov,
             strategies,
+            alongside,
         )
 
     def dynamics(self, point: HyperparameterPoint) -> Dynamics:

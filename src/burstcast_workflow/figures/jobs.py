@@ -4,12 +4,13 @@ from typing import Any
 
 from snakemake.io import local
 
-from burstcast.figures.registry import caption
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.figures.registry import FIGURES, figure_case, files_of, settings_of
 from burstcast_workflow.stages.stages import Stages
 from burstcast_workflow.tables.declarations import SECTIONS
 from burstcast_workflow.tables.registry import table_names, table_of
+
+_SCRIPT = "figures/figure.py"
 
 
 class FigureJobs:
@@ -18,6 +19,7 @@ class FigureJobs:
     def __init__(self, stages: Stages, published: str) -> None:
         self._stages, self._published = stages, published
         self._campaign = stages.campaign
+        stages.read_code(_SCRIPT, {"burstcast.figures": [*FIGURES]})
 
     def case(self, wildcards: Any) -> str:
         """The case that a figure shows."""
@@ -42,7 +44,7 @@ class FigureJobs:
     def code(self, wildcards: Any) -> dict[str, str]:
         """Code of a figure: the script of all figures, the figure's own module."""
         by_name = {"burstcast.figures": [wildcards.figure]}
-        return self._stages.code_of("figures/figure.py", {"case": self.case(wildcards)}, by_name)
+        return self._stages.code_of(_SCRIPT, {"case": self.case(wildcards)}, by_name)
 
     def category(self, wildcards: Any) -> str:
         """Section of the report that a figure stands in."""
@@ -59,6 +61,6 @@ class FigureJobs:
 def captions(campaign: Campaign) -> dict[str, dict[str, str]]:
     """Captions of figures and tables by name, for the report."""
     return {
-        "figures": {name: caption(name) for name in FIGURES},
+        "figures": {name: figure.caption for name, figure in FIGURES.items()},
         "tables": {name: table_of(name).description for name in table_names(campaign)},
     }

@@ -1,22 +1,26 @@
 """Figures of a campaign: the cases that each is made for, its files and settings.
 
-A figure is a module of `burstcast.figures`, whose function declares what it is made of. One rule
-makes all of them (``workflow/rules/figures.smk``).
+A figure is a module of `burstcast.figures`, whose function declares what it is made of
+(`burstcast_workflow.figures.declarations`). One rule makes all of them
+(``workflow/rules/figures.smk``).
 """
 
 from collections.abc import Mapping
 from typing import Any
 
 from burstcast.base.discovery import suggestion
-from burstcast.figures.registry import Drawn, available_figures, figure_of
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.job_settings import check_paths, names_of, settings_of_job
 from burstcast_workflow.campaign.shown import Choices, Shown
+from burstcast_workflow.figures.declarations import Declaration, keep, remembered
 from burstcast_workflow.tables.declarations import SECTIONS
 
 
-def _declared() -> dict[str, Drawn]:
-    figures = {name: figure_of(name) for name in available_figures()}
+def _declared() -> dict[str, Declaration]:
+    """Declarations of all figures, checked, in the order of the report."""
+    from burstcast.figures.registry import available_figures, caption, figure_of  # loads Matplotlib
+
+    figures = {name: Declaration.of(figure_of(name), caption(name)) for name in available_figures()}
     for name, figure in figures.items():
         places = [file.path.partition("/")[0] for file in figure.files.values() if not file.of_each]
         gathered = [file.path.partition("/")[0] for file in figure.files.values() if file.of_each]
@@ -41,11 +45,18 @@ def _declared() -> dict[str, Drawn]:
     return {name: figures[name] for name in sorted(figures, key=place)}
 
 
-FIGURES: Mapping[str, Drawn] = _declared()
+_remembered = remembered()
+FIGURES: Mapping[str, Declaration] = _remembered.figures or _declared()
 """All figures by name, in the order of the report."""
 
 
-def cases_of(campaign: Campaign, figure: Drawn) -> list[str]:
+def keep_figures() -> None:
+    """Remember what figures declare (`burstcast_workflow.figures.declarations`)."""
+    if not _remembered.figures:
+        keep(_remembered.code, FIGURES)
+
+
+def cases_of(campaign: Campaign, figure: Declaration) -> list[str]:
     """Cases that a figure is made for."""
     if figure.needs_networks and not campaign.networks:
         return []
@@ -53,13 +64,13 @@ def cases_of(campaign: Campaign, figure: Drawn) -> list[str]:
     return [case for case in cases if not figure.only_flows or campaign.cases[case].is_flow]
 
 
-def files_of(campaign: Campaign, figure: Drawn, case: str) -> dict[str, str | list[str]]:
+def files_of(campaign: Campaign, figure: Declaration, case: str) -> dict[str, str | list[str]]:
     """Files of a figure by the name of its argument, below the results directory."""
     shown = Shown(campaign, case)
     return {name: shown.paths(file) for name, file in figure.files.items()}
 
 
-def settings_of(campaign: Campaign, figure: Drawn, case: str) -> dict[str, Any]:
+def settings_of(campaign: Campaign, figure: Declaration, case: str) -> dict[str, Any]:
     """Settings of a figure by path."""
     return settings_of_job(campaign, figure.paths, {"case": case})
 

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from burstcast.figures.registry import caption
 from burstcast_workflow.campaign.campaign import Campaign
 from burstcast_workflow.campaign.loading import load
 from burstcast_workflow.figures.registry import FIGURES, figures_by_name
@@ -75,7 +74,9 @@ def _section(campaign: Campaign, section: str) -> dict[str, Any]:
     figures = []
     for name, figure in figures_by_name(campaign).items():
         if FIGURES[figure].section == section:
-            figures.append({"name": name, "title": _title(name), "caption": caption(figure)})
+            figures.append(
+                {"name": name, "title": _title(name), "caption": FIGURES[figure].caption}
+            )
     tables = [
         {"name": name, "title": _title(name), "caption": table_of(name).description}
         for name in table_names(campaign)

@@ -3,16 +3,16 @@
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any
 
 from burstcast.tables.makers.registry import Gathered
-from burstcast.tables.percentiles import percentiles
 from burstcast_workflow.harness.settings import JobSettings, at
 from burstcast_workflow.harness.storage import write_table
 from burstcast_workflow.jobs.inputs import content
 from burstcast_workflow.jobs.origins import origins
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Rows = Sequence[Mapping[str, Any]]
 
@@ -27,6 +27,8 @@ class Tables(JobSettings):
 
     def write(self, paths: Iterable[str], **rows: Rows) -> None:
         """Write tables, given by name, and the percentiles over networks that they declare."""
+        from burstcast.tables.percentiles import percentiles  # loads pandas
+
         files = {Path(path).stem: path for path in paths}
         if set(rows) != set(self.tables):
             wanted = sorted(self.tables)
@@ -74,8 +76,10 @@ class TablesOfCase(Tables):
         return completed
 
 
-def as_declared(rows: Rows, columns: Sequence[str], name: str) -> pd.DataFrame:
+def as_declared(rows: Rows, columns: Sequence[str], name: str) -> "pd.DataFrame":
     """Table with the declared columns in their order; columns with an asterisk need no value."""
+    import pandas as pd  # jobs from the cache start without it
+
     names = [column.removesuffix("*") for column in columns]
     optional = set(names) - set(columns)
     given = {column for row in rows for column in row}

@@ -208,9 +208,12 @@ class Stages:
         ``by_name``: Modules that all jobs of the rule reach by a name, by the package of their
         registry, beside what follows from the wildcards.
         """
-        # read while rules are: of a large campaign, jobs need not find out for themselves
-        self._sources.code(script, {**self.campaign.all_modules(), **by_name})
+        self.read_code(script, by_name)
         return _once(lambda wildcards: self.code_of(script, wildcards, by_name))
+
+    def read_code(self, script: str, by_name: ByName) -> None:
+        """Read the code of all jobs of a rule while rules are read, so that it is remembered."""
+        self._sources.code(script, {**self.campaign.all_modules(), **by_name})
 
     def code_of(self, script: str, wildcards: Any, by_name: ByName) -> dict[str, str]:
         """Hashes of the code of one job (`code`)."""

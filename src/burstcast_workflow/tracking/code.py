@@ -105,6 +105,7 @@ class Sources:
         self._parsed: dict[Path, Parsed] = {}
         self._places: dict[str, list[Place]] = {}
         self._reached: dict[tuple[str, str], list[tuple[Place, str]]] = {}
+        self._reachable: dict[tuple[str, str], dict[str, dict[str, str]]] = {}
         self._closures: dict[object, dict[str, str]] = {}
         self._file = cache(self._find)
 
@@ -142,24 +143,41 @@ class Sources:
     def definitions(self, script: str, by_name: ByName) -> dict[str, dict[str, str]]:
         """Definitions that a script uses, with their hashes, by the names of their modules."""
         used: dict[str, dict[str, str]] = {}
-        waiting = [(Place(script, self.script(script)), _ALL)]
+        waiting, known = [(Place(script, self.script(script)), _ALL)], set[str]()
         while waiting:
-            place, wanted = waiting.pop()
-            definitions = self._parse(place.path).definitions
-            if place.name not in used:
-                used[place.name] = {}
-                waiting.append((place, _AT_IMPORT))
-            if wanted == _ALL or self._is_own(place.name):
-                names = [*definitions]
-            else:
-                names = [wanted] if wanted in definitions else []
-            for name in names:
-                if name not in used[place.name]:
-                    used[place.name][name] = definitions[name].hash
-                    waiting += self._reach(place, name)
-                    if name != _AT_IMPORT:
-                        waiting += self._of_registry(place.name, by_name)
+            root = waiting.pop()
+            for module, names in self._without_registries(*root).items():
+                used[module] = {**used.get(module, {}), **names}
+                if module not in known and names.keys() - {_AT_IMPORT}:
+                    known.add(module)
+                    waiting += self._of_registry(module, by_name)
         return used
+
+    def _without_registries(self, place: Place, wanted: str) -> dict[str, dict[str, str]]:
+        """Definitions that a name of a module reaches, but for what registries find by name.
+
+        Many jobs share them.
+        """
+        key = place.name, wanted
+        if key not in self._reachable:
+            used: dict[str, dict[str, str]] = {}
+            waiting = [(place, wanted)]
+            while waiting:
+                place, wanted = waiting.pop()
+                definitions = self._parse(place.path).definitions
+                if place.name not in used:
+                    used[place.name] = {}
+                    waiting.append((place, _AT_IMPORT))
+                if wanted == _ALL or self._is_own(place.name):
+                    names = [*definitions]
+                else:
+                    names = [wanted] if wanted in definitions else []
+                for name in names:
+                    if name not in used[place.name]:
+                        used[place.name][name] = definitions[name].hash
+                        waiting += self._reach(place, name)
+            self._reachable[key] = used
+        return self._reachable[key]
 
     def _is_own(self, name: str) -> bool:
         return not name.endswith(".py") and name.partition(".")[0] not in PACKAGES

@@ -1,7 +1,5 @@
 """Validate a reservoir on the grid of the search, for strategies that share their sums."""
 
-import pandas as pd
-
 from burstcast.networks.scan import scan as scan_points
 from burstcast.networks.scan_files import log_error_variables
 from burstcast.networks.validation_strategies.registry import make_strategy
@@ -29,6 +27,8 @@ def scan_grid(
     *, ensemble: str, scheduled: list[str], scan: str, scan_errors: str, settings: Scan
 ) -> None:
     """Write the objective at every point, for every strategy and Tikhonov parameter."""
+    import pandas as pd  # jobs from the cache start without it
+
     validator = settings.search.point_validator(settings.reservoir, ensemble, scheduled)
     strategies = [make_strategy(name) for name in settings.strategies.split("+")]
     with concerning(Search.intervals, Search.interval_lt, Washout.lt):

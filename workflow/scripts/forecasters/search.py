@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from burstcast.base.files.tables import read_table
 from burstcast.base.names import parsed
@@ -42,6 +41,8 @@ def search(
     settings: BayesianSearch,
 ) -> None:
     """Write the whole trace of the search and its best point."""
+    import pandas as pd  # jobs from the cache start without it
+
     identifier = settings.forecaster
     validator = settings.search.point_validator(identifier, ensemble, scheduled)
     strategy = make_strategy(str(parsed(identifier).validation))

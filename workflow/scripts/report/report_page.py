@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 from burstcast_workflow.harness.job import JobSettings, at, job, write_text
-from burstcast_workflow.jobs.report import render, rows_of
 from burstcast_workflow.summary import found_warnings, summary_table
 
 
@@ -19,6 +18,9 @@ def report_page(
     *, figures: list[str], tables: list[str], template: str, page: str, settings: ReportSettings
 ) -> None:
     """Write the page."""
+    # loaded here, with pandas: jobs from the cache start without it
+    from burstcast_workflow.jobs.report import render, rows_of
+
     of_campaign = {Path(path).stem: Path(path) for path in tables}
     pictures = {Path(path).stem: Path(path) for path in figures}
     content: dict[str, Any] = {

@@ -3,8 +3,6 @@
 from typing import Any
 
 from burstcast.systems.registry import parameters_of
-from burstcast.tables.latex import to_latex
-from burstcast.tables.parameters import data_parameters, described_parameters, side_by_side
 from burstcast_workflow.harness.job import JobSettings, at, job, read_json, write_table, write_text
 from burstcast_workflow.jobs.cases import CaseData
 from burstcast_workflow.jobs.origins import origins
@@ -27,6 +25,10 @@ def data_generation_parameters(
     settings: DataParameters,
 ) -> None:
     """Write one column of values for each case."""
+    # loaded here, with pandas: jobs from the cache start without it
+    from burstcast.tables.latex import to_latex
+    from burstcast.tables.parameters import data_parameters, described_parameters, side_by_side
+
     thresholds = {
         origin.identity["case"]: read_json(origin.path)["event_threshold"]
         for origin in origins(event_thresholds)

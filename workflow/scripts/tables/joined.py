@@ -6,7 +6,6 @@ from typing import Any
 from burstcast.base.files.tables import read_table
 from burstcast.base.names import KEYS
 from burstcast.tables.joined import joined_tables
-from burstcast.tables.wide import typeset
 from burstcast_workflow.harness.job import JobSettings, at, job, write_text
 
 
@@ -20,6 +19,8 @@ class Joined(JobSettings):
 @job
 def join(*, of_cases: list[str], tables: list[str], latex: list[str], settings: Joined) -> None:
     """Write the rows of all cases, by table, and the LaTeX that is made of them."""
+    from burstcast.tables.wide import typeset  # with pandas: jobs from the cache start without
+
     files = {Path(file).name: file for file in [*tables, *latex]}
     for name, text in joined_tables(of_cases, settings.columns).items():
         write_text(files[f"{name}.csv"], text)

@@ -3,8 +3,6 @@
 from typing import Any
 
 from burstcast.base.natural_order import natural_order
-from burstcast.tables.latex import to_latex
-from burstcast.tables.parameters import network_parameters, side_by_side
 from burstcast_workflow.harness.job import JobSettings, at, job, write_table, write_text
 from burstcast_workflow.jobs.forecasters import CaseInputs
 
@@ -23,6 +21,10 @@ class Hyperparameters(JobSettings):
 @job
 def network_hyperparameters(*, table: str, latex: str, settings: Hyperparameters) -> None:
     """Write one column of values, or one for each case where the noise or the bias differs."""
+    # loaded here, with pandas: jobs from the cache start without it
+    from burstcast.tables.latex import to_latex
+    from burstcast.tables.parameters import network_parameters, side_by_side
+
     cases = settings.cases
     tables: dict[str, Any] = {}
     different = set()

@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 from burstcast.base.files.tables import read_table
-from burstcast.tables.realisations import scatter_of_families
 from burstcast_workflow.harness.job import JobSettings, at, job
 from burstcast_workflow.jobs.tables import Tables
 
@@ -20,6 +19,9 @@ class Scatter(JobSettings):
 @job
 def separate_scatter(*, scores: list[str], tables: list[str], settings: Scatter) -> None:
     """Write both standard deviations of each metric, by forecaster, size and strategy."""
+    # loaded here, with pandas: jobs from the cache start without it
+    from burstcast.tables.realisations import scatter_of_families
+
     rows: list[dict[str, Any]] = []
     for path in scores:
         scattered = settings.scattered[Path(path).stem]

@@ -6,14 +6,16 @@ Nothing in a file depends on the time, the machine or the path: equal content is
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-import netCDF4
 import numpy as np
 import numpy.typing as npt
 
 from burstcast.base.files.atomic_files import atomic
 from burstcast.base.files.described import descriptions
+
+if TYPE_CHECKING:
+    import netCDF4
 
 T = TypeVar("T")
 
@@ -31,6 +33,13 @@ class Variable:
     #: lengths of the chunks that the file stores it in, one per dimension; None: in one piece. A
     #: partial read costs as many whole chunks as it touches.
     chunks: tuple[int, ...] | None = None
+
+
+def _opened(path: str | Path, mode: Literal["r", "x"] = "r") -> "netCDF4.Dataset":
+    """An open file."""
+    import netCDF4  # planning, and jobs from the cache, start without it
+
+    return netCDF4.Dataset(path, mode, format="NETCDF4")
 
 
 def variables_of(record: Any) -> dict[str, Variable]:
@@ -73,7 +82,7 @@ def write_netcdf(
             raise TypeError(f"attribute {name}: {value!r} is neither text nor a number")
     with (
         atomic(path, check) as partial,
-        netCDF4.Dataset(partial, "x", format="NETCDF4") as file,
+        _opened(partial, "x") as file,
     ):
         file.setncatts({name: attributes[name] for name in sorted(attributes)})
         for dimension, length in lengths.items():
@@ -107,7 +116,7 @@ def _dimension_lengths(
 
 
 def _write_variable(
-    file: netCDF4.Dataset, name: str, variable: Variable, array: npt.NDArray[Any]
+    file: "netCDF4.Dataset", name: str, variable: Variable, array: npt.NDArray[Any]
 ) -> None:
     truth = array.dtype.kind == "b"
     chunks = None
@@ -143,7 +152,7 @@ def _read(variable: "netCDF4.Variable[Any]", index: Any) -> npt.NDArray[Any]:
     return data
 
 
-def _variable(file: netCDF4.Dataset, path: str | Path, name: str) -> "netCDF4.Variable[Any]":
+def _variable(file: "netCDF4.Dataset", path: str | Path, name: str) -> "netCDF4.Variable[Any]":
     if name not in file.variables:
         raise KeyError(f"{path} has no variable {name!r}; it has {', '.join(file.variables)}")
     return file.variables[name]
@@ -151,13 +160,13 @@ def _variable(file: netCDF4.Dataset, path: str | Path, name: str) -> "netCDF4.Va
 
 def read_netcdf(path: str | Path, *names: str) -> dict[str, npt.NDArray[Any]]:
     """Read the named variables of a NetCDF file; all variables if no name is given."""
-    with netCDF4.Dataset(path, "r") as file:
+    with _opened(path) as file:
         return {name: _read(_variable(file, path, name), ...) for name in (names or file.variables)}
 
 
 def variable_names(path: str | Path) -> tuple[str, ...]:
     """Names of the variables of a NetCDF file."""
-    with netCDF4.Dataset(path, "r") as file:
+    with _opened(path) as file:
         return tuple(file.variables)
 
 
@@ -168,7 +177,7 @@ def read_record(path: str | Path, kind: type[T]) -> T:
 
 def read_rows(path: str | Path, name: str, start: int, stop: int) -> npt.NDArray[Any]:
     """Read entries ``start`` to ``stop - 1`` of a variable along its first dimension."""
-    with netCDF4.Dataset(path, "r") as file:
+    with _opened(path) as file:
         variable = _variable(file, path, name)
         if not 0 <= start <= stop <= variable.shape[0]:
             raise IndexError(
@@ -179,7 +188,7 @@ def read_rows(path: str | Path, name: str, start: int, stop: int) -> npt.NDArray
 
 def read_attributes(path: str | Path) -> dict[str, Any]:
     """Read the attributes of a whole NetCDF file: its provenance; arrays are lists."""
-    with netCDF4.Dataset(path, "r") as file:
+    with _opened(path) as file:
         values = {name: file.getncattr(name) for name in file.ncattrs()}
     return {
         name: value.tolist() if isinstance(value, np.generic | np.ndarray) else value

@@ -6,22 +6,25 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any
 
 from burstcast.base.files.atomic_files import atomic
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 
 def write_table(
-    path: str | Path, table: pd.DataFrame, check: Callable[[], None] | None = None
-) -> pd.DataFrame:
+    path: str | Path, table: "pd.DataFrame", check: Callable[[], None] | None = None
+) -> "pd.DataFrame":
     """Write a table without its index; an undefined value (NaN, None, NA) is an empty cell.
 
     ``check``: See `atomic`.
     """
     if not table.columns.is_unique:
         raise ValueError(f"{path}: two columns share a name: {list(table.columns)}")
+    import pandas as pd  # jobs from the cache start without it
+
     text = table.to_csv(index=False, lineterminator="\n")
     read_back = _parse(text)
     for column in table.columns:
@@ -36,7 +39,7 @@ def write_table(
     return read_back
 
 
-def read_table(path: str | Path) -> pd.DataFrame:
+def read_table(path: str | Path) -> "pd.DataFrame":
     """Read a table that `write_table` wrote; empty cells are missing.
 
     Numbers come back exactly: whole numbers as int64, or Int64 where cells are empty; others and
@@ -52,7 +55,9 @@ _WHOLE_NUMBER = re.compile(r"-?\d{1,18}")
 _NUMBER = re.compile(r"-?(\d+(\.\d*)?([eE][+-]?\d+)?|inf)")
 
 
-def _parse(text: str) -> pd.DataFrame:
+def _parse(text: str) -> "pd.DataFrame":
+    import pandas as pd
+
     # types are found here: what pandas takes for a number, and how exactly, varies with its version
     lines = csv.reader(io.StringIO(text), strict=True)
     if (names := next(lines, None)) is None:
@@ -66,6 +71,8 @@ def _parse(text: str) -> pd.DataFrame:
 
 def _typed(cells: Sequence[str]) -> "pd.Series[Any]":
     """Column of the simplest type that all of its cells can be read as."""
+    import pandas as pd
+
     values = [*filter(None, cells)]
     full = len(values) == len(cells)
     if not values:

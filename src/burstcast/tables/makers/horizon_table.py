@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
-import pandas as pd
 
 from burstcast.base import random_streams
 from burstcast.base.declared import at, declaring, gathered
@@ -34,6 +33,8 @@ def make(
     The averages are undefined where there is no event. All forecasters of a case have the same
     events, and the same bootstrap samples of them.
     """
+    import pandas as pd  # planning reads what is declared alone
+
     events = max((len(file.content["prediction_horizon_lt"]) for file in horizons), default=0)
     weights = np.empty((resamples, 0), dtype=np.int64)
     if events:

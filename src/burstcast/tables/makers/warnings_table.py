@@ -1,10 +1,9 @@
 """Look for signs that the results of a case are less than they seem."""
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from burstcast.base.arrays import FloatArray
 from burstcast.base.declared import at, declaring, read
@@ -19,6 +18,9 @@ from burstcast.systems.base import DynamicalSystem, has_own
 from burstcast.systems.registry import make_space
 from burstcast.systems.state_space import StateSpace, component_names
 from burstcast.tables.makers.registry import Rows
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Finding = tuple[str, str]
 """Name of a sign of `burstcast.statistics.warning_signs`, and what was found, in words."""
@@ -70,12 +72,14 @@ def make(
     data: Mapping[str, Any] = read("case/statistics_data.nc"),
     calibration_set: Mapping[str, Any] = read("case/calibration_set.nc", "washout_maximum"),
     events_summary: Mapping[str, Any] = read("case/events.json"),
-    dataset: pd.DataFrame = read("case/tables/dataset.csv"),
-    classification: pd.DataFrame = read("case/tables/classification.csv"),
-    hyperparameters: pd.DataFrame | None = read("case/tables/hyperparameters.csv"),
-    statistics: pd.DataFrame | None = read("case/tables/statistics.csv"),
-    control: pd.DataFrame | None = read("controlled_case/tables/control_strategies.csv"),
-    lyapunov_spectrum: pd.DataFrame | None = read("contradicted_case/tables/lyapunov_spectrum.csv"),
+    dataset: "pd.DataFrame" = read("case/tables/dataset.csv"),
+    classification: "pd.DataFrame" = read("case/tables/classification.csv"),
+    hyperparameters: "pd.DataFrame | None" = read("case/tables/hyperparameters.csv"),
+    statistics: "pd.DataFrame | None" = read("case/tables/statistics.csv"),
+    control: "pd.DataFrame | None" = read("controlled_case/tables/control_strategies.csv"),
+    lyapunov_spectrum: "pd.DataFrame | None" = read(
+        "contradicted_case/tables/lyapunov_spectrum.csv"
+    ),
     event_threshold: float = read("case/event_threshold.json:event_threshold"),
     training_series: int = at("case.training.series"),
     noise: float = at("case.training.noise"),
@@ -87,6 +91,8 @@ def make(
     tikhonov: list[float] = at("search.tikhonov"),
 ) -> dict[str, Rows]:
     """A row for each sign; networks of a size and strategy share a row."""
+    import pandas as pd  # planning reads what is declared alone
+
     states = read_rows(ensemble, "state", 0, training_series)
     searched = {
         "spectral_radius": spectral_radius,
@@ -166,7 +172,9 @@ def _of_trend(ensemble: str, space: StateSpace, training: int) -> list[Finding]:
     return _findings(signs.slow_trend, data[START], data["state"], names, training)
 
 
-def _of_numbers(dataset: pd.DataFrame, classification: pd.DataFrame) -> Iterator[Finding]:
+def _of_numbers(dataset: "pd.DataFrame", classification: "pd.DataFrame") -> Iterator[Finding]:
+    import pandas as pd
+
     # left out of tables without any value
     (row,) = dataset.to_dict("records")
     given = row.get("lyapunov_exponent_given")
@@ -186,7 +194,7 @@ def _of_numbers(dataset: pd.DataFrame, classification: pd.DataFrame) -> Iterator
     )
 
 
-def _of_scores(table: pd.DataFrame) -> Iterator[tuple[Mapping[str, Any], Finding]]:
+def _of_scores(table: "pd.DataFrame") -> Iterator[tuple[Mapping[str, Any], Finding]]:
     """Ensembles that are no better than a permanent alarm, or whose forecasts are invalid."""
     is_permanent = table["forecaster"] == PERMANENT_ALARM
     permanent = table[is_permanent].set_index("prediction_time_lt")["f_score"]
@@ -203,20 +211,20 @@ def _of_scores(table: pd.DataFrame) -> Iterator[tuple[Mapping[str, Any], Finding
                 yield keys, finding
 
 
-def _leading(dataset: pd.DataFrame, name: str) -> tuple[float, float, float]:
+def _leading(dataset: "pd.DataFrame", name: str) -> tuple[float, float, float]:
     """Leading Lyapunov exponent of the case with the ends of its interval, by its column."""
     (row,) = dataset.to_dict("records")
     return row[name], row[f"{name}_low"], row[f"{name}_high"]
 
 
-def _ensembles(table: pd.DataFrame | None) -> Iterator[tuple[Mapping[str, Any], pd.DataFrame]]:
+def _ensembles(table: "pd.DataFrame | None") -> Iterator[tuple[Mapping[str, Any], "pd.DataFrame"]]:
     if table is not None:
         for keys, rows in table.groupby(ENSEMBLE, dropna=False, sort=False):
             yield dict(zip(ENSEMBLE, keys, strict=True)), rows
 
 
 def _of_search(
-    rows: pd.DataFrame, searched: Mapping[str, list[float]], samples: int
+    rows: "pd.DataFrame", searched: Mapping[str, list[float]], samples: int
 ) -> Iterator[Finding]:
     # smaller Tikhonov parameters than this give the same readouts
     least = negligible_ridge(int(rows["neurons"].iloc[0]), samples)
@@ -227,7 +235,7 @@ def _of_search(
     yield from _findings(signs.ill_conditioned_readout, rows["solver"].tolist())
 
 
-def _of_long_runs(rows: pd.DataFrame) -> Iterator[Finding]:
+def _of_long_runs(rows: "pd.DataFrame") -> Iterator[Finding]:
     shares = rows.dropna(subset=["discarded_fraction"])
     if len(shares):  # the training set and the sampling floor have no runs
         lost, diverged = (shares[f"{name}_fraction"].tolist() for name in ("discarded", "diverged"))
