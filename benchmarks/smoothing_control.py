@@ -2,12 +2,13 @@
 
     python benchmarks/smoothing_control.py > benchmarks/smoothing_control.csv
 
-Receding-horizon control at Re = 400 without delay: a forecast of 3 LT every LT, and the actuation of
-the paper (Re = 2000) until the next decision where it holds an event. Training sets, reservoirs and
-variants as in smoothing.py; with a filter, the majority of its members decides. All control the same
-flows with the same noise, each for 20 LT after 3 LT without an event. Columns: remaining exceedance
-with its 95 % interval over resampled flows, duty cycle of the actuation, and the difference of the
-remaining exceedance from the true equations', with its interval over the same resamples.
+Receding-horizon control at Re = 400 without delay: a forecast of 3 LT every LT, and the paper's
+actuation (Re = 2000) until the next decision where the forecast has an event. Training sets,
+reservoirs and variants as in smoothing.py; with a filter, the majority of its members decides. All
+control the same flows with the same noise, each for 20 LT after 3 LT without an event. Columns:
+remaining exceedance with its 95 % interval over resampled flows, duty cycle of the actuation, and
+the difference of the remaining exceedance from that of the true equations, with its interval over
+the same resamples.
 """
 
 import argparse
@@ -91,10 +92,8 @@ def main():
 
     table = csv.writer(sys.stdout, lineterminator="\n")
     columns = ["remaining", "low", "high", "duty", "difference", "difference_low"]
-    table.writerow(
-        ["kind", "neurons", "set", "variant", "interval_lt", "flows", *columns]
-        + ["difference_high", "fallbacks", "seconds"]
-    )
+    columns += ["difference_high", "fallbacks", "seconds"]
+    table.writerow(["kind", "neurons", "set", "variant", "interval_lt", "flows", *columns])
     rows = [("equations", "", bound, 0), ("quadratic", "", equations, 0)]
     rows += [
         ("esn", neurons, networks, number)
@@ -116,11 +115,9 @@ def main():
             values = [remaining.value, *np.percentile(remaining.samples, [2.5, 97.5])]
             values += [scores["control_fraction"].value, remaining.value - reference.value]
             values += [*np.percentile(apart, [2.5, 97.5]), scores["fallback_fraction"].value]
-            seconds = f"{time.process_time() - began:.0f}"
-            table.writerow(
-                [kind, neurons, number, variant, f"{arguments.interval:g}", flows]
-                + [*(f"{value:.4f}" for value in values), seconds]
-            )
+            cells = [kind, neurons, number, variant, f"{arguments.interval:g}", flows]
+            cells += [f"{value:.4f}" for value in values]
+            table.writerow([*cells, f"{time.process_time() - began:.0f}"])
             sys.stdout.flush()
 
 
