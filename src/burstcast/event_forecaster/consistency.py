@@ -16,6 +16,7 @@ from dataclasses import dataclass, fields
 from typing import Any, Self
 
 import numpy as np
+from scipy.special import bdtrc
 
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.left_out import LeftOut
@@ -33,6 +34,8 @@ ALPHA = 0.05
 """Rate of false alarms."""
 _MANY = 0.2
 """Share of odd washouts beyond twice the rate of false alarms that users are warned of."""
+_CHANCE = 0.01
+"""Probability of as many odd washouts by chance, above which users are not warned."""
 
 
 @dataclass(frozen=True)
@@ -102,8 +105,10 @@ class ConsistencyTest:
 
     def finding(self, p_values: FloatArray) -> Iterator[str]:
         """A sentence about washouts of which many more are odd than in the training series."""
-        share = float((p_values <= ALPHA).mean()) if len(p_values) else 0.0
-        if share > 2 * ALPHA + _MANY:
+        odd, count = int((p_values <= ALPHA).sum()), len(p_values)
+        share = odd / max(1, count)
+        # of few washouts, so many may be odd by chance
+        if share > 2 * ALPHA + _MANY and bdtrc(odd - 1, count, ALPHA) < _CHANCE:
             yield (
                 f"{share:.0%} of the washouts are unlike those of the training series ({ALPHA:.0%} "
                 "there): the flow, its noise or the gain of a sensor differs from what the "

@@ -456,6 +456,7 @@ class EventForecaster(Estimator):
         values, valid = self._values(washouts)
         probability = self.alarms_[time].calibration(values[time])
         self._warn_of_invalid(valid[time])
+        self._warn_of_odd(washouts)
         return np.stack([1 - probability, probability], axis=1)
 
     def valid_share(
@@ -655,9 +656,7 @@ class EventForecaster(Estimator):
         """
         self._check_fitted()
         verified = self._verified(series)
-        if self.consistency_ is not None:
-            for text in self.consistency_.finding(self._p_values(verified[1].washouts)):
-                warnings.warn(text, stacklevel=2)
+        self._warn_of_odd(verified[1].washouts)
         if prediction_time is None and len(self.alarms_) > 1:
             return {time: self._scores(verified, time, interval) for time in self.alarms_}
         return self._scores(verified, self._time(prediction_time), interval)
@@ -1094,6 +1093,12 @@ class EventForecaster(Estimator):
         some = f"behind {(valid < 1).sum()} of {len(valid)} probabilities"
         for text in invalid_share(float(1 - valid.mean()), some, self.members_[0]):
             warnings.warn(f"{text} (valid_share has each)", stacklevel=3)
+
+    def _warn_of_odd(self, washouts: FloatArray) -> None:
+        """Warn the caller's caller of washouts that are unlike those of the training series."""
+        if self.consistency_ is not None:
+            for text in self.consistency_.finding(self._p_values(washouts)):
+                warnings.warn(text, stacklevel=3)
 
     def _values(self, washouts: FloatArray) -> tuple[ByTime, ByTime]:
         """What probabilities after washouts ``(points, steps, component)`` are made from.
