@@ -5,15 +5,16 @@
 Forecasters see seven amplitudes and the kinetic energy, at Re = 400, with 1 % noise. Rows:
 `quadratic_hidden` with two hidden variables, with and without the prior that quadratic terms
 conserve the energy; `quadratic_filtered`, which has none; and the true equations with a filter that
-sees all nine amplitudes. Training and test series as in smoothing.py; columns as in
-shear_flow_starts.py, and `explained`: shares of the variance of the two hidden amplitudes that all
-variables explain in the training series, as the filter estimates them.
+sees all nine amplitudes, or what the others see. Training and test series as in smoothing.py;
+columns as in shear_flow_starts.py, and `explained`: shares of the variance of the two hidden
+amplitudes that all variables explain at the starting points, as the filter estimates them.
 """
 
 import argparse
 import csv
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 from shear_flow_starts import (
@@ -28,6 +29,7 @@ from shear_flow_starts import (
 )
 from smoothing import CASE, IN_SET, SETS
 
+from burstcast.data.encoders.state_maps import StateMaps
 from burstcast.forecasters.base import ForecastingCase
 from burstcast.forecasters.equations_filtered import FilteredEquations
 from burstcast.forecasters.quadratic_filtered import FilteredQuadraticModel
@@ -48,8 +50,19 @@ ROWS = [
     *((kind, "a6, a7", 0) for kind in ("conserved", "none")),
     ("equations", "none", 0),
     *(("free", "a8, a9", number) for number in range(SETS)),
+    ("equations", "a8, a9", 0),
+    ("equations", "a6, a7", 0),
 ]
 """Kind, hidden amplitudes, and set of training series."""
+
+
+def maps(states, seen):
+    """Maps between nine amplitudes ``(series, time, 9)`` and some of them, by linear regression."""
+    flat, matrix = states.reshape(-1, states.shape[2]), np.eye(states.shape[2])[seen]
+    covariance, centre = np.cov(flat.T), flat.mean(axis=0)
+    gain = covariance @ matrix.T @ np.linalg.inv(matrix @ covariance @ matrix.T)
+    constant = centre - gain @ matrix @ centre
+    return StateMaps(gain, constant, matrix, np.zeros(len(seen)), covariance)
 
 
 def explained(model, washouts, truth):
@@ -78,13 +91,16 @@ def main():
     for kind, hidden, number in (ROWS[row] for row in arguments.rows):
         unseen = list(HIDDEN.get(hidden, ()))
         seen = [component for component in range(9) if component not in unseen]
-        sees = states if kind == "equations" else np.dstack([states[..., seen], energy])
+        whole = hidden == "none"
+        sees = states if whole else np.dstack([states[..., seen], energy])
         observed = with_noise(sees, slice(first))
         case, seen_energy = CASE, SYSTEM.observable(observed.transpose(2, 0, 1))
-        if kind != "equations":
+        if not whole:
             space = MeasuredSeries([f"a{component + 1}" for component in seen], "k")
             case = ForecastingCase(space, 0.25, 4, STEPS_PER_LT)
             seen_energy = observed[..., -1]
+            if kind == "equations":
+                case = replace(case, source=SYSTEM, maps=maps(states[:first], seen))
         starts = Starts(energy[first:], seen_energy[first:])
         began = time.process_time()
         training = slice(number * IN_SET, (number + 1) * IN_SET)
@@ -96,6 +112,7 @@ def main():
         scores, best, shares = starts.scores(forecasts), "", ""
         if isinstance(model, HiddenQuadraticModel):
             best = int(np.argmin(model.round_errors))
+        if not whole and kind != "none":
             points = starts.points
             truth = states[first:][points.series, points.step][:, unseen].T
             shares = " ".join(f"{share:.4f}" for share in explained(model, washouts, truth))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers_control import EQUATIONS, FLOW, PAPER, SCHEDULE, experiment
+from helpers_control import EQUATIONS, FLOW, PAPER, SCHEDULE, experiment, random_alarms
 
 from burstcast.control import long_run
 from burstcast.control.long_run import EndlessFlows, ObservationNoise, _Counting, run_long
@@ -13,6 +13,7 @@ from burstcast.control.strategies.reactive import Reactive
 from burstcast.control.strategies.receding_horizon import RecedingHorizon
 from burstcast.control.strategies.uncontrolled import Uncontrolled
 from burstcast.data.events import upward_crossings
+from burstcast.systems.forced import ForcedSystem
 
 LEVELS = [0.05, 0.07, 0.1]
 STRATEGIES = {
@@ -173,6 +174,40 @@ def test_laminarised_flows_are_replaced_by_turbulent_ones():
     now = flows.clock[2]
     assert now == flows.clock[4]
     np.testing.assert_allclose(flows.states[2, now] - flows.states[4, now], 1e-6)
+
+
+def test_a_flow_that_escapes_under_control_is_counted_and_replaced():
+    """The others keep their bits; its copy counts from the next segment on."""
+    given = experiment(3, threshold=10.0, actuated_system=ForcedSystem(FLOW, [1e200] * 9))
+    strategy = STRATEGIES["receding"]
+    schedule = replace(given.schedule, quiet_lt=0.0, span_lt=12.0)
+    given, timing = replace(given, schedule=schedule), strategy.timing(schedule)
+    policy = random_alarms(0.0, 3, timing)
+    named = {"levels": LEVELS, "laminarisation_threshold": 0.48}
+    free = run_long(given, timing, policy, **named)
+    policy.table[1, 1] = True
+    counts = run_long(given, timing, policy, **named)
+    assert counts.escapes.tolist() == [0, 1, 0]
+    assert not counts.laminarisations.any()
+    for name, values in vars(counts).items():
+        if name != "level":
+            np.testing.assert_array_equal(values[[0, 2]], getattr(free, name)[[0, 2]])
+    segment = schedule.steps(4.0)
+    assert counts.steps.tolist() == [3 * segment, timing.pauses[0] + 2 * segment, 3 * segment]
+    assert not counts.actuated_steps.any()
+    policy.table[:, 1] = True
+    with pytest.raises(FloatingPointError, match="all 3 controlled flows left the range"):
+        run_long(given, timing, policy, **named)
+
+
+def test_an_excursion_that_ends_in_an_escape_is_no_event():
+    """Of two flows, one comes back from the level, and one leaves the range of numbers."""
+    counting = _Counting(2, np.array([0.1]), 0, 0.48)
+    observable = np.array([[0.0, 0.2, 0.3, 0.0, 0.0], [0.0, 0.2, 9.0, np.nan, np.nan]])
+    assert counting.add(observable, np.ones((2, 4), dtype=bool)).tolist() == [1]
+    assert counting.events.tolist() == [[1], [0]]
+    assert (counting.escapes.tolist(), counting.laminarisations.tolist()) == ([0, 1], [0, 0])
+    assert counting.steps.tolist() == counting.actuated.tolist() == [4, 1]
 
 
 def test_a_batch_without_a_turbulent_flow_is_told():

@@ -177,11 +177,15 @@ def test_an_event_forecaster_knows_inconsistent_washouts(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         total = forecaster.scores(tested)
+        forecaster.predict_proba(tested)
+        forecaster.predict_proba(0.8 * tested[:1])  # one washout may be odd by chance
     assert sum(part["forecasts"] for part in table.values()) == total["forecasts"]
     assert sum(part["events"] for part in table.values()) == total["events"]
     assert sum(part["share"] for part in table.values()) == pytest.approx(1.0)
     with pytest.warns(UserWarning, match="washouts are unlike those of the training series"):
         forecaster.scores(0.8 * tested)
+    with pytest.warns(UserWarning, match="washouts are unlike those of the training series"):
+        forecaster.predict_proba(0.8 * tested)
     wrong = forecaster.scores_by_consistency(0.8 * tested)
     assert wrong["inconsistent"]["share"] > 0.8
     seen = tested[:, :400]

@@ -228,8 +228,23 @@ def test_a_window_of_one_interval_and_an_unlearnable_step_are_causes():
 
 
 def test_components_that_turn_within_a_few_samples_are_a_cause():
-    """A sine of five samples and one of forty, with noise; a map has no turns."""
+    """A sine of few samples and one of forty, with noise; a map has no turns.
+
+    Of 2.5 samples, the sine looks like noise, whose estimate must not hide it.
+    """
     time = np.arange(400) + np.arange(3)[:, np.newaxis]
+    series = np.stack([np.sin(2 * np.pi * time / period) for period in (2.5, 40.0)], axis=-1)
+    words = list(
+        causes(
+            NVAR(),
+            EventTiming(40.0, 1.0, (1.0,), 10.0),
+            series,
+            ("fast", "slow"),
+            washout=9,
+            events=50,
+        )
+    )
+    assert any("samples in a turn of the trajectory: fast 2.6;" in text for text in words)
     series = np.stack([np.sin(2 * np.pi * time / period) for period in (5.0, 40.0)], axis=-1)
     series = series + 0.02 * np.random.default_rng(0).normal(size=series.shape)
     for unit, told in ((40.0, True), (1.0, False)):

@@ -19,6 +19,7 @@ def test_each_level_of_a_run_has_its_return_time():
         "actuated_steps": np.full(50, 61),
         "decisions": np.full(50, 40),
         "laminarisations": np.eye(50, dtype=np.int64)[0],
+        "escapes": 2 * np.eye(50, dtype=np.int64)[1],
         "steps_per_lyapunov_time": 61,
     }
     plan = {"strategy": "reactive", "settings": {"level": 0.06}, "delay_lt": 0.0}
@@ -36,6 +37,7 @@ def test_each_level_of_a_run_has_its_return_time():
     assert np.isnan([last["return_time"], last["return_time_high"]]).all()
     for row in rows:
         assert (row["lyapunov_times"], row["flows"], row["laminarisations"]) == (500.0, 50, 1)
+        assert row["escapes"] == 2
         assert row["control_fraction"] == pytest.approx(0.1)
         assert (row["strategy"], row["level"]) == ("reactive", 0.06)
     exceedances = counts["exceeding"].sum(axis=0) / (50 * 610)

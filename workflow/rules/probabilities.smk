@@ -71,6 +71,39 @@ rule calibration_forecast:
         "../scripts/evaluation/calibration_forecast.py"
 
 
+rule consistency:
+    input:
+        time_unit="<results>/{case}/time_unit.json",
+        ensemble="<results>/{case}/ensemble.nc",
+        forecaster="<results>/{case}/{family}/{forecaster}/forecaster.nc",
+        calibration_set="<results>/{case}/calibration_set.nc",
+        evaluation_set="<results>/{case}/evaluation_set.nc",
+    output:
+        consistency="<results>/{case}/{family}/{forecaster}/consistency.nc",
+    log:
+        "<logs>/consistency/{case}/{family}/{forecaster}.log",
+    group:
+        "forecaster"
+    resources:
+        **resources_of("training"),
+    params:
+        settings=settings(
+            "case.ensemble.sampling_stride",
+            "case.ensemble.time_step",
+            "case.parameters",
+            "case.system",
+            "case.training.noise",
+            "case.training.series",
+            "forecaster.divergence_bound",
+            "forecaster.options",
+            "forecaster.source",
+            "probability.calibration_series",
+            "random_seed",
+        ),
+    script:
+        "../scripts/evaluation/consistency.py"
+
+
 rule training_set:
     input:
         time_unit="<results>/{case}/time_unit.json",

@@ -51,7 +51,8 @@ def positive_steps(duration_lt: float, steps_per_lyapunov_time: int, name: str) 
     count = steps(duration_lt, steps_per_lyapunov_time)
     if count < 1:
         raise ValueError(
-            f"{name} is {duration_lt} Lyapunov times, which is shorter than one step of the "
-            f"network: a Lyapunov time has {steps_per_lyapunov_time}"
+            f"{name} is {duration_lt} Lyapunov times, which is shorter than one step of a "
+            f"forecast: a Lyapunov time has {steps_per_lyapunov_time}; give a longer duration, or "
+            "sample more finely"
         )
     return count

@@ -9,7 +9,8 @@ A flow that laminarises crosses every level of the observable on its way. That e
 as a laminarisation and not as an event of any level. Another flow takes its place: a copy of one
 that is still turbulent, perturbed by a small random amount (Burdzy, Holyst & March, Communications
 in Mathematical Physics 214, 2000). The copy counts once it has settled, when it has forgotten its
-origin.
+origin. So it is with a flow that leaves the range of floating-point numbers under actuation, which
+is counted as escaped.
 """
 
 import dataclasses
@@ -28,7 +29,6 @@ from burstcast.control.loop import FLOWS_PER_BATCH, RunningFlows, observable_of
 from burstcast.control.policy import Policy
 from burstcast.control.timing import Timing
 from burstcast.data.laminarisation import first_laminar_step
-from burstcast.systems.integration import LostTrajectoryError
 
 PERTURBATION = 1e-4
 """Perturbation of a copied flow, in standard deviations of each component over the flows."""
@@ -54,6 +54,8 @@ class LongRunCounts:
     actuated_steps: Annotated[IntArray, _of_flow("counted steps under actuation")]
     decisions: Annotated[IntArray, _of_flow("looks, whether they count or not")]
     laminarisations: Annotated[IntArray, _of_flow("laminarisations in the counted steps")]
+    #: flows that left the range of floating-point numbers under actuation, and were replaced
+    escapes: Annotated[IntArray, _of_flow("escapes from the range of numbers, likewise")]
 
 
 class ObservationNoise:
@@ -104,6 +106,11 @@ class EndlessFlows(RunningFlows):
         """Flows never leave."""
 
     @property
+    def _last_step(self) -> int:
+        """Step at which a flow of the segment is over."""
+        return self.end
+
+    @property
     def decisions(self) -> IntArray:
         """Number of looks at each flow so far, ``(flows,)``."""
         return self._number
@@ -116,14 +123,7 @@ class EndlessFlows(RunningFlows):
                 self._act(due, np.asarray(policy(self._look(due, self._noise))).astype(np.uint8))
                 self._looks.clear()
             self._advance(moving)
-            self._check_finite(moving)
-
-    def _check_finite(self, moved: IntArray) -> None:
-        """Raise FloatingPointError if a flow is not finite: no other can take its place."""
-        finite = np.isfinite(self.states[moved, self.clock[moved]]).all(axis=1)
-        if not finite.all():
-            flow = int(moved[np.argmin(finite)])
-            raise LostTrajectoryError(flow, self.timing.schedule.time_step)
+            self._end_escaped(moving)
 
     def forget_segment(self) -> None:
         """Let the end of the segment become the start of the next one."""
@@ -133,6 +133,7 @@ class EndlessFlows(RunningFlows):
         if self._noise is not None and self._source is not None:
             fresh = self._source.draw(self.segment)
             self._noise = np.concatenate([self._noise[:, self.segment :], fresh], axis=1)
+        self.escape_step[:] = -1
         self.clock -= self.segment
         self._stop -= self.segment
 
@@ -150,10 +151,12 @@ class EndlessFlows(RunningFlows):
     def of_segment(self) -> tuple[FloatArray, BoolArray]:
         """Observable of the segment and of the step before it, and whether actuation led to a step.
 
-        ``(flows, segment + 1)`` and ``(flows, segment)``.
+        ``(flows, segment + 1)`` and ``(flows, segment)``; NaN from where a flow has escaped.
         """
         first, stop, stride = self.timing.first_look, self.end + 1, self._stride
-        observable = observable_of(self.experiment.system, self.states[:, first:stop])
+        # a flow is very large before it is not finite
+        with np.errstate(over="ignore", invalid="ignore"):
+            observable = observable_of(self.experiment.system, self.states[:, first:stop])
         return observable, self.acting[
             :, (first + 1) * stride - 1 : self.end * stride : stride
         ] != 0
@@ -171,14 +174,22 @@ class _Counting:
         #: whether the event that is under way has been counted, ``(flows, levels)``
         self.open = np.zeros((flows, len(levels)), dtype=bool)
         self.events, self.exceeding = np.zeros((2, flows, len(levels)), dtype=np.int64)
-        self.steps, self.actuated, self.laminarisations = np.zeros((3, flows), dtype=np.int64)
+        self.steps, self.actuated = np.zeros((2, flows), dtype=np.int64)
+        self.laminarisations, self.escapes = np.zeros((2, flows), dtype=np.int64)
 
     def add(self, observable: FloatArray, actuated: BoolArray) -> IntArray:
-        """Count a segment (`EndlessFlows.of_segment`); flows that laminarise in it."""
+        """Count a segment (`EndlessFlows.of_segment`); flows that laminarise in it, or escape.
+
+        A flow that escapes has left what counts as soon as it is as large as a laminar one.
+        """
         steps = observable.shape[1] - 1
         number = np.arange(1, steps + 1)
+        lost = ~np.isfinite(observable[:, 1:])
+        escaped = lost.any(axis=1)
         laminar = first_laminar_step(observable[:, 1:], self.threshold) + 1
         until = np.where(laminar > 0, laminar, steps + 1)
+        until = np.where(escaped, np.minimum(until, lost.argmax(axis=1) + 1), until)
+        leaves = until <= steps
         settled = self.age[:, np.newaxis] + number > self.settling
         counted = settled & (number < until[:, np.newaxis])
         for column, level in enumerate(self.levels):
@@ -192,13 +203,15 @@ class _Counting:
             since = steps - below[:, ::-1].argmax(axis=1)
             begun = np.pad(crosses, ((0, 0), (0, 1)))[np.arange(len(since)), since]
             is_open = np.where(below.any(axis=1), begun, self.open[:, column])
-            self.events[:, column] -= is_open & (laminar > 0)
-            self.open[:, column] = is_open & (laminar == 0)
+            self.events[:, column] -= is_open & leaves
+            self.open[:, column] = is_open & ~leaves
         self.steps += counted.sum(axis=1)
         self.actuated += (actuated & counted).sum(axis=1)
-        self.laminarisations += (laminar > 0) & (self.age + laminar > self.settling)
+        while_counting = leaves & (self.age + until > self.settling)
+        self.laminarisations += while_counting & ~escaped
+        self.escapes += while_counting & escaped
         self.age += steps
-        return np.flatnonzero(laminar > 0)
+        return np.flatnonzero(leaves)
 
 
 def run_long(
@@ -239,9 +252,11 @@ def run_long(
     Raises
     ------
     FloatingPointError
-        If a flow leaves the range of floating-point numbers.
+        If a flow leaves the range of floating-point numbers without actuation, or all flows of a
+        batch do under it within the same segment.
     RuntimeError
-        If all flows of a batch laminarise within the same segment, so that none is left to copy.
+        If all flows of a batch laminarise or escape within the same segment, so that none is left
+        to copy.
     """
     parts = []
     for first in range(0, len(experiment.washouts), FLOWS_PER_BATCH):
@@ -271,19 +286,20 @@ def _run_batch(
     spread = PERTURBATION * experiment.washouts[:, -1].std(axis=0)
     for _ in range(-(-(settling + flows.timing.span) // flows.segment)):
         flows.run_segment(policy)
-        laminar = counts.add(*flows.of_segment())
+        left = counts.add(*flows.of_segment())
         flows.forget_segment()
-        if not laminar.size:
+        if not left.size:
             continue
-        turbulent = np.setdiff1d(flows.rows, laminar)
+        turbulent = np.setdiff1d(flows.rows, left)
         if not turbulent.size:
             raise RuntimeError(
-                f"all {len(flows.rows)} flows laminarised within {_SEGMENT_LT:g} Lyapunov times: a "
-                "long run needs more flows, control.flows"
+                f"all {len(flows.rows)} flows laminarised or left the range of floating-point "
+                f"numbers within {_SEGMENT_LT:g} Lyapunov times: a long run needs more flows, "
+                "control.flows"
             )
-        perturbation = spread * generator.standard_normal((len(laminar), len(spread)))
-        flows.replace(laminar, generator.choice(turbulent, len(laminar)), perturbation)
-        counts.age[laminar] = 0
+        perturbation = spread * generator.standard_normal((len(left), len(spread)))
+        flows.replace(left, generator.choice(turbulent, len(left)), perturbation)
+        counts.age[left] = 0
     return LongRunCounts(
         levels,
         counts.events,
@@ -292,4 +308,5 @@ def _run_batch(
         counts.actuated,
         flows.decisions,
         counts.laminarisations,
+        counts.escapes,
     )

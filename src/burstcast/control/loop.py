@@ -181,11 +181,14 @@ class RunningFlows:
             finite = np.isfinite(self.states[flow, : self.clock[flow] + 1]).all(axis=1)
             self.escape_step[flow] = int(np.argmin(finite))
             self.states[flow, self.escape_step[flow] :] = np.nan
-        self.clock[lost] = self._stop[lost] = max(
-            self.timing.last_look + 1, self.timing.counted_until
-        )
+        self.clock[lost] = self._stop[lost] = self._last_step
         if (self.escape_step >= 0).all():
             raise FloatingPointError(self._lost_under_actuation(int(lost[0])))
+
+    @property
+    def _last_step(self) -> int:
+        """Step at which a flow is over."""
+        return max(self.timing.last_look + 1, self.timing.counted_until)
 
     def integrated(
         self, flows: IntArray, now: IntArray, steps: int, acting: ByteArray | None = None

@@ -27,6 +27,8 @@ _FEW_INTERVALS = 3
 """Intervals in the window of a regression, below which its quadrature is of low order."""
 _FEW_SAMPLES_A_TURN = 8
 """Samples of a turn of the trajectory, below which the sampling is coarse for any model."""
+_LARGEST_NOISE = 0.1
+"""Change that noise makes from sample to sample, in variances of a component, at most."""
 _FEW_SAMPLES = 4
 """Samples of a prediction window, or of a washout, below which it is short."""
 _WINDOW_FACTORS = (0.5, 2, 4)
@@ -77,23 +79,28 @@ def causes(
             )
     shortest = min(end - start for start, end in map(timing.span, timing.times))
     if shortest < _FEW_SAMPLES:
-        yield f"the prediction window has {shortest + 1} samples: lengthen window"
+        yield (
+            f"the prediction window has {shortest + 1} samples: lengthen window, or sample more "
+            "finely"
+        )
     # kinds that start from the last state need no washout
     if (kind.has_filter or kind.has_search or not kind.has_trajectories) and washout < _FEW_SAMPLES:
-        yield f"the washout has {washout} samples: lengthen washout"
+        number = f"{washout} sample{'s' if washout > 1 else ''}"
+        yield f"the washout has {number}: lengthen washout, or sample more finely"
 
 
 def _few_samples_a_turn(observed: FloatArray, names: Sequence[str]) -> Iterator[str]:
     """A sentence about components that oscillate within a few samples.
 
     The mean square change in a sample of an oscillation of n samples a period is
-    2 (1 - cos(2 pi / n)) times its variance; twice that of the noise is left out.
+    2 (1 - cos(2 pi / n)) times its variance; twice that of the noise is left out, but for an
+    estimate so large that it may be the oscillation itself.
     """
     if observed.shape[1] <= 8:
         return
-    noise = 2 * np.square(estimate_noise(observed))
-    change = np.square(samples_of(np.diff(observed, axis=1))).mean(axis=0) - noise
     variance = samples_of(observed).var(axis=0)
+    noise = np.minimum(2 * np.square(estimate_noise(observed)), _LARGEST_NOISE * variance)
+    change = np.square(samples_of(np.diff(observed, axis=1))).mean(axis=0) - noise
     ratio = np.clip(change / np.where(variance > 0, variance, np.inf), 1e-12, 4.0)
     period = 2 * np.pi / np.arccos(1 - 0.5 * ratio)
     fast = [

@@ -11,23 +11,31 @@ as a conformal prediction is: Vovk, Gammerman & Shafer, Algorithmic Learning in 
 2005).
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Self
 
 import numpy as np
+from scipy.special import bdtrc
 
-from burstcast.base.arrays import FloatArray
-from burstcast.forecasters.base import Forecaster
+from burstcast.base.arrays import FloatArray, IntArray
+from burstcast.base.left_out import LeftOut
+from burstcast.forecasters.base import Forecaster, ForecastingCase
+from burstcast.forecasts.probabilities import refitted_without
+from burstcast.forecasts.windows import POINTS_PER_BATCH
 
 LEAST_WASHOUT = 6
 """Samples of a washout that has two halves to compare."""
 _LEAST_HINDCASTS = 40
 """Hindcasts without which there is no test."""
+_HINDCASTS, _HINDCAST_SERIES = 400, 4
+"""Hindcasts of a test, and series that are left out for them, where there are as many."""
 ALPHA = 0.05
 """Rate of false alarms."""
 _MANY = 0.2
 """Share of odd washouts beyond twice the rate of false alarms that users are warned of."""
+_CHANCE = 0.01
+"""Probability of as many odd washouts by chance, above which users are not warned."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +64,34 @@ class ConsistencyTest:
         metric = np.asarray(np.linalg.pinv(np.cov(numbers.T), hermitian=True), dtype=np.float64)
         return cls(scale, centre, metric, np.sort(_distances(numbers - centre, metric)))
 
+    @classmethod
+    def left_out(
+        cls,
+        forecaster: Forecaster,
+        training: FloatArray,
+        case: ForecastingCase,
+        washouts: FloatArray,
+        series: IntArray,
+        left_out: Sequence[LeftOut] | None = None,
+    ) -> Self | None:
+        """Test by hindcasts of training series that a refitted forecaster has not learnt from.
+
+        ``washouts``, ``series``: Washouts in training series, ``(points, steps, dimension)``, and
+        the row of the series of each, ``(points,)``. Other arguments as of
+        `burstcast.forecasts.probabilities.refitted_without`. None if washouts are too short, or
+        hindcasts too few.
+        """
+        steps = washouts.shape[1]
+        if steps < LEAST_WASHOUT or len(training) < 2:
+            return None
+        errors: list[FloatArray] = []
+        refits = refitted_without(forecaster, training, case, steps, series, left_out)
+        for here, refitted in refits:
+            errors.append(hindcast_errors(refitted, washouts[here]))
+            if len(errors) >= _HINDCAST_SERIES and sum(map(len, errors)) >= _HINDCASTS:
+                break
+        return cls.of(np.concatenate(errors)) if errors else None
+
     def p_values(self, forecaster: Forecaster, washouts: FloatArray) -> FloatArray:
         """Share of the hindcasts of training series at least as odd as each one, ``(points,)``.
 
@@ -69,8 +105,10 @@ class ConsistencyTest:
 
     def finding(self, p_values: FloatArray) -> Iterator[str]:
         """A sentence about washouts of which many more are odd than in the training series."""
-        share = float((p_values <= ALPHA).mean()) if len(p_values) else 0.0
-        if share > 2 * ALPHA + _MANY:
+        odd, count = int((p_values <= ALPHA).sum()), len(p_values)
+        share = odd / max(1, count)
+        # of few washouts, so many may be odd by chance
+        if share > 2 * ALPHA + _MANY and bdtrc(odd - 1, count, ALPHA) < _CHANCE:
             yield (
                 f"{share:.0%} of the washouts are unlike those of the training series ({ALPHA:.0%} "
                 "there): the flow, its noise or the gain of a sensor differs from what the "
@@ -98,13 +136,15 @@ def hindcast_errors(forecaster: Forecaster, washouts: FloatArray) -> FloatArray:
 
     ``washouts``: ``(points, steps, dimension)``; NaN where a forecast is invalid.
     """
-    half = washouts.shape[1] // 2
-    batch = np.ascontiguousarray(washouts.transpose(1, 2, 0))
-    with np.errstate(over="ignore", invalid="ignore"):
-        memory = forecaster.start(np.ascontiguousarray(batch[:half]))
-        forecast = forecaster.valid(forecaster.advance(memory, len(batch) - half)[0])
-        errors: FloatArray = (forecast - batch[half:]).transpose(2, 0, 1)
-    return errors
+    half, parts = washouts.shape[1] // 2, []
+    for first in range(0, max(1, len(washouts)), POINTS_PER_BATCH):
+        some = washouts[first : first + POINTS_PER_BATCH]
+        batch = np.ascontiguousarray(some.transpose(1, 2, 0))
+        with np.errstate(over="ignore", invalid="ignore"):
+            memory = forecaster.start(np.ascontiguousarray(batch[:half]))
+            forecast = forecaster.valid(forecaster.advance(memory, len(batch) - half)[0])
+            parts.append((forecast - batch[half:]).transpose(2, 0, 1))
+    return np.concatenate(parts)
 
 
 def rank_histogram(members: FloatArray, truth: FloatArray) -> FloatArray:

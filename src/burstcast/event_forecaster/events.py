@@ -126,7 +126,10 @@ class Events:
         events = self.number(observable)
         if events < FEW_EVENTS:
             number = f"is {events} event" if events == 1 else f"are {events} events"
-            yield f"there {number} in the training series, fewer than {FEW_EVENTS}"
+            yield (
+                f"there {number} in the training series, fewer than {FEW_EVENTS}: too few to learn "
+                "from, and for a calibration; lower event_threshold, or give more or longer series"
+            )
         exact = (self.timing.lyapunov_time or 1.0) / self.timing.sampling_interval
         if self.timing.lyapunov_time is not None and exact > _ROUGH * self.timing.unit:
             yield (

@@ -43,7 +43,6 @@ from burstcast.event_forecaster.consistency import (
     ALPHA,
     LEAST_WASHOUT,
     ConsistencyTest,
-    hindcast_errors,
     rank_histogram,
     spread_and_error,
 )
@@ -117,9 +116,6 @@ PARTS = 5
 
 _POINTS_OF_KEPT = 128
 """Starting points in the training series from which the kept models are tried, at most."""
-
-_HINDCASTS, _HINDCAST_SERIES = 400, 4
-"""Hindcasts of the test of consistency, and series that are left out for them, where there are."""
 
 BINS = 11
 """Of the probability, for those scores that need them."""
@@ -350,7 +346,8 @@ class EventForecaster(Estimator):
         left_out_forecasts: dict[float, LeftOutForecasts] = {}
         left_out = shared.left_out() if self.calibrate else None
         if labelled is None and learnt is None and not kind.sees_truth:
-            consistency = _consistency_test(members[0], case, training, points, left_out)
+            asked = points.washouts, points.points.series
+            consistency = ConsistencyTest.left_out(members[0], training, case, *asked, left_out)
         if self.calibrate:
             if left_out is not None:
                 points = points.of_series(np.concatenate([each.forecast for each in left_out]))
@@ -459,6 +456,7 @@ class EventForecaster(Estimator):
         values, valid = self._values(washouts)
         probability = self.alarms_[time].calibration(values[time])
         self._warn_of_invalid(valid[time])
+        self._warn_of_odd(washouts)
         return np.stack([1 - probability, probability], axis=1)
 
     def valid_share(
@@ -658,9 +656,7 @@ class EventForecaster(Estimator):
         """
         self._check_fitted()
         verified = self._verified(series)
-        if self.consistency_ is not None:
-            for text in self.consistency_.finding(self._p_values(verified[1].washouts)):
-                warnings.warn(text, stacklevel=2)
+        self._warn_of_odd(verified[1].washouts)
         if prediction_time is None and len(self.alarms_) > 1:
             return {time: self._scores(verified, time, interval) for time in self.alarms_}
         return self._scores(verified, self._time(prediction_time), interval)
@@ -1098,6 +1094,12 @@ class EventForecaster(Estimator):
         for text in invalid_share(float(1 - valid.mean()), some, self.members_[0]):
             warnings.warn(f"{text} (valid_share has each)", stacklevel=3)
 
+    def _warn_of_odd(self, washouts: FloatArray) -> None:
+        """Warn the caller's caller of washouts that are unlike those of the training series."""
+        if self.consistency_ is not None:
+            for text in self.consistency_.finding(self._p_values(washouts)):
+                warnings.warn(text, stacklevel=3)
+
     def _values(self, washouts: FloatArray) -> tuple[ByTime, ByTime]:
         """What probabilities after washouts ``(points, steps, component)`` are made from.
 
@@ -1170,35 +1172,6 @@ def _step_error(
     if not len(of_points.series):
         return []
     return list(step_error(member, case, training, of_points, washout, names))
-
-
-def _consistency_test(
-    member: Forecaster,
-    case: ForecastingCase,
-    training: FloatArray,
-    points: ObservedPoints,
-    left_out: Sequence[LeftOut] | None,
-) -> ConsistencyTest | None:
-    """Test of consistency, by hindcasts of training series that a refitted member has not seen."""
-    washout, rows = points.washouts.shape[1], points.points.series
-    if washout < LEAST_WASHOUT or len(training) < 2:
-        return None
-    if left_out is None:
-        forecast = [np.array([row]) for row in range(len(training))]
-        refits = member.leave_one_out(training, case, washout)
-    else:
-        forecast = [each.forecast for each in left_out]
-        refits = member.leave_one_out(training, case, washout, left_out)
-    errors, known = [], 0
-    for number, (own, refitted) in enumerate(zip(forecast, refits, strict=False)):
-        if number >= _HINDCAST_SERIES and known >= _HINDCASTS:
-            break
-        here = np.isin(rows, own)
-        if here.any():
-            limited = refitted.within(member.limits)
-            errors.append(hindcast_errors(limited, points.washouts[here]))
-            known += int(here.sum())
-    return ConsistencyTest.of(np.concatenate(errors)) if errors else None
 
 
 def _left_out(

@@ -207,13 +207,21 @@ class ForecastPoints:
         return known_features(self.data["parameter"], now, windows)
 
     def outcomes(
-        self, alarm: AlarmSource, prediction_time_lt: float, event_threshold: float
+        self,
+        alarm: AlarmSource,
+        prediction_time_lt: float,
+        event_threshold: float,
+        among: BoolArray | None = None,
     ) -> Outcomes:
-        """Outcomes by the values that alarms are raised by, ``(series, levels)``."""
+        """Outcomes by the values that alarms are raised by, ``(series, levels)``.
+
+        ``among``: Points that count, if no event is under way there; None: all.
+        """
+        scored = self.scored(event_threshold)
         return outcomes_by_series(
             self.values(alarm, prediction_time_lt, event_threshold),
             self.happened(prediction_time_lt, event_threshold),
-            self.scored(event_threshold),
+            scored if among is None else scored & among,
             self.data["series"],
             self.series,
         )

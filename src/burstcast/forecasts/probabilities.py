@@ -72,6 +72,26 @@ def out_of_sample_forecasts(
     have points; None: each by itself.
     """
     rows, parts = [], []
+    for here, refitted in refitted_without(forecaster, training, case, washout, series, left_out):
+        rows.append(here)
+        parts.append(window_forecasts(refitted, observable, washouts[here], boundaries))
+    order = np.argsort(np.concatenate(rows))
+    forecasts = joined(parts)
+    return WindowForecasts(**{name: values[order] for name, values in vars(forecasts).items()})
+
+
+def refitted_without(
+    forecaster: Forecaster,
+    training: FloatArray,
+    case: ForecastingCase,
+    washout: int,
+    series: IntArray,
+    left_out: Sequence[LeftOut] | None = None,
+) -> Iterator[tuple[IntArray, Forecaster]]:
+    """Points of some series, and a forecaster that has not learnt from these series.
+
+    Series without points are left out. Arguments: as of `out_of_sample_forecasts`.
+    """
     if left_out is None:  # as a class of one's own may have it
         forecast = [np.array([row]) for row in range(len(training))]
         refits = forecaster.leave_one_out(training, case, washout)
@@ -81,12 +101,7 @@ def out_of_sample_forecasts(
     for own, refitted in zip(forecast, refits, strict=True):
         here = np.flatnonzero(np.isin(series, own))
         if here.size:
-            rows.append(here)
-            limited = refitted.within(forecaster.limits)
-            parts.append(window_forecasts(limited, observable, washouts[here], boundaries))
-    order = np.argsort(np.concatenate(rows))
-    forecasts = joined(parts)
-    return WindowForecasts(**{name: values[order] for name, values in vars(forecasts).items()})
+            yield here, refitted.within(forecaster.limits)
 
 
 _WORTH_A_WORD = 5.0

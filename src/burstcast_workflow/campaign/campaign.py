@@ -70,6 +70,16 @@ class Campaign:
         return self._of(lambda member: member.kind.has_trajectories)
 
     @cached_property
+    def consistency_forecasters(self) -> tuple[CaseForecaster, ...]:
+        """Forecasters whose washouts are tested for consistency: none that knows more than them."""
+        return tuple(
+            member
+            for member in self.trajectory_forecasters
+            if self.config.probability.consistency
+            and not (member.kind.learns_parameters or member.kind.sees_truth)
+        )
+
+    @cached_property
     def classifiers(self) -> tuple[CaseForecaster, ...]:
         """Forecasters that learn to give probabilities without a trajectory."""
         return self._of(lambda member: not member.kind.has_trajectories)

@@ -306,6 +306,10 @@ class Probability(Section):
         "weight of the prior at each share of votes, as a number of forecasts; 0: none", ge=0
     )
     bins: Whole = setting("equally wide bins of the probability", ge=2, le=1000)
+    consistency: bool = setting(
+        "test whether the washouts of the test series are like those of the training series, and "
+        "score forecasts after consistent washouts and after the others"
+    )
 
 
 class Bootstrap(Section):

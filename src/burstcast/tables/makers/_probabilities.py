@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from burstcast.base import random_streams
-from burstcast.base.arrays import IntArray
+from burstcast.base.arrays import BoolArray, IntArray
 from burstcast.base.declared import at, gathered, read
 from burstcast.base.resampling import bootstrap_weights
 from burstcast.forecasts.alarms import CALIBRATED, AlarmRule, rules_of
@@ -55,13 +55,13 @@ class CaseProbabilities:
         return rules_of(self.chosen, alarm.identifier, prediction_time_lt)
 
     def probabilities(
-        self, alarm: AlarmSource, prediction_time_lt: float
+        self, alarm: AlarmSource, prediction_time_lt: float, among: BoolArray | None = None
     ) -> dict[str, tuple[Outcomes, float]]:
         """Outcomes by probability and series, and the alarm threshold.
 
-        By what they are called in tables (`rules`).
+        By what they are called in tables (`rules`). ``among``: Points that count; None: all.
         """
-        raw = self.points.outcomes(alarm, prediction_time_lt, self.event_threshold)
+        raw = self.points.outcomes(alarm, prediction_time_lt, self.event_threshold, among)
         return {
             name: (raw.at(rule.calibration(raw.levels)), rule.threshold)
             for name, rule in self.rules(alarm, prediction_time_lt).items()

@@ -34,6 +34,7 @@ def make(
             "flows": len(counts.steps),
             "lyapunov_times": found.time,
             "laminarisations": int(counts.laminarisations.sum()),
+            "escapes": int(counts.escapes.sum()),
             "control_fraction": float(counts.actuated_steps.sum() / steps),
         }
         # without an event there is neither a return time nor an upper end
