@@ -1,6 +1,7 @@
-"""Controllers compared in two arenas: the shear flow by return times, Lorenz 96 by events avoided.
+r"""Controllers compared in two arenas: the shear flow by return times, Lorenz 96 by events avoided.
 
-    python benchmarks/controllers.py shear_flow lorenz96 > benchmarks/controllers.csv
+    python benchmarks/controllers.py shear_flow shear_flow_chosen lorenz96 lorenz96_maps \
+        > benchmarks/controllers.csv
     python benchmarks/controllers.py table    # of that file, for docs/controllers.md
 
 Every controller has the same flows and the same noise, and never sees the truth.
@@ -8,21 +9,23 @@ Every controller has the same flows and the same noise, and never sees the truth
 
 import sys
 import time
-from collections import Counter
 from dataclasses import dataclass
-from itertools import combinations_with_replacement, product
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from ring_models import INFLATION, LearntRing, RingAutoregression, RingNetwork
 
 from burstcast.base.arrays import FloatArray
 from burstcast.base.poisson import poisson_interval, rate_bound
 from burstcast.control.actuation import actuated_system
-from burstcast.control.arenas import LargestVariable, Lorenz96Arena, run_shear_flow
+from burstcast.control.arenas import Lorenz96Arena, run_shear_flow
 from burstcast.control.controller import Controller, ControlTask
 from burstcast.control.experiment import ControlExperiment
+from burstcast.control.long_run import LongRunCounts
 from burstcast.control.rules import (
+    ClassifierTriggered,
     ForecastTriggered,
     LocalInterventions,
     NoAction,
@@ -31,118 +34,31 @@ from burstcast.control.rules import (
     fitted_model,
 )
 from burstcast.control.timing import Schedule
-from burstcast.forecasters.base import Forecaster, fitted
+from burstcast.forecasters.base import Forecaster
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
+ARENAS = {
+    "shear_flow": "shear flow",
+    "shear_flow_late": "shear flow, 1 LT late",
+    "lorenz96": "Lorenz 96",
+}
 HEAD = (
     "arena,controller,model,time,unit,events,rate,rate_low,rate_high,effort,acting,"
     "seconds_per_decision"
 )
 
 
-@dataclass(frozen=True)
-class RingEquations(LargestVariable):
-    """Learnt equations of a ring of variables, the same at each site."""
-
-    terms: tuple[tuple[int, ...], ...] = ()  #: shifts of the neighbours whose product a term is
-    weights: tuple[float, ...] = ()
-
-    def right_hand_side(self, state: FloatArray) -> FloatArray:
-        """Sum of the terms, ``(variables, ...)``."""
-        derivative: FloatArray = 0.0 * state
-        for weight, term in zip(self.weights, self.terms, strict=True):
-            value: FloatArray = weight + 0.0 * state
-            for shift in term:
-                value = value * np.roll(state, shift, axis=0)
-            derivative = derivative + value
-        return derivative
-
-
-@dataclass(frozen=True)
-class LearntRing(Forecaster):
-    """Equations of a ring of variables, learnt from noisy observations.
-
-    The derivative of a variable is quadratic in its neighbours up to a distance. Over two sampling
-    intervals it integrates to a difference of observations (Simpson's rule), which is regressed on
-    terms. Moments of noisy states are corrected for the noise, whose size is known (adjusted least
-    squares, Cheng & Schneeweiss, Journal of the Royal Statistical Society B 60 (1998) 189). Terms
-    with weights below ``least`` are removed.
-    """
-
-    noise: float = 1.0  #: standard deviation of the observation noise
-    interval: float = 0.05  #: sampling interval
-    reach: int = 3
-    least: float = 0.1
-
-    system: RingEquations | None = fitted()
-
-    def fit(self, training: FloatArray, case: object) -> "LearntRing":
-        """Learn from all sites of the series, ``(series, time, component)``."""
-        shifts = range(-self.reach, self.reach + 1)
-        terms: list[tuple[int, ...]] = [(), *((v,) for v in shifts)]
-        terms += combinations_with_replacement(shifts, 2)
-        states = training.transpose(2, 0, 1)
-        change = (states[..., 2:] - states[..., :-2]) / (2 * self.interval)
-        before, here, after = (
-            self._powers(states[..., lag : states.shape[2] - 2 + lag]) for lag in range(3)
-        )
-        terms_here = self._monomials(terms, here)
-        # terms at the times before and after have other noise than those of the moment
-        around = (self._monomials(terms, before) + self._monomials(terms, after)) / 6
-        apart = terms_here @ around.T / change.size
-        target = terms_here @ change.ravel() / change.size
-        pairs = [[tuple(sorted(a + b)) for a in terms] for b in terms]
-        keys = sorted({key for row in pairs for key in row})
-        moment = {key: float(self._monomials([key], here).mean()) for key in keys}
-        now = np.array([[moment[key] for key in row] for row in pairs])
-        gram, kept = 4 / 6 * now + apart, np.arange(len(terms))
-        for _ in range(5):
-            weights = np.linalg.solve(gram[np.ix_(kept, kept)], target[kept])
-            kept, weights = kept[np.abs(weights) > self.least], weights
-        weights = np.linalg.solve(gram[np.ix_(kept, kept)], target[kept])
-        chosen = tuple(terms[number] for number in kept)
-        learnt = RingEquations(variables=len(states), terms=chosen, weights=tuple(weights.tolist()))
-        return self.with_fitted(system=learnt)
-
-    def _powers(self, states: FloatArray) -> FloatArray:
-        """First to fourth powers of all neighbours, in the mean those of the true state.
-
-        ``(4, 2 * reach + 1, samples)``.
-        """
-        shifts = range(-self.reach, self.reach + 1)
-        x, variance = np.stack([np.roll(states, v, axis=0).ravel() for v in shifts]), self.noise**2
-        square = x * x
-        third, fourth = x * (square - 3 * variance), square * (square - 6 * variance)
-        return np.stack([x, square - variance, third, fourth + 3 * variance**2])
-
-    def _monomials(self, terms: list[tuple[int, ...]], powers: FloatArray) -> FloatArray:
-        """Products of neighbours, ``(terms, samples)``."""
-        values = np.ones((len(terms), powers.shape[2]))
-        for value, term in zip(values, terms, strict=True):
-            for shift, power in Counter(term).items():
-                value *= powers[power - 1, shift + self.reach]
-        return values
-
-    def start(self, washout: FloatArray) -> FloatArray:
-        """The last state is the memory."""
-        return washout[-1]
-
-    def advance(self, memory: FloatArray, steps: int) -> tuple[FloatArray, FloatArray]:
-        """Integrate the learnt equations, in two steps for each sampling interval."""
-        assert self.system is not None
-        states = integrate(self.system, memory, self.interval / 2, 2 * steps, 2, may_diverge=True)
-        return states[1:], states[-1]
-
-
 @dataclass
-class WithLearntRing(LocalInterventions):
-    """Local interventions by forecasts of equations that are learnt from noisy observations."""
+class WithRing(LocalInterventions):
+    """Local interventions by forecasts of a model that is learnt from noisy observations."""
+
+    kind: type[Forecaster] = LearntRing
 
     def begin(self, task: ControlTask, flows: int) -> None:
-        """Learn the equations."""
+        """Learn the model."""
         super().begin(task, flows)
-        self._model = fitted_model(LearntRing(float(task.noise[0]), task.interval), task)
+        self._model = fitted_model(self.kind(noise=float(task.noise[0])), task)
 
 
 def row(*values: object) -> None:
@@ -165,7 +81,19 @@ def lorenz96() -> None:
         arena = Lorenz96Arena(sites=sites, limit=limit)
         name = f"interventions of {limit:g} at {sites} site{'s' * (sites - 1)}"
         row("lorenz96", *_lorenz96(LocalInterventions(), name, "true equations", arena))
-        row("lorenz96", *_lorenz96(WithLearntRing(), name, "learnt equations", arena))
+        row("lorenz96", *_lorenz96(WithRing(), name, "learnt equations", arena))
+
+
+def lorenz96_maps() -> None:
+    """Models that advance by a map: 32 years of the autoregression, 5 of the network."""
+    for limit in (0.1, 0.2):
+        arena = Lorenz96Arena(limit=limit, years=0.5)
+        name = f"interventions of {limit:g} at 1 site"
+        by_map = WithRing(inflation=INFLATION, kind=RingAutoregression)
+        row("lorenz96", *_lorenz96(by_map, name, "autoregression (NVAR)", arena))
+    small = Lorenz96Arena(limit=0.2, flows=16, years=0.3, settling_years=0.1)
+    by_network = WithRing(inflation=INFLATION, kind=RingNetwork, scenarios=5)
+    row("lorenz96", *_lorenz96(by_network, name, "network", small))
 
 
 def _lorenz96(
@@ -188,55 +116,122 @@ def _lorenz96(
     return (name, model, years, "years", events, *rates(events, years), effort, acting, seconds)
 
 
-def shear_flow(flows: int = 200, span_lt: float = 500.0) -> None:
-    """A hundred thousand Lyapunov times of each, at Re = 400."""
-    experiment, training, noise = _shear_flow(flows, span_lt)
-    entries: dict[tuple[str, str], Controller] = {
-        ("no control", ""): NoAction(),
-        ("while k is high", ""): WhileHigh(level=0.06),
-        ("while a1 is low or k high", ""): WhileHigh(0.06, "observable", "-a1", -0.15),
-        ("while k rises", ""): WhileRising(level=0.1, ahead=30.0),
-        ("forecast over 3 LT", "true equations"): ForecastTriggered(183.0),
-        ("forecast over 3 LT", "learnt equations"): ForecastTriggered(183.0, "quadratic"),
+LATE = 1.0
+"""Delay of the late actuator, in Lyapunov times."""
+MOST_ACTING = 0.3
+"""Largest share of the time that a chosen setting may act in."""
+LYAPUNOV_TIME = 61.0
+
+
+def shear_flow() -> None:
+    """Forecasts and no control, a hundred thousand Lyapunov times of each, at Re = 400."""
+    given = _shear_flow(200, 500.0)
+    _shear_flow_row("shear_flow", NoAction(), "no control", "", given)
+    for model, title in (("equations_noisy", "true equations"), ("quadratic", "learnt equations")):
+        controller = ForecastTriggered(3 * LYAPUNOV_TIME, model)
+        _shear_flow_row("shear_flow", controller, "forecast over 3 LT", title, given)
+
+
+def shear_flow_chosen() -> None:
+    """Controllers whose settings are chosen on other flows, with an actuator in time and late.
+
+    Of each kind it is the setting with the fewest events, of those that act in at most
+    `MOST_ACTING` of the time.
+    """
+    for arena, delay_lt, span_lt in (("shear_flow", 0.0, 500.0), ("shear_flow_late", LATE, 100.0)):
+        others = _shear_flow(60, 150.0, delay_lt, random_seed=7)
+        given = _shear_flow(200, span_lt, delay_lt)
+        for kind, (model, candidates) in _candidates(late=delay_lt > 0).items():
+            tried = [(name, each, _counts(each, others)) for name, each in candidates.items()]
+            allowed = [
+                (counts.events.sum() / counts.steps.sum(), name, controller)
+                for name, controller, counts in tried
+                if counts.actuated_steps.sum() <= MOST_ACTING * counts.steps.sum()
+            ]
+            if not allowed:
+                print(f"{kind}: each setting acts for longer", file=sys.stderr)
+                continue
+            _, name, controller = min(allowed, key=lambda entry: entry[0])
+            _shear_flow_row(arena, controller, name, model, given)
+
+
+def _candidates(*, late: bool) -> dict[str, tuple[str, dict[str, Controller]]]:
+    """Settings of each kind of controller, by their names in the table, and its model."""
+    high: dict[str, Controller] = {
+        f"while k >= {level:g}": WhileHigh(level) for level in (0.03, 0.04, 0.05, 0.06, 0.08)
     }
-    steps = experiment.schedule.steps_per_lyapunov_time
-    for (name, model), controller in entries.items():
-        started = time.perf_counter()
-        counts = run_shear_flow(
-            controller,
-            experiment,
-            training,
-            noise,
-            decision_interval_lt=0.25,
-            laminarisation_threshold=0.48,
+    two: dict[str, Controller] = {
+        f"while k >= {level:g} or a1 <= {low:g}": WhileHigh(level, "observable", "-a1", -low)
+        for level, low in product((0.05, 0.06, 0.08), (0.05, 0.08, 0.1, 0.12))
+    }
+    rising: dict[str, Controller] = {
+        f"while k rises to {level:g} in {ahead / LYAPUNOV_TIME:.2g} LT": WhileRising(level, ahead)
+        for level, ahead in product((0.04, 0.06, 0.08, 0.1), (15.0, 30.0, 60.0))
+    }
+    classifier: dict[str, Controller] = {
+        f"event within {horizon:g} LT at {probability:g}": ClassifierTriggered(
+            horizon * LYAPUNOV_TIME, probability
         )
-        seconds = (time.perf_counter() - started) / int(counts.decisions.sum())
-        observed, events = float(counts.steps.sum() / steps), int(counts.events.sum())
-        acting = float(counts.actuated_steps.sum() / counts.steps.sum())
-        values = (name, model, observed, "LT", events, *rates(events, observed))
-        row("shear_flow", *values, acting, acting, seconds)
+        for horizon, probability in product((1.0, 2.0, 3.0), (0.02, 0.05, 0.1, 0.2))
+    }
+    kinds: dict[str, tuple[str, dict[str, Controller]]] = {
+        "level": ("", high),
+        "two quantities": ("", two),
+        "slope": ("", rising),
+        "classifier": ("classifier", classifier),
+    }
+    if late:
+        forecast: dict[str, Controller] = {
+            f"forecast over {horizon:g} LT": ForecastTriggered(horizon * LYAPUNOV_TIME, "quadratic")
+            for horizon in (2.0, 3.0, 4.0)
+        }
+        kinds["forecast"] = "learnt equations", forecast
+    return kinds
 
 
-def _shear_flow(flows: int, span_lt: float) -> tuple[ControlExperiment, FloatArray, FloatArray]:
-    system, generator = MoehlisFaisstEckhardt(reynolds=400.0), np.random.default_rng(2022)
-    start = np.zeros((9, flows + 40))
-    start[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
-    start[3] += 0.01 * generator.random(flows + 40)
-    states = integrate(system, start, 0.25, 4 * 4200, stride=4)[200:].transpose(2, 0, 1)
-    turbulent = states[system.observable(np.moveaxis(states, -1, 0)).max(axis=1) < 0.48]
-    free, learnt = turbulent[10:], turbulent[:10]
+ShearFlow = tuple[ControlExperiment, FloatArray, FloatArray]
+"""Flows, training series, noise."""
+
+
+def _counts(controller: Controller, given: ShearFlow) -> LongRunCounts:
+    return run_shear_flow(
+        controller, *given, decision_interval_lt=0.25, laminarisation_threshold=0.48
+    )
+
+
+def _shear_flow_row(
+    arena: str, controller: Controller, name: str, model: str, given: ShearFlow
+) -> None:
+    started = time.perf_counter()
+    counts = _counts(controller, given)
+    seconds = (time.perf_counter() - started) / int(counts.decisions.sum())
+    observed = float(counts.steps.sum() / given[0].schedule.steps_per_lyapunov_time)
+    events = int(counts.events.sum())
+    acting = float(counts.actuated_steps.sum() / counts.steps.sum())
+    values = (name, model, observed, "LT", events, *rates(events, observed))
+    row(arena, *values, acting, acting, seconds)
+
+
+def _shear_flow(
+    flows: int, span_lt: float, delay_lt: float = 0.0, random_seed: int = 2022
+) -> ShearFlow:
+    """Flows from a seed; training series and noise are always the same."""
+    learnt = _turbulent(50, 2022)[:10]
+    free = _turbulent(flows + 40, random_seed)[10:]
+    generator = np.random.default_rng([2022, 1])
     noise = 0.01 * learnt.std(axis=(0, 1))
     schedule = Schedule(
         washout=30,
         quiet_lt=20.0,
         span_lt=span_lt,
-        delay_lt=0.0,
+        delay_lt=delay_lt,
         actuation_start_lt=-1.0,
         actuation_duration_lt=1.5,
         steps_per_lyapunov_time=61,
         sampling_stride=4,
         time_step=0.25,
     )
+    system = MoehlisFaisstEckhardt(reynolds=400.0)
     experiment = ControlExperiment(
         system=system,
         actuated_system=actuated_system(system, {"reynolds": 2000.0}),
@@ -245,10 +240,20 @@ def _shear_flow(flows: int, span_lt: float) -> tuple[ControlExperiment, FloatArr
         washouts=np.ascontiguousarray(free[:, -30:]),
         quiet_starts=False,
         schedule=schedule,
-        root_seed=2022,
+        root_seed=random_seed,
         case="Re400",
     )
     return experiment, learnt + noise * generator.standard_normal(learnt.shape), noise
+
+
+def _turbulent(flows: int, random_seed: int) -> FloatArray:
+    """Series of the free flow, without those that laminarise, ``(series, time, components)``."""
+    system, generator = MoehlisFaisstEckhardt(reynolds=400.0), np.random.default_rng(random_seed)
+    start = np.zeros((9, flows))
+    start[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
+    start[3] += 0.01 * generator.random(flows)
+    states = integrate(system, start, 0.25, 4 * 4200, stride=4)[200:].transpose(2, 0, 1)
+    return states[system.observable(np.moveaxis(states, -1, 0)).max(axis=1) < 0.48]
 
 
 def table() -> str:
@@ -260,6 +265,7 @@ def table() -> str:
         "|---|---|---|---|---|---|---|---|---|---|",
     ]
     free = rows[rows["controller"] == "no control"].set_index("arena")["rate"]
+    free["shear_flow_late"] = free["shear_flow"]
     for run in rows.to_dict("records"):
         low, high = run["rate_low"], run["rate_high"]
         if run["events"]:
@@ -269,7 +275,7 @@ def table() -> str:
         avoided = [100 * (1 - rate / free[run["arena"]]) for rate in (run["rate"], high, low)]
         shares = "{:.1f} ({:.1f} to {:.1f})".format(*avoided)
         cells = (
-            run["arena"].replace("_", " ").replace("lorenz96", "Lorenz 96"),
+            ARENAS[run["arena"]],
             run["controller"],
             run["model"] or "none",
             run["events"],
@@ -290,4 +296,9 @@ if __name__ == "__main__":
     else:
         print(HEAD, flush=True)
         for chosen in sys.argv[1:]:
-            {"lorenz96": lorenz96, "shear_flow": shear_flow}[chosen]()
+            {
+                "lorenz96": lorenz96,
+                "lorenz96_maps": lorenz96_maps,
+                "shear_flow": shear_flow,
+                "shear_flow_chosen": shear_flow_chosen,
+            }[chosen]()

@@ -8,11 +8,13 @@ import pytest
 from helpers_control import PAPER, experiment
 
 from burstcast.base.discovery import UnsoundError
+from burstcast.control import rules
 from burstcast.control.arenas import Lorenz96Arena, checked_action, run_shear_flow
 from burstcast.control.check import _shear_flow, check_controller
 from burstcast.control.controller import Controller, make_controller
 from burstcast.control.long_run import run_long
 from burstcast.control.rules import (
+    ClassifierTriggered,
     ForecastTriggered,
     LocalInterventions,
     NoAction,
@@ -21,6 +23,7 @@ from burstcast.control.rules import (
 )
 from burstcast.control.strategies.reactive import Reactive
 from burstcast.data.events import upward_crossings
+from burstcast.forecasters._event_classifier import EventClassifier
 from burstcast.systems.integration import integrate
 from helpers_library import ROOT
 
@@ -137,6 +140,46 @@ def test_slopes_and_forecasts_see_what_comes():
     two.begin(task, 5)
     two.observe(seen[:30])
     assert two.act()[0].tolist() == [float(value) for value in seen[29, 0] <= 0.3]
+
+
+class Shown(EventClassifier):
+    """Keeps the points that it is fitted to; the probability is a tenth of the last component."""
+
+    def fit(self, points, case):
+        self.__dict__["points"] = points
+        return self
+
+    def probabilities(self, washouts, exogenous=None):
+        return 0.1 * washouts[:, -1, -1:]
+
+
+def test_a_classifier_learns_whether_the_threshold_is_reached(monkeypatch):
+    task, seen = _shear_flow()
+    shown = Shown()
+    monkeypatch.setattr(rules, "make_kind", lambda kind, options: shown)
+    controller = ClassifierTriggered(horizon=100.0, probability=0.04)
+    controller.begin(task, 5)
+    points = shown.points
+    assert len(points.washouts) == len(points.happened) == len(points.series) > 100
+    # each washout is found in its series, and what follows it there is compared step by step
+    k = task.space.observable(task.training.transpose(2, 0, 1))
+    for washout, happened, number in list(
+        zip(points.washouts, points.happened, points.series, strict=True)
+    )[::37]:
+        series = task.training[number]
+        now = int(np.flatnonzero((series == washout[-1]).all(axis=1))[0])
+        assert (series[now + 1 - len(washout) : now + 1] == washout).all()
+        assert happened.tolist() == [any(k[number, now + step] >= 0.1 for step in range(1, 101))]
+    assert 0 < points.happened.mean() < 1
+    window = seen[:30].copy()
+    window[-1, -1] = [0.3, 0.5, 0.4, 0.1, 0.9]
+    controller.observe(window)
+    assert controller.act()[0].tolist() == [0.0, 1.0, 1.0, 0.0, 1.0]
+    monkeypatch.undo()
+    with pytest.raises(ValueError, match="nvar gives no probability"):
+        ClassifierTriggered(100.0, 0.1, "nvar").begin(task, 5)
+    with pytest.raises(ValueError, match="too short for a horizon"):
+        ClassifierTriggered(1e5, 0.1).begin(task, 5)
 
 
 def test_the_free_flow_of_lorenz_is_counted_as_it_is():

@@ -107,13 +107,13 @@ def plain_counts(observable, levels, settling, threshold, segment):
     """
     events, exceeding = [0] * len(levels), [0] * len(levels)
     steps, laminarisations, age, step = 0, 0, 0, 1
-    under_way = [False] * len(levels)
+    excursion = [0] * len(levels)
     while step < len(observable):
         age += 1
         if threshold is not None and observable[step] > threshold:
             laminarisations += age > settling
-            events = [number - is_open for number, is_open in zip(events, under_way, strict=True)]
-            under_way = [False] * len(levels)
+            events = [number - begun for number, begun in zip(events, excursion, strict=True)]
+            excursion = [0] * len(levels)
             age = 0
             step = segment * (1 + (step - 1) // segment) + 1  # a copy from the next segment on
             continue
@@ -123,10 +123,9 @@ def plain_counts(observable, levels, settling, threshold, segment):
                 exceeding[number] += observable[step] >= level
                 if observable[step - 1] < level <= observable[step]:
                     events[number] += 1
-                    under_way[number] = True
-        for number, level in enumerate(levels):
-            if observable[step] < level:
-                under_way[number] = False
+                    excursion[number] += 1
+        if observable[step] < min(levels):
+            excursion = [0] * len(levels)
         step += 1
     return events, exceeding, steps, laminarisations
 

@@ -5,12 +5,12 @@ control. Rare events need flows that last longer than the free flow does before 
 more of them than fit into memory. Here flows advance by segments, and each segment is counted and
 forgotten.
 
-A flow that laminarises crosses every level of the observable on its way. That excursion is counted
-as a laminarisation and not as an event of any level. Another flow takes its place: a copy of one
-that is still turbulent, perturbed by a small random amount (Burdzy, Holyst & March, Communications
-in Mathematical Physics 214, 2000). The copy counts once it has settled, when it has forgotten its
-origin. So it is with a flow that leaves the range of floating-point numbers under actuation, which
-is counted as escaped.
+A flow that laminarises crosses every level of the observable on its way. That excursion, from the
+last crossing of the lowest level on, is counted as a laminarisation and not as an event of any
+level. Another flow takes its place: a copy of one that is still turbulent, perturbed by a small
+random amount (Burdzy, Holyst & March, Communications in Mathematical Physics 214, 2000). The copy
+counts once it has settled, when it has forgotten its origin. So it is with a flow that leaves the
+range of floating-point numbers under actuation, which is counted as escaped.
 """
 
 import dataclasses
@@ -45,7 +45,7 @@ class LongRunCounts:
     """Counts of each flow of a long run, in which laminarisations are replaced."""
 
     level: Annotated[FloatArray, Described("level", OBSERVABLE, "levels of the observable")]
-    #: upward crossings of each level from which the flow came back, ``(flows, levels)``
+    #: upward crossings of each level in excursions that do not laminarise, ``(flows, levels)``
     events: Annotated[IntArray, Described("flow level", NUMBER, "events of the level")]
     #: steps at or above each level, ``(flows, levels)``
     exceeding: Annotated[IntArray, Described("flow level", NUMBER, "steps at or above the level")]
@@ -171,9 +171,10 @@ class _Counting:
         self.levels, self.settling, self.threshold = levels, settling, laminarisation_threshold
         #: steps of each flow since its start, or since it was copied
         self.age = np.zeros(flows, dtype=np.int64)
-        #: whether the event that is under way has been counted, ``(flows, levels)``
-        self.open = np.zeros((flows, len(levels)), dtype=bool)
-        self.events, self.exceeding = np.zeros((2, flows, len(levels)), dtype=np.int64)
+        #: pending: events since the flow was last below all levels, ``(flows, levels)``
+        self.pending, self.events, self.exceeding = np.zeros(
+            (3, flows, len(levels)), dtype=np.int64
+        )
         self.steps, self.actuated = np.zeros((2, flows), dtype=np.int64)
         self.laminarisations, self.escapes = np.zeros((2, flows), dtype=np.int64)
 
@@ -192,19 +193,19 @@ class _Counting:
         leaves = until <= steps
         settled = self.age[:, np.newaxis] + number > self.settling
         counted = settled & (number < until[:, np.newaxis])
+        # the excursion that is under way at the end, or where the flow laminarises
+        last = np.minimum(until - 1, steps)[:, np.newaxis]
+        low = (observable < self.levels.min()) & (np.arange(steps + 1) <= last)
+        since = np.where(low.any(axis=1), steps - low[:, ::-1].argmax(axis=1), 0)
+        self.pending[low.any(axis=1)] = 0
         for column, level in enumerate(self.levels):
             above = observable >= level
             crosses = above[:, 1:] & ~above[:, :-1] & counted
             self.events[:, column] += crosses.sum(axis=1)
             self.exceeding[:, column] += (above[:, 1:] & counted).sum(axis=1)
-            # the event that is under way at the end, or where the flow laminarises
-            last = np.minimum(until - 1, steps)
-            below = ~above & (np.arange(steps + 1) <= last[:, np.newaxis])
-            since = steps - below[:, ::-1].argmax(axis=1)
-            begun = np.pad(crosses, ((0, 0), (0, 1)))[np.arange(len(since)), since]
-            is_open = np.where(below.any(axis=1), begun, self.open[:, column])
-            self.events[:, column] -= is_open & leaves
-            self.open[:, column] = is_open & ~leaves
+            self.pending[:, column] += (crosses & (number > since[:, np.newaxis])).sum(axis=1)
+        self.events[leaves] -= self.pending[leaves]
+        self.pending[leaves] = 0
         self.steps += counted.sum(axis=1)
         self.actuated += (actuated & counted).sum(axis=1)
         while_counting = leaves & (self.age + until > self.settling)

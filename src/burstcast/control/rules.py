@@ -8,6 +8,7 @@ import numpy as np
 from burstcast.base.arrays import FloatArray
 from burstcast.control.controller import Controller, ControlTask
 from burstcast.control.strategies.reactive import quantity
+from burstcast.forecasters._event_classifier import EventClassifier, LabelledPoints
 from burstcast.forecasters._square_root_filter import assimilate
 from burstcast.forecasters.base import Forecaster, ForecastingCase
 from burstcast.forecasters.registry import as_forecaster, make_kind
@@ -105,6 +106,45 @@ class ForecastTriggered(Controller):
 
 
 @dataclass
+class ClassifierTriggered(Controller):
+    """Acts where a classifier gives an event within a horizon a probability, or a higher one."""
+
+    horizon: float  #: in time units
+    probability: float
+    kind: str = "precursor"  #: kind of classifier, with its default options
+
+    def begin(self, task: ControlTask, flows: int) -> None:
+        """Fit the classifier to whether the series without control reach the threshold."""
+        self.task = task
+        ahead = round(self.horizon / task.interval)
+        series, length, _ = task.training.shape
+        points = np.arange(task.window - 1, length - ahead, max(task.between // 2, 1))
+        if not points.size:
+            raise ValueError(f"series of {length} samples are too short for a horizon of {ahead}")
+        observable = task.space.observable(task.training.transpose(2, 0, 1))
+        reached = [observable[:, at + 1 : at + 1 + ahead].max(axis=1) for at in points]
+        washouts = [task.training[:, at + 1 - task.window : at + 1] for at in points]
+        labelled = LabelledPoints(
+            np.concatenate(washouts),
+            np.concatenate(reached)[:, np.newaxis] >= task.threshold,
+            np.tile(np.arange(series), len(points)),
+        )
+        classifier = make_kind(self.kind, {})
+        if not isinstance(classifier, EventClassifier):
+            raise ValueError(f"{self.kind} gives no probability of an event: take a classifier")
+        self._classifier = classifier.fit(labelled, _forecasting_case(task))
+
+    def observe(self, observations: FloatArray) -> None:
+        """Ask the classifier about the observed window."""
+        washouts = np.ascontiguousarray(observations.transpose(2, 0, 1))
+        self._probable = self._classifier.probabilities(washouts)[:, 0] >= self.probability
+
+    def act(self) -> FloatArray:
+        """Full action where the event is probable."""
+        return np.where(self._probable, self.task.limit, 0.0)[np.newaxis]
+
+
+@dataclass
 class LocalInterventions(Controller):
     """Tries one intervention after the other in an ensemble of forecasts, and takes the best.
 
@@ -186,5 +226,9 @@ class LocalInterventions(Controller):
 def fitted_model(model: str | Forecaster, task: ControlTask) -> Forecaster:
     """Model of a controller, fitted to the task's series: of a kind, or as it is given."""
     unfitted = as_forecaster(make_kind(model, {})) if isinstance(model, str) else model
+    return unfitted.fit(task.training, _forecasting_case(task))
+
+
+def _forecasting_case(task: ControlTask) -> ForecastingCase:
     step, number = task.interval / task.stride, task.steps_per_lyapunov_time
-    return unfitted.fit(task.training, ForecastingCase(task.equations, step, task.stride, number))
+    return ForecastingCase(task.equations, step, task.stride, number)
