@@ -30,6 +30,7 @@ from burstcast.forecasts.windows import window_forecasts
 EXAMPLES = Path(__file__).parents[1] / "examples"
 sys.path += [str(EXAMPLES / name) for name in ("neural", "wrong_model")]
 from another_box import EquationsOfAnotherBox, FilteredEquationsOfAnotherBox  # noqa: E402
+
 from gated_network import GatedNetwork  # noqa: E402
 from hybrid_network import FilteredHybridNetwork, HybridNetwork  # noqa: E402
 
