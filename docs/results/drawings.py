@@ -1,5 +1,6 @@
 """Figures of the pages of results that no campaign draws by itself."""
 
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from kept_tables import PUBLISHED as PUBLISHED_PERCENTILES
 from kept_tables import Tables, published_rows
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 from matplotlib.ticker import FuncFormatter
 
 from burstcast.base.files.tables import read_table
@@ -217,3 +219,101 @@ def draw_spread_and_error(tables: Tables) -> Figure:
     axes.set_ylabel("Spread of the ensemble [std of $k$]")
     style.label_ends(figure, [axes])
     return figure
+
+
+WHICH_FLOWS = {
+    "shear_flow": "shear flow",
+    "lorenz96": "Lorenz 96",
+    "kuramoto_sivashinsky": "Kuramoto–Sivashinsky",
+    "kolmogorov": "Kolmogorov flow",
+}
+WHICH_KINDS = {
+    "quadratic_filtered": ("learnt equations", style.PURPLE, "s"),
+    "esn_filtered": ("filtered network", style.GREEN, "D"),
+    "esn": ("network", style.BLUE, "o"),
+    "nvar": ("NVAR", "#56B4E9", "^"),
+    "analogues": ("analogues", style.GREY, "v"),
+    "precursor": ("trees", style.ORANGE, "P"),
+    "esn_direct": ("reservoir classifier", style.VERMILLION, "X"),
+}
+"""Kinds of forecasters: name, colour and marker."""
+_CONDITIONS = {
+    "noise 0": {"noise": 0.0, "observed": "all"},
+    "noise\n1 %": {"noise": 0.01, "observed": "all"},
+    "noise\n10 %": {"noise": 0.1, "observed": "all"},
+    "half\nseen": {"noise": 0.01, "observed": "half"},
+    "few\nseen": {"noise": 0.01, "observed": "few"},
+}
+_MIDDLE = 40
+"""Events in the training series while noise and observed components vary."""
+
+
+def leader(tables: Tables, **where: Any) -> Any:
+    """Best kind of a condition, with the second best and the interval of the lead; or None."""
+    rows = tables.rows("best", score="average_precision", rank=2, **where)
+    return rows.iloc[0] if len(rows) else None
+
+
+@style.styled
+def draw_which_method(tables: Tables) -> Figure:
+    """Draw average precision by training events, and the best kind by noise and observation."""
+    scores = tables.rows("scores", noise=0.01, observed="all")
+    figure = style.new_figure(style.DOUBLE_COLUMN, 5.6)
+    grid = figure.subplots(
+        3, len(WHICH_FLOWS), gridspec_kw={"height_ratios": [1.0, 1.0, 0.62]}, squeeze=False
+    )
+    for axes, (time, flow) in zip(grid[:2].flat, product((1.0, 3.0), WHICH_FLOWS), strict=True):
+        of_flow = scores[(scores["flow"] == flow) & (scores["prediction_time_lt"] == time)]
+        for number, (kind, (name, colour, marker)) in enumerate(WHICH_KINDS.items()):
+            curve = of_flow[of_flow["kind"] == kind].sort_values("events")
+            value = curve["average_precision"]
+            ends = (value - curve["average_precision_low"], curve["average_precision_high"] - value)
+            position = curve["events"] * 1.05 ** (number - 3)
+            look = {"color": colour, "marker": marker, "markersize": 3.2, "lw": 0.9}
+            axes.errorbar(position, value, ends, label=name, elinewidth=0.5, **look)
+        if len(of_flow):
+            axes.axhline(of_flow["base_rate"].mean(), **looks.THRESHOLD)
+        axes.set_xscale("log")
+        axes.set_xlim(3.8, 1400)
+        axes.set_xticks([5, 20, 100, 1000], ["5", "20", "100", "1000"])
+        axes.set_ylim(0, 1.03)
+        if flow == "shear_flow":
+            axes.set_ylabel(f"Average precision,\n{time:g} LT ahead")
+        else:
+            axes.set_yticklabels([])
+        if time == 1.0:
+            axes.set_title(WHICH_FLOWS[flow], loc="center")
+            axes.set_xticklabels([])
+        else:
+            axes.set_xlabel("Training events")
+    for axes, flow in zip(grid[2], WHICH_FLOWS, strict=True):
+        _draw_best(axes, tables, flow)
+    grid[2, 0].set_yticks([1, 0], ["1 LT", "3 LT"])
+    style.letter_panels(list(grid.flat))
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), columnspacing=1)
+    return figure
+
+
+def _draw_best(axes: Any, tables: Tables, flow: str) -> None:
+    """Draw a field for each condition, in the colour of its best kind, with its score and lead."""
+    for column, where in enumerate(_CONDITIONS.values()):
+        for row, time in enumerate((3.0, 1.0)):
+            at = {"flow": flow, "prediction_time_lt": time, "events": _MIDDLE, **where}
+            found = leader(tables, **at)
+            if found is None:
+                axes.text(column, row, "–", ha="center", va="center", color=style.GREY)
+                continue
+            colour = WHICH_KINDS[found["best"]][1]
+            decided = found["lead_low"] > 0
+            field = Rectangle((column - 0.48, row - 0.46), 0.96, 0.92, color=colour, lw=0)
+            field.set_alpha(0.85 if decided else 0.3)
+            axes.add_patch(field)
+            place: Any = {"ha": "center", "va": "center", "fontsize": 6.5}
+            axes.text(column, row + 0.17, f"{found['value']:.2f}".lstrip("0"), **place)
+            axes.text(column, row - 0.2, f"+{found['lead']:.2f}".replace("0.", "."), **place)
+    axes.set_xlim(-0.5, len(_CONDITIONS) - 0.5)
+    axes.set_ylim(-0.5, 1.5)
+    axes.set_xticks(range(len(_CONDITIONS)), list(_CONDITIONS), fontsize=6.5)
+    axes.set_yticks([])
+    axes.tick_params(length=0)

@@ -227,3 +227,63 @@ def draw_hidden_modes(tables: Tables) -> Figure:
     _curves(axes, rows)
     axes.legend(loc="center left")
     return figure
+
+
+# -- which method, when ----------------------------------------------------------------------------
+
+MIDDLE = 40
+"""Events in the training series while noise and observed components vary."""
+WHICH_NAMES = {
+    "quadratic_filtered": "learnt equations, filtered",
+    "quadratic": "learnt equations, noisy state",
+    "esn": "network, 300 neurons",
+    "esn_filtered": "filtered network, 300 neurons",
+    "nvar": "NVAR",
+    "analogues": "nearest analogues",
+    "precursor": "boosted trees",
+    "esn_direct": "reservoir, logistic readout",
+}
+WHICH_FLOWS = {
+    "shear_flow": "shear flow",
+    "lorenz96": "Lorenz 96",
+    "kuramoto_sivashinsky": "Kuramoto–Sivashinsky",
+    "kolmogorov": "Kolmogorov flow",
+}
+
+
+def average_precisions(tables: Tables) -> Part:
+    """Average precision of each kind at `MIDDLE` events 1 and 3 LT ahead, with its interval."""
+    rows = tables.rows("scores", events=MIDDLE, noise=0.01, observed="all")
+    cells: Part = []
+    for kind, name in WHICH_NAMES.items():
+        for flow, title in WHICH_FLOWS.items():
+            here = rows[(rows["kind"] == kind) & (rows["flow"] == flow)]
+            for row in here.sort_values("prediction_time_lt").to_dict("records"):
+                ends = f"{row['average_precision_low']:.2f}–{row['average_precision_high']:.2f}"
+                head = f"{title}, {row['prediction_time_lt']:g} LT"
+                cells.append((name, head, f"{row['average_precision']:.2f} ({ends})"))
+    for flow, title in WHICH_FLOWS.items():
+        for time, here in rows[rows["flow"] == flow].groupby("prediction_time_lt"):
+            head = f"{title}, {time:g} LT"
+            cells.append(("base rate", head, f"{here['base_rate'].mean():.2f}"))
+    return sorted(cells, key=lambda cell: [*WHICH_FLOWS.values()].index(cell[1].split(",")[0]))
+
+
+def leads(tables: Tables) -> pd.DataFrame:
+    """Best kinds by average precision and their leads over the second best, a row each."""
+    return tables.rows("best", score="average_precision", rank=2)
+
+
+def seconds_of(tables: Tables) -> float:
+    """Processor seconds of all fits and forecasts."""
+    once = tables.rows("scores", prediction_time_lt=1.0)
+    return float((once["fit_seconds"] + once["forecast_seconds"]).sum())
+
+
+def which(tables: Tables, kind: str, flow: str, time: float, **where: Any) -> Any:
+    """Row of scores of a kind at `MIDDLE` events with 1 % noise, unless said otherwise."""
+    where = {"events": MIDDLE, "noise": 0.01, "observed": "all", **where}
+    rows = tables.rows("scores", kind=kind, flow=flow, prediction_time_lt=time, **where)
+    if len(rows) != 1:
+        raise LookupError(f"{len(rows)} rows of {kind}, {flow}, {time:g} LT, {where}, not one")
+    return rows.iloc[0]

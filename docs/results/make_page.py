@@ -1,7 +1,7 @@
 """Pages with results, from tables that were kept: ``make results``.
 
 They are docs/results.md, a page for each campaign, and pages of docs that quote results. Each is a
-template in ``pages``, rendered with tables and numbers; no number is typed. Beside them are eight
+template in ``pages``, rendered with tables and numbers; no number is typed. Beside them are nine
 figures and published_values.csv.
 """
 
@@ -164,6 +164,7 @@ if __name__ == "__main__":
         ("hidden_modes", experiments.draw_hidden_modes(Tables(BENCHMARKS))),
         ("late_actuator", drawings.draw_late_actuator(Tables(KEPT / "aware"))),
         ("learning_curves", drawings.draw_learning_curves(Tables(KEPT / "training_series_sweep"))),
+        ("which_method", drawings.draw_which_method(Tables(KEPT / "which_method"))),
         ("spread_and_error", drawings.draw_spread_and_error(Tables(BENCHMARKS))),
         ("published_scores", drawings.draw_published_scores(Tables(KEPT / "paper"))),
         (
