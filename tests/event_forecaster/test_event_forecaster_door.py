@@ -1,7 +1,9 @@
 """What series, times and parameters say to a forecaster is heard, or refused."""
 
+import sys
 import threading
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -14,6 +16,9 @@ from burstcast.base.threads import single_threaded
 from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.event_forecaster.shared_rows import MOST_REFITS, shared_rows
 from burstcast.systems.lorenz63 import Lorenz63
+from helpers_library import said_by
+
+ROOT = Path(__file__).parents[2]
 
 SERIES = lorenz(8, 700, 1)
 SECONDS = 0.02 * np.arange(SERIES.shape[1])
@@ -332,6 +337,8 @@ def test_units_are_those_of_the_training_series(tmp_path):
 
 
 def test_threads_of_libraries_are_what_they_were():
+    import scipy.linalg  # noqa: F401 - its BLAS is one of them
+
     def numbers():
         return [pool["num_threads"] for pool in threadpool_info()]
 
@@ -356,6 +363,21 @@ def test_threads_of_libraries_are_what_they_were():
         thread.join()
     assert set(second) == {1}
     assert numbers() == before
+
+
+def test_libraries_that_are_loaded_late_have_one_thread_too():
+    """SciPy brings a BLAS of its own, which the limit does not reach before it is loaded."""
+    code = """
+from threadpoolctl import threadpool_info
+from burstcast.base.threads import single_threaded
+with single_threaded():
+    import scipy.linalg
+    print(*(pool["num_threads"] for pool in threadpool_info()))
+"""
+    several = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "2")
+    numbers = said_by([sys.executable, "-c", code], ROOT, **several).split()
+    assert numbers
+    assert {*numbers} == {"1"}
 
 
 # -- one series, or a batch ------------------------------------------------------------------------

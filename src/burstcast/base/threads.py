@@ -18,6 +18,8 @@ _USERS: list[int] = [0]
 @contextmanager
 def single_threaded() -> Iterator[None]:
     """Limit the threads of BLAS and OpenMP to one as long as any user is inside."""
+    import scipy.linalg  # noqa: F401 - its BLAS is limited only once it is loaded
+
     with _LOCK:
         _USERS[0] += 1
         _LIMITS.append(threadpool_limits(limits=1))

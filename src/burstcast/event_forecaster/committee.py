@@ -4,6 +4,7 @@ Loaded when networks are made: other kinds of forecasters need not wait for it.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -75,7 +76,8 @@ def trained_committee(
             readout=network.readout,
         )
         if number < settings["searches"]:
-            scanned = scan(validator, space, [strategy], settings["grid"], alongside)
+            scanning = replace(validator, alongside=alongside)
+            scanned = scan(scanning, space, [strategy], settings["grid"])
             optimiser = optimiser_seed(seed, settings["case"], strategy.name)
             points = search(
                 validator, space, strategy, scanned, settings["bayesian_points"], optimiser

@@ -67,14 +67,10 @@ def scan(
     space: SearchSpace,
     strategies: Sequence[ValidationStrategy],
     grid: int,
-    alongside: Sequence[ValidationStrategy] = (),
 ) -> list[Evaluation]:
-    """Evaluate all points of a grid; ``strategies`` are validated in one go (`scanned_with`).
-
-    ``alongside``: See `burstcast.networks.validation.validate`.
-    """
+    """Evaluate all points of a grid; ``strategies`` are validated in one go (`scanned_with`)."""
     return [
         Evaluation(number, "grid", point, validation)
         for number, point in enumerate(space.grid(grid))
-        for validation in validator(point, strategies, alongside)
+        for validation in validator(point, strategies)
     ]

@@ -118,12 +118,11 @@ class PointValidator:
     tikhonov: Sequence[float]
     backend: Literal["compiled", "scipy"]  #: implementation of the dynamics (`Dynamics`)
     readout: ReadoutKind = "linear"  #: what the output weights multiply
+    #: strategies whose sums are taken as well (see `validate`)
+    alongside: Sequence[ValidationStrategy] = ()
 
     def __call__(
-        self,
-        point: HyperparameterPoint,
-        strategies: Sequence[ValidationStrategy],
-        alongside: Sequence[ValidationStrategy] = (),
+        self, point: HyperparameterPoint, strategies: Sequence[ValidationStrategy]
     ) -> list[Validation]:
         """Validate a point by each strategy with each Tikhonov parameter (see `validate`)."""
         return validate(
@@ -133,7 +132,7 @@ class PointValidator:
             self.plan,
             self.tikhonov,
             strategies,
-            alongside,
+            self.alongside,
         )
 
     def dynamics(self, point: HyperparameterPoint) -> Dynamics:
