@@ -423,11 +423,14 @@ def over_all_flows(tables: Tables) -> pd.DataFrame:
 
 
 def costs(tables: Tables, shown: int = 6) -> Part:
-    """Times of the jobs of the most expensive rules, and of all."""
+    """Times of the jobs of the most expensive rules, and of all; of the processor where known."""
     costs_of_rules = tables.rows("rule_costs").sort_values("minutes", ascending=False)
-    sums = costs_of_rules[["jobs", "minutes"]].sum()
+    times = [name for name in ("minutes", "processor_minutes") if name in costs_of_rules]
+    sums = costs_of_rules[["jobs", *times]].sum(skipna=False)
     total = {**sums.to_dict(), "memory_mib": costs_of_rules["memory_mib"].max(), "rule": "**all**"}
     cells = {"jobs": "{jobs:.0f}", "took [min]": "{minutes:.0f}"}
+    if "processor_minutes" in times:
+        cells |= {"processor [min]": "{processor_minutes:.0f}"}
     cells |= {"largest memory [MiB]": "{memory_mib:.0f}"}
     rows = pd.concat([costs_of_rules.head(shown), pd.DataFrame([total])])
     return part(rows, "{rule}", cells)

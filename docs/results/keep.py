@@ -8,6 +8,7 @@
 
 import argparse
 import json
+import math
 import os
 import re
 import shutil
@@ -56,10 +57,15 @@ WITH_PROBABILITIES = (
 
 VERSIONS = "versions.json"
 RULE_COSTS = "rule_costs.csv"
-"""Table of what the jobs of each rule took: minutes of all, largest memory."""
+"""Table of what the jobs of each rule took: minutes of all, largest memory.
 
-_COST = re.compile(r"is done: (?P<seconds>[\d.]+) s, peak memory (?P<mib>\d+) MiB\s*$")
+Minutes are of the clock, on a machine that others may use, and of the processor, which are missing
+in tables that are older than this column.
+"""
+
+_COST = re.compile(r"is done: (?P<seconds>[\d.]+) s, .*peak memory (?P<mib>\d+) MiB\s*$")
 _EARLIER = re.compile(r"this job, which took (?P<seconds>[\d.]+) s$", re.MULTILINE)
+_PROCESSOR = re.compile(r"computed in [\d.]+ s, (?P<seconds>[\d.]+) s of processor$", re.MULTILINE)
 COLLECTED = {f"{name}.csv" for name in (*KEPT_TABLES, "probability_scores")}
 COLLECTED |= {RULE_COSTS, VERSIONS}
 
@@ -116,10 +122,20 @@ def rule_costs(logs: Path) -> pd.DataFrame:
             # of a job that took its results from the cache: what they took when they were computed
             seconds = float((_EARLIER.search(text) or done)["seconds"])
             rule = path.relative_to(logs).parts[0].removesuffix(".log")
-            rows.append((rule, seconds / 60, float(done["mib"])))
-    by_rule = pd.DataFrame(rows, columns=["rule", "minutes", "memory_mib"]).groupby("rule")
-    sums = {"jobs": by_rule.size(), "minutes": by_rule["minutes"].sum()}
-    return pd.DataFrame({**sums, "memory_mib": by_rule["memory_mib"].max()}).reset_index()
+            processor = _PROCESSOR.search(text)  # the log of that earlier job comes first
+            processor_seconds = float(processor["seconds"]) if processor else math.nan
+            rows.append((rule, seconds / 60, processor_seconds / 60, float(done["mib"])))
+    columns = ["rule", "minutes", "processor_minutes", "memory_mib"]
+    by_rule = pd.DataFrame(rows, columns=columns).groupby("rule")
+    return pd.DataFrame(
+        {
+            "jobs": by_rule.size(),
+            "minutes": by_rule["minutes"].sum(),
+            # unknown where it is of any job
+            "processor_minutes": by_rule["processor_minutes"].sum(skipna=False),
+            "memory_mib": by_rule["memory_mib"].max(),
+        }
+    ).reset_index()
 
 
 def _finished_tables(results: Path) -> list[Path]:

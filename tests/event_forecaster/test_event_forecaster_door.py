@@ -1,8 +1,11 @@
 """What series, times and parameters say to a forecaster is heard, or refused."""
 
+import re
 import sys
 import threading
+import time
 import warnings
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +16,7 @@ from test_event_forecaster import lorenz
 from threadpoolctl import threadpool_info
 
 from burstcast.base.threads import single_threaded
+from burstcast.event_forecaster import progress
 from burstcast.event_forecaster.forecaster import EventForecaster
 from burstcast.event_forecaster.shared_rows import MOST_REFITS, shared_rows
 from burstcast.systems.lorenz63 import Lorenz63
@@ -378,6 +382,64 @@ with single_threaded():
     numbers = said_by([sys.executable, "-c", code], ROOT, **several).split()
     assert numbers
     assert {*numbers} == {"1"}
+
+
+# -- a sign of life --------------------------------------------------------------------------------
+
+
+class Screen(StringIO):
+    def isatty(self):
+        return True
+
+
+def screen_of(monkeypatch):
+    """A terminal in place of stderr, which pytest replaces after all fixtures."""
+    monkeypatch.setattr(sys, "stderr", Screen())
+    monkeypatch.setattr(progress, "_SECONDS_BETWEEN", 0.01)
+    return sys.stderr
+
+
+def long_fit(monkeypatch, **arguments):
+    """A fit whose work goes on until something is written, or a second is over."""
+    screen, before = sys.stderr, sys.stderr.getvalue()
+
+    def work(self, kind, series, parameters, sign):
+        sign.stage("network 1 of 3")
+        until = time.monotonic() + 1
+        while "network" not in screen.getvalue().removeprefix(before) and time.monotonic() < until:
+            time.sleep(0.01)
+        self.warnings_ = []
+        if arguments.get("parameters"):
+            raise ValueError("no")
+
+    monkeypatch.setattr(EventForecaster, "_fit", work)
+    return forecaster().fit(SERIES, **arguments)
+
+
+def test_a_long_fit_says_on_one_line_what_it_is_at(monkeypatch):
+    screen = screen_of(monkeypatch)
+    monkeypatch.setattr(progress, "_SECONDS_BEFORE", 0.02)
+    long_fit(monkeypatch)
+    said = screen.getvalue()
+    assert re.fullmatch(
+        r"(\rfit of analogues:( network 1 of 3,)? \d+ s *)+\r.*done, \d s +\n", said
+    )
+    assert "\n" not in said[:-1]
+    with pytest.raises(ValueError, match="no"):
+        long_fit(monkeypatch, parameters=1)
+    assert re.search(r"\rfit of analogues: stopped, \d s *\n$", screen.getvalue())
+
+
+def test_quick_fits_and_files_hear_nothing_and_nobody_who_wants_nothing(monkeypatch):
+    screen = screen_of(monkeypatch)
+    forecaster().fit(SERIES)
+    assert progress._SECONDS_BEFORE == 5
+    assert screen.getvalue() == ""
+    monkeypatch.setattr(progress, "_SECONDS_BEFORE", 0.02)
+    long_fit(monkeypatch, verbose=False)
+    monkeypatch.setattr(Screen, "isatty", lambda _: False)
+    long_fit(monkeypatch)
+    assert screen.getvalue() == ""
 
 
 # -- one series, or a batch ------------------------------------------------------------------------

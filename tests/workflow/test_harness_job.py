@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import sys
 import textwrap
@@ -109,6 +110,9 @@ def test_success(tmp_path):
     os.write(2, b"from compiled code")
     np.log(np.zeros(1))
     time.sleep(0.2)
+    until = time.process_time() + 0.3
+    while time.process_time() < until:
+        pass
     script.write_text("import burstcast.base.durations as d; d.steps  # no edit")
     assert data == "data.nc"
     read = {{"name": settings.name, "number": settings.number, "rate": own_flow.RATE}}
@@ -123,6 +127,11 @@ def test_success(tmp_path):
         assert text in log
     assert "is done: " in log
     assert "MiB" in log
+    wall, processor = map(
+        float, re.search(r"computed in (.+) s, (.+) s of processor", log).groups()
+    )
+    assert processor >= 0.3
+    assert wall >= 0.5  # it has slept, too
     assert "settings not read" not in log
     (entry,) = (tmp_path / ".burstcast_cache").rglob("entry.json")
     assert 0.2 <= json.loads(entry.read_text())["seconds"] < 60
@@ -188,6 +197,7 @@ def test_outputs_come_from_the_cache_with_their_log(tmp_path):
     assert (written.place, {*written.making.inputs}) == ("er/network.json", {"data.nc"})
     for log in (first, second):
         assert "computed\n" in log
+        assert log.count(" s of processor\n") == 1  # of the job that computed
         assert "settings not read: number" in log
         assert "is done: " in log.splitlines()[-1]
     assert "taken from the cache: the outputs are those of this job, which took " in second

@@ -75,7 +75,26 @@ def test_logs_tell_what_its_jobs_took(results):
     assert {"simulate", "scan", "joined_horizon", "figure"} <= set(rows["rule"])
     assert rows["jobs"].sum() > 100
     assert (rows["minutes"] > 0).all()
+    assert (rows["processor_minutes"] > 0).all()
     assert len((results / "logs/figure/by_reynolds.log").read_text().splitlines()) < 6
+
+
+def test_costs_are_those_of_the_jobs_that_computed(tmp_path):
+    """Also where results came from the cache, or from logs without the processor's time."""
+    took, of_job = "x computed in 60.00 s, 30.00 s of processor\n", "x is done: {} MiB\n"
+    logs = {
+        "scan/a.log": f"{took}{of_job.format('61.00 s, 31.00 s of processor, peak memory 300')}",
+        "scan/b.log": f"{took}taken from the cache: the outputs are those of this job, which took "
+        f"60.00 s\n{of_job.format('0.10 s, 0.20 s of processor, peak memory 100')}",
+        "old.log": of_job.format("3.00 s, peak memory 100"),
+    }
+    for name, text in logs.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    rows = rule_costs(tmp_path).set_index("rule")
+    assert rows.loc["scan"].tolist() == [2, 121 / 60, 1.0, 300]
+    assert rows.loc["old", ["jobs", "minutes", "memory_mib"]].tolist() == [1, 0.05, 100]
+    assert rows["processor_minutes"].isna().tolist() == [True, False]
 
 
 def test_it_meets_what_a_small_campaign_meets(results):

@@ -9,7 +9,7 @@ as good for all that these series tell.
 import copy
 import time
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -116,13 +116,17 @@ class Trial:
 
 
 def choose(
-    forecaster: "EventForecaster", series: Any, parameters: Any, kinds: Sequence[str]
+    forecaster: "EventForecaster",
+    series: Any,
+    parameters: Any,
+    kinds: Sequence[str],
+    stage: Callable[[str], None] = lambda _: None,
 ) -> "tuple[EventForecaster, list[Trial]]":
     """Fit all kinds, and return the best fitted forecaster with what was tried.
 
     Raises ValueError, with what all kinds say, if none can be fitted.
     """
-    fitted, skills, trials = tried(forecaster, series, parameters, kinds)
+    fitted, skills, trials = tried(forecaster, series, parameters, kinds, stage)
     if not fitted:
         said = "; ".join(f"{trial.kind}: {trial.remark}" for trial in trials)
         raise ValueError(f"kind is 'auto', but no kind can be fitted: {said}")
@@ -137,7 +141,11 @@ def choose(
 
 
 def tried(
-    forecaster: "EventForecaster", series: Any, parameters: Any, kinds: Sequence[str]
+    forecaster: "EventForecaster",
+    series: Any,
+    parameters: Any,
+    kinds: Sequence[str],
+    stage: Callable[[str], None] = lambda _: None,
 ) -> "tuple[dict[str, EventForecaster], dict[str, FloatArray], list[Trial]]":
     """All kinds: fitted forecasters and samples of their skill by kind, and a list of the trials.
 
@@ -148,6 +156,7 @@ def tried(
     skills: dict[str, FloatArray] = {}
     trials: list[Trial] = []
     for kind in kinds:
+        stage(kind)
         made = copy.copy(forecaster).set_params(kind=kind, options=None)
         options: dict[str, Any] = {}
         begun = time.perf_counter()
@@ -156,7 +165,7 @@ def tried(
             made.set_params(options=options or None)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                made.fit(series, parameters=parameters)
+                made.fit(series, parameters=parameters, verbose=False)
                 if not _stays_finite(made, series):
                     raise ValueError("forecasts of training series do not stay finite")
                 samples = _skill_samples(made)

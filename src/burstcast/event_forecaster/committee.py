@@ -3,7 +3,7 @@
 Loaded when networks are made: other kinds of forecasters need not wait for it.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -41,6 +41,7 @@ def trained_committee(
     settings: Mapping[str, Any],
     washout: int,
     interval: int,
+    stage: Callable[[str], None] = lambda _: None,
 ) -> tuple[list[Forecaster], list[dict[str, Any]]]:
     """Networks of a committee, and the hyperparameters that the searches chose for each of them.
 
@@ -48,7 +49,7 @@ def trained_committee(
     of these in turn.
 
     ``network``: The unfitted network. ``training``: Of `training_of`. ``settings``:
-    Parameters of an `EventForecaster`.
+    Parameters of an `EventForecaster`. ``stage``: Is told what goes on.
     """
     if settings["members"] < 1:
         raise ValueError(f"members must be 1 at least, not {settings['members']}")
@@ -75,6 +76,7 @@ def trained_committee(
             backend=network.backend,
             readout=network.readout,
         )
+        stage(f"network {number + 1} of {settings['members']}")
         if number < settings["searches"]:
             scanning = replace(validator, alongside=alongside)
             scanned = scan(scanning, space, [strategy], settings["grid"])

@@ -63,6 +63,7 @@ from burstcast.event_forecaster.parameters import (
     has_unit,
     is_same,
 )
+from burstcast.event_forecaster.progress import SignOfLife
 from burstcast.event_forecaster.schedules import as_schedules
 from burstcast.event_forecaster.score_intervals import (
     EventOutcomes,
@@ -226,7 +227,9 @@ class EventForecaster(Estimator):
 
     # -- what a user calls -------------------------------------------------------------------------
 
-    def fit(self, series: Any, y: Any = None, *, parameters: Any = None) -> Self:
+    def fit(
+        self, series: Any, y: Any = None, *, parameters: Any = None, verbose: bool = True
+    ) -> Self:
         """Search, train, and calibrate.
 
         ``series``: Training series, ``(series, time, component)``, or a list of series of unequal
@@ -234,7 +237,8 @@ class EventForecaster(Estimator):
         series. ``parameters``: For kinds that know the parameters
         (``quadratic_aware``, ``esn_aware``), values in the training series of the parameters named
         by the option ``parameters``, in a form of
-        `burstcast.event_forecaster.schedules.as_schedules`.
+        `burstcast.event_forecaster.schedules.as_schedules`. ``verbose``: Whether a fit of more than
+        five seconds says on one line, on a terminal or in a notebook, what it is at.
 
         Raises ValueError if a parameter is out of bounds, or the series are too few or too short
         for it, and TypeError if a parameter is of another type than it must be. Warns, once for
@@ -243,16 +247,19 @@ class EventForecaster(Estimator):
         alarm; if there are fewer than ten events; if series are too short for a forecast; or if
         durations in samples are short beside the correlation time.
         """
-        if self.kind == AUTO:
-            return self._choose(series, parameters)
-        kind = self._kind  # loads what it computes with, whose threads are limited
-        # threads of small matrices wait for each other more than they work
-        with single_threaded():
-            self._fit(kind, series, parameters)
+        own = getattr(self.kind, "__name__", type(self.kind).__name__)
+        name = self.kind if isinstance(self.kind, str) else own
+        with SignOfLife(f"fit of {name}", wanted=verbose) as sign:
+            if self.kind == AUTO:
+                return self._choose(series, parameters, sign)
+            kind = self._kind  # loads what it computes with, whose threads are limited
+            # threads of small matrices wait for each other more than they work
+            with single_threaded():
+                self._fit(kind, series, parameters, sign)
         self._warn_once(self.warnings_)
         return self
 
-    def _choose(self, series: Any, parameters: Any) -> Self:
+    def _choose(self, series: Any, parameters: Any, sign: SignOfLife) -> Self:
         """Fit the kind that forecasts training series best which it has not learnt from."""
         options = dict(self.options or {})
         kinds = tuple(options.pop("kinds", KINDS))
@@ -264,7 +271,7 @@ class EventForecaster(Estimator):
             raise ValueError("kind='auto' compares what calibrates: it needs calibrate=True")
         given = labelled_series(series, "the training series").states
         warnings.warn(cost(kinds, given, self), stacklevel=3)
-        best, trials = choose(self, series, parameters, kinds)
+        best, trials = choose(self, series, parameters, kinds, sign.stage)
         chosen = best.kind
         vars(self).update({**vars(best), "kind": self.kind, "options": self.options})
         self.kind_, self.choices_, self.options_ = str(chosen), trials, dict(best.options or {})
@@ -276,7 +283,7 @@ class EventForecaster(Estimator):
         self._warn_once(self.warnings_)
         return self
 
-    def _fit(self, kind: ForecasterKind, series: Any, parameters: Any) -> None:
+    def _fit(self, kind: ForecasterKind, series: Any, parameters: Any, sign: SignOfLife) -> None:
         checked, timing = checked_parameters(self), self._timing
         given = labelled_series(series, "the training series")
         findings: list[str] = list(no_state(given))
@@ -328,7 +335,7 @@ class EventForecaster(Estimator):
             series = committee.training_of(states, training, case, cast(Any, kind))
             steps = self._samples("washout"), self._samples("validation_interval")
             members, hyperparameters = committee.trained_committee(
-                cast(Any, kind), series, case, checked, *steps
+                cast(Any, kind), series, case, checked, *steps, sign.stage
             )
             findings += committee.search_edges(hyperparameters, checked, len(samples_of(states)))
         else:
@@ -342,6 +349,7 @@ class EventForecaster(Estimator):
             members = [member.within(limits) for member in members]
             kept = _votes_of_kept(members, case, training, points, timing)
             invalid += events.invalid(kept, "of the kept models in training series", members[0])
+        sign.stage("forecasts of series that are left out")
         alarms = dict.fromkeys(timing.times, AlarmRule(UNCALIBRATED, 0.5))
         left_out_forecasts: dict[float, LeftOutForecasts] = {}
         left_out = shared.left_out() if self.calibrate else None

@@ -126,6 +126,8 @@ def _run(snakemake: Any, call: Call, label: str) -> None:
     if inputs != _contents(snakemake.input):
         raise UnlikeCodeError("an input has changed while the job ran: run again")
     seconds = time.monotonic() - start
+    # in the log that the cache keeps, too
+    logger.info("computed in %.2f s, %.2f s of processor", seconds, _processor())
     digests = _dated(snakemake)
     entry.store(digests, snakemake.rule, seconds, Path(snakemake.log[0]))
     _note(snakemake, making, planned["results"], digests)
@@ -221,7 +223,17 @@ def _terminate(signum: int, _frame: Any) -> NoReturn:
 
 
 def _cost(start: float) -> str:
-    return f"{time.monotonic() - start:.2f} s, peak memory {_peak_memory() / 2**20:.0f} MiB"
+    seconds = time.monotonic() - start
+    return (
+        f"{seconds:.2f} s, {_processor():.2f} s of processor with the start of Python, "
+        f"peak memory {_peak_memory() / 2**20:.0f} MiB"
+    )
+
+
+def _processor() -> float:
+    """Seconds of the processor that this process and those that it waited for have taken."""
+    usages = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
 
 
 def _peak_memory() -> int:

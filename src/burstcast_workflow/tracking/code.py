@@ -96,11 +96,11 @@ class Sources:
         self.script, self.packages = script, packages
         self._own, self._with_libraries = dict(own_modules), with_libraries
         self._own_packages = {name.partition(".")[0] for name in self._own}
-        self._memory: dict[str, Parsed] = {}
+        self._memory: dict[str, Parsed | list[Any]] = {}  # parsed, or as they were stored
         with suppress(OSError, ValueError, KeyError, TypeError):
             memory = json.loads(_MEMORY.read_bytes())
             if memory["by"] == _parser():
-                self._memory = {key: _parsed_from(value) for key, value in memory["parsed"].items()}
+                self._memory = dict(memory["parsed"])
         self._remembered = len(self._memory)
         self._parsed: dict[Path, Parsed] = {}
         self._places: dict[str, list[Place]] = {}
@@ -292,10 +292,14 @@ class Sources:
         if path not in self._parsed:
             content = path.read_bytes()
             key = _hash(content, 64)
-            if key not in self._memory:
+            found = self._memory.get(key)
+            if found is not None and not isinstance(found, Parsed):
+                with suppress(ValueError, LookupError, TypeError, AttributeError):  # damaged
+                    found = _parsed_from(found)
+            if not isinstance(found, Parsed):
                 compiled = path.suffix != ".py"  # a library of C in a package of one's own
-                self._memory[key] = Parsed(key[:12], {}, []) if compiled else parsed(content)
-            self._parsed[path] = self._memory[key]
+                found = Parsed(key[:12], {}, []) if compiled else parsed(content)
+            self._parsed[path] = self._memory[key] = found
         return self._parsed[path]
 
     def _file_of(self, name: str) -> Path | None:
