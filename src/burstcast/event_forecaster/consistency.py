@@ -16,7 +16,6 @@ from dataclasses import dataclass, fields
 from typing import Any, Self
 
 import numpy as np
-from scipy.special import bdtrc
 
 from burstcast.base.arrays import FloatArray, IntArray
 from burstcast.base.left_out import LeftOut
@@ -105,6 +104,8 @@ class ConsistencyTest:
 
     def finding(self, p_values: FloatArray) -> Iterator[str]:
         """A sentence about washouts of which many more are odd than in the training series."""
+        from scipy.special import bdtrc  # the module is read when a campaign is planned
+
         odd, count = int((p_values <= ALPHA).sum()), len(p_values)
         share = odd / max(1, count)
         # of few washouts, so many may be odd by chance
