@@ -104,7 +104,7 @@ class ConsistencyTest:
 
     def finding(self, p_values: FloatArray) -> Iterator[str]:
         """A sentence about washouts of which many more are odd than in the training series."""
-        from scipy.special import bdtrc  # takes a tenth of a second
+        from scipy.special import bdtrc  # the module is read when a campaign is planned
 
         odd, count = int((p_values <= ALPHA).sum()), len(p_values)
         share = odd / max(1, count)
