@@ -85,6 +85,17 @@ def test_control_by_what_if(run):
         np.testing.assert_array_equal(control.states[flow, :stop], control.free_states[flow, :stop])
 
 
+def test_return_levels_of_the_shear_flow(run):
+    names, output, shown = run("return_levels")
+    # the counts of flows that other processors let laminarise elsewhere scatter
+    np.testing.assert_allclose(output, shown, rtol=0.3, atol=0.1)
+    found, too_low = names["found"], names["too_low"]
+    # a thousand Lyapunov times: long runs have 0.4 at 923 LT
+    assert found.low[1] < 0.405 < found.high[1]
+    assert found.tail.threshold > 0.12
+    assert found.level[2] < 0.5 < too_low.level(10000)
+
+
 @pytest.mark.long
 def test_forecast_and_control_of_lorenz_96(run):
     names, output, shown = run("lorenz96")

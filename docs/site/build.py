@@ -48,7 +48,7 @@ NAVIGATION = {
     "Your data, system, model": [
         *("notebook", "event_forecast", "own_data", "lorenz96", "what_if", "campaign"),
         *("tutorial_data", "data_recipes", "real_records", "tutorial", "sensors", "aware"),
-        *("return_times", "controllers"),
+        *("return_times", "return_levels", "controllers"),
     ],
     "Results and method": [
         *("results", "related_work", "references", "method", "performance"),

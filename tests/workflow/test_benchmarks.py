@@ -168,6 +168,23 @@ def test_equations_of_a_ring_are_learnt_from_noisy_observations(monkeypatch):
     )
 
 
+@pytest.mark.parametrize(("kind", "error"), [("RingAutoregression", 0.1), ("RingNetwork", 0.12)])
+def test_maps_of_a_ring_are_learnt_from_noisy_observations(kind, error, monkeypatch):
+    """They predict the next sample of Lorenz's equations, from observations with noise of 1."""
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    models = importlib.import_module("ring_models")
+    arena = importlib.import_module("controllers").Lorenz96Arena()
+    options = {} if kind == "RingAutoregression" else {"series": 3, "samples": 300, "neurons": 60}
+    model = getattr(models, kind)(**options).fit(arena._training(series=4, years=0.5), None)
+    states = integrate(arena.system, arena._start(), 0.01, 10, 5)
+    outputs, memory = model.advance(states[0], 2)
+    assert np.sqrt(np.square(outputs[0] - states[1]).mean()) < error
+    assert np.sqrt(np.square(states[0] - states[1]).mean()) > 5 * error
+    # each step follows from the one before, at each site alike
+    rolled = model.advance(np.roll(outputs[0], 3, axis=0), 1)[0][0]
+    np.testing.assert_allclose(rolled, np.roll(memory, 3, axis=0), rtol=1e-3, atol=1e-3)
+
+
 def test_the_page_has_the_table_of_controllers():
     page = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
     assert said("controllers.py", "table").strip() in page
