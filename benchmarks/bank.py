@@ -19,10 +19,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from burstcast import EventForecaster
 from burstcast.base.arrays import FloatArray
+from burstcast.base.threads import single_threaded
 
 KINDS = (
     *("quadratic", "quadratic_filtered", "nvar", "linear_inverse", "analogues"),
@@ -403,7 +403,7 @@ def trials(
     for kind in kinds:
         forecaster = EventForecaster(system.event, kind=kind, **settings, **NETWORKS)
         began = time.process_time()
-        with warnings.catch_warnings(), threadpool_limits(1):
+        with warnings.catch_warnings(), single_threaded():
             warnings.simplefilter("ignore")
             try:
                 forecaster.fit(list(states[:TRAINING]))

@@ -7,14 +7,17 @@
 Each stage is timed at the size that ``config.yaml`` gives it for Re = 400, or at a part of it and
 extrapolated; with how much of the machine's peak it reaches (dgemm, measured in between); and
 against the same work in the textbook implementation (``textbook.py``), without compiled code (numpy
-and the scipy backend) and in ReservoirPy (``reservoirpy_network.py``), in the same run. Times are
-the processor's, the least of several repetitions: other programs on the machine disturb them
-little. ``--write`` puts the tables into benchmarks/measured.md.
+and the scipy backend) and in ReservoirPy (``reservoirpy_network.py``), in the same run. Starts of
+jobs and plans are timed, too. Times are the processor's, the least of several repetitions: other
+programs on the machine disturb them little. ``--write`` puts the tables into
+benchmarks/measured.md.
 """
 
 import argparse
 import os
 import platform
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
@@ -25,6 +28,7 @@ from pathlib import Path
 import numpy as np
 import textbook
 import yaml
+from planning import plan
 from reservoirpy_network import ReservoirpyNetwork
 from threadpoolctl import threadpool_info, threadpool_limits
 
@@ -667,6 +671,47 @@ def integration(data: Data, clock: Clock) -> list[Row]:
     return [ensemble, tangents]
 
 
+# --- Starts --------------------------------------------------------------------------------------
+
+A_JOB = """
+from pathlib import Path
+from snakemake import script
+from burstcast.base.discovery import imported_file
+from burstcast_workflow.tracking.environment import environment
+imported_file(Path("workflow/scripts/evaluation/forecast.py")), environment()
+"""
+STARTED = {
+    "Python": "pass",
+    "Snakemake's part of a job": "from snakemake import script",
+    "a job from the cache, without its files": A_JOB,
+    "`EventForecaster`": "from burstcast import EventForecaster; EventForecaster",
+    "networks": "from burstcast.networks.training import train; import scipy.linalg, scipy.sparse",
+    "scikit-optimize": "import skopt",
+}
+"""What is started, as a program."""
+
+
+def starts(repeats: int) -> list[list[str]]:
+    """Seconds of the processor of what is started often, and of plans of the paper's campaign."""
+    seconds = {
+        name: min(_seconds_of_a_start(program) for _ in range(repeats))
+        for name, program in STARTED.items()
+    }
+    planned = plan([], {"results": "results/planning"})
+    seconds[f"the plan of config.yaml, {planned.jobs} jobs, first"] = planned.first
+    seconds["again"] = planned.again
+    return [[name, f"{value:.2f}"] for name, value in seconds.items()]
+
+
+def _seconds_of_a_start(program: str) -> float:
+    process = subprocess.Popen([sys.executable, "-c", program], cwd=ROOT)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise SystemExit(f"a start fails: {program}")
+    return usage.ru_utime + usage.ru_stime
+
+
 # --- The report ----------------------------------------------------------------------------------
 
 
@@ -709,6 +754,10 @@ def main() -> None:
         f"dgemm reaches {clock.peak:.1f} GFLOP/s.",
         "",
         *table(HEAD, [row.cells(clock.peak) for row in (*integrations, *rows)]),
+        "",
+        "Starts, seconds of the processor:",
+        "",
+        *table(["start", "seconds"], starts(clock.repeats)),
         "",
         f"Beside ReservoirPy {version('reservoirpy')}, with the same sparse matrix, one thread:",
         "",

@@ -16,9 +16,9 @@ import warnings
 
 import numpy as np
 from default_forecasters import SIMULATED
-from threadpoolctl import threadpool_limits
 
 from burstcast import EventForecaster
+from burstcast.base.threads import single_threaded
 
 TIMES = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
 KINDS = ("esn", "quadratic_filtered")
@@ -30,7 +30,7 @@ def main() -> None:
     """Print a row for each record, kind of forecaster and prediction time."""
     warnings.simplefilter("ignore")
     print(HEAD, flush=True)
-    with threadpool_limits(1):
+    with single_threaded():
         for name in sys.argv[1:] or ["shear_flow"]:
             record = SIMULATED[name]()
             states = np.asarray(record.series)

@@ -17,12 +17,12 @@ import warnings
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from burstcast import EventForecaster
 from burstcast.base import random_streams
 from burstcast.base.arrays import FloatArray
 from burstcast.base.resampling import bootstrap_weights, percentile_interval
+from burstcast.base.threads import single_threaded
 from burstcast.data.starting_points import SeriesPoints
 from burstcast.event_forecaster.score_intervals import EventOutcomes, blocks_of
 from burstcast.forecasts.scores import Outcomes, outcomes_by_series, resampled_scores
@@ -117,7 +117,7 @@ def main() -> None:
     parser.add_argument("repetitions", nargs="?", type=int, default=200)
     repetitions = parser.parse_args().repetitions
     warnings.simplefilter("ignore")
-    with threadpool_limits(1):
+    with single_threaded():
         for name, (kind, _) in FORECASTERS.items():
             print(f"| {name}: `{kind}` | truth | {' | '.join(SHAPES)} |")
             print("|---" * (2 + len(SHAPES)) + "|", flush=True)

@@ -119,8 +119,9 @@ def test_washouts_of_other_flows_are_found():
 @pytest.mark.long
 def test_time_of_planning():
     text = said("planning.py", "--seeds", 1, "--reynolds", 1, "--sizes", 1)
-    jobs, seconds, _, _, times = map(float, text.splitlines()[-1].split())
+    jobs, seconds, first, again, _, times = map(float, text.splitlines()[-1].split())
     assert jobs > 20
+    assert again < first
     assert min(seconds, times) > 0
 
 
@@ -143,6 +144,9 @@ def test_a_short_benchmark_measures_each_stage():
     assert all(float(seconds) > 0 for _, seconds in rows)
     # faster than the machine's own matrix products would be a mistake
     assert 0 < max(map(int, re.findall(r"\| (\d+) % \|", text))) <= 110
+    started = dict(re.findall(r"^\| ([^|]+) \| ([\d.]+) \|$", text, re.M))
+    assert float(started["Python"]) < float(started["a job from the cache, without its files"])
+    assert float(started["again"]) > 0
     _, _, beside = text.partition("Beside ReservoirPy")
     (times,) = re.findall(r"^\| 1000 \| [\d.]+ \| ([\d.]+) \|", beside, re.M)
     assert float(times) > 1

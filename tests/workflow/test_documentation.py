@@ -6,6 +6,7 @@ import shutil
 import sys
 from textwrap import dedent
 
+import numpy as np
 import pandas as pd
 import pytest
 import yaml
@@ -195,6 +196,24 @@ def test_costs_on_the_page_of_performance_are_those_of_the_kept_tables():
     training, forecasts = ([float(row[at]) for row in rows[-4:]] for at in (2, 4))
     assert f"{min(training):.1f} to {max(training):.1f} times as long to train" in page
     assert f"{min(forecasts):.0f} to {max(forecasts):.0f} times as long to forecast" in page
+    # scans of 16 points for 60 reservoirs of six sizes and 30 of 2000 neurons; two networks of each
+    measured = {row[0] + row[2]: float(row[3]) for row in rows if row[0] == "hyperparameter trial"}
+    measured |= {row[0]: float(row[1]) for row in rows[-4:]}
+    sizes = (500, 1000, 2000, 3000)
+
+    def campaign_minutes(name):
+        of_size = np.interp(
+            np.log([500, 1000, 1500, 2000, 2500, 3000, 2000, 2000, 2000]),
+            np.log(sizes),
+            np.log([measured[f"{name}{size}"] for size in sizes]),
+        )
+        return 10 * np.exp(of_size).sum() / 60
+
+    scan, trained = campaign_minutes("hyperparameter trial") * 16, campaign_minutes("") * 2
+    assert (
+        f"take {scan:.0f} minutes for its scans ({minutes['scan']:.0f} there) and {trained:.0f} "
+        f"for its training ({minutes['train']:.0f})" in page
+    )
     slower = {row[0]: row[8] for row in rows if row[0] in ("integration", "Lyapunov exponents")}
     faster = "{integration} times faster, and {Lyapunov exponents} times for Lyapunov exponents"
     assert faster.format_map(slower) in page

@@ -49,7 +49,7 @@ def trained_committee(
     of these in turn.
 
     ``network``: The unfitted network. ``training``: Of `training_of`. ``settings``:
-    Parameters of an `EventForecaster`. ``stage``: Is told what goes on.
+    Parameters of an `EventForecaster`. ``stage``: Called with a text at each network.
     """
     if settings["members"] < 1:
         raise ValueError(f"members must be 1 at least, not {settings['members']}")

@@ -231,7 +231,7 @@ def _cost(start: float) -> str:
 
 
 def _processor() -> float:
-    """Seconds of the processor that this process and those that it waited for have taken."""
+    """Seconds of the processor that this process and its finished children have taken."""
     usages = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return sum(usage.ru_utime + usage.ru_stime for usage in usages)
 
