@@ -238,7 +238,7 @@ WHICH_KINDS = {
 }
 """Kinds of forecasters: name, colour and marker."""
 _CONDITIONS = {
-    "noise 0": {"noise": 0.0, "observed": "all"},
+    "noise\n0": {"noise": 0.0, "observed": "all"},
     "noise\n1 %": {"noise": 0.01, "observed": "all"},
     "noise\n10 %": {"noise": 0.1, "observed": "all"},
     "half\nseen": {"noise": 0.01, "observed": "half"},

@@ -1,5 +1,6 @@
 """Tables of programs in benchmarks/, by training set: their means, and their figures."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -287,3 +288,76 @@ def which(tables: Tables, kind: str, flow: str, time: float, **where: Any) -> An
     if len(rows) != 1:
         raise LookupError(f"{len(rows)} rows of {kind}, {flow}, {time:g} LT, {where}, not one")
     return rows.iloc[0]
+
+
+def fits_made(tables: Tables) -> Part:
+    """Numbers of training events of the fits of each kind, and the conditions beside them."""
+    cells: Part = []
+    once = tables.rows("scores", prediction_time_lt=1.0)
+    for kind, name in WHICH_NAMES.items():
+        for flow, title in WHICH_FLOWS.items():
+            here = once[(once["kind"] == kind) & (once["flow"] == flow)]
+            usual = here[(here["noise"] == 0.01) & (here["observed"] == "all")]
+            made = " ".join(f"{events:g}" for events in sorted(usual["events"]))
+            noise = [f"{100 * value:g} %" for value in sorted(set(here["noise"]) - {0.01})]
+            seen = sorted(set(here["observed"]) - {"all"}, reverse=True)
+            cells.append((name, title, ", ".join(filter(None, [made, *noise, *seen])) or "–"))
+    return cells
+
+
+def neural_rows(tables: Tables) -> Part:
+    """F-scores of wrong models, hybrids and the gated network, beside networks of the same data."""
+    cells: Part = []
+
+    def add(label: str, row: Any, seconds: str) -> None:
+        for head, metric in F_SCORES.items():
+            ends = f" ({row['f_3_low']:.3f}–{row['f_3_high']:.3f})" if metric == "f_3" else ""
+            cells.append((label, head, f"{row[metric]:.3f}{ends}"))
+        cells.append((label, "fit [s]", seconds))
+
+    for row in tables.rows("neural_baselines").to_dict("records"):
+        seconds = f"{row['seconds']:.0f}"
+        if pd.notna(row["search_seconds"]):
+            seconds = f"{row['search_seconds']:.0f} + {seconds}"
+        add(f"{row['model']}, set {row['set'] + 1}", row, seconds)
+    for variant in ("plain", "both"):
+        for row in tables.rows("smoothing", kind="esn", neurons=500.0, variant=variant).to_dict(
+            "records"
+        ):
+            label = f"network, 500 neurons, {VARIANTS[variant]}, set {row['set'] + 1}"
+            add(label, row, f"{row['seconds']:.0f}" if variant == "plain" else "")
+    return cells
+
+
+def bank_skills(measured: Path) -> pd.DataFrame:
+    """Brier skill of each kind (columns) on each system of the bank, from its Markdown table."""
+    rows = [
+        [cell.strip(" `") for cell in line.strip("|\n").split("|")]
+        for line in measured.read_text(encoding="utf-8")
+        .partition("## A bank of systems")[2]
+        .partition("\n## ")[0]
+        .splitlines()
+        if line.startswith("| ")
+    ]
+    numbers = [
+        [float(cell.partition(",")[0].replace("refused", "nan")) for cell in row[1:-1]]
+        for row in rows[1:]
+    ]
+    return pd.DataFrame(numbers, [row[0] for row in rows[1:]], rows[0][1:-1])
+
+
+def bank_counts(measured: Path) -> Part:
+    """On how many systems of the bank each kind is the best, or within 0.1 of it."""
+    skills = bank_skills(measured)
+    best = skills.max(axis=1)
+    cells: Part = []
+    for kind in skills:
+        lost = best - skills[kind]
+        name = WHICH_NAMES.get(str(kind), str(kind).replace("_", " ")).replace("300", "100")
+        for head, share in (("best", lost == 0), ("within 0.1 of the best", lost <= 0.1)):
+            cells.append((name, f"{head} of {len(skills)}", f"{share.sum()}"))
+        invalid = skills[kind] < 0.05
+        cells.append(
+            (name, "no skill (below 0.05), or refused", f"{(invalid | skills[kind].isna()).sum()}")
+        )
+    return cells

@@ -63,6 +63,7 @@ NAVIGATION = {
         ),
         *("results/authors", "results/noise_sweep", "results/aware", "results/learnt_precursor"),
         *("results/kolmogorov", "results/smoothing", "results/hidden_modes"),
+        "results/which_method",
     ],
     "How it is built": [
         *("architecture", "rules", "extending", "selective_rebuilds", "decisions"),
