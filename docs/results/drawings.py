@@ -265,13 +265,20 @@ def draw_which_method(tables: Tables) -> Figure:
     for axes, (time, flow) in zip(grid[:2].flat, product((1.0, 3.0), WHICH_FLOWS), strict=True):
         of_flow = scores[(scores["flow"] == flow) & (scores["prediction_time_lt"] == time)]
         for number, (kind, (name, colour, marker)) in enumerate(WHICH_KINDS.items()):
-            curve = of_flow[of_flow["kind"] == kind].sort_values("events")
+            if kind not in set(scores["kind"]):
+                continue
+            curve = of_flow[of_flow["kind"] == kind].drop_duplicates("training_events")
+            curve = curve.sort_values("training_events")
             value = curve["average_precision"]
             ends = (value - curve["average_precision_low"], curve["average_precision_high"] - value)
-            position = curve["events"] * 1.05 ** (number - 3)
+            position = curve["training_events"] * 1.05 ** (number - 3)
             look = {"color": colour, "marker": marker, "markersize": 3.2, "lw": 0.9}
             axes.errorbar(position, value, ends, label=name, elinewidth=0.5, **look)
         if len(of_flow):
+            # equations that start from the last sample, where those with a filter take too long
+            plain = of_flow[of_flow["kind"] == "quadratic"]
+            look = {"color": style.PURPLE, "marker": "s", "mfc": "white", "markersize": 3.2}
+            axes.plot(plain["training_events"], plain["average_precision"], lw=0, **look)
             axes.axhline(of_flow["base_rate"].mean(), **looks.THRESHOLD)
         axes.set_xscale("log")
         axes.set_xlim(3.8, 1400)

@@ -267,12 +267,27 @@ def average_precisions(tables: Tables) -> Part:
         for time, here in rows[rows["flow"] == flow].groupby("prediction_time_lt"):
             head = f"{title}, {time:g} LT"
             cells.append(("base rate", head, f"{here['base_rate'].mean():.2f}"))
-    return sorted(cells, key=lambda cell: [*WHICH_FLOWS.values()].index(cell[1].split(",")[0]))
+    heads = [f"{title}, {time} LT" for title in WHICH_FLOWS.values() for time in (1, 3)]
+    rows_of_kinds = [*WHICH_NAMES.values(), "base rate"]
+    empty: Part = [(rows_of_kinds[0], head, "") for head in heads]
+    there = {(row, head) for row, head, _ in cells}
+    empty = [cell for cell in empty if cell[:2] not in there]
+    return sorted(
+        [*empty, *cells], key=lambda cell: (rows_of_kinds.index(cell[0]), heads.index(cell[1]))
+    )
 
 
 def leads(tables: Tables) -> pd.DataFrame:
     """Best kinds by average precision and their leads over the second best, a row each."""
     return tables.rows("best", score="average_precision", rank=2)
+
+
+def neural(tables: Tables, model: str, number: int = 0) -> Any:
+    """Row of a wrong model, a hybrid or the gated network on one training set."""
+    rows = tables.rows("neural_baselines", model=model, set=number)
+    if len(rows) != 1:
+        raise LookupError(f"{len(rows)} rows of {model}, set {number}, not one")
+    return rows.iloc[0]
 
 
 def seconds_of(tables: Tables) -> float:
@@ -298,7 +313,7 @@ def fits_made(tables: Tables) -> Part:
         for flow, title in WHICH_FLOWS.items():
             here = once[(once["kind"] == kind) & (once["flow"] == flow)]
             usual = here[(here["noise"] == 0.01) & (here["observed"] == "all")]
-            made = " ".join(f"{events:g}" for events in sorted(usual["events"]))
+            made = " ".join(f"{events:g}" for events in sorted(set(usual["training_events"])))
             noise = [f"{100 * value:g} %" for value in sorted(set(here["noise"]) - {0.01})]
             seen = sorted(set(here["observed"]) - {"all"}, reverse=True)
             cells.append((name, title, ", ".join(filter(None, [made, *noise, *seen])) or "–"))
