@@ -152,7 +152,9 @@ def control_scores(tables: Tables) -> Part:
         label = smoothing_name({"kind": row["kind"], "neurons": size})
         label += f": {VARIANTS[row['variant']]}"
         left, low, high, duty = (100 * row[name] for name in ("remaining", "low", "high", "duty"))
-        cells.append((label, "remaining exceedance [%]", f"{left:.2g} ({low:.2g} to {high:.2g})"))
+        # where no flow exceeds the threshold, a bootstrap has no upper end
+        text = f"{left:.2g} ({low:.2g} to {high:.2g})" if left else "0"
+        cells.append((label, "remaining exceedance [%]", text))
         cells.append((label, "duty cycle [%]", f"{duty:.2g}"))
         if row["kind"] != "equations":
             names = ("difference", "difference_low", "difference_high")
