@@ -104,7 +104,7 @@ def main() -> None:
                     share = table["inconsistent"]["share"]
                     rows.writerow(
                         [kind, f"{washout:g}", name, f"{share:.4f}"]
-                        + [f"{value:.4g}" for value in values]
+                        + ["" if np.isnan(value) else f"{value:.4g}" for value in values]
                     )
                     sys.stdout.flush()
 

@@ -25,7 +25,7 @@ HIDDEN_KINDS = {
     "conserved": "two hidden variables, energy conserved",
     "free": "two hidden variables",
     "none": "no hidden variables",
-    "equations": "true equations, all nine modes seen",
+    "equations": "true equations",
 }
 
 
@@ -145,12 +145,50 @@ def lorenz96_scores(tables: Tables) -> Part:
     return cells
 
 
+def control_scores(tables: Tables) -> Part:
+    """Control by networks, learnt and true equations, in per cent, on the same flows."""
+    cells: Part = []
+    for row in tables.rows("smoothing_control").to_dict("records"):
+        size = row["neurons"] if pd.notna(row["neurons"]) else None
+        label = smoothing_name({"kind": row["kind"], "neurons": size})
+        label += f": {VARIANTS[row['variant']]}"
+        left, low, high, duty = (100 * row[name] for name in ("remaining", "low", "high", "duty"))
+        # where no flow exceeds the threshold, a bootstrap has no upper end
+        text = f"{left:.2g} ({low:.2g} to {high:.2g})" if left else "0"
+        cells.append((label, "remaining exceedance [%]", text))
+        cells.append((label, "duty cycle [%]", f"{duty:.2g}"))
+        if row["kind"] != "equations":
+            names = ("difference", "difference_low", "difference_high")
+            apart, low, high = (100 * row[name] for name in names)
+            text = f"{apart:+.2g} ({low:+.2g} to {high:+.2g})"
+            cells.append((label, "difference from the true equations", text))
+    return cells
+
+
+def consistency_scores(tables: Tables) -> Part:
+    """Shares of inconsistent washouts, and scores at 2 LT, by the length of the washout."""
+    cells: Part = []
+    for row in tables.rows("consistency", kind="quadratic_filtered").to_dict("records"):
+        label, head = row["washouts"], f"{row['washout_lt']:g} LT"
+        cells.append((label, f"inconsistent, {head}", f"{100 * row['inconsistent']:.1f} %"))
+    for row in tables.rows("consistency", kind="quadratic_filtered", washout_lt=1.0).to_dict(
+        "records"
+    ):
+        for part, name in {"consistent": "consistent", "inconsistent": "the others"}.items():
+            events, score = row[f"events_{part}"], row[f"alarm_f_score_{part}"]
+            text = f"{score:.2f} ({events:g} events)" if events else "- (0 events)"
+            cells.append((row["washouts"], f"F after {name}, 1 LT", text))
+    return cells
+
+
 def hidden_scores(tables: Tables) -> Part:
     """F-scores of equations where two modes are hidden."""
     cells: Part = []
     for kind in kinds_of(tables, "hidden_modes", ["kind", "hidden"]):
         label = HIDDEN_KINDS[kind["kind"]]
-        if kind["hidden"] not in ("none", None):
+        if kind["hidden"] in ("none", None):
+            label += ", all nine modes seen"
+        else:
             label += f"; {kind['hidden'].replace('a', 'a_')} hidden"
         sets = len(tables.rows("hidden_modes", **kind))
         cells.append((label, "sets", f"{sets}"))
@@ -222,7 +260,7 @@ def draw_hidden_modes(tables: Tables) -> Figure:
     for kind, name in HIDDEN_KINDS.items():
         found = tables.rows("hidden_modes", kind=kind, hidden="a8, a9")
         if kind == "equations":
-            found = tables.rows("smoothing", kind=kind)
+            name, found = f"{name}, all nine modes seen", tables.rows("smoothing", kind=kind)
         if len(found):
             rows[name] = found
     _curves(axes, rows)
