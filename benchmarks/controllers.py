@@ -138,8 +138,8 @@ def shear_flow_chosen() -> None:
     Of each kind it is the setting with the fewest events, of those that act in at most
     `MOST_ACTING` of the time.
     """
-    for arena, delay_lt, span_lt in (("shear_flow", 0.0, 500.0), ("shear_flow_late", LATE, 100.0)):
-        others = _shear_flow(60, 150.0, delay_lt, random_seed=7)
+    for arena, delay_lt, span_lt in (("shear_flow", 0.0, 250.0), ("shear_flow_late", LATE, 100.0)):
+        others = _shear_flow(40, 100.0, delay_lt, random_seed=7)
         given = _shear_flow(200, span_lt, delay_lt)
         for kind, (model, candidates) in _candidates(late=delay_lt > 0).items():
             tried = [(name, each, _counts(each, others)) for name, each in candidates.items()]

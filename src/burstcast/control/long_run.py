@@ -7,10 +7,11 @@ forgotten.
 
 A flow that laminarises crosses every level of the observable on its way. That excursion, from the
 last crossing of the lowest level on, is counted as a laminarisation and not as an event of any
-level. Another flow takes its place: a copy of one that is still turbulent, perturbed by a small
-random amount (Burdzy, Holyst & March, Communications in Mathematical Physics 214, 2000). The copy
-counts once it has settled, when it has forgotten its origin. So it is with a flow that leaves the
-range of floating-point numbers under actuation, which is counted as escaped.
+level. Neither is an excursion that is under way when a flow has settled. Another flow takes its
+place: a copy of one that is still turbulent, perturbed by a small random amount (Burdzy, Holyst &
+March, Communications in Mathematical Physics 214, 2000). The copy counts once it has settled, when
+it has forgotten its origin. So it is with a flow that leaves the range of floating-point numbers
+under actuation, which is counted as escaped.
 """
 
 import dataclasses
@@ -171,6 +172,8 @@ class _Counting:
         self.levels, self.settling, self.threshold = levels, settling, laminarisation_threshold
         #: steps of each flow since its start, or since it was copied
         self.age = np.zeros(flows, dtype=np.int64)
+        #: whether the flow has been below all levels since it settled
+        self.was_low = np.zeros(flows, dtype=bool)
         #: pending: events since the flow was last below all levels, ``(flows, levels)``
         self.pending, self.events, self.exceeding = np.zeros(
             (3, flows, len(levels)), dtype=np.int64
@@ -198,9 +201,14 @@ class _Counting:
         low = (observable < self.levels.min()) & (np.arange(steps + 1) <= last)
         since = np.where(low.any(axis=1), steps - low[:, ::-1].argmax(axis=1), 0)
         self.pending[low.any(axis=1)] = 0
+        # an excursion that was under way when the flow settled is no event
+        begun = low[:, :-1] & (self.age[:, np.newaxis] + number > self.settling)
+        begun[:, 0] |= self.was_low & (self.age > 0)
+        begun = np.logical_or.accumulate(begun, axis=1)
+        self.was_low = begun[:, -1]
         for column, level in enumerate(self.levels):
             above = observable >= level
-            crosses = above[:, 1:] & ~above[:, :-1] & counted
+            crosses = above[:, 1:] & ~above[:, :-1] & counted & begun
             self.events[:, column] += crosses.sum(axis=1)
             self.exceeding[:, column] += (above[:, 1:] & counted).sum(axis=1)
             self.pending[:, column] += (crosses & (number > since[:, np.newaxis])).sum(axis=1)

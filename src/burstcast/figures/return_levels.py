@@ -40,7 +40,7 @@ def draw(
     contents = [controlled[usual], controlled[~usual]]
     contents = [content for content in contents if not content.empty] or [controlled]
     width = style.DOUBLE_COLUMN if len(contents) > 1 else style.SINGLE_COLUMN
-    drawing = style.new_figure(width, 3.0)
+    drawing = style.new_figure(width, 3.6)
     panels = style.grid_of(drawing, len(contents), len(contents), sharex=True, sharey=True)
     for axes, content in zip(panels, contents, strict=True):
         if not free.empty:
@@ -51,7 +51,8 @@ def draw(
             _draw(axes, rows, look, _label(rows.iloc[0]))
         axes.set_xscale("log")
         axes.set_xlabel("Return period [LT]")
-        axes.legend(loc="best", fontsize=6.5)
+        # below the axes: curves reach all corners
+        axes.legend(loc="upper left", bbox_to_anchor=(0.0, -0.18), fontsize=6.5)
     panels[0].set_ylabel(f"Return level of ${symbol}$")
     style.letter_panels(panels)
     return drawing
