@@ -13,6 +13,7 @@ from burstcast.event_forecaster.consistency import (
     hindcast_errors,
     rank_histogram,
     spread_and_error,
+    starts_from_half,
 )
 from burstcast.forecasters.persistence import Persistence
 from helpers_library import MadeUpForecaster
@@ -116,6 +117,25 @@ def test_lost_hindcasts_are_inconsistent_and_short_washouts_have_no_test(test_of
     np.testing.assert_array_equal(again.p_values(Rotation(), washouts), p_values)
     with pytest.raises(ValueError, match="none"):
         ConsistencyTest.restore({**test_of_circles.record(), "centre": [0.0]})
+
+
+class NeedsEight(Rotation):
+    """Takes eight observations to start, as filters and past values do."""
+
+    def start(self, washout):
+        if len(washout) < 8:
+            raise ValueError("too short")
+        return super().start(washout)
+
+
+@pytest.mark.parametrize(("steps", "has_one"), [(5, False), (12, False), (16, True)])
+def test_kinds_that_need_more_than_half_of_a_washout_have_no_test(steps, has_one):
+    series = with_noise(circles(8, 200))
+    washouts, rows = series[:, :steps], np.arange(8)
+    assert starts_from_half(NeedsEight(), washouts) is has_one
+    assert starts_from_half(Rotation(), washouts) is (steps > 5)
+    if not has_one:
+        assert ConsistencyTest.left_out(NeedsEight(), series, None, washouts, rows) is None
 
 
 def test_a_reliable_ensemble_has_a_level_histogram_and_a_spread_like_its_error():

@@ -77,11 +77,11 @@ class ConsistencyTest:
 
         ``washouts``, ``series``: Washouts in training series, ``(points, steps, dimension)``, and
         the row of the series of each, ``(points,)``. Other arguments as of
-        `burstcast.forecasts.probabilities.refitted_without`. None if washouts are too short, or
-        hindcasts too few.
+        `burstcast.forecasts.probabilities.refitted_without`. None if washouts are too short for
+        forecasts from their first halves, or hindcasts too few.
         """
         steps = washouts.shape[1]
-        if steps < LEAST_WASHOUT or len(training) < 2:
+        if len(training) < 2 or not starts_from_half(forecaster, washouts):
             return None
         errors: list[FloatArray] = []
         refits = refitted_without(forecaster, training, case, steps, series, left_out)
@@ -130,6 +130,21 @@ class ConsistencyTest:
         if shape != ((2,), (2, 2), 2):
             raise ValueError("the test of consistency is none")
         return cls(**arrays)
+
+
+def starts_from_half(forecaster: Forecaster, washouts: FloatArray) -> bool:
+    """Whether washouts ``(points, steps, dimension)`` are long enough for `hindcast_errors`.
+
+    Filters and past values may take more than the first half.
+    """
+    steps = washouts.shape[1]
+    if steps < LEAST_WASHOUT:
+        return False
+    try:
+        forecaster.start(np.ascontiguousarray(washouts[:1, : steps // 2].transpose(1, 2, 0)))
+    except ValueError:
+        return False
+    return True
 
 
 def hindcast_errors(forecaster: Forecaster, washouts: FloatArray) -> FloatArray:

@@ -1089,8 +1089,8 @@ class EventForecaster(Estimator):
         if self.consistency_ is None:
             raise ValueError(
                 "there is no test of consistency: it takes trajectories of a kind without "
-                f"parameters, a washout of {LEAST_WASHOUT} samples at least, and two training "
-                "series, with some 40 valid hindcasts"
+                f"parameters, a washout of {LEAST_WASHOUT} samples at least and of which the kind "
+                "needs no more than half, and two training series, with some 40 valid hindcasts"
             )
         return self.consistency_.p_values(self.members_[0], washouts)
 

@@ -4,7 +4,11 @@ import numpy as np
 
 from burstcast.base.files.netcdf import Variable, read_netcdf
 from burstcast.base.files.units import NUMBER
-from burstcast.event_forecaster.consistency import ConsistencyTest, hindcast_errors
+from burstcast.event_forecaster.consistency import (
+    ConsistencyTest,
+    hindcast_errors,
+    starts_from_half,
+)
 from burstcast_workflow.harness.job import JobSettings, at, job, tell, write_netcdf
 from burstcast_workflow.jobs.forecasters import Observing
 
@@ -33,9 +37,10 @@ def compare_washouts(
     observing, forecasting = settings.observing, settings.observing.forecasting
     model = forecasting.read_forecaster(forecaster)
     known = read_netcdf(calibration_set, "washout", "series")
-    if settings.calibration_series:
+    test: ConsistencyTest | None = None
+    if settings.calibration_series and starts_from_half(model, known["washout"]):
         test = ConsistencyTest.of(hindcast_errors(model, known["washout"]))
-    else:
+    elif not settings.calibration_series:
         training = observing.learnt_rows(model, ensemble)
         case = forecasting.forecasting_case(ensemble)
         test = ConsistencyTest.left_out(model, training, case, known["washout"], known["series"])
