@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
+from typing import Any
 from textwrap import TextWrapper
 
 import claims
@@ -90,6 +91,12 @@ def in_units(rows: pd.DataFrame, factor: float) -> pd.DataFrame:
     return rows.assign(**{name: factor * rows[name] for name in names})
 
 
+def range_text(row: Any) -> str:
+    """Least and largest value of a row with two digits; one if they are equal."""
+    least, largest = f"{row['min']:.2f}", f"{row['max']:.2f}"
+    return least if least == largest else f"{least} to {largest}"
+
+
 def readout_of(tables: Tables, score: comparisons.Score, forecaster: str) -> dict[float, float]:
     """Means over training sets of the networks of one readout, by size."""
     rows = comparisons.over_sets(tables, score)
@@ -130,6 +137,7 @@ def pages() -> dict[Path, str]:
         "trio": trio,
         "in_units": in_units,
         "readout_of": readout_of,
+        "range_text": range_text,
         "compared": compared(),
         "authors_share": authors_share(),
         "verdicts_of": claims.verdicts_of,
