@@ -9,8 +9,8 @@ import re
 from collections.abc import Callable
 from functools import cache, partial
 from pathlib import Path
-from typing import Any
 from textwrap import TextWrapper
+from typing import Any
 
 import claims
 import comparisons

@@ -127,14 +127,18 @@ def test_intervals_are_over_training_sets(authors):
 @pytest.mark.parametrize(
     ("draw", "name", "campaigns"),
     [
-        (drawings.draw_readouts, "readout", ["readout"]),
-        (drawings.draw_late_actuator, "late_actuator", ["aware"]),
-        (drawings.draw_published_scores, "published_scores", ["paper"]),
-        (drawings.draw_forecasters, "forecasters", ["paper", "readout", "beyond_the_paper"]),
+        (drawings.draw_readouts, "readout", [("readout", "readout_2000")]),
+        (drawings.draw_late_actuator, "late_actuator", [("aware",)]),
+        (drawings.draw_published_scores, "published_scores", [("paper",)]),
+        (
+            drawings.draw_forecasters,
+            "forecasters",
+            [("paper",), ("readout",), ("beyond_the_paper",)],
+        ),
     ],
 )
 def test_figures_are_those_of_the_kept_tables(draw, name, campaigns):
-    figure = draw(*(Tables(KEPT / campaign) for campaign in campaigns))
+    figure = draw(*(Tables(*(KEPT / part for part in campaign)) for campaign in campaigns))
     assert_same_picture(render(figure, "png"), KEPT.parent / "images" / f"{name}.png")
 
 
