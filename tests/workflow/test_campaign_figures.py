@@ -335,7 +335,7 @@ def test_the_paper_has_all_figures_tables_and_those_of_other_cases():
     assert "classification_scores_Re400" not in names  # the example's case has the plain name
     declared = {layout for table in TABLES.values() for layout in table.latex}
     assert set(latex_names(PAPER)) == declared - {"control_choices"}
-    others = {"training_realisations", "control_choices", "ranking", "return_times"}
+    others = {"training_realisations", "control_choices", "ranking", "return_times", "consistency"}
     assert set(TABLES) - set(table_names(PAPER)) == others
 
 

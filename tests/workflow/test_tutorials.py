@@ -148,8 +148,12 @@ NUMBER = re.compile(r"-?\d+\.\d+")
 
 
 def of(name):
-    """Commands that are about one record."""
-    return [command for command in OF_RECORDS if name in command]
+    """The campaign of one record, and what shows its scores."""
+    return [
+        command
+        for command in OF_RECORDS
+        if name in command and re.search("snakemake|scores.py", command)
+    ]
 
 
 def shell(command, records):
