@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from helpers_rebuilds import mounted
 
-from burstcast_workflow.tracking import cache, environment
+from burstcast_workflow.tracking import cache, environment, run
 from burstcast_workflow.tracking.cache import Entry, seconds_of_rules, tidy
 from burstcast_workflow.tracking.results import digest
 
@@ -57,6 +57,19 @@ def test_a_job_takes_outputs_log_and_seconds_of_one_with_the_same_key(tmp_path):
     assert made.restore() == (2.0, "a warning")
     assert taken(tmp_path / "two", key={"x": 1, "y": [2]}) == "12"
     assert taken(tmp_path / "three", key={"x": 1, "y": [3]}) is None
+
+
+def test_a_job_that_a_newer_run_has_overtaken_takes_nothing(tmp_path, monkeypatch):
+    computed(tmp_path / "one")
+    results = tmp_path / "two"
+    results.mkdir()
+    (results / run.CLAIM).write_text('{"token": "newer"}')
+    monkeypatch.setenv(run.VARIABLE, f"older {results}")
+    with pytest.raises(run.OvertakenError, match="belongs to a newer run"):
+        taken(results)
+    assert [path.name for path in results.iterdir()] == [run.CLAIM]
+    monkeypatch.setenv(run.VARIABLE, f"newer {results}")
+    assert taken(results) == "12"
 
 
 def test_results_are_links_which_cost_nothing_and_share_no_time(tmp_path, place):

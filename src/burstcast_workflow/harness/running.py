@@ -35,7 +35,7 @@ from burstcast_workflow.tracking.results import (
     parameters_hash,
     place_in,
 )
-from burstcast_workflow.tracking.run import plan
+from burstcast_workflow.tracking.run import check_ownership, plan
 
 logger = logging.getLogger(__name__)
 _terminal = logger.getChild("told")
@@ -108,6 +108,7 @@ def _run(snakemake: Any, call: Call, label: str) -> None:
     )
     for path in snakemake.output:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
+        check_ownership()  # a job that was held up takes away no note of a newer run's results
         remove_partial(path)
         forget(path)
     making = _making(snakemake, planned["results"])
@@ -174,6 +175,7 @@ def _dated(snakemake: Any) -> list[str]:
 
 def _note(snakemake: Any, making: Making, results: str, digests: list[str]) -> None:
     """Note beside the outputs what they are."""
+    check_ownership()
     for path, content in zip(snakemake.output, digests, strict=True):
         note(path, content, place_in(results, path), making)
 

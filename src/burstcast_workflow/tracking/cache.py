@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 
 from burstcast.base.files.atomic_files import PARTIAL_SUFFIX
 from burstcast_workflow.tracking.results import digest
+from burstcast_workflow.tracking.run import check_ownership
 
 logger = logging.getLogger(__name__)
 
@@ -132,6 +133,7 @@ class Entry:
                 _take(self._place / str(number), partial)
                 if digest(partial) != content:
                     raise ValueError(f"file {number} is not what was stored")
+            check_ownership()
             for path, partial in zip(self._outputs, partials, strict=True):
                 os.replace(partial, path)
         except _DAMAGE as error:
