@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from comparisons import HORIZON, f_score, hierarchical
+from experiments import MIDDLE, WHICH_FLOWS
 from kept_tables import PUBLISHED as PUBLISHED_PERCENTILES
 from kept_tables import Tables, published_rows
 from matplotlib.figure import Figure
@@ -221,12 +222,6 @@ def draw_spread_and_error(tables: Tables) -> Figure:
     return figure
 
 
-WHICH_FLOWS = {
-    "shear_flow": "shear flow",
-    "lorenz96": "Lorenz 96",
-    "kuramoto_sivashinsky": "Kuramoto–Sivashinsky",
-    "kolmogorov": "Kolmogorov flow",
-}
 WHICH_KINDS = {
     "quadratic_filtered": ("learnt equations", style.PURPLE, "s"),
     "esn_filtered": ("filtered network", style.GREEN, "D"),
@@ -244,8 +239,6 @@ _CONDITIONS = {
     "half\nseen": {"noise": 0.01, "observed": "half"},
     "few\nseen": {"noise": 0.01, "observed": "few"},
 }
-_MIDDLE = 40
-"""Events in the training series while noise and observed components vary."""
 
 
 def leader(tables: Tables, **where: Any) -> Any:
@@ -306,7 +299,7 @@ def _draw_best(axes: Any, tables: Tables, flow: str) -> None:
     """Draw a field for each condition, in the colour of its best kind, with its score and lead."""
     for column, where in enumerate(_CONDITIONS.values()):
         for row, time in enumerate((3.0, 1.0)):
-            at = {"flow": flow, "prediction_time_lt": time, "events": _MIDDLE, **where}
+            at = {"flow": flow, "prediction_time_lt": time, "events": MIDDLE, **where}
             found = leader(tables, **at)
             if found is None:
                 axes.text(column, row, "–", ha="center", va="center", color=style.GREY)

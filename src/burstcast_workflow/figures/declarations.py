@@ -10,7 +10,7 @@ import json
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -42,18 +42,8 @@ class Declaration:
     @classmethod
     def of(cls, figure: "Drawn", caption: str) -> "Declaration":
         """What a figure declares."""
-        return cls(
-            section=figure.section,
-            position=figure.position,
-            cases=figure.cases,
-            only_flows=figure.only_flows,
-            needs_networks=figure.needs_networks,
-            files=figure.files,
-            paths=figure.paths,
-            published=figure.published,
-            always_published=figure.always_published,
-            caption=caption,
-        )
+        names = [field.name for field in fields(cls) if field.name != "caption"]
+        return cls(**{name: getattr(figure, name) for name in names}, caption=caption)
 
 
 class Memory(NamedTuple):
