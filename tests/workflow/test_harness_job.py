@@ -240,6 +240,37 @@ def test_what_a_killed_job_leaves_is_removed_and_not_taken_for_a_damaged_result(
     assert Notes.of(tmp_path).damaged() == []
 
 
+@pytest.mark.parametrize("held_up", ["environment", "_dated"])
+def test_a_job_that_is_overtaken_leaves_a_newer_run_its_result(tmp_path, held_up):
+    # held up before its outputs are cleared, or after they were made: meanwhile, a newer run begins
+    # and makes the same output
+    newer = f"""
+    import burstcast_workflow.harness.running as running
+    from burstcast_workflow.tracking.results import Making, digest, note
+
+    held_up = running.{held_up}
+
+    def overtaken(*arguments):
+        former, result = os.environ["BURSTCAST_RUN"], Path("deep/er/network.json")
+        begin("deep", {{}}, sources.whole(), [], "abc")
+        result.parent.mkdir(exist_ok=True)
+        result.write_text('"of the newer run"')
+        note(result, digest(result), "er/network.json", Making("newer", {{}}))
+        os.environ["BURSTCAST_RUN"] = former
+        return held_up(*arguments)
+
+    running.{held_up} = overtaken
+    {MAIN}        write_json(network, "of the older run")
+    """
+    result, _ = run(tmp_path, newer)
+    assert result.returncode == 1
+    assert "deep belongs to a newer run" in result.stderr
+    made = tmp_path / "deep" / "er" / "network.json"
+    assert json.loads(made.read_text()) == "of the newer run"
+    assert noted(made).making.parameters == "newer"
+    assert checked(made)
+
+
 def test_a_damaged_input_stops_the_job(tmp_path):
     damage = """
 from burstcast_workflow.tracking.results import Making, note
