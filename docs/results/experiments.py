@@ -151,13 +151,13 @@ def control_scores(tables: Tables) -> Part:
     for row in tables.rows("smoothing_control").to_dict("records"):
         size = row["neurons"] if pd.notna(row["neurons"]) else None
         label = smoothing_name({"kind": row["kind"], "neurons": size})
-        label += f": {VARIANTS[row['variant']]}"
+        label += f": {(VARIANTS | {'told': 'filter, told of the actuation'})[row['variant']]}"
         left, low, high, duty = (100 * row[name] for name in ("remaining", "low", "high", "duty"))
         # where no flow exceeds the threshold, a bootstrap has no upper end
         text = f"{left:.2g} ({low:.2g} to {high:.2g})" if left else "0"
         cells.append((label, "remaining exceedance [%]", text))
         cells.append((label, "duty cycle [%]", f"{duty:.2g}"))
-        if row["kind"] != "equations":
+        if (row["kind"], row["variant"]) != ("equations", "filter"):
             names = ("difference", "difference_low", "difference_high")
             apart, low, high = (100 * row[name] for name in names)
             text = f"{apart:+.2g} ({low:+.2g} to {high:+.2g})"
