@@ -2,7 +2,7 @@
 
     python benchmarks/smoothing_reach.py > benchmarks/smoothing_reach.csv
 
-The first set of training series and the first reservoir of smoothing.py, 1000 neurons with squares.
+Sets of training series and reservoirs of smoothing.py, 1000 neurons with squares.
 `horizon_lt`: mean prediction horizon of extreme events, PH_ee, of the first events of the test
 series, with its 95 % interval over resampled events. F-scores and Brier skill as in smoothing.py.
 """
@@ -42,6 +42,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--reynolds", nargs="*", type=int, default=[400, 1000])
     parser.add_argument("--neurons", type=int, default=1000)
+    parser.add_argument("--sets", nargs="*", type=int, default=[*range(SETS)])
     parser.add_argument("--series", type=int, default=130, help="that are integrated")
     parser.add_argument("--tests", type=int, default=60, help="test series")
     parser.add_argument("--events", type=int, default=100, help="of the horizons at Re = 400")
@@ -50,7 +51,7 @@ def main():
     names += [f"brier_{number}" for number in TIMES]
     table = csv.writer(sys.stdout, lineterminator="\n")
     columns = ["horizon_lt", "horizon_low", "horizon_high"]
-    table.writerow(["reynolds", "neurons", "variant", *columns, *names])
+    table.writerow(["reynolds", "neurons", "set", "variant", *columns, *names])
     for reynolds in arguments.reynolds:
         system = MoehlisFaisstEckhardt(float(reynolds))
         unit = round(1 / LYAPUNOV_EXPONENTS[reynolds])
@@ -60,11 +61,16 @@ def main():
         seen = system.observable(observed[first:].transpose(2, 0, 1))
         washout = WASHOUT if reynolds == 400 else unit // 2
         starts = Starts(energy[first:], seen, unit, THRESHOLD, washout)
-        training = observed[:IN_SET]
         intervals = 30 if reynolds == 400 else None
         flow = (system.observable, unit, washout, intervals)
-        made = networks(training, arguments.neurons, 0, *flow)
-        for variant, model in made:
+        made = (
+            (number, *one)
+            for number in arguments.sets
+            for one in networks(
+                observed[number * IN_SET : (number + 1) * IN_SET], arguments.neurons, number, *flow
+            )
+        )
+        for number, variant, model in made:
             cells = [""] * (len(columns) + len(names))
             if reynolds == 400:
                 values = horizons(
@@ -85,7 +91,7 @@ def main():
                 forecasts = window_forecasts(model, system.observable, washouts, starts.boundaries)
                 scores = starts.scores(forecasts)
                 cells[3:] = [f"{scores[name]:.4f}" for name in names]
-            table.writerow([reynolds, arguments.neurons, variant, *cells])
+            table.writerow([reynolds, arguments.neurons, number, variant, *cells])
             sys.stdout.flush()
 
 

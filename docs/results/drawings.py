@@ -226,6 +226,7 @@ WHICH_KINDS = {
     "quadratic_filtered": ("learnt equations", style.PURPLE, "s"),
     "esn_filtered": ("filtered network", style.GREEN, "D"),
     "esn": ("network", style.BLUE, "o"),
+    "esn_1000": ("larger network", "#0B2D4D", "h"),
     "nvar": ("NVAR", "#56B4E9", "^"),
     "analogues": ("analogues", style.GREY, "v"),
     "precursor": ("trees", style.ORANGE, "P"),

@@ -276,6 +276,7 @@ WHICH_NAMES = {
     "quadratic_filtered": "learnt equations, filtered",
     "quadratic": "learnt equations, noisy state",
     "esn": "network, 300 neurons",
+    "esn_1000": "network, 1000 neurons",
     "esn_filtered": "filtered network, 300 neurons",
     "nvar": "NVAR",
     "analogues": "nearest analogues",

@@ -225,6 +225,21 @@ def test_scores_are_those_of_alarms_counted_one_by_one(fitted, tested):
     assert fitted.score(tested) == pytest.approx(2 * hits / (alarms + events))
 
 
+def test_test_series_without_an_event_are_named(fitted, tested):
+    unit = int(LYAPUNOV_TIME / 0.02)
+    pieces = tested[:, : 3 * unit]
+    time = next(iter(fitted.alarms_))
+    quiet = [n for n in range(len(pieces)) if not fitted.outcomes(pieces[n : n + 1], time)[0].any()]
+    with pytest.warns(
+        UserWarning, match=r"no event follows any of the \d+ starting points"
+    ) as told:
+        scores = fitted.scores(pieces[quiet], time)
+    assert f"{scores['forecasts']} starting" in str(told[0].message)
+    assert "event_threshold (12)" in str(told[0].message)
+    assert scores["events"] == 0
+    assert np.isnan([scores["alarm_recall"], scores["brier_skill"]]).all()
+
+
 @pytest.mark.parametrize(("kind", "sees_truth"), [("quadratic", False), ("equations", True)])
 def test_noise_is_added_to_what_is_observed(kind, sees_truth, training, tested):
     changes = {"observable": Lorenz63(), "event_threshold": {"quantile": 0.9}, "calibrate": False}

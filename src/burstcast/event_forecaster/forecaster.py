@@ -665,9 +665,19 @@ class EventForecaster(Estimator):
         self._check_fitted()
         verified = self._verified(series)
         self._warn_of_odd(verified[1].washouts)
-        if prediction_time is None and len(self.alarms_) > 1:
-            return {time: self._scores(verified, time, interval) for time in self.alarms_}
-        return self._scores(verified, self._time(prediction_time), interval)
+        several = prediction_time is None and len(self.alarms_) > 1
+        times = [*self.alarms_] if several else [self._time(prediction_time)]
+        for time in times:
+            outcomes = verified[0].happened(verified[1], time)[verified[0].quiet(verified[1])]
+            if not outcomes.any():
+                warnings.warn(
+                    f"no event follows any of the {len(outcomes)} starting points in these series, "
+                    f"{time:g} ahead: recall, F-score and skill are NaN; longer series, or another "
+                    f"event_threshold ({self.event_threshold_:g})",
+                    stacklevel=2,
+                )
+        scores = {time: self._scores(verified, time, interval) for time in times}
+        return scores if several else scores[times[0]]
 
     def _scores(self, verified: Verified, time: float, interval: bool) -> dict[str, Any]:
         """Scores at one prediction time."""
