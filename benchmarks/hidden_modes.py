@@ -46,14 +46,15 @@ KINDS = {
     "equations": FilteredEquations,
 }
 ROWS = [
-    *((kind, "a8, a9", number) for number in range(SETS) for kind in ("conserved", "none")),
-    *((kind, "a6, a7", 0) for kind in ("conserved", "none")),
-    ("equations", "none", 0),
-    *(("free", "a8, a9", number) for number in range(SETS)),
-    ("equations", "a8, a9", 0),
-    ("equations", "a6, a7", 0),
+    *((kind, "a8, a9", number, 10) for number in range(SETS) for kind in ("conserved", "none")),
+    *((kind, "a6, a7", 0, 10) for kind in ("conserved", "none")),
+    ("equations", "none", 0, 10),
+    *(("free", "a8, a9", number, 10) for number in range(SETS)),
+    ("equations", "a8, a9", 0, 10),
+    ("equations", "a6, a7", 0, 10),
+    *(("conserved", hidden, 0, count) for hidden in HIDDEN for count in (20, 40)),
 ]
-"""Kind, hidden amplitudes, and set of training series."""
+"""Kind, hidden amplitudes, set of training series and their number."""
 
 
 def maps(states, seen):
@@ -77,18 +78,21 @@ def main():
     """Print the table as CSV."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rows", nargs="*", type=int, default=[*range(len(ROWS))])
-    parser.add_argument("--series", type=int, default=130, help="that are integrated")
+    parser.add_argument("--series", type=int, default=170, help="that are integrated")
     parser.add_argument("--tests", type=int, default=60, help="test series")
     arguments = parser.parse_args()
-    states = true_series(arguments.series)[: SETS * IN_SET + arguments.tests]
-    energy, first = SYSTEM.observable(states.transpose(2, 0, 1)), SETS * IN_SET
+    first = SETS * IN_SET
+    tests = slice(first, first + arguments.tests)
+    states = true_series(arguments.series)
+    spare = [*range(first), *range(tests.stop, len(states))]  # of all that does not test
+    energy = SYSTEM.observable(states.transpose(2, 0, 1))
     names = [*(f"f_{number}" for number in TIMES), "f_3_low", "f_3_high"]
     names += [f"brier_{number}" for number in TIMES]
     table = csv.writer(sys.stdout, lineterminator="\n")
     table.writerow(
-        ["kind", "hidden", "set", *names, "round", "explained", "seconds", "forecast_ms"]
+        ["kind", "hidden", "set", "series", *names, "round", "explained", "seconds", "forecast_ms"]
     )
-    for kind, hidden, number in (ROWS[row] for row in arguments.rows):
+    for kind, hidden, number, count in (ROWS[row] for row in arguments.rows):
         unseen = list(HIDDEN.get(hidden, ()))
         seen = [component for component in range(9) if component not in unseen]
         whole = hidden == "none"
@@ -101,12 +105,14 @@ def main():
             seen_energy = observed[..., -1]
             if kind == "equations":
                 case = replace(case, source=SYSTEM, maps=maps(states[:first], seen))
-        starts = Starts(energy[first:], seen_energy[first:])
+        starts = Starts(energy[tests], seen_energy[tests])
         began = time.process_time()
-        training = slice(number * IN_SET, (number + 1) * IN_SET)
+        training = spare[number * IN_SET :][:count]
+        if len(training) < count:
+            raise ValueError(f"{len(training)} series are left for training: raise --series")
         model = KINDS[kind]().fit(observed[training], case)
         fitted = time.process_time()
-        washouts = starts.washouts(observed[first:], WASHOUT)
+        washouts = starts.washouts(observed[tests], WASHOUT)
         forecasts = window_forecasts(model, case.system.observable, washouts, BOUNDARIES)
         forecast = time.process_time()
         scores, best, shares = starts.scores(forecasts), "", ""
@@ -114,11 +120,12 @@ def main():
             best = int(np.argmin(model.round_errors))
         if not whole and kind != "none":
             points = starts.points
-            truth = states[first:][points.series, points.step][:, unseen].T
+            truth = states[tests][points.series, points.step][:, unseen].T
             shares = " ".join(f"{share:.4f}" for share in explained(model, washouts, truth))
         table.writerow(
             [
-                *(kind, hidden, number, *(f"{scores[name]:.4f}" for name in names), best, shares),
+                *(kind, hidden, number, count),
+                *(*(f"{scores[name]:.4f}" for name in names), best, shares),
                 *(f"{fitted - began:.0f}", f"{1e3 * (forecast - fitted) / len(washouts):.2f}"),
             ]
         )

@@ -184,12 +184,14 @@ def consistency_scores(tables: Tables) -> Part:
 def hidden_scores(tables: Tables) -> Part:
     """F-scores of equations where two modes are hidden."""
     cells: Part = []
-    for kind in kinds_of(tables, "hidden_modes", ["kind", "hidden"]):
+    for kind in kinds_of(tables, "hidden_modes", ["kind", "hidden", "series"]):
         label = HIDDEN_KINDS[kind["kind"]]
         if kind["hidden"] in ("none", None):
             label += ", all nine modes seen"
         else:
             label += f"; {kind['hidden'].replace('a', 'a_')} hidden"
+        if kind["series"] != 10:
+            label += f", {kind['series']:g} training series"
         sets = len(tables.rows("hidden_modes", **kind))
         cells.append((label, "sets", f"{sets}"))
         for head, metric in {**F_SCORES, "Brier skill, 3 LT": "brier_3"}.items():
@@ -258,7 +260,7 @@ def draw_hidden_modes(tables: Tables) -> Figure:
     axes = figure.subplots()
     rows = {}
     for kind, name in HIDDEN_KINDS.items():
-        found = tables.rows("hidden_modes", kind=kind, hidden="a8, a9")
+        found = tables.rows("hidden_modes", kind=kind, hidden="a8, a9", series=10)
         if kind == "equations":
             name, found = f"{name}, all nine modes seen", tables.rows("smoothing", kind=kind)
         if len(found):
