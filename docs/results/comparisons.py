@@ -134,7 +134,7 @@ def networks_of(tables: Tables) -> list[dict[str, Any]]:
     return [{str(key): value for key, value in row.items()} for row in networks.to_dict("records")]
 
 
-def _margin(of_sets: Any, of_test: Any, sets: Any) -> Any:
+def half_interval(of_sets: Any, of_test: Any, sets: Any) -> Any:
     """Half of an interval from the variances over training sets and over test series.
 
     Degrees of freedom of the sum of both are Welch and Satterthwaite's.
@@ -165,7 +165,7 @@ def inside_counts(authors: Tables, paper: Tables, neurons: int | None = None) ->
             if np.isnan([published, median, *values]).any():
                 continue
             of_sets, of_test = values.var(ddof=1) * (1 + 1 / len(values)), 2 * error**2
-            wide = _margin(of_sets, of_test, len(values))
+            wide = half_interval(of_sets, of_test, len(values))
             narrow = {"narrow": 1.96 * error}
             narrow["narrow_authors"] = 1.96 * score.error(authors, **network)
             counts["values"] += 1
@@ -373,7 +373,7 @@ def hierarchical(tables: Tables, score: Score, **where: Any) -> pd.DataFrame:
     means = over_sets(tables, score, **where)
     kinds = means[["forecaster", "neurons"]].to_dict("records")
     of_test = np.square([score.error(tables, **{str(k): v for k, v in of.items()}) for of in kinds])
-    half = _margin(means["std"] ** 2 / means["count"], of_test, means["count"])
+    half = half_interval(means["std"] ** 2 / means["count"], of_test, means["count"])
     return means.assign(low=means["mean"] - half, high=means["mean"] + half)
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from comparisons import Mean, _margin, mean_of, paired
+from comparisons import Mean, half_interval, mean_of, paired
 from kept_tables import Part, Tables
 from matplotlib.figure import Figure
 
@@ -56,7 +56,7 @@ def over_sets_and_series(tables: Tables, table: str, **where: Any) -> str:
     count = len(rows)
     of_sets = rows["f_3"].var(ddof=1) / count
     # the true equations are the same for all sets
-    half = _margin(of_sets, of_test, count) if of_sets > 0 else 1.96 * np.sqrt(of_test)
+    half = half_interval(of_sets, of_test, count) if of_sets > 0 else 1.96 * np.sqrt(of_test)
     low, high = np.clip(rows["f_3"].mean() + np.array([-half, half]), 0.0, 1.0)
     return f"{low:.3f}–{high:.3f}"
 
