@@ -13,17 +13,11 @@ from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 from ring_models import INFLATION, LearntRing, RingAutoregression, RingNetwork
 
-from burstcast.base.arrays import FloatArray
-from burstcast.base.poisson import poisson_interval, rate_bound
-from burstcast.control.actuation import actuated_system
-from burstcast.control.arenas import Lorenz96Arena, run_shear_flow
+from burstcast.control.arenas import ArenaScore, Lorenz96Arena, ShearFlowArena
 from burstcast.control.controller import Controller, ControlTask
-from burstcast.control.experiment import ControlExperiment
-from burstcast.control.long_run import LongRunCounts
 from burstcast.control.rules import (
     ClassifierTriggered,
     ForecastTriggered,
@@ -33,10 +27,7 @@ from burstcast.control.rules import (
     WhileRising,
     fitted_model,
 )
-from burstcast.control.timing import Schedule
 from burstcast.forecasters.base import Forecaster
-from burstcast.systems.integration import integrate
-from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
 ARENAS = {
     "shear_flow": "shear flow",
@@ -67,13 +58,6 @@ def row(*values: object) -> None:
     print(",".join(texts), flush=True)
 
 
-def rates(events: int, observed: float) -> tuple[float, float, float]:
-    """Rate of events with its interval; the bound where none was observed."""
-    if not events:
-        return 0.0, 0.0, rate_bound(observed, 0.95)
-    return events / observed, *poisson_interval(events, observed, 0.95)
-
-
 def lorenz96() -> None:
     """A hundred years of each, and 400 of the free flow."""
     row("lorenz96", *_lorenz96(NoAction(), "no control", "", Lorenz96Arena(years=6.25)))
@@ -99,21 +83,20 @@ def lorenz96_maps() -> None:
 def _lorenz96(
     controller: Controller, name: str, model: str, arena: Lorenz96Arena
 ) -> tuple[object, ...]:
-    started, decisions = time.perf_counter(), 0
+    started = time.perf_counter()
 
     def watch(number: int) -> None:
-        nonlocal started, decisions
+        nonlocal started
         if number == 0:  # learning is no decision
             started = time.perf_counter()
-        decisions = number
 
-    counts = arena.run(controller, watch)
-    seconds = (time.perf_counter() - started) / max(decisions * arena.flows, 1)
-    years = arena.flows * counts.years
-    events = int(counts.events.sum())
-    acting = float(counts.interventions.sum() / (years * arena.steps_per_year))
-    effort = float(counts.effort.sum() / years)
-    return (name, model, years, "years", events, *rates(events, years), effort, acting, seconds)
+    score = arena.score(controller, watch)
+    seconds = (time.perf_counter() - started) / score.decisions
+    return (name, model, *_cells(score), seconds)
+
+
+def _cells(score: ArenaScore) -> tuple[object, ...]:
+    return score.time, score.unit, score.events, *score.rate, score.effort, score.acting
 
 
 LATE = 1.0
@@ -125,7 +108,7 @@ LYAPUNOV_TIME = 61.0
 
 def shear_flow() -> None:
     """Forecasts and no control, a hundred thousand Lyapunov times of each, at Re = 400."""
-    given = _shear_flow(200, 500.0)
+    given = ShearFlowArena(span_lt=500.0)
     _shear_flow_row("shear_flow", NoAction(), "no control", "", given)
     for model, title in (("equations_noisy", "true equations"), ("quadratic", "learnt equations")):
         controller = ForecastTriggered(3 * LYAPUNOV_TIME, model)
@@ -139,10 +122,10 @@ def shear_flow_chosen() -> None:
     `MOST_ACTING` of the time.
     """
     for arena, delay_lt, span_lt in (("shear_flow", 0.0, 250.0), ("shear_flow_late", LATE, 100.0)):
-        others = _shear_flow(40, 100.0, delay_lt, random_seed=7)
-        given = _shear_flow(200, span_lt, delay_lt)
+        others = ShearFlowArena(80, 100.0, delay_lt, random_seed=7)
+        given = ShearFlowArena(240, span_lt, delay_lt)
         for kind, (model, candidates) in _candidates(late=delay_lt > 0).items():
-            tried = [(name, each, _counts(each, others)) for name, each in candidates.items()]
+            tried = [(name, each, others.run(each)) for name, each in candidates.items()]
             allowed = [
                 (counts.events.sum() / counts.steps.sum(), name, controller)
                 for name, controller, counts in tried
@@ -189,71 +172,13 @@ def _candidates(*, late: bool) -> dict[str, tuple[str, dict[str, Controller]]]:
     return kinds
 
 
-ShearFlow = tuple[ControlExperiment, FloatArray, FloatArray]
-"""Flows, training series, noise."""
-
-
-def _counts(controller: Controller, given: ShearFlow) -> LongRunCounts:
-    return run_shear_flow(
-        controller, *given, decision_interval_lt=0.25, laminarisation_threshold=0.48
-    )
-
-
 def _shear_flow_row(
-    arena: str, controller: Controller, name: str, model: str, given: ShearFlow
+    name: str, controller: Controller, title: str, model: str, arena: ShearFlowArena
 ) -> None:
     started = time.perf_counter()
-    counts = _counts(controller, given)
-    seconds = (time.perf_counter() - started) / int(counts.decisions.sum())
-    observed = float(counts.steps.sum() / given[0].schedule.steps_per_lyapunov_time)
-    events = int(counts.events.sum())
-    acting = float(counts.actuated_steps.sum() / counts.steps.sum())
-    values = (name, model, observed, "LT", events, *rates(events, observed))
-    row(arena, *values, acting, acting, seconds)
-
-
-def _shear_flow(
-    flows: int, span_lt: float, delay_lt: float = 0.0, random_seed: int = 2022
-) -> ShearFlow:
-    """Flows from a seed; training series and noise are always the same."""
-    learnt = _turbulent(50, 2022)[:10]
-    free = _turbulent(flows + 40, random_seed)[10:]
-    generator = np.random.default_rng([2022, 1])
-    noise = 0.01 * learnt.std(axis=(0, 1))
-    schedule = Schedule(
-        washout=30,
-        quiet_lt=20.0,
-        span_lt=span_lt,
-        delay_lt=delay_lt,
-        actuation_start_lt=-1.0,
-        actuation_duration_lt=1.5,
-        steps_per_lyapunov_time=61,
-        sampling_stride=4,
-        time_step=0.25,
-    )
-    system = MoehlisFaisstEckhardt(reynolds=400.0)
-    experiment = ControlExperiment(
-        system=system,
-        actuated_system=actuated_system(system, {"reynolds": 2000.0}),
-        threshold=0.1,
-        series=range(10, 10 + len(free)),
-        washouts=np.ascontiguousarray(free[:, -30:]),
-        quiet_starts=False,
-        schedule=schedule,
-        root_seed=random_seed,
-        case="Re400",
-    )
-    return experiment, learnt + noise * generator.standard_normal(learnt.shape), noise
-
-
-def _turbulent(flows: int, random_seed: int) -> FloatArray:
-    """Series of the free flow, without those that laminarise, ``(series, time, components)``."""
-    system, generator = MoehlisFaisstEckhardt(reynolds=400.0), np.random.default_rng(random_seed)
-    start = np.zeros((9, flows))
-    start[[0, 2, 3]] = [[1.0], [0.07066], [-0.07076]]
-    start[3] += 0.01 * generator.random(flows)
-    states = integrate(system, start, 0.25, 4 * 4200, stride=4)[200:].transpose(2, 0, 1)
-    return states[system.observable(np.moveaxis(states, -1, 0)).max(axis=1) < 0.48]
+    score = arena.score(controller)
+    seconds = (time.perf_counter() - started) / score.decisions
+    row(name, title, model, *_cells(score), seconds)
 
 
 def table() -> str:

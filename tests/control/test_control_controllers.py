@@ -6,10 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from helpers_control import PAPER, experiment
+from scipy import stats
 
 from burstcast.base.discovery import UnsoundError
 from burstcast.control import rules
-from burstcast.control.arenas import Lorenz96Arena, checked_action, run_shear_flow
+from burstcast.control.arenas import (
+    Lorenz96Arena,
+    ShearFlowArena,
+    checked_action,
+    run_shear_flow,
+)
 from burstcast.control.check import _shear_flow, check_controller
 from burstcast.control.controller import Controller, make_controller
 from burstcast.control.long_run import run_long
@@ -52,7 +58,15 @@ class Bad(Controller):
         if self.rule == "several":
             action[:] = self.task.limit
         if self.rule == "remembers":
-            action[0, 0] = self.task.limit * (self.calls % 5 == 0)
+            action[0, 0] = self.task.limit * (self.calls % 7 == 0)
+        if self.rule == "pushes":
+            action[0, 0] = self.task.limit / 2
+        if self.rule == "fails to count":
+            action[0, 3] = np.nan
+        if self.rule == "draws":
+            action[0, 0] = self.task.limit * (np.random.default_rng().random() < 0.5)
+        if self.rule == "calibrates":
+            self.task.training[:] -= self.task.training.mean()
         return action[0] if self.rule == "shape" else action
 
 
@@ -60,7 +74,10 @@ class Bad(Controller):
     ("rule", "message"),
     [
         ("changes", "observe changes the observations"),
-        ("fails", "KeyError"),
+        ("fails", r"KeyError: 'weights' \(test_control_controllers.py, line \d+\)"),
+        ("fails to count", "act returns no number for the flow 3"),
+        ("draws", "a second run acts otherwise: begin .* or seeds no generator"),
+        ("calibrates", "read-only"),
         ("strong", "beyond the limit of"),
         ("shape", r"act returns the shape \(5,\), not \(actuators, flows\) \(1, 5\)"),
         ("remembers", "a second run acts otherwise"),
@@ -81,6 +98,28 @@ def test_only_as_many_actuators_act_as_may():
         checked_action(action, task, 6)
     # of the shear flow's one actuator no second one can act: the rule is that of the other arena
     assert "does not fit: act uses more than 1" in check_controller(Bad("several"))
+    # nor may a switch be half on, as a push may
+    assert "does not fit: act returns values between: act" in check_controller(Bad("pushes"))
+
+
+def test_arenas_score_controllers_in_words_and_numbers():
+    """As their counts have it."""
+    arena = ShearFlowArena(initial_states=30, span_lt=60.0)
+    score, counts = arena.score(WhileHigh(level=0.08)), arena.run(WhileHigh(level=0.08))
+    time = counts.steps.sum() / 61
+    low, high = stats.gamma.ppf([0.025, 0.975], score.events + np.array([0, 1])) / time
+    assert score.events == counts.events.sum() > 0
+    assert score.rate == pytest.approx((score.events / time, low, high))
+    assert score.acting == counts.actuated_steps.sum() / counts.steps.sum()
+    assert re.match(
+        rf"{score.events} events in \d+ LT: one in [\d.]+ \([\d.]+ to [\d.]+\) LT", str(score)
+    )
+    pushed = SMALL.score(LocalInterventions())
+    assert (pushed.time, pushed.decisions) == (pytest.approx(6 * 0.05), 6 * (15 + 73))
+    assert pushed.rate == (0, 0, pytest.approx(-np.log(0.05) / 0.3))
+    with pytest.raises(ValueError, match="no flow is left of 12 initial_states"):
+        ShearFlowArena(initial_states=12).run(NoAction())
+    assert "0 events in 0.3 years: fewer than one in 0.1 years" in str(pushed)
 
 
 def test_a_report_says_for_which_arena_a_controller_is():
@@ -228,11 +267,25 @@ def test_a_better_intervention_is_found_among_all():
     assert peaks[best] < peaks[0]
 
 
-def test_the_controller_of_the_page_keeps_to_the_interface(tmp_path, monkeypatch):
+def test_the_controller_of_the_page_keeps_to_the_interface_and_runs(tmp_path, monkeypatch, capsys):
     page = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
-    code = page.split("```python\n")[1].split("```")[0]
-    (tmp_path / "controller_of_the_page.py").write_text(code, encoding="utf-8")
+    code, running = (block.split("```")[0] for block in page.split("```python\n")[1:])
+    (tmp_path / "my_controllers.py").write_text(code, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
-    controller = make_controller("controller_of_the_page:HighAndRising", {"level": 0.03})
+    controller = make_controller("my_controllers:HighAndRising", {"level": 0.03})
     report = check_controller(controller)
     assert re.search(r"shear flow +acts at [1-9]\d* % of the decisions", report)
+    for large, small in (
+        ("60, span_lt=100.0", "24, span_lt=5.0"),
+        ("16, years=0.5", "4, years=0.02"),
+    ):
+        assert large in running
+        running = running.replace(large, small)
+    exec(running, {})
+    printed = capsys.readouterr().out.splitlines()
+    assert [line.split("(")[0] for line in printed[:3]] == [
+        "NoAction",
+        "WhileHigh",
+        "HighAndRising",
+    ]
+    assert all("events in" in line for line in printed)

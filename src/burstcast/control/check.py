@@ -1,9 +1,12 @@
 """Check that a controller keeps to the interface: shapes, limits, no state between runs."""
 
+import traceback
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 
+import burstcast
 from burstcast.base.arrays import FloatArray
 from burstcast.base.discovery import UnsoundError
 from burstcast.control.arenas import Lorenz96Arena, checked_action
@@ -11,7 +14,11 @@ from burstcast.control.controller import Controller, ControlTask
 from burstcast.systems.integration import integrate
 from burstcast.systems.mfe import MoehlisFaisstEckhardt
 
-_FLOWS, _DECISIONS = 5, 12
+_PACKAGE = str(Path(burstcast.__file__).parent)
+_FLOWS, _DECISIONS = 5, 36
+_CHANGES, _OTHERWISE = "observe changes the observations", "a second run acts otherwise"
+_VIOLATIONS = (_CHANGES, _OTHERWISE)
+"""What a controller must not do anywhere: nothing that another arena could excuse."""
 
 
 def check_controller(controller: Controller) -> str:
@@ -19,7 +26,8 @@ def check_controller(controller: Controller) -> str:
 
     It need not be for both: a controller of the shear flow has one actuator to switch, one of the
     model of Lorenz 1996 forty variables to push. Raises UnsoundError with all violations of the
-    interface that were noticed, if it fits neither.
+    interface that were noticed, if it fits neither, and if in an arena that it fits it changes
+    observations, or acts otherwise in a second run.
 
     Examples
     --------
@@ -29,7 +37,9 @@ def check_controller(controller: Controller) -> str:
     """
     trials = {"shear flow": _shear_flow(), "Lorenz 96": _lorenz96()}
     problems = {name: list(_problems(controller, *trial)) for name, trial in trials.items()}
-    if all(problems.values()):
+    if all(problems.values()) or any(
+        text.startswith(_VIOLATIONS) for texts in problems.values() for text in texts
+    ):
         raise UnsoundError(
             [f"{name}: {text}" for name, texts in problems.items() for text in texts]
         )
@@ -61,6 +71,7 @@ def _shear_flow() -> tuple[ControlTask, FloatArray]:
         actuators=1,
         limit=1.0,
         most=1,
+        switched=True,
         training=np.ascontiguousarray(seen[..., _FLOWS:].transpose(2, 0, 1)),
         equations=system,
     )
@@ -84,7 +95,7 @@ def _run(controller: Controller, task: ControlTask, seen: FloatArray) -> list[Fl
         before = window.copy()
         controller.observe(window)
         if not np.array_equal(window, before):
-            raise ValueError("observe changes the observations that it is given")
+            raise ValueError(f"{_CHANGES} that it is given")
         actions.append(checked_action(controller.act(), task, _FLOWS).copy())
     return actions
 
@@ -94,10 +105,12 @@ def _problems(controller: Controller, task: ControlTask, seen: FloatArray) -> It
         first, second = (_run(controller, task, seen) for _ in range(2))
     except Exception as error:  # whatever the controller raises
         kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
-        yield f"{kind}{error}"
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        own = place.filename != __file__ and not place.filename.startswith(_PACKAGE)
+        yield f"{kind}{error}" + (f" ({Path(place.filename).name}, line {place.lineno})" * own)
         return
     if not np.array_equal(first, second):
-        yield "a second run acts otherwise: begin leaves something of the run before"
+        yield f"{_OTHERWISE}: begin leaves something of the run before, or seeds no generator"
 
 
 def _share_of_actions(controller: Controller, trial: tuple[ControlTask, FloatArray]) -> str:

@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from burstcast.base.arrays import FloatArray
 from burstcast.base.discovery import made, own_class
 from burstcast.systems.base import DynamicalSystem
@@ -18,7 +20,7 @@ from burstcast.systems.state_space import StateSpace
 
 @dataclass(frozen=True)
 class ControlTask:
-    """Facts that a controller gets before the first decision."""
+    """Facts that a controller gets before the first decision. Its arrays cannot be changed."""
 
     space: StateSpace  #: what is observed: its dimension, its observable
     threshold: float  #: value of the observable that is an extreme event
@@ -30,10 +32,18 @@ class ControlTask:
     noise: FloatArray  #: standard deviation of the observation noise, ``(components,)``
     actuators: int  #: number of actuators
     limit: float  #: largest absolute action of an actuator
+    switched: bool  #: an actuator is off (0) or on (``limit``), with nothing between
     most: int  #: actuators that may act at the same decision
     training: FloatArray  #: observed series without control, ``(series, time, components)``
     #: the equations without actuation, for controllers that are allowed a perfect model
     equations: DynamicalSystem
+
+    def __post_init__(self) -> None:
+        """Keep copies that no controller can change: others get the same facts."""
+        for name in ("noise", "training"):
+            kept = np.array(getattr(self, name))
+            kept.flags.writeable = False
+            object.__setattr__(self, name, kept)
 
 
 class Controller(abc.ABC):
@@ -60,15 +70,16 @@ class Controller(abc.ABC):
     task: ControlTask
 
     def begin(self, task: ControlTask, flows: int) -> None:
-        """Prepare for a run with so many flows: learn a model, say; by default nothing.
+        """Prepare for a run with so many flows: learn a model, say.
 
-        Nothing of an earlier run may be left.
+        A subclass that extends it calls ``super().begin(task, flows)``, which keeps the task, makes
+        random generators anew, and leaves nothing of an earlier run.
         """
         self.task = task
 
     @abc.abstractmethod
     def observe(self, observations: FloatArray) -> None:
-        """Observe the flows up to now, ``(window, components, flows)``."""
+        """Observe the flows up to now, ``(window, components, flows)``; `act` follows."""
 
     @abc.abstractmethod
     def act(self) -> FloatArray:
